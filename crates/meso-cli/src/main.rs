@@ -1,0 +1,2 @@
+//! The `mesocrete` command.
+fn main() {}

@@ -1,0 +1,34 @@
+//! Aggregates before they have a place: grading, shape, ITZ, and the *take* that makes a batch of them.
+
+pub mod grading;
+pub mod itz;
+pub mod shape;
+
+pub use grading::{FullerForm, Grading, SizeClass, SizeDefinition};
+pub use itz::Itz;
+pub use shape::{AspectRatio, Shape};
+
+use crate::geometry::{OffsetError, Polyhedron, inward_offset};
+
+/// One aggregate at its place in the specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aggregate {
+    /// Position in the model's list, from 0.
+    pub id: u32,
+    /// Index of its size class, from the finest.
+    pub class: u16,
+    /// Thickness of its ITZ shell, measured inwards, mm; 0 where the model has none.
+    pub itz_thickness_mm: f64,
+    /// The outer surface, in the specimen's frame, mm.
+    pub body: Polyhedron,
+}
+
+impl Aggregate {
+    /// The body inside the ITZ shell, or `None` where the shell takes it all.
+    ///
+    /// # Errors
+    /// Where the offset of an ill-shaped body has no trustworthy answer.
+    pub fn core(&self) -> Result<Option<Polyhedron>, OffsetError> {
+        inward_offset(&self.body, self.itz_thickness_mm)
+    }
+}

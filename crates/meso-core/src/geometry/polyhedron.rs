@@ -1,0 +1,154 @@
+//! A convex polyhedron: vertices and outward polygonal faces, with its exact integrals.
+
+use crate::math::{Aabb, Mat3, Rotation, Vec3};
+
+/// A closed convex polyhedron.
+///
+/// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps what it is given:
+/// [`convex_hull`](crate::geometry::convex_hull) is the way to make one that is convex by construction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Polyhedron {
+    vertices: Vec<Vec3>,
+    /// Vertex indices of all faces, one face after the other.
+    indices: Vec<u32>,
+    /// `face_ends[f]` is one past the last index of face `f`.
+    face_ends: Vec<u32>,
+}
+
+/// A face plane: the body lies where `normal . x <= offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Outward unit normal.
+    pub normal: Vec3,
+    /// Signed distance from the origin, mm.
+    pub offset: f64,
+}
+
+/// Volume integrals of a body of unit density.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MassProperties {
+    /// mm3.
+    pub volume: f64,
+    /// Centre of volume, mm.
+    pub centroid: Vec3,
+    /// Inertia tensor about the centroid, mm5.
+    pub inertia: Mat3,
+}
+
+impl Polyhedron {
+    /// Keeps `vertices` and `faces` as they are; they must form a closed convex surface.
+    pub fn from_parts<F: AsRef<[u32]>>(vertices: Vec<Vec3>, faces: impl IntoIterator<Item = F>) -> Self {
+        let mut indices = Vec::new();
+        let mut face_ends = Vec::new();
+        for face in faces {
+            indices.extend_from_slice(face.as_ref());
+            face_ends.push(indices.len() as u32);
+        }
+        Self { vertices, indices, face_ends }
+    }
+
+    /// Vertex positions, mm.
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    /// Faces as vertex indices, counter-clockwise from outside.
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        (0..self.face_ends.len()).map(|f| {
+            let start = if f == 0 { 0 } else { self.face_ends[f - 1] };
+            &self.indices[start as usize..self.face_ends[f] as usize]
+        })
+    }
+
+    /// Faces cut into triangles, fan-wise from their first vertex.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        self.faces().flat_map(|face| (1..face.len() - 1).map(move |i| [face[0], face[i], face[i + 1]]))
+    }
+
+    /// The planes of the faces, in face order.
+    pub fn planes(&self) -> impl Iterator<Item = Plane> {
+        self.faces().map(|face| {
+            let normal = self.face_vector_area(face).normalize();
+            // The plane that leaves every vertex of the face inside: rounding must not cut the body.
+            let offset = face.iter().map(|&i| normal.dot(&self.vertices[i as usize])).fold(f64::NEG_INFINITY, f64::max);
+            Plane { normal, offset }
+        })
+    }
+
+    /// Twice nothing, once the area: the vector area of a face (outward, its length is the area in mm2).
+    fn face_vector_area(&self, face: &[u32]) -> Vec3 {
+        let origin = self.vertices[face[0] as usize];
+        (1..face.len() - 1).fold(Vec3::zeros(), |sum, i| {
+            let u = self.vertices[face[i] as usize] - origin;
+            let v = self.vertices[face[i + 1] as usize] - origin;
+            sum + u.cross(&v) * 0.5
+        })
+    }
+
+    /// Surface area, mm2.
+    pub fn area(&self) -> f64 {
+        self.faces().map(|face| self.face_vector_area(face).norm()).sum()
+    }
+
+    /// Volume, mm3.
+    pub fn volume(&self) -> f64 {
+        let apex = self.vertices[0];
+        let six_volumes: f64 = self
+            .triangles()
+            .map(|t| {
+                let [a, b, c] = t.map(|i| self.vertices[i as usize] - apex);
+                a.dot(&b.cross(&c))
+            })
+            .sum();
+        six_volumes / 6.0
+    }
+
+    /// Centre of volume, mm.
+    pub fn centroid(&self) -> Vec3 {
+        self.mass_properties().centroid
+    }
+
+    /// Volume, centroid and inertia by summing the tetrahedra between the first vertex and every surface triangle.
+    ///
+    /// The covariance of a tetrahedron (0, a, b, c) of volume V is V/20 (s s^T + a a^T + b b^T + c c^T), s = a + b + c.
+    pub fn mass_properties(&self) -> MassProperties {
+        let apex = self.vertices[0];
+        let (mut volume, mut moment, mut covariance) = (0.0, Vec3::zeros(), Mat3::zeros());
+        for triangle in self.triangles() {
+            let [a, b, c] = triangle.map(|i| self.vertices[i as usize] - apex);
+            let v = a.dot(&b.cross(&c)) / 6.0;
+            let s = a + b + c;
+            volume += v;
+            moment += s * (v / 4.0);
+            covariance += (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose()) * (v / 20.0);
+        }
+        let mean = moment / volume;
+        let central = covariance - mean * mean.transpose() * volume;
+        MassProperties { volume, centroid: apex + mean, inertia: Mat3::identity() * central.trace() - central }
+    }
+
+    /// The smallest axis-aligned box around the body.
+    pub fn aabb(&self) -> Aabb {
+        Aabb::around(&self.vertices)
+    }
+
+    /// The body moved by `displacement`; every coordinate is rounded once.
+    pub fn translated(&self, displacement: &Vec3) -> Self {
+        self.mapped(|v| v + displacement)
+    }
+
+    /// The body turned about the origin.
+    pub fn rotated(&self, rotation: &Rotation) -> Self {
+        let matrix = rotation.to_rotation_matrix();
+        self.mapped(|v| matrix * v)
+    }
+
+    /// The same faces over vertices mapped by `map`, which must keep the orientation.
+    pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
+        Self {
+            vertices: self.vertices.iter().map(map).collect(),
+            indices: self.indices.clone(),
+            face_ends: self.face_ends.clone(),
+        }
+    }
+}

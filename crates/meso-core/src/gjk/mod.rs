@@ -1,0 +1,1 @@
+//! Do two convex bodies share a point; and how far apart are they.

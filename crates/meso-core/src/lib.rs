@@ -1,0 +1,17 @@
+//! mesocrete: mesoscale concrete, packed without overlap.
+//!
+//! Units everywhere: mm, mm3, N, MPa, tonne, s, radians; volume fractions from 0 to 1, by volume of the specimen, from
+//! the exact polyhedra.
+
+pub mod aggregate;
+pub mod export;
+pub mod geometry;
+pub mod gjk;
+pub mod math;
+pub mod mesh;
+pub mod model;
+pub mod packing;
+pub mod spec;
+
+pub use model::{Model, Progress, Silent, pack};
+pub use spec::{Spec, SpecError};

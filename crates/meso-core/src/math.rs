@@ -1,0 +1,49 @@
+//! The f64 types every floor shares: nalgebra aliases and the axis-aligned box.
+
+/// A position or a displacement, mm.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A 3x3 matrix.
+pub type Mat3 = nalgebra::Matrix3<f64>;
+/// A proper rotation.
+pub type Rotation = nalgebra::UnitQuaternion<f64>;
+
+/// Axis-aligned box, both corners included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// Smallest coordinates.
+    pub min: Vec3,
+    /// Largest coordinates.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The box that holds nothing; grown by [`Aabb::include`].
+    pub fn empty() -> Self {
+        Self { min: Vec3::repeat(f64::INFINITY), max: Vec3::repeat(f64::NEG_INFINITY) }
+    }
+
+    /// The smallest box around `points`.
+    pub fn around<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> Self {
+        let mut aabb = Self::empty();
+        for point in points {
+            aabb.include(point);
+        }
+        aabb
+    }
+
+    /// Grows the box so that it holds `point`.
+    pub fn include(&mut self, point: &Vec3) {
+        self.min = self.min.inf(point);
+        self.max = self.max.sup(point);
+    }
+
+    /// Edge lengths.
+    pub fn size(&self) -> Vec3 {
+        self.max - self.min
+    }
+
+    /// True when the closed boxes share a point.
+    pub fn intersects(&self, other: &Self) -> bool {
+        (0..3).all(|i| self.min[i] <= other.max[i] && other.min[i] <= self.max[i])
+    }
+}

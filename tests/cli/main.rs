@@ -1,0 +1,1 @@
+//! Tests of the `mesocrete` command, run as a user runs it.

@@ -1,0 +1,1 @@
+//! Tests of meso-core through its public interface, one module per subject.
