@@ -1,2 +1,7 @@
 //! The `mesocrete` command.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(meso_cli::run(std::env::args_os()))
+}
