@@ -1,1 +1,3 @@
 //! Tests of meso-core through its public interface, one module per subject.
+
+mod spec;

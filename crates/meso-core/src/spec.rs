@@ -1,4 +1,16 @@
 //! The serde view of every option: what a SPEC.toml may say.
+//!
+//! Reading goes text -> [`tree`] (values with line numbers) -> [`read`] (serde, with the path of whatever is wrong) ->
+//! [`limits`] (values that cannot be). Every error names the key, the value and the way out.
+
+mod error;
+mod limits;
+mod read;
+mod tree;
+mod words;
+
+pub use error::{SpecError, SpecErrorKind};
+pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
 
 use crate::aggregate::{Grading, Itz, Shape};
 use crate::packing::{Placement, Specimen};
@@ -38,12 +50,25 @@ impl Default for Spec {
     }
 }
 
-/// A spec that cannot be: what, where, and the way out.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key}: {message}")]
-pub struct SpecError {
-    /// Dotted path of the key, e.g. `grading.d_min_mm`.
-    pub key: String,
-    /// The value, what is wrong with it and the accepted range.
-    pub message: String,
+impl Spec {
+    /// Reads and validates a SPEC.toml; what it leaves out keeps its default.
+    ///
+    /// # Errors
+    /// Names the key, the line and the way out: syntax, unknown keys, wrong types, values that cannot be.
+    pub fn from_toml(text: &str) -> Result<Self, SpecError> {
+        let tree = tree::parse_toml(text)?;
+        let spec: Self = read::read(&tree)?;
+        spec.validate().map_err(|error| error.at(&tree))?;
+        Ok(spec)
+    }
+
+    /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
+    ///
+    /// # Errors
+    /// As [`Spec::from_toml`], without a line.
+    pub fn from_value(value: &serde_json::Value) -> Result<Self, SpecError> {
+        let spec: Self = read::read(&tree::from_json(value))?;
+        spec.validate()?;
+        Ok(spec)
+    }
 }

@@ -1,0 +1,43 @@
+//! A spec that cannot be: what, where, and the way out.
+
+use super::tree::Node;
+
+/// What is wrong with a spec.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpecErrorKind {
+    /// The text is not TOML.
+    Syntax,
+    /// No option has this name.
+    UnknownKey,
+    /// A text where a number belongs, and the like.
+    WrongType,
+    /// A value outside the accepted range, or one that contradicts another.
+    Value,
+}
+
+/// A spec that cannot be; displayed as `line 4: grading.d_min_mm is 25, ...`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{key}{}{message}", line.map(|n| format!("line {n}: ")).unwrap_or_default(), if key.is_empty() { "" } else { " " })]
+pub struct SpecError {
+    /// Dotted path of the key, e.g. `grading.d_min_mm`; empty for a syntax error.
+    pub key: String,
+    /// Continues the sentence that the key begins: the value, what is wrong with it, the accepted range.
+    pub message: String,
+    /// Where in the SPEC.toml, from 1.
+    pub line: Option<usize>,
+    /// What is wrong.
+    pub kind: SpecErrorKind,
+}
+
+impl SpecError {
+    /// A value that cannot be; `message` continues the sentence that `key` begins.
+    pub fn value(key: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { key: key.into(), message: message.into(), line: None, kind: SpecErrorKind::Value }
+    }
+
+    /// The same error with the line its key stands on in `tree`, where it is there.
+    pub(super) fn at(mut self, tree: &Node) -> Self {
+        self.line = self.line.or_else(|| tree.line_of(&self.key));
+        self
+    }
+}

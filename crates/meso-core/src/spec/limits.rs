@@ -1,0 +1,235 @@
+//! Values that cannot be, named before any work starts and before anything is allocated.
+
+use super::words::number;
+use super::{Spec, SpecError};
+use crate::aggregate::{AspectRatio, Grading, Itz, Shape};
+use crate::packing::{Placement, Specimen};
+
+/// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
+pub const MIN_LENGTH_MM: f64 = 1e-3;
+/// Largest length a spec may name, mm (a kilometre).
+pub const MAX_LENGTH_MM: f64 = 1e6;
+/// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
+pub const MAX_AGGREGATES: f64 = 1e7;
+
+/// Volume of the hull of 20 to 30 random vertices over its ellipsoid's is 0.55 to 0.65; the mean serves the estimate.
+const HULL_OVER_ELLIPSOID: f64 = 0.6;
+
+type Checked = Result<(), SpecError>;
+
+impl Spec {
+    /// Names the first value that cannot be: its key, the value, the accepted range and the way out.
+    ///
+    /// # Errors
+    /// See [`SpecError`].
+    pub fn validate(&self) -> Result<(), SpecError> {
+        fraction(self.fraction)?;
+        specimen(&self.specimen)?;
+        grading(&self.grading)?;
+        shape(&self.shape)?;
+        itz(&self.itz, &self.grading)?;
+        placement(&self.placement)?;
+        room(self)?;
+        count(self)
+    }
+
+    /// How many aggregates the spec asks for, roughly: 2a uniform in its class, mean aspect ratios.
+    pub fn estimated_aggregates(&self) -> f64 {
+        let mean_shape = mean(&self.shape.elongation).powi(2) * mean(&self.shape.flatness) * HULL_OVER_ELLIPSOID;
+        let volume = self.fraction * self.specimen.volume();
+        let classes = self.grading.classes().into_iter();
+        classes
+            .map(|class| {
+                let (low, high) = (class.d_min_mm, class.d_max_mm);
+                let mean_cube = (low * low + high * high) * (low + high) / 4.0;
+                volume * class.share / (std::f64::consts::PI / 6.0 * mean_cube * mean_shape)
+            })
+            .sum()
+    }
+}
+
+fn fraction(value: f64) -> Checked {
+    let accepted = "the accepted range is above 0 and below 1 (aggregate volume over specimen volume)";
+    if value > 0.0 && value < 1.0 {
+        return Ok(());
+    }
+    if (2.0..100.0).contains(&value) {
+        let share = number(value / 100.0);
+        return Err(SpecError::value(
+            "fraction",
+            format!("is {}; {accepted}: for {} % write {share}", number(value), number(value)),
+        ));
+    }
+    Err(SpecError::value("fraction", format!("is {}; {accepted}", number(value))))
+}
+
+fn specimen(specimen: &Specimen) -> Checked {
+    match *specimen {
+        Specimen::Cube { side_mm } => length("specimen.side_mm", side_mm),
+        Specimen::Box { size_mm } => size_mm.into_iter().try_for_each(|edge| length("specimen.size_mm", edge)),
+    }
+}
+
+fn grading(grading: &Grading) -> Checked {
+    length("grading.d_min_mm", grading.d_min_mm)?;
+    length("grading.d_max_mm", grading.d_max_mm)?;
+    within("grading.exponent", grading.exponent, 0.01, 10.0)?;
+    let (low, high) = (number(grading.d_min_mm), number(grading.d_max_mm));
+    if grading.d_min_mm >= grading.d_max_mm {
+        let message = format!("is {low} but grading.d_max_mm is {high}; the smallest size must be below the largest");
+        return Err(SpecError::value("grading.d_min_mm", message));
+    }
+    classes(&grading.classes_mm, [grading.d_min_mm, grading.d_max_mm])
+}
+
+/// The class limits ascend strictly from the smallest size to the largest.
+fn classes(limits: &[f64], range: [f64; 2]) -> Checked {
+    const KEY: &str = "grading.classes_mm";
+    if limits.len() < 2 || limits.len() > 1000 {
+        return Err(SpecError::value(KEY, format!("has {} limits; it takes 2 to 1000", limits.len())));
+    }
+    limits.iter().try_for_each(|&limit| length(KEY, limit))?;
+    if let Some(pair) = limits.windows(2).find(|pair| pair[0] >= pair[1]) {
+        let message = format!("has {} before {}; the limits must ascend", number(pair[0]), number(pair[1]));
+        return Err(SpecError::value(KEY, message));
+    }
+    let ends = [limits[0], limits[limits.len() - 1]];
+    if ends != range {
+        let [first, last] = ends.map(number);
+        let [low, high] = range.map(number);
+        let message = format!(
+            "goes from {first} to {last} but the sizes from {low} to {high}; it must begin at grading.d_min_mm and end at grading.d_max_mm"
+        );
+        return Err(SpecError::value(KEY, message));
+    }
+    Ok(())
+}
+
+fn shape(shape: &Shape) -> Checked {
+    let [fewest, most] = shape.vertices;
+    // Six vertices lie on the ellipsoid's axes (Sec. 2.1).
+    if fewest < 6 || most > 1000 {
+        let message = format!("is [{fewest}, {most}]; the accepted range is 6 (the ends of the three axes) to 1000");
+        return Err(SpecError::value("shape.vertices", message));
+    }
+    if fewest > most {
+        let message = format!("is [{fewest}, {most}]; the fewest come first");
+        return Err(SpecError::value("shape.vertices", message));
+    }
+    aspect_ratio("shape.elongation", &shape.elongation)?;
+    aspect_ratio("shape.flatness", &shape.flatness)
+}
+
+fn aspect_ratio(key: &str, law: &AspectRatio) -> Checked {
+    let ratio = |name: &str, value| within(&format!("{key}.{name}"), value, 0.05, 1.0);
+    let limits = |min: f64, max: f64| {
+        ratio("min", min)?;
+        ratio("max", max)?;
+        if min > max {
+            let message = format!("is {} but {key}.max is {}; the limits must ascend", number(min), number(max));
+            return Err(SpecError::value(format!("{key}.min"), message));
+        }
+        Ok(())
+    };
+    match *law {
+        AspectRatio::Constant { value } => ratio("value", value),
+        AspectRatio::Uniform { min, max } => limits(min, max),
+        AspectRatio::Normal { mean, sd, min, max } => {
+            limits(min, max)?;
+            within(&format!("{key}.mean"), mean, min, max)?;
+            // Values outside the limits are redrawn: a far wider law would redraw without end.
+            within(&format!("{key}.sd"), sd, 0.0, 10.0 * (max - min))
+        }
+    }
+}
+
+fn mean(law: &AspectRatio) -> f64 {
+    match *law {
+        AspectRatio::Normal { mean, .. } => mean,
+        AspectRatio::Uniform { min, max } => (min + max) / 2.0,
+        AspectRatio::Constant { value } => value,
+    }
+}
+
+fn itz(itz: &Itz, grading: &Grading) -> Checked {
+    const KEY: &str = "itz.thickness_mm";
+    let [low, high] = itz.thickness_mm;
+    for thickness in itz.thickness_mm {
+        within(KEY, thickness, 0.0, MAX_LENGTH_MM)?;
+    }
+    if low > high {
+        let message = format!("is [{}, {}]; the lower limit comes first", number(low), number(high));
+        return Err(SpecError::value(KEY, message));
+    }
+    if high * 2.0 >= grading.d_min_mm {
+        let message = format!(
+            "reaches {} but the smallest aggregate is {} thick at most; a shell of half of it leaves no aggregate: stay below {}",
+            number(high),
+            number(grading.d_min_mm),
+            number(grading.d_min_mm / 2.0)
+        );
+        return Err(SpecError::value(KEY, message));
+    }
+    Ok(())
+}
+
+fn placement(placement: &Placement) -> Checked {
+    if placement.attempts == Some(0) {
+        return Err(SpecError::value("placement.attempts", "is 0; the accepted range is 1 to 4294967295"));
+    }
+    within("placement.surplus", placement.surplus, 0.0, 1.0)?;
+    within("placement.min_gap_mm", placement.min_gap_mm, 0.0, MAX_LENGTH_MM)?;
+    within("placement.wall_gap_mm", placement.wall_gap_mm, 0.0, MAX_LENGTH_MM)?;
+    placement.time_limit_s.map_or(Ok(()), |seconds| within("placement.time_limit_s", seconds, 1e-3, 1e9))
+}
+
+/// The largest aggregate fits, with its distance to the walls.
+fn room(spec: &Spec) -> Checked {
+    let narrowest = spec.specimen.aabb().size().min();
+    let gap = spec.placement.wall_gap_mm;
+    let inner = narrowest - 2.0 * gap;
+    if inner <= 0.0 {
+        let message =
+            format!("is {} but the specimen is only {} wide; the walls leave no room", number(gap), number(narrowest));
+        return Err(SpecError::value("placement.wall_gap_mm", message));
+    }
+    if spec.placement.min_gap_mm >= narrowest {
+        let gap = number(spec.placement.min_gap_mm);
+        let message = format!("is {gap} but the specimen is only {} wide; the gap must be smaller", number(narrowest));
+        return Err(SpecError::value("placement.min_gap_mm", message));
+    }
+    if spec.grading.d_max_mm > inner {
+        let message = format!(
+            "is {} but the specimen has only {} of room; take smaller aggregates or a larger specimen",
+            number(spec.grading.d_max_mm),
+            number(inner)
+        );
+        return Err(SpecError::value("grading.d_max_mm", message));
+    }
+    Ok(())
+}
+
+fn count(spec: &Spec) -> Checked {
+    let count = spec.estimated_aggregates();
+    if count <= MAX_AGGREGATES {
+        return Ok(());
+    }
+    let message = format!(
+        "is {}, which makes about {count:.1e} aggregates in this specimen; at most {MAX_AGGREGATES:.0e} are accepted: \
+         raise it, or take a smaller specimen",
+        number(spec.grading.d_min_mm)
+    );
+    Err(SpecError::value("grading.d_min_mm", message))
+}
+
+fn length(key: &str, value: f64) -> Checked {
+    within(key, value, MIN_LENGTH_MM, MAX_LENGTH_MM)
+}
+
+fn within(key: &str, value: f64, low: f64, high: f64) -> Checked {
+    if value >= low && value <= high {
+        return Ok(());
+    }
+    let message = format!("is {}; the accepted range is {} to {}", number(value), number(low), number(high));
+    Err(SpecError::value(key, message))
+}

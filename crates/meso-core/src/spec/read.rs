@@ -1,0 +1,283 @@
+//! A serde deserializer over [`Node`] whose errors know the dotted path, the line and the nearest known name.
+
+use super::tree::{Node, Value};
+use super::words::{found, list_of, nearest, plain_words, quoted};
+use super::{Spec, SpecError, SpecErrorKind};
+use serde::de::value::SeqDeserializer;
+use serde::de::{self, Deserialize, DeserializeSeed, Error, Expected, IntoDeserializer, Unexpected, Visitor};
+use std::fmt::{self, Display};
+
+/// Reads any option type from a tree.
+pub(super) fn read<'de, T: Deserialize<'de>>(tree: &'de Node) -> Result<T, SpecError> {
+    T::deserialize(tree).map_err(|fault| fault.into_error(tree))
+}
+
+/// What serde found wrong, while the path to it is still being collected from the inside out.
+#[derive(Debug)]
+pub(super) struct Fault {
+    path: Vec<String>,
+    what: What,
+}
+
+#[derive(Debug)]
+pub(super) enum What {
+    UnknownKey {
+        name: String,
+        known: &'static [&'static str],
+    },
+    UnknownWord {
+        word: String,
+        known: &'static [&'static str],
+    },
+    Missing(&'static str),
+    /// A value of the wrong type (or, `in_range` false, of the right one but too large), and what was wanted.
+    Unfit {
+        found: String,
+        wanted: String,
+        kind: SpecErrorKind,
+    },
+    Other(String),
+}
+
+impl Fault {
+    fn new(what: What) -> Self {
+        Self { path: Vec::new(), what }
+    }
+
+    fn inside(mut self, key: &str) -> Self {
+        self.path.push(key.to_owned());
+        self
+    }
+
+    fn into_error(mut self, tree: &Node) -> SpecError {
+        self.path.reverse();
+        self.path.extend(self.lost_path(tree));
+        let (name, message, kind) = self.what.describe(&self.path);
+        self.path.extend(name);
+        SpecError { key: self.path.join("."), message, line: None, kind }.at(tree)
+    }
+
+    /// serde buffers tables that carry a tag and forgets which key it was at: find the value it stumbled over.
+    fn lost_path(&self, tree: &Node) -> Option<String> {
+        let wrong = match &self.what {
+            What::Unfit { found, .. } => found.clone(),
+            What::UnknownWord { word, .. } => found(&Unexpected::Str(word)),
+            _ => return None,
+        };
+        let table = self.path.iter().try_fold(tree, |node, name| node.child(name))?;
+        let Value::Table(entries) = &table.value else { return None };
+        entries.iter().find(|(_, child)| child.holds(&wrong)).map(|(key, _)| key.clone())
+    }
+}
+
+impl Node {
+    fn child(&self, name: &str) -> Option<&Self> {
+        let Value::Table(entries) = &self.value else { return None };
+        entries.iter().find(|(key, _)| key == name).map(|(_, child)| child)
+    }
+
+    /// True when this value, or one inside it, is what a fault calls `found`.
+    fn holds(&self, wrong: &str) -> bool {
+        if let Value::Array(items) = &self.value
+            && (list_of(items.len()) == wrong || items.iter().any(|item| item.holds(wrong)))
+        {
+            return true;
+        }
+        found(&self.unexpected()) == wrong
+    }
+
+    fn unexpected(&self) -> Unexpected<'_> {
+        match &self.value {
+            Value::Null => Unexpected::Option,
+            Value::Bool(flag) => Unexpected::Bool(*flag),
+            Value::Integer(n) => match (i64::try_from(*n), u64::try_from(*n)) {
+                (_, Ok(n)) => Unexpected::Unsigned(n),
+                (Ok(n), _) => Unexpected::Signed(n),
+                _ => Unexpected::Other("an integer beyond 64 bits"),
+            },
+            Value::Float(x) => Unexpected::Float(*x),
+            Value::Text(text) => Unexpected::Str(text),
+            Value::Array(_) => Unexpected::Seq,
+            Value::Table(_) => Unexpected::Map,
+        }
+    }
+}
+
+impl What {
+    /// The key's last part where serde knows it, the rest of the sentence, and the kind.
+    fn describe(&self, path: &[String]) -> (Option<String>, String, SpecErrorKind) {
+        match self {
+            Self::UnknownKey { name, known } => (
+                Some(if name.is_empty() { "\"\"".to_owned() } else { name.clone() }),
+                unknown_key(name, known, path),
+                SpecErrorKind::UnknownKey,
+            ),
+            Self::UnknownWord { word, known } => {
+                let hint = nearest(word, known).map(|near| format!("; did you mean \"{near}\"?")).unwrap_or_default();
+                (None, format!("is {word:?}; it must be one of {}{hint}", quoted(known)), SpecErrorKind::Value)
+            }
+            Self::Missing(name) => (Some((*name).to_owned()), "is missing; add it".to_owned(), SpecErrorKind::Value),
+            Self::Unfit { found, wanted, kind } => (None, format!("is {found}; it must be {wanted}"), *kind),
+            Self::Other(message) => (None, format!("cannot be read: {message}"), SpecErrorKind::Value),
+        }
+    }
+}
+
+fn unknown_key(name: &str, known: &[&str], path: &[String]) -> String {
+    if let Some(near) = nearest(name, known) {
+        return format!("is not a known key; did you mean {near}?");
+    }
+    match home_of(name) {
+        Some(home) if home != path => {
+            let place = if home.is_empty() {
+                "at the top, before any [table]".to_owned()
+            } else {
+                format!("under [{}]", home.join("."))
+            };
+            format!("is not a known key here; it belongs {place}")
+        }
+        _ => format!("is not a known key; the keys here are {}", known.join(", ")),
+    }
+}
+
+/// The table in which the default spec has a key of this name.
+fn home_of(name: &str) -> Option<Vec<String>> {
+    let spec = serde_json::to_value(Spec::default()).ok()?;
+    let top = spec.as_object()?;
+    if top.contains_key(name) {
+        return Some(Vec::new());
+    }
+    top.iter().find(|(_, table)| table.get(name).is_some()).map(|(table, _)| vec![table.clone()])
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.what.describe(&self.path).1)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl de::Error for Fault {
+    fn custom<T: Display>(message: T) -> Self {
+        Self::new(What::Other(message.to_string()))
+    }
+
+    fn invalid_type(unfit: Unexpected<'_>, wanted: &dyn Expected) -> Self {
+        let (found, wanted) = (found(&unfit), plain_words(&wanted.to_string()));
+        Self::new(What::Unfit { found, wanted, kind: SpecErrorKind::WrongType })
+    }
+
+    fn invalid_value(unfit: Unexpected<'_>, wanted: &dyn Expected) -> Self {
+        let (found, wanted) = (found(&unfit), plain_words(&wanted.to_string()));
+        Self::new(What::Unfit { found, wanted, kind: SpecErrorKind::Value })
+    }
+
+    fn invalid_length(length: usize, wanted: &dyn Expected) -> Self {
+        let (found, wanted) = (list_of(length), plain_words(&wanted.to_string()));
+        Self::new(What::Unfit { found, wanted, kind: SpecErrorKind::Value })
+    }
+
+    fn unknown_variant(word: &str, known: &'static [&'static str]) -> Self {
+        Self::new(What::UnknownWord { word: word.to_owned(), known })
+    }
+
+    fn unknown_field(name: &str, known: &'static [&'static str]) -> Self {
+        Self::new(What::UnknownKey { name: name.to_owned(), known })
+    }
+
+    fn missing_field(name: &'static str) -> Self {
+        Self::new(What::Missing(name))
+    }
+}
+
+/// The entries of a table; adds the key to the path of what goes wrong in its value.
+struct Entries<'de> {
+    rest: std::slice::Iter<'de, (String, Node)>,
+    current: Option<&'de (String, Node)>,
+}
+
+impl<'de> de::MapAccess<'de> for Entries<'de> {
+    type Error = Fault;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Fault> {
+        self.current = self.rest.next();
+        self.current.map(|(key, _)| seed.deserialize(key.as_str().into_deserializer())).transpose()
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
+        let (key, node) = self.current.ok_or_else(|| Fault::custom("a value was read before its key"))?;
+        // Here and not in the value's deserializer: serde reads a tagged table only after that is gone.
+        seed.deserialize(node).map_err(|fault| fault.inside(key))
+    }
+}
+
+impl<'de> IntoDeserializer<'de, Fault> for &'de Node {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+impl<'de> de::Deserializer<'de> for &'de Node {
+    type Error = Fault;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match &self.value {
+            Value::Null => visitor.visit_unit(),
+            Value::Bool(flag) => visitor.visit_bool(*flag),
+            Value::Integer(n) => match (u64::try_from(*n), i64::try_from(*n)) {
+                (Ok(n), _) => visitor.visit_u64(n),
+                (_, Ok(n)) => visitor.visit_i64(n),
+                _ => Err(de::Error::invalid_value(self.unexpected(), &visitor)),
+            },
+            Value::Float(x) => visitor.visit_f64(*x),
+            Value::Text(text) => visitor.visit_str(text),
+            Value::Array(items) => {
+                let mut items = SeqDeserializer::new(items.iter());
+                let value = visitor.visit_seq(&mut items)?;
+                items.end()?;
+                Ok(value)
+            }
+            Value::Table(entries) => visitor.visit_map(Entries { rest: entries.iter(), current: None }),
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.value {
+            Value::Null => visitor.visit_none(),
+            _ => visitor.visit_some(self),
+        }
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match &self.value {
+            Value::Text(text) => visitor.visit_enum(text.as_str().into_deserializer()),
+            _ => Err(de::Error::invalid_type(self.unexpected(), &"a name in quotes")),
+        }
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match self.value {
+            // A list would be read as the fields in their order of declaration, which is nobody's business.
+            Value::Array(_) => Err(Error::invalid_type(Unexpected::Seq, &"a table")),
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
+        newtype_struct seq tuple tuple_struct map identifier ignored_any
+    }
+}
