@@ -7,6 +7,7 @@ pub mod aggregate;
 pub mod export;
 pub mod geometry;
 pub mod gjk;
+pub mod materials;
 pub mod math;
 pub mod mesh;
 pub mod model;

@@ -1,1 +1,4 @@
 //! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
+
+pub mod abaqus;
+pub mod vtu_mesh;

@@ -1,0 +1,100 @@
+//! The geometry part of a deck: nodes, elements by phase, node sets and surfaces of the bounding planes.
+
+use super::DeckOptions;
+use super::lines::Lines;
+use crate::math::Aabb;
+use crate::mesh::{CellKind, Mesh, Phase};
+use std::io::{self, Write};
+
+/// The bounding planes: axis, whether it is the upper one, and the name of its node set.
+const SIDES: [(usize, bool, &str); 6] = [
+    (0, false, "XMIN"),
+    (0, true, "XMAX"),
+    (1, false, "YMIN"),
+    (1, true, "YMAX"),
+    (2, false, "ZMIN"),
+    (2, true, "ZMAX"),
+];
+
+pub(super) fn heading(lines: &mut Lines<impl Write>, text: &[String]) -> io::Result<()> {
+    lines.line("*HEADING")?;
+    lines.line("mesocrete deck; units mm, N, MPa, tonne, s")?;
+    text.iter().try_for_each(|line| lines.line(format!("{line:.79}")))
+}
+
+pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+    nodes(lines, mesh)?;
+    elements(lines, mesh, options)?;
+    let sides = node_sides(mesh);
+    node_sets(lines, &sides)?;
+    surfaces(lines, mesh, &sides)
+}
+
+fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
+    lines.line("*NODE, NSET=ALLNODES")?;
+    (1..).zip(&mesh.points).try_for_each(|(number, p)| lines.node(number, [p.x, p.y, p.z]))
+}
+
+/// One element block per phase, so that the block's ELSET is the phase's set.
+fn elements(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+    let kind = match mesh.kind {
+        CellKind::Tetrahedron => "C3D4",
+        CellKind::Hexahedron if options.reduced_integration => "C3D8R",
+        CellKind::Hexahedron => "C3D8",
+    };
+    for phase in present(mesh) {
+        lines.line(format!("*ELEMENT, TYPE={kind}, ELSET={}", phase.name()))?;
+        for ((number, cell), cell_phase) in (1..).zip(mesh.cells()).zip(&mesh.phase) {
+            if *cell_phase == phase {
+                lines.element(number, cell)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The phases that have elements: an empty set would be an error to Abaqus.
+pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
+    Phase::ALL.into_iter().filter(|phase| mesh.phase.contains(phase))
+}
+
+/// For every node a bit per bounding plane it lies on, in the order of [`SIDES`].
+fn node_sides(mesh: &Mesh) -> Vec<u8> {
+    let aabb = Aabb::around(&mesh.points);
+    let slack = 1e-9 * aabb.size().max();
+    let on = |x: f64, axis: usize, upper: bool| {
+        let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
+        (x - plane).abs() <= slack
+    };
+    let bits = |p: &crate::math::Vec3| {
+        SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | u8::from(on(p[axis], axis, upper)) << i)
+    };
+    mesh.points.iter().map(bits).collect()
+}
+
+fn node_sets(lines: &mut Lines<impl Write>, sides: &[u8]) -> io::Result<()> {
+    for (bit, (_, _, name)) in SIDES.iter().enumerate() {
+        lines.line(format!("*NSET, NSET={name}"))?;
+        lines.members((1..).zip(sides).filter(|(_, on)| **on >> bit & 1 == 1).map(|(number, _)| number))?;
+    }
+    Ok(())
+}
+
+/// The element faces on each bounding plane.
+fn surfaces(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &[u8]) -> io::Result<()> {
+    let mut members: [Vec<(u64, usize)>; 6] = Default::default();
+    for (number, cell) in (1..).zip(mesh.cells()) {
+        if cell.iter().all(|&node| sides[node as usize] == 0) {
+            continue;
+        }
+        for (face, nodes) in mesh.kind.faces().iter().enumerate() {
+            let on = nodes.iter().fold(u8::MAX, |on, &i| on & sides[cell[i] as usize]);
+            (0..6).filter(|bit| on >> bit & 1 == 1).for_each(|bit| members[bit].push((number, face)));
+        }
+    }
+    for ((_, _, name), faces) in SIDES.iter().zip(&members).filter(|(_, faces)| !faces.is_empty()) {
+        lines.line(format!("*SURFACE, TYPE=ELEMENT, NAME=S_{name}"))?;
+        faces.iter().try_for_each(|&(number, face)| lines.face(number, face))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,68 @@
+//! What is asked of a mesh: the serde view of `mesocrete mesh` and `packing.mesh(...)`.
+
+use super::MeshError;
+use crate::packing::Specimen;
+use serde::{Deserialize, Serialize};
+
+/// Everything that decides a mesh of a given packing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MeshOptions {
+    /// How the specimen is divided.
+    pub method: Method,
+    /// Edge length asked of the elements, mm; rounded so that whole elements fill the specimen.
+    pub element_size_mm: f64,
+    /// How the interfacial transition zone enters the mesh.
+    pub itz: ItzForm,
+    /// Let the solid ITZ of a voxel mesh have its own thickness, even where that is less than a voxel (and the layer
+    /// has holes); otherwise it is at least one voxel thick.
+    pub thin_itz: bool,
+    /// Sub-samples per voxel and axis: 1 takes the phase of the centre, n the majority of n^3 points.
+    pub subsamples: u32,
+}
+
+/// The meshing methods, siblings behind one interface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// A regular grid of hexahedra, each of the phase of its centre.
+    Voxel,
+}
+
+/// The ITZ in the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ItzForm {
+    /// A layer of solid elements.
+    Solid,
+    /// Not at all: aggregates bonded to the mortar.
+    None,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self { method: Method::Voxel, element_size_mm: 2.0, itz: ItzForm::Solid, thin_itz: false, subsamples: 1 }
+    }
+}
+
+/// Most elements along one axis: node numbers must fit 32 bits.
+const MAX_COUNT: f64 = 1500.0;
+
+impl MeshOptions {
+    /// Checks every option against its range and the specimen.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is accepted.
+    pub fn validate(&self, specimen: &Specimen) -> Result<(), MeshError> {
+        let size = specimen.aabb().size();
+        let (low, high) = (size.max() / MAX_COUNT, size.min());
+        if !(self.element_size_mm >= low && self.element_size_mm <= high) {
+            let accepted = format!("it must lie within {low} and {high} mm for this specimen");
+            return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
+        }
+        if !(1..=8).contains(&self.subsamples) {
+            return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));
+        }
+        Ok(())
+    }
+}

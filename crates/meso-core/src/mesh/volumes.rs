@@ -1,0 +1,67 @@
+//! How much of the specimen each phase fills: in the mesh, and exactly.
+
+use super::{CellKind, Mesh};
+use crate::aggregate::Aggregate;
+use crate::geometry::OffsetError;
+use crate::math::Vec3;
+use crate::packing::Specimen;
+use serde::Serialize;
+
+/// Volume of every phase, mm3.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PhaseVolumes {
+    /// Aggregate cores.
+    pub aggregate: f64,
+    /// Shells.
+    pub itz: f64,
+    /// Everything else.
+    pub mortar: f64,
+}
+
+impl PhaseVolumes {
+    /// The phases' volumes in `mesh`.
+    pub fn of_mesh(mesh: &Mesh) -> Self {
+        let mut sums = [0.0; 3];
+        for (cell, phase) in mesh.cells().zip(&mesh.phase) {
+            sums[*phase as usize] += cell_volume(mesh.kind, cell, &mesh.points);
+        }
+        let [mortar, itz, aggregate] = sums;
+        Self { aggregate, itz, mortar }
+    }
+
+    /// The exact volumes, from the polyhedra; `shell(aggregate)` is the thickness of its shell, mm.
+    ///
+    /// # Errors
+    /// Where an aggregate's core has no trustworthy volume.
+    pub fn exact(
+        aggregates: &[Aggregate],
+        specimen: &Specimen,
+        shell: impl Fn(&Aggregate) -> f64,
+    ) -> Result<Self, OffsetError> {
+        let (mut outer, mut core) = (0.0, 0.0);
+        for aggregate in aggregates {
+            outer += aggregate.body.volume();
+            let inner = crate::geometry::inward_offset(&aggregate.body, shell(aggregate))?;
+            core += inner.map_or(0.0, |body| body.volume());
+        }
+        Ok(Self { aggregate: core, itz: outer - core, mortar: specimen.volume() - outer })
+    }
+
+    /// Sum of the phases, mm3.
+    pub fn total(&self) -> f64 {
+        self.aggregate + self.itz + self.mortar
+    }
+}
+
+/// Volume of a cell, mm3; negative where its nodes are out of order.
+pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 {
+    let p = |i: usize| points[cell[i] as usize];
+    let six = |a: usize, b: usize, c: usize, d: usize| (p(b) - p(a)).cross(&(p(c) - p(a))).dot(&(p(d) - p(a)));
+    match kind {
+        CellKind::Tetrahedron => six(0, 1, 2, 3) / 6.0,
+        // Six tetrahedra around the diagonal 0-6: exact for the parallelepipeds that voxels are.
+        CellKind::Hexahedron => {
+            [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)].iter().map(|&(b, c)| six(0, b, c, 6)).sum::<f64>() / 6.0
+        }
+    }
+}

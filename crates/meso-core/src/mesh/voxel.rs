@@ -1,0 +1,121 @@
+//! Voxel mesh: a regular grid of hexahedra, each of the phase of its centre or of the majority of its sub-samples.
+//!
+//! A centre is in an aggregate when all face planes have it inside, and in the ITZ when it is also outside the inward
+//! offset by the shell's thickness: max_i (n_i . x - d_i) > -t. By default t is at least the voxel's edge, so that along
+//! every axis one ITZ voxel or more lies between core and mortar (a shell h thick is crossed over a length of at least h).
+
+use super::sweep::{Label, PointGrid, Sweep};
+use super::{CellKind, ItzForm, Mesh, MeshOptions, NO_AGGREGATE, Phase};
+use crate::aggregate::Aggregate;
+use crate::math::Vec3;
+use crate::packing::Specimen;
+use rayon::prelude::*;
+
+/// The voxel mesh of `aggregates` in `specimen`.
+pub(super) fn build(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
+    let voxels = Voxels::of(specimen, options.element_size_mm);
+    let labels = voxels.labels(aggregates, options);
+    let phase = labels.par_iter().map(|&label| phase_of(label)).collect();
+    let aggregate = labels.par_iter().map(|label| label.aggregate().unwrap_or(NO_AGGREGATE)).collect();
+    Mesh { points: voxels.points(), kind: CellKind::Hexahedron, cells: voxels.cells(), phase, aggregate }
+}
+
+/// The thickness an aggregate's shell has in a voxel mesh, mm; 0 for none.
+pub(super) fn shell_thickness(aggregate: &Aggregate, voxel_mm: f64, options: &MeshOptions) -> f64 {
+    match options.itz {
+        ItzForm::None => 0.0,
+        ItzForm::Solid if aggregate.itz_thickness_mm == 0.0 || options.thin_itz => aggregate.itz_thickness_mm,
+        ItzForm::Solid => aggregate.itz_thickness_mm.max(voxel_mm),
+    }
+}
+
+fn phase_of(label: Label) -> Phase {
+    match label.aggregate() {
+        None => Phase::Mortar,
+        Some(_) if label.in_shell() => Phase::Itz,
+        Some(_) => Phase::Aggregate,
+    }
+}
+
+/// Whole voxels that fill the specimen's box.
+struct Voxels {
+    min: Vec3,
+    max: Vec3,
+    spacing: Vec3,
+    counts: [usize; 3],
+}
+
+impl Voxels {
+    fn of(specimen: &Specimen, element_size: f64) -> Self {
+        let aabb = specimen.aabb();
+        let counts = [0, 1, 2].map(|i| (aabb.size()[i] / element_size).round().max(1.0) as usize);
+        let spacing = Vec3::from_fn(|i, _| aabb.size()[i] / counts[i] as f64);
+        Self { min: aabb.min, max: aabb.max, spacing, counts }
+    }
+
+    fn labels(&self, aggregates: &[Aggregate], options: &MeshOptions) -> Vec<Label> {
+        let n = options.subsamples as usize;
+        let spacing = self.spacing / n as f64;
+        let grid = PointGrid { origin: self.min + spacing / 2.0, spacing, counts: self.counts.map(|c| c * n) };
+        let sweep = Sweep::new(grid, aggregates, |a| shell_thickness(a, self.spacing.max(), options));
+        let mut labels = vec![Label::MORTAR; self.counts.iter().product()];
+        let layers = labels.par_chunks_mut(self.counts[0] * self.counts[1]).enumerate();
+        if n == 1 {
+            layers.for_each(|(k, layer)| sweep.label_layer(k, layer));
+        } else {
+            layers.for_each(|(k, layer)| self.majority_layer(&sweep, grid, n, k, layer));
+        }
+        labels
+    }
+
+    /// Labels of voxel layer `k` by the majority of n x n x n points in each voxel.
+    fn majority_layer(&self, sweep: &Sweep, fine: PointGrid, n: usize, k: usize, layer: &mut [Label]) {
+        let mut samples = vec![Label::MORTAR; fine.layer_len() * n];
+        for (sub, labels) in samples.chunks_exact_mut(fine.layer_len()).enumerate() {
+            sweep.label_layer(k * n + sub, labels);
+        }
+        let mut votes = Vec::with_capacity(n * n * n);
+        for (voxel, label) in layer.iter_mut().enumerate() {
+            let (i, j) = (voxel % self.counts[0] * n, voxel / self.counts[0] * n);
+            votes.clear();
+            for row in (0..n * n).map(|r| r / n * fine.layer_len() + (j + r % n) * fine.counts[0] + i) {
+                votes.extend_from_slice(&samples[row..row + n]);
+            }
+            *label = majority(&mut votes);
+        }
+    }
+
+    fn points(&self) -> Vec<Vec3> {
+        // The last plane takes the box's own coordinate: a rounded multiple would miss the face.
+        let at = |axis: usize, i: usize| {
+            if i == self.counts[axis] { self.max[axis] } else { self.min[axis] + i as f64 * self.spacing[axis] }
+        };
+        let [nx, ny, nz] = self.counts.map(|c| c + 1);
+        let point = |p: usize| Vec3::new(at(0, p % nx), at(1, p / nx % ny), at(2, p / (nx * ny)));
+        (0..nx * ny * nz).into_par_iter().map(point).collect()
+    }
+
+    fn cells(&self) -> Vec<u32> {
+        let [nx, ny, nz] = self.counts;
+        let (row, layer) = (nx as u32 + 1, (nx as u32 + 1) * (ny as u32 + 1));
+        let mut cells = vec![0; 8 * nx * ny * nz];
+        cells.par_chunks_exact_mut(8).enumerate().for_each(|(c, cell)| {
+            let (i, j, k) = ((c % nx) as u32, (c / nx % ny) as u32, (c / (nx * ny)) as u32);
+            let a = k * layer + j * row + i;
+            let bottom = [a, a + 1, a + 1 + row, a + row];
+            cell[..4].copy_from_slice(&bottom);
+            cell[4..].copy_from_slice(&bottom.map(|node| node + layer));
+        });
+        cells
+    }
+}
+
+/// The most frequent label; of equally frequent ones the smallest, so that the order of the samples does not matter.
+fn majority(votes: &mut [Label]) -> Label {
+    if votes.iter().all(|v| *v == votes[0]) {
+        return votes[0];
+    }
+    votes.sort_unstable();
+    let runs = votes.chunk_by(|a, b| a == b);
+    runs.fold((0, Label::MORTAR), |best, run| if run.len() > best.0 { (run.len(), run[0]) } else { best }).1
+}
