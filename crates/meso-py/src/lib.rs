@@ -1,1 +1,38 @@
-//! Python bindings of mesocrete.
+//! Python bindings of mesocrete: thin, frozen views of the core's types.
+//!
+//! Every class is immutable and shares its data by reference counting, so threads need no locks. Work that takes
+//! longer than a moment lets go of the GIL.
+#![forbid(unsafe_code)]
+
+mod aggregate;
+mod arrays;
+mod boundary;
+mod command;
+mod packing;
+mod polyhedron;
+mod run;
+mod spec;
+mod tree;
+
+use pyo3::prelude::*;
+
+/// The compiled part of the `mesocrete` package; import that one.
+#[pymodule(gil_used = false)]
+mod _mesocrete {
+    #[pymodule_export]
+    use super::aggregate::{PyAggregate, PyAggregates, restore_aggregate};
+    #[pymodule_export]
+    use super::command::run_command;
+    #[pymodule_export]
+    use super::packing::{PyPacking, pack};
+    #[pymodule_export]
+    use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
+    #[pymodule_export]
+    use super::spec::{PySpec, restore_spec};
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

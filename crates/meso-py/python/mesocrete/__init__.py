@@ -1,0 +1,34 @@
+"""Mesoscale concrete: convex aggregates packed without overlap, exact collision, meshes and Abaqus decks.
+
+>>> import mesocrete as mc
+>>> packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 50}}, fraction=0.3)
+>>> packing.write("model.vtu")
+
+Units are mm, mm3, N, MPa, tonne and s; fractions go from 0 to 1 by volume of the specimen.
+"""
+
+from collections.abc import Sequence
+
+from ._mesocrete import (
+    Aggregate,
+    Aggregates,
+    Packing,
+    Polyhedron,
+    Spec,
+    __version__,
+    convex_hull,
+    pack,
+)
+
+Sequence.register(Aggregates)
+
+__all__ = [
+    "Aggregate",
+    "Aggregates",
+    "Packing",
+    "Polyhedron",
+    "Spec",
+    "__version__",
+    "convex_hull",
+    "pack",
+]

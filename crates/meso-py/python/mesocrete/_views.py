@@ -1,0 +1,91 @@
+"""Pictures of packings and meshes, and their form in PyVista and meshio; each library is imported when it is used."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import numpy as np
+
+# VTK's numbers for the cells a mesh is made of.
+_VTK_TYPES = {"tetra": 10, "hexahedron": 12, "wedge": 13, "tetra10": 24}
+_PHASES = ("mortar", "ITZ", "aggregate")
+
+
+def _need(module: str, extra: str) -> Any:
+    """Import an optional library, or say how to install it."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        message = f"{module} is not installed; get it with: pip install 'mesocrete[{extra}]'"
+        raise ImportError(message) from error
+
+
+def packing_to_pyvista(packing: Any) -> Any:
+    """Return the aggregates' outer surfaces as PyVista polygons with their id, class and ITZ thickness."""
+    pyvista = _need("pyvista", "plot")
+    points, faces, owner = packing._surfaces()
+    data = pyvista.PolyData(points, faces)
+    aggregates = packing.aggregates
+    data.cell_data["aggregate"] = owner
+    data.cell_data["class"] = np.array([a.size_class for a in aggregates], dtype=np.int64)[owner]
+    data.cell_data["itz_thickness_mm"] = np.array([a.itz_thickness for a in aggregates], dtype=np.float64)[owner]
+    return data
+
+
+def plot_packing(packing: Any, *, screenshot: Any = None, **options: Any) -> Any:
+    """Show the aggregates, coloured by size class, inside the specimen's bounding box.
+
+    With `screenshot` (a path) the picture is written off screen instead. `options` go to `pyvista.Plotter.add_mesh`.
+    """
+    pyvista = _need("pyvista", "plot")
+    surface = packing_to_pyvista(packing)
+    plotter = pyvista.Plotter(off_screen=screenshot is not None)
+    options = {"scalars": "class", "cmap": "cividis", "show_scalar_bar": False} | options
+    plotter.add_mesh(surface, **options)
+    low, high = packing.bounds
+    box = pyvista.Box(bounds=[low[0], high[0], low[1], high[1], low[2], high[2]])
+    plotter.add_mesh(box, style="wireframe", color="black")
+    return plotter.show(screenshot=screenshot) if screenshot is None else _save(plotter, screenshot)
+
+
+def _save(plotter: Any, path: Any) -> Any:
+    plotter.screenshot(path)
+    return plotter.close()
+
+
+def plot_grading(packing: Any, ax: Any = None) -> Any:
+    """Draw the grading asked for and the one reached, as volume passing over size; returns the matplotlib axes."""
+    if ax is None:
+        ax = _need("matplotlib.pyplot", "plot").subplots()[1]
+    classes = packing.report()["classes"]
+    sizes = [classes[0]["d_min_mm"], *(c["d_max_mm"] for c in classes)]
+    for key, label, style in (("target_fraction", "asked", "k--"), ("fraction", "reached", "o-")):
+        volumes = np.array([0.0, *(c[key] for c in classes)])
+        ax.plot(sizes, 100 * np.cumsum(volumes) / max(volumes.sum(), np.finfo(float).tiny), style, label=label)
+    ax.set(xlabel="size, mm", ylabel="aggregate volume passing, %", xscale="log", ylim=(0, 102))
+    ax.set_xticks(sizes, [f"{size:g}" for size in sizes])
+    ax.minorticks_off()
+    ax.legend()
+    return ax
+
+
+def mesh_to_pyvista(mesh: Any) -> Any:
+    """Return the mesh as a PyVista unstructured grid with the phase and the aggregate of every cell."""
+    pyvista = _need("pyvista", "plot")
+    kind, cells = mesh.cell_type, mesh.cells
+    width = np.full((len(cells), 1), cells.shape[1], dtype=np.int64)
+    types = np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8)
+    grid = pyvista.UnstructuredGrid(np.hstack([width, cells]).ravel(), types, mesh.points)
+    grid.cell_data["phase"] = mesh.phase
+    grid.cell_data["aggregate"] = mesh.aggregate
+    return grid
+
+
+def mesh_to_meshio(mesh: Any) -> Any:
+    """Return the mesh as a meshio mesh with the phase and the aggregate of every cell, and a cell set per phase."""
+    meshio = _need("meshio", "mesh")
+    phase = mesh.phase
+    sets = {name.upper(): [np.flatnonzero(phase == value)] for value, name in enumerate(_PHASES)}
+    data = {"phase": [phase], "aggregate": [mesh.aggregate]}
+    return meshio.Mesh(mesh.points, [(mesh.cell_type, mesh.cells)], cell_data=data, cell_sets=sets)

@@ -1,0 +1,148 @@
+//! `Aggregate` and the sequence of a packing's aggregates.
+
+use crate::arrays;
+use crate::boundary::guard;
+use crate::polyhedron::{PyPolyhedron, offset_error};
+use crate::tree::type_name;
+use meso_core::Model;
+use meso_core::aggregate::Aggregate;
+use numpy::PyArray2;
+use pyo3::exceptions::{PyIndexError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::{PyList, PySlice, PyTuple};
+use std::sync::Arc;
+
+/// One aggregate at its place in the specimen.
+#[pyclass(name = "Aggregate", module = "mesocrete", frozen, eq)]
+#[derive(PartialEq)]
+pub(crate) struct PyAggregate(Aggregate);
+
+/// The aggregates of a packing, in descending volume: a sequence.
+#[pyclass(name = "Aggregates", module = "mesocrete", frozen, sequence)]
+pub(crate) struct PyAggregates(pub(crate) Arc<Model>);
+
+#[pymethods]
+impl PyAggregate {
+    /// Position in the packing, from 0.
+    #[getter]
+    fn id(&self) -> u32 {
+        self.0.id
+    }
+
+    /// Index of the size class, from the finest.
+    #[getter]
+    fn size_class(&self) -> u16 {
+        self.0.class
+    }
+
+    /// Vertex positions: ndarray, shape (n, 3), float64, mm; a copy.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::from_points(py, self.0.body.vertices())
+    }
+
+    /// Vertex indices of every face, counter-clockwise from outside: list of lists of int.
+    #[getter]
+    fn faces(&self) -> Vec<Vec<u32>> {
+        self.0.body.faces().map(<[u32]>::to_vec).collect()
+    }
+
+    /// Faces cut into triangles: ndarray, shape (m, 3), int64.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        arrays::from_indices(py, self.0.body.triangles().flatten(), 3)
+    }
+
+    /// Volume of the outer body, ITZ shell included, mm3.
+    #[getter]
+    fn volume(&self) -> f64 {
+        self.0.body.volume()
+    }
+
+    /// Thickness of the ITZ shell, mm.
+    #[getter]
+    fn itz_thickness(&self) -> f64 {
+        self.0.itz_thickness_mm
+    }
+
+    /// The outer body as a `Polyhedron`.
+    #[getter]
+    fn body(&self) -> PyPolyhedron {
+        self.0.body.clone().into()
+    }
+
+    /// The body inside the ITZ shell, or `None` where the shell takes it all.
+    fn core(&self, py: Python<'_>) -> PyResult<Option<PyPolyhedron>> {
+        guard(|| {
+            let inner = py.detach(|| self.0.core()).map_err(|error| offset_error(&error))?;
+            Ok(inner.map(PyPolyhedron::from))
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let Aggregate { id, class, itz_thickness_mm, body } = &self.0;
+        let volume = body.volume();
+        format!("Aggregate(id={id}, size_class={class}, volume={volume} mm3, itz_thickness={itz_thickness_mm} mm)")
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_aggregate")?;
+        let Aggregate { id, class, itz_thickness_mm, .. } = self.0;
+        (restore, (self.body(), id, class, itz_thickness_mm)).into_pyobject(py)
+    }
+}
+
+/// Unpickles an `Aggregate`.
+#[pyfunction(name = "_restore_aggregate")]
+pub(crate) fn restore_aggregate(body: &PyPolyhedron, id: u32, size_class: u16, itz_thickness: f64) -> PyAggregate {
+    let body = body.0.as_ref().clone();
+    PyAggregate(Aggregate { id, class: size_class, itz_thickness_mm: itz_thickness, body })
+}
+
+impl PyAggregates {
+    fn at(&self, index: usize) -> PyAggregate {
+        PyAggregate(self.0.aggregates[index].clone())
+    }
+
+    /// The position `index` means, counted from the end where it is negative.
+    fn position(&self, index: isize) -> PyResult<usize> {
+        let count = self.0.aggregates.len();
+        let position = if index < 0 { index.checked_add_unsigned(count) } else { Some(index) };
+        let position = position.and_then(|position| usize::try_from(position).ok()).filter(|&i| i < count);
+        position.ok_or_else(|| PyIndexError::new_err(format!("aggregate {index} of {count}")))
+    }
+}
+
+#[pymethods]
+impl PyAggregates {
+    fn __len__(&self) -> usize {
+        self.0.aggregates.len()
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        if let Ok(slice) = key.cast::<PySlice>() {
+            let range = slice.indices(self.__len__() as isize)?;
+            let indices = (0..range.slicelength as isize).map(|i| (range.start + i * range.step) as usize);
+            return Ok(
+                PyList::new(py, indices.map(|i| Py::new(py, self.at(i))).collect::<PyResult<Vec<_>>>()?)?.into_any()
+            );
+        }
+        if !key.hasattr("__index__")? {
+            let given = type_name(key);
+            return Err(PyTypeError::new_err(format!("aggregates are indexed by int or slice, not {given}")));
+        }
+        Ok(Bound::new(py, self.at(self.position(key.extract()?)?))?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<{} aggregates>", self.__len__())
+    }
+}

@@ -1,0 +1,36 @@
+//! What crosses from Rust to Python: only exceptions that `except Exception` catches.
+
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::prelude::*;
+use std::any::Any;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Runs `work`; a panic becomes `RuntimeError("bug: ...")`.
+///
+/// pyo3 would raise its `PanicException`, which derives from `BaseException` and so passes every `except Exception`.
+pub(crate) fn guard<T>(work: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| Err(bug(&*payload)))
+}
+
+/// The exception for a panic's payload.
+pub(crate) fn bug(payload: &(dyn Any + Send)) -> PyErr {
+    let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "panic".to_owned());
+    PyRuntimeError::new_err(format!("bug: {text} (please report it with the input that led here)"))
+}
+
+/// `error` as the `OSError` subclass of its kind, with the file's name in front.
+pub(crate) fn file_error(path: &std::path::Path, error: io::Error) -> PyErr {
+    match error.raw_os_error() {
+        // With (errno, text, filename) Python picks FileNotFoundError, PermissionError, ... by itself.
+        Some(errno) => PyOSError::new_err((errno, reason(&error), path.as_os_str().to_owned())),
+        None => PyOSError::new_err(format!("{}: {error}", path.display())),
+    }
+}
+
+/// The system's message without Rust's "(os error 2)".
+fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
+}

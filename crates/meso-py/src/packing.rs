@@ -1,0 +1,197 @@
+//! `pack`, `load` and the `Packing` they return.
+
+use crate::aggregate::PyAggregates;
+use crate::boundary::guard;
+use crate::run::{beside_python, check_callable};
+use crate::spec::{self, PySpec};
+use crate::{arrays, tree};
+use meso_core::Model;
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict};
+use serde::Serialize;
+use std::sync::Arc;
+
+type Surfaces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
+
+/// A packed specimen.
+#[pyclass(name = "Packing", module = "mesocrete", frozen)]
+pub(crate) struct PyPacking(pub(crate) Arc<Model>);
+
+/// Takes and places the aggregates that a spec asks for.
+///
+/// Parameters
+/// ----------
+/// spec : None, dict, path or Spec
+///     What to pack; None is the paper's specimen.
+/// seed : int, optional
+///     Replaces the spec's seed; 0 to 2^64 - 1.
+/// fraction : float, optional
+///     Replaces the spec's fraction: aggregate volume over specimen volume, above 0 and below 1.
+/// progress : callable, optional
+///     Called about 25 times a second as `progress(fraction, target)`; when it returns False, the best valid packing
+///     found so far is returned.
+///
+/// Returns
+/// -------
+/// Packing
+///     Also where the target was not reached: `report()["stop_reason"]` says why.
+///
+/// Raises
+/// ------
+/// ValueError, TypeError
+///     For a spec that cannot be, before any work starts.
+/// OSError
+///     Where the spec's file cannot be read.
+/// KeyboardInterrupt
+///     On Ctrl-C, within 0.2 s.
+#[pyfunction]
+#[pyo3(signature = (spec=None, *, seed=None, fraction=None, progress=None))]
+pub(crate) fn pack(
+    py: Python<'_>,
+    spec: Option<&Bound<'_, PyAny>>,
+    seed: Option<&Bound<'_, PyAny>>,
+    fraction: Option<&Bound<'_, PyAny>>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PyPacking> {
+    guard(|| {
+        let mut spec = spec::from_any(spec)?;
+        if let Some(seed) = seed {
+            spec.seed = checked_seed(seed)?;
+        }
+        if let Some(fraction) = fraction {
+            spec.fraction = checked_fraction(fraction)?;
+        }
+        spec.validate().map_err(|error| spec::spec_error(&error))?;
+        check_callable(progress)?;
+        let model = beside_python(py, progress, move |watch| meso_core::pack(&spec, watch))?;
+        Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
+    })
+}
+
+fn checked_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let given = || tree::type_name(seed);
+    // numpy's integers count by __index__; True is a mistake.
+    if seed.is_instance_of::<PyBool>() || !seed.hasattr("__index__")? {
+        return Err(PyTypeError::new_err(format!("seed is of type {}; it must be an int from 0 to 2^64 - 1", given())));
+    }
+    seed.extract().map_err(|_| PyValueError::new_err(format!("seed is {seed}; it must be an int from 0 to 2^64 - 1")))
+}
+
+fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let number = if fraction.is_instance_of::<PyBool>() { None } else { fraction.extract().ok() };
+    let given = || tree::type_name(fraction);
+    number.ok_or_else(|| {
+        PyTypeError::new_err(format!("fraction is of type {}; it must be a number above 0 and below 1", given()))
+    })
+}
+
+/// A serialisable value as Python's own types.
+pub(crate) fn plain<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
+    let tree = serde_json::to_value(value).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    tree::to_python(py, &tree)
+}
+
+/// Calls `function` of the package's Python part with a packing or mesh as its first argument.
+pub(crate) fn call_view<'py, T>(
+    function: &str,
+    subject: &Bound<'py, T>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    subject.py().import("mesocrete._views")?.getattr(function)?.call((subject,), options)
+}
+
+#[pymethods]
+impl PyPacking {
+    /// Volume of all aggregates, ITZ shells included, over the specimen's.
+    #[getter]
+    fn fraction(&self) -> f64 {
+        self.0.report.fraction
+    }
+
+    /// Seed of the run.
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.0.spec.seed
+    }
+
+    /// What was asked.
+    #[getter]
+    fn spec(&self) -> PySpec {
+        PySpec(self.0.spec.clone())
+    }
+
+    /// The aggregates in descending volume: a sequence of `Aggregate`.
+    #[getter]
+    fn aggregates(&self) -> PyAggregates {
+        PyAggregates(Arc::clone(&self.0))
+    }
+
+    /// The specimen's bounding box: lowest and highest corner, mm.
+    #[getter]
+    fn bounds(&self) -> ([f64; 3], [f64; 3]) {
+        let aabb = self.0.spec.specimen.aabb();
+        (aabb.min.into(), aabb.max.into())
+    }
+
+    /// What was reached, and what it cost: a dict with the keys of `--summary-json`.
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        plain(py, &self.0.report)
+    }
+
+    /// The aggregates' outer surfaces as PyVista polygons (needs the extra `plot`).
+    fn to_pyvista<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("packing_to_pyvista", slf, None)
+    }
+
+    /// Shows the aggregates, coloured by class; with `screenshot=path` writes the picture instead (extra `plot`).
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("plot_packing", slf, options)
+    }
+
+    /// Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`).
+    #[pyo3(signature = (**options))]
+    fn plot_grading<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("plot_grading", slf, options)
+    }
+
+    /// Points, faces in VTK's padded form, and the aggregate of every face, for `to_pyvista`.
+    fn _surfaces<'py>(&self, py: Python<'py>) -> PyResult<Surfaces<'py>> {
+        let (mut points, mut faces, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        for aggregate in &self.0.aggregates {
+            let first = points.len() as i64;
+            points.extend_from_slice(aggregate.body.vertices());
+            for face in aggregate.body.faces() {
+                faces.push(face.len() as i64);
+                faces.extend(face.iter().map(|&i| first + i64::from(i)));
+                owners.push(i64::from(aggregate.id));
+            }
+        }
+        Ok((arrays::from_points(py, &points)?, PyArray1::from_vec(py, faces), PyArray1::from_vec(py, owners)))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.aggregates.len()
+    }
+
+    /// Same spec and, bit for bit, the same aggregates; how long it took does not count.
+    fn __eq__(&self, other: &Self) -> bool {
+        self.0.spec == other.0.spec && self.0.aggregates == other.0.aggregates
+    }
+
+    fn __repr__(&self) -> String {
+        let (spec, report) = (&self.0.spec, &self.0.report);
+        let (count, kind) = (self.0.aggregates.len(), spec.specimen.kind());
+        format!("Packing({count} aggregates in a {kind}, fraction={}, seed={})", report.fraction, spec.seed)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+}

@@ -1,0 +1,140 @@
+//! `Polyhedron` and `convex_hull`.
+
+use crate::arrays;
+use crate::boundary::guard;
+use meso_core::geometry::{HullError, OffsetError, Polyhedron, convex_hull as hull, inward_offset};
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+use std::sync::Arc;
+
+/// A closed convex polyhedron, mm.
+#[pyclass(name = "Polyhedron", module = "mesocrete", frozen, eq)]
+#[derive(Clone, PartialEq)]
+pub(crate) struct PyPolyhedron(pub(crate) Arc<Polyhedron>);
+
+impl From<Polyhedron> for PyPolyhedron {
+    fn from(body: Polyhedron) -> Self {
+        Self(Arc::new(body))
+    }
+}
+
+/// The convex hull of `points`.
+///
+/// Parameters
+/// ----------
+/// points : array_like, shape (n, 3), mm
+///
+/// Returns
+/// -------
+/// Polyhedron
+///     The exact extreme set, outward faces, coplanar triangles merged into polygons.
+///
+/// Raises
+/// ------
+/// ValueError
+///     Where the points span fewer than three dimensions (the message says how many), or are no (n, 3) array.
+#[pyfunction]
+pub(crate) fn convex_hull(py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<PyPolyhedron> {
+    guard(|| {
+        let points = arrays::points("points", points)?;
+        py.detach(|| hull(&points)).map(PyPolyhedron::from).map_err(|error| hull_error(&error))
+    })
+}
+
+fn hull_error(error: &HullError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// A thickness out of range is a wrong value; an answer that cannot be trusted is an arithmetic failure.
+pub(crate) fn offset_error(error: &OffsetError) -> PyErr {
+    match error {
+        OffsetError::Thickness { .. } => PyValueError::new_err(error.to_string()),
+        OffsetError::IllConditioned { .. } => PyArithmeticError::new_err(error.to_string()),
+    }
+}
+
+#[pymethods]
+impl PyPolyhedron {
+    /// Vertex positions: ndarray, shape (n, 3), float64, mm; a copy.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::from_points(py, self.0.vertices())
+    }
+
+    /// Vertex indices of every face, counter-clockwise from outside: list of lists of int.
+    #[getter]
+    fn faces(&self) -> Vec<Vec<u32>> {
+        self.0.faces().map(<[u32]>::to_vec).collect()
+    }
+
+    /// Faces cut into triangles: ndarray, shape (m, 3), int64.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        arrays::from_indices(py, self.0.triangles().flatten(), 3)
+    }
+
+    /// Volume, mm3.
+    #[getter]
+    fn volume(&self) -> f64 {
+        self.0.volume()
+    }
+
+    /// Surface area, mm2.
+    #[getter]
+    fn area(&self) -> f64 {
+        self.0.area()
+    }
+
+    /// Centre of volume: ndarray, shape (3,), float64, mm.
+    #[getter]
+    fn centroid<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.0.centroid().as_slice())
+    }
+
+    /// The body with every face moved inwards by `thickness` (mm), or `None` where it vanishes.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a thickness that is negative or not finite.
+    /// ArithmeticError
+    ///     Where the body is so ill-shaped that the answer cannot be trusted.
+    fn offset(&self, py: Python<'_>, thickness: f64) -> PyResult<Option<Self>> {
+        guard(|| {
+            let inner = py.detach(|| inward_offset(&self.0, thickness)).map_err(|error| offset_error(&error))?;
+            Ok(inner.map(Self::from))
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let (vertices, faces) = (self.0.vertices().len(), self.0.faces().len());
+        format!("Polyhedron({vertices} vertices, {faces} faces, volume={} mm3)", self.0.volume())
+    }
+
+    /// A frozen object is its own copy.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_polyhedron")?;
+        (restore, (self.vertices(py)?, self.faces())).into_pyobject(py)
+    }
+}
+
+/// Unpickles a `Polyhedron`.
+#[pyfunction(name = "_restore_polyhedron")]
+pub(crate) fn restore_polyhedron(vertices: &Bound<'_, PyAny>, faces: Vec<Vec<u32>>) -> PyResult<PyPolyhedron> {
+    let vertices = arrays::points("vertices", vertices)?;
+    // A pickle is a stranger's data: indices that lead nowhere must not reach the geometry.
+    if faces.iter().any(|face| face.len() < 3 || face.iter().any(|&i| i as usize >= vertices.len())) {
+        return Err(PyValueError::new_err("the pickle is damaged: a face names a vertex that is not there"));
+    }
+    Ok(Polyhedron::from_parts(vertices, faces).into())
+}

@@ -1,0 +1,106 @@
+//! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
+
+use crate::boundary::bug;
+use meso_core::Progress;
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How often the calling thread looks for signals; well below the 0.2 s in which Ctrl-C is to be heard.
+const POLL: Duration = Duration::from_millis(40);
+/// How long a cancelled worker is waited for; after that it ends by itself at its next look at the flag.
+const GRACE: Duration = Duration::from_millis(80);
+
+/// What the worker and the waiting thread share.
+pub(crate) struct Watch {
+    go_on: AtomicBool,
+    fraction: AtomicU64,
+    target: AtomicU64,
+    start: Instant,
+}
+
+impl Progress for Watch {
+    fn update(&self, fraction: f64, target: f64) -> bool {
+        self.fraction.store(fraction.to_bits(), Relaxed);
+        self.target.store(target.to_bits(), Relaxed);
+        self.go_on.load(Relaxed)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+}
+
+/// Runs `work` on a thread of its own, with a rayon pool of its own, while this one waits for it and for signals.
+///
+/// The core looks at the flag only between its own steps, which may be long; so on Ctrl-C the caller goes back to
+/// Python at once and the worker, which shares nothing with Python, ends when it next looks. The pool lives only as
+/// long as the work: a process forked in between inherits no dead threads.
+pub(crate) fn beside_python<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
+) -> PyResult<T> {
+    let watch = Arc::new(Watch {
+        go_on: AtomicBool::new(true),
+        fraction: AtomicU64::new(0),
+        target: AtomicU64::new(0),
+        start: Instant::now(),
+    });
+    let pool = rayon::ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let (sender, mut receiver) = mpsc::channel();
+    let shared = Arc::clone(&watch);
+    thread::Builder::new().name("mesocrete".into()).spawn(move || {
+        let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| work(&shared))));
+        // Nobody waits any more after Ctrl-C.
+        let _ = sender.send(result);
+    })?;
+    let mut wait = |limit| {
+        let receiver = &mut receiver;
+        py.detach(move || receiver.recv_timeout(limit))
+    };
+    loop {
+        match wait(POLL) {
+            Ok(Ok(value)) => return tell(progress, &watch).map(|()| value),
+            Ok(Err(payload)) => return Err(bug(&*payload)),
+            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("bug: the worker is gone")),
+            Err(RecvTimeoutError::Timeout) => {
+                if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
+                    watch.go_on.store(false, Relaxed);
+                    let _ = wait(GRACE);
+                    return Err(error);
+                }
+            }
+        }
+    }
+}
+
+/// Calls `progress(fraction, target)`; when that returns `False` the work stops with the best it has.
+fn tell(progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
+    let Some(progress) = progress else { return Ok(()) };
+    let [fraction, target] = [&watch.fraction, &watch.target].map(|bits| f64::from_bits(bits.load(Relaxed)));
+    let answer = progress.call1((fraction, target))?;
+    if !answer.is_none() && !answer.is_truthy()? {
+        watch.go_on.store(false, Relaxed);
+    }
+    Ok(())
+}
+
+/// Refuses a `progress` that cannot be called, before any work starts.
+///
+/// # Errors
+/// `TypeError`.
+pub(crate) fn check_callable(progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    match progress {
+        Some(object) if !object.is_callable() => Err(PyTypeError::new_err(format!(
+            "progress is of type {}; it must be a callable that takes (fraction, target)",
+            crate::tree::type_name(object)
+        ))),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,205 @@
+//! `Spec`: everything that decides a model.
+
+use crate::boundary::{file_error, guard};
+use crate::tree;
+use meso_core::spec::{Spec, SpecError, SpecErrorKind};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// Everything that decides a model; what is left out keeps its default, the paper's specimen.
+///
+/// Parameters
+/// ----------
+/// **options
+///     `seed`, `fraction`, and the sections of a SPEC.toml as dicts: `specimen`, `grading`, `shape`, `itz`,
+///     `placement`.
+///
+/// Raises
+/// ------
+/// ValueError
+///     Names the key, the value and the accepted range.
+/// TypeError
+///     Where a value has the wrong type.
+#[pyclass(name = "Spec", module = "mesocrete", frozen, eq)]
+#[derive(Clone, PartialEq)]
+pub(crate) struct PySpec(pub(crate) Spec);
+
+/// A spec from a dict-like tree.
+fn from_value(value: &Value) -> PyResult<Spec> {
+    Spec::from_value(value).map_err(|error| spec_error(&error))
+}
+
+/// The exception of a spec that cannot be.
+pub(crate) fn spec_error(error: &SpecError) -> PyErr {
+    match error.kind {
+        SpecErrorKind::WrongType => PyTypeError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+fn read(path: &Path) -> PyResult<Spec> {
+    let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
+    let named = |text: String| PyValueError::new_err(format!("{}: {text}", path.display()));
+    let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
+    Spec::from_toml(&text).map_err(|error| named(error.to_string()))
+}
+
+/// What `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].
+pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
+    let Some(object) = object else { return Ok(Spec::default()) };
+    if let Ok(spec) = object.cast::<PySpec>() {
+        return Ok(spec.get().0.clone());
+    }
+    if object.is_instance_of::<PyDict>() {
+        return from_value(&tree::from_python("", object)?);
+    }
+    if let Some(path) = as_path(object) {
+        return read(&path);
+    }
+    let given = tree::type_name(object);
+    Err(PyTypeError::new_err(format!("spec is of type {given}; it must be None, a dict, a path or a mesocrete.Spec")))
+}
+
+/// `str` and `os.PathLike`; a number is no path.
+fn as_path(object: &Bound<'_, PyAny>) -> Option<PathBuf> {
+    object.extract().ok()
+}
+
+/// Lays `changes` over `base`, section by section.
+fn merge(base: &mut Value, changes: Value) {
+    match (base, changes) {
+        (Value::Object(base), Value::Object(changes)) => {
+            // A section that names another variant (specimen.kind, a law) replaces the old one, whose keys do not fit.
+            let renamed = |tag: &str| changes.get(tag).is_some_and(|new| base.get(tag) != Some(new));
+            if renamed("kind") || renamed("law") {
+                base.clear();
+            }
+            for (key, change) in changes {
+                merge(base.entry(key).or_insert(Value::Null), change);
+            }
+        }
+        (base, change) => *base = change,
+    }
+}
+
+impl PySpec {
+    fn value(&self) -> PyResult<Value> {
+        serde_json::to_value(&self.0).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    fn section<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        tree::to_python(py, &self.value()?[name])
+    }
+}
+
+#[pymethods]
+impl PySpec {
+    #[new]
+    #[pyo3(signature = (**options))]
+    fn new(options: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        guard(|| from_any(options.map(|dict| dict.as_any())).map(Self))
+    }
+
+    /// Reads the text of a SPEC.toml.
+    #[staticmethod]
+    fn from_toml(text: &str) -> PyResult<Self> {
+        guard(|| Spec::from_toml(text).map(Self).map_err(|error| spec_error(&error)))
+    }
+
+    /// Reads a SPEC.toml.
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        guard(|| read(&path).map(Self))
+    }
+
+    /// Seed of all randomness.
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.0.seed
+    }
+
+    /// Volume of the aggregates over the specimen's, 0 to 1.
+    #[getter]
+    fn fraction(&self) -> f64 {
+        self.0.fraction
+    }
+
+    /// What is filled; a copy.
+    #[getter]
+    fn specimen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "specimen")
+    }
+
+    /// Sizes; a copy.
+    #[getter]
+    fn grading<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "grading")
+    }
+
+    /// Shapes; a copy.
+    #[getter]
+    fn shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "shape")
+    }
+
+    /// Interfacial transition zone; a copy.
+    #[getter]
+    fn itz<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "itz")
+    }
+
+    /// Placement; a copy.
+    #[getter]
+    fn placement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "placement")
+    }
+
+    /// Everything as a dict that `Spec(**it)` takes back.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        tree::to_python(py, &self.value()?)
+    }
+
+    /// Everything as the text of a SPEC.toml.
+    fn to_toml(&self) -> PyResult<String> {
+        toml::to_string(&self.0).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// A spec with `changes` laid over this one; sections are merged key by key.
+    #[pyo3(signature = (**changes))]
+    fn replace(&self, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        guard(|| {
+            let mut value = self.value()?;
+            let changes = changes.map_or(Ok(Value::Object(Map::new())), |dict| tree::from_python("", dict.as_any()));
+            merge(&mut value, changes?);
+            from_value(&value).map(Self)
+        })
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let dict = self.to_dict(py)?;
+        let fields = dict.cast::<PyDict>()?.iter().map(|(key, value)| Ok(format!("{key}={}", value.repr()?)));
+        Ok(format!("Spec({})", fields.collect::<PyResult<Vec<_>>>()?.join(", ")))
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_spec")?;
+        (restore, (self.to_dict(py)?,)).into_pyobject(py)
+    }
+}
+
+/// Unpickles a `Spec`.
+#[pyfunction(name = "_restore_spec")]
+pub(crate) fn restore_spec(options: &Bound<'_, PyDict>) -> PyResult<PySpec> {
+    guard(|| from_any(Some(options.as_any())).map(PySpec))
+}

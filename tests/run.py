@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Runs every test of mesocrete, Rust and Python, on a machine that has cargo and Python 3.10 or newer.
+
+    python3 tests/run.py            set up .venv, build the wheel, cargo test, pytest
+    python3 tests/run.py --slow     the slow tier, too (hours of random cases)
+
+It needs the standard library alone, and says at the end what was skipped and why. The exit code is 0 when every stage
+passed.
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import time
+import venv
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+VENV = ROOT / ".venv"
+# Programs and Python packages that some tests compare with; without them those tests skip.
+PEERS = {
+    "ccx": "CalculiX: the solver tests of the decks (Debian: calculix-ccx)",
+    "gmsh": "gmsh: reading our meshes, and the conforming mesher (Debian or PyPI: gmsh)",
+    "valgrind": "valgrind: instruction counts of the benchmarks (Debian: valgrind)",
+    "chromium": "chromium: opening the HTML report (Debian: chromium)",
+}
+LIBCCD = "libccd: the reference of the collision benchmarks (Debian: libccd-dev)"
+
+
+def main() -> int:
+    """Run the stages in order and print what passed, failed and was skipped."""
+    args = parse_args()
+    started = time.monotonic()
+    check_tools()
+    python = make_venv()
+    install(python)
+    results = [(name, run(name, command)) for name, command in stages(python, slow=args.slow)]
+    return summarise(results, time.monotonic() - started)
+
+
+def parse_args() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--slow", action="store_true", help="run the slow tier, too")
+    return parser.parse_args()
+
+
+def check_tools() -> None:
+    """Stop at once where the two things that must be there are not."""
+    if sys.version_info < (3, 10):
+        sys.exit(f"Python 3.10 or newer is needed; this is {sys.version.split()[0]}")
+    if shutil.which("cargo") is None:
+        sys.exit("cargo is not on the PATH; install Rust (https://rustup.rs) first")
+
+
+def make_venv() -> Path:
+    """Make .venv with this interpreter and put its programs first on the PATH (maturin builds, gmsh meshes)."""
+    python = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    if not python.exists():
+        print(f"== making {VENV.name}", flush=True)
+        try:
+            venv.create(VENV, with_pip=True)
+        except subprocess.CalledProcessError:
+            shutil.rmtree(VENV, ignore_errors=True)
+            sys.exit("Python cannot make a virtual environment with pip (Debian and Ubuntu: apt install python3-venv)")
+    os.environ["PATH"] = os.pathsep.join([str(python.parent), os.environ.get("PATH", "")])
+    os.environ["VIRTUAL_ENV"] = str(VENV)
+    return python
+
+
+def install(python: Path) -> None:
+    """Install what the tests need, and mesocrete as a user gets it: as a wheel."""
+    pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    must(f"requirements into {VENV.name}", [*pip, "-r", str(ROOT / "tests" / "requirements.txt")])
+    for package in read_requirements("requirements-optional.txt"):
+        optional(package, [*pip, package])
+    # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
+    must("the wheel", [*pip, "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)])
+
+
+def read_requirements(name: str) -> list[str]:
+    """Read the packages a requirements file names."""
+    lines = (ROOT / "tests" / name).read_text(encoding="utf-8").splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def stages(python: Path, *, slow: bool) -> list[tuple[str, list[str]]]:
+    """Name the test commands, in order."""
+    tier = ["--", "--include-ignored"] if slow else []
+    return [
+        ("cargo test", ["cargo", "test", "--no-fail-fast", *tier]),
+        ("stubtest", [str(python), "-m", "mypy.stubtest", "mesocrete"]),
+        ("pytest", [str(python), "-m", "pytest", *(["--slow"] if slow else [])]),
+    ]
+
+
+def must(what: str, command: list[str]) -> None:
+    """Run a step of the set-up; the tests mean nothing without it."""
+    if run(what, command) != 0:
+        sys.exit(f"the set-up failed at: {what}")
+
+
+def optional(what: str, command: list[str]) -> None:
+    """Run a step of the set-up that only makes more tests run."""
+    if run(what, command) != 0:
+        print(f"   {what}: not to be had here; the tests that need them skip", flush=True)
+
+
+def run(name: str, command: list[str]) -> int:
+    """Run one command from the project's root and say how long it took."""
+    print(f"== {name}: {' '.join(command)}", flush=True)
+    started = time.monotonic()
+    code = subprocess.run(command, cwd=ROOT, check=False).returncode
+    print(f"== {name}: {'ok' if code == 0 else f'FAILED ({code})'} in {time.monotonic() - started:.0f} s", flush=True)
+    return code
+
+
+def summarise(results: list[tuple[str, int]], seconds: float) -> int:
+    """Print the closing lines; 1 where a stage failed."""
+    for program, what in PEERS.items():
+        if shutil.which(program) is None:
+            print(f"skipped what needs {what}")
+    if not any(Path(place, "ccd/ccd.h").exists() for place in ("/usr/include", "/usr/local/include")):
+        print(f"skipped what needs {LIBCCD}")
+    failed = [name for name, code in results if code != 0]
+    for name, code in results:
+        print(f"{'ok    ' if code == 0 else 'FAILED'} {name}")
+    print(f"all stages in {seconds:.0f} s; {'failed: ' + ', '.join(failed) if failed else 'everything passed'}")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
