@@ -2,6 +2,7 @@
 
 use crate::aggregate::PyAggregates;
 use crate::boundary::guard;
+use crate::mesh::{self, PyMesh};
 use crate::run::{beside_python, check_callable};
 use crate::spec::{self, PySpec};
 use crate::{arrays, tree};
@@ -138,6 +139,40 @@ impl PyPacking {
     /// What was reached, and what it cost: a dict with the keys of `--summary-json`.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         plain(py, &self.0.report)
+    }
+
+    /// Meshes the packing.
+    ///
+    /// Parameters
+    /// ----------
+    /// method : str, optional
+    ///     How the specimen is divided; "voxel" is the default.
+    /// element_size : float, optional
+    ///     Edge length of the elements, mm; default 2.
+    /// **options
+    ///     The other options of `mesocrete mesh`, e.g. `itz="none"`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError, TypeError
+    ///     Names the option, its value and the accepted range.
+    #[pyo3(signature = (*, method=None, element_size=None, **options))]
+    fn mesh(
+        &self,
+        py: Python<'_>,
+        method: Option<&Bound<'_, PyAny>>,
+        element_size: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyMesh> {
+        guard(|| {
+            let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
+            for (key, value) in [("method", method), ("element_size_mm", element_size)] {
+                if let Some(value) = value {
+                    keywords.set_item(key, value)?;
+                }
+            }
+            mesh::build(py, Arc::clone(&self.0), &keywords)
+        })
     }
 
     /// The aggregates' outer surfaces as PyVista polygons (needs the extra `plot`).
