@@ -1,4 +1,6 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+mod exact;
+mod hull;
 mod mesh;
 mod spec;

@@ -200,7 +200,7 @@ impl PyPacking {
             points.extend_from_slice(aggregate.body.vertices());
             for face in aggregate.body.faces() {
                 faces.push(face.len() as i64);
-                faces.extend(face.iter().map(|&i| first + i64::from(i)));
+                faces.extend(face.iter().map(|i| first + i64::from(i)));
                 owners.push(i64::from(aggregate.id));
             }
         }
