@@ -1,6 +1,7 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
-mod exact;
-mod hull;
+mod export;
 mod mesh;
+mod models;
+mod saved;
 mod spec;

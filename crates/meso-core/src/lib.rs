@@ -5,6 +5,7 @@
 
 pub mod aggregate;
 pub mod export;
+pub mod formats;
 pub mod geometry;
 pub mod gjk;
 pub mod materials;
@@ -12,6 +13,7 @@ pub mod math;
 pub mod mesh;
 pub mod model;
 pub mod packing;
+pub mod saved;
 pub mod spec;
 
 pub use model::{Model, Progress, Silent, pack};

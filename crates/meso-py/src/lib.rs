@@ -8,8 +8,6 @@ mod aggregate;
 mod arrays;
 mod boundary;
 mod command;
-mod files;
-mod mesh;
 mod packing;
 mod polyhedron;
 mod run;
@@ -25,8 +23,6 @@ mod _mesocrete {
     use super::aggregate::{PyAggregate, PyAggregates, restore_aggregate};
     #[pymodule_export]
     use super::command::run_command;
-    #[pymodule_export]
-    use super::mesh::PyMesh;
     #[pymodule_export]
     use super::packing::{PyPacking, pack};
     #[pymodule_export]

@@ -1,4 +1,7 @@
 //! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
 
 pub mod abaqus;
+pub mod csv;
+pub mod stl;
+pub mod vtu;
 pub mod vtu_mesh;

@@ -1,0 +1,43 @@
+//! One row per aggregate, for spreadsheets and pandas.
+
+use crate::aggregate::Aggregate;
+use crate::math::Vec3;
+use std::f64::consts::PI;
+use std::io::{self, BufWriter, Write};
+
+/// The columns; lengths in mm.
+const HEADER: &str = "id,class,size_mm,volume_mm3,area_mm2,sphericity,centroid_x_mm,centroid_y_mm,centroid_z_mm,\
+itz_thickness_mm,vertices,faces";
+
+/// Writes a header and one row per aggregate to `out`; numbers are the shortest that read back the same.
+///
+/// `size_mm` is the longest distance between two vertices: the longest axis 2a of the ellipsoid they were drawn on.
+/// `sphericity` is Wadell's: the area of the sphere of equal volume over the aggregate's area.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    writeln!(out, "{HEADER}")?;
+    for aggregate in aggregates {
+        let Aggregate { id, class, itz_thickness_mm, body } = aggregate;
+        let (mass, area) = (body.mass_properties(), body.area());
+        let size = longest_axis(body.vertices());
+        let sphericity = libm::cbrt(PI) * libm::cbrt(6.0 * mass.volume).powi(2) / area;
+        let [x, y, z] = mass.centroid.into();
+        let (vertices, faces) = (body.vertices().len(), body.faces().len());
+        writeln!(
+            out,
+            "{id},{class},{size},{},{area},{sphericity},{x},{y},{z},{itz_thickness_mm},{vertices},{faces}",
+            mass.volume
+        )?;
+    }
+    out.flush()
+}
+
+/// The longest distance between two vertices, mm.
+fn longest_axis(vertices: &[Vec3]) -> f64 {
+    let squares =
+        vertices.iter().enumerate().flat_map(|(i, a)| vertices[..i].iter().map(move |b| (a - b).norm_squared()));
+    squares.fold(0.0, f64::max).sqrt()
+}

@@ -1,0 +1,64 @@
+//! What a packing can be written as: the file's extension names the format.
+
+use crate::export::{csv, stl, vtu};
+use crate::model::Model;
+use crate::saved;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// A format that holds the aggregates themselves; meshes have their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// The saved model.
+    Json,
+    /// Surfaces as polygons.
+    Vtu,
+    /// Surfaces as triangles.
+    Stl,
+    /// One row per aggregate.
+    Csv,
+}
+
+impl Format {
+    /// All formats, the saved model first.
+    pub const ALL: [Self; 4] = [Self::Json, Self::Vtu, Self::Stl, Self::Csv];
+
+    /// The extension without its dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Json => "json",
+            Self::Vtu => "vtu",
+            Self::Stl => "stl",
+            Self::Csv => "csv",
+        }
+    }
+
+    /// What it holds, in a few words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Json => "the saved model, bit for bit; every other command reads it",
+            Self::Vtu => "aggregate surfaces as polygons with ids, classes, ITZ: ParaView, PyVista, meshio",
+            Self::Stl => "aggregate surfaces as triangles: CAD, 3D printers",
+            Self::Csv => "one row per aggregate: size, volume, area, centroid, ITZ",
+        }
+    }
+
+    /// The format that the extension of `path` names, in either case.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        Self::ALL.into_iter().find(|format| format.extension() == extension)
+    }
+
+    /// Writes `model` to `out` in this format.
+    ///
+    /// # Errors
+    /// Those of `out`; what the format cannot hold.
+    pub fn write(self, model: &Model, out: impl Write) -> io::Result<()> {
+        match self {
+            Self::Json => saved::write(model, out),
+            Self::Vtu => vtu::write(&model.aggregates, out),
+            Self::Stl => stl::write(&model.aggregates, out),
+            Self::Csv => csv::write(&model.aggregates, out),
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The saved model, `.json`: everything a packing is, bit for bit.
+//!
+//! `{"mesocrete": version, "spec", "seed", "specimen", "report", "aggregates": [{"id", "class", "itz_thickness_mm",
+//! "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, ...]}`. One line per aggregate; coordinates in the
+//! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
+//! counter-clockwise from outside. `report` leaves out `seconds`, so that the same spec and seed give the same bytes.
+
+mod read;
+
+pub use read::{ReadError, read};
+
+use crate::aggregate::Aggregate;
+use crate::model::Model;
+use crate::packing::{Report, Seconds};
+use serde::Serialize;
+use std::io::{self, BufWriter, Write};
+
+/// The version whose form of the file this is.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Writes `model` to `out`, one aggregate at a time.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 16, out);
+    out.write_all(b"{")?;
+    entry(&mut out, "mesocrete", VERSION)?;
+    entry(&mut out, "spec", &model.spec)?;
+    entry(&mut out, "seed", &model.spec.seed)?;
+    entry(&mut out, "specimen", &model.spec.specimen)?;
+    entry(&mut out, "report", &without_seconds(&model.report)?)?;
+    out.write_all(b"\"aggregates\": [")?;
+    for (i, aggregate) in model.aggregates.iter().enumerate() {
+        out.write_all(if i == 0 { b"\n" } else { b",\n" })?;
+        write_aggregate(aggregate, &mut out)?;
+    }
+    out.write_all(b"\n]}\n")?;
+    out.flush()
+}
+
+fn entry(out: &mut impl Write, key: &str, value: &(impl Serialize + ?Sized)) -> io::Result<()> {
+    write!(out, "\"{key}\": ")?;
+    serde_json::to_writer(&mut *out, value)?;
+    out.write_all(b",\n")
+}
+
+fn without_seconds(report: &Report) -> io::Result<serde_json::Value> {
+    let mut value = serde_json::to_value(Report { seconds: Seconds::default(), ..report.clone() })?;
+    if let Some(entries) = value.as_object_mut() {
+        entries.remove("seconds");
+    }
+    Ok(value)
+}
+
+fn write_aggregate(aggregate: &Aggregate, out: &mut impl Write) -> io::Result<()> {
+    write!(out, "{{\"id\":{},\"class\":{},\"itz_thickness_mm\":", aggregate.id, aggregate.class)?;
+    serde_json::to_writer(&mut *out, &aggregate.itz_thickness_mm)?;
+    out.write_all(b",\"vertices\":")?;
+    rows(out, aggregate.body.vertices().iter().map(|v| <[f64; 3]>::from(*v)))?;
+    out.write_all(b",\"faces\":")?;
+    rows(out, aggregate.body.faces())?;
+    out.write_all(b"}")
+}
+
+/// A list of rows, without a copy of them.
+fn rows(out: &mut impl Write, rows: impl Iterator<Item = impl Serialize>) -> io::Result<()> {
+    for (i, row) in rows.enumerate() {
+        out.write_all(if i == 0 { b"[" } else { b"," })?;
+        serde_json::to_writer(&mut *out, &row)?;
+    }
+    out.write_all(b"]")
+}

@@ -1,0 +1,206 @@
+//! Reading a saved model, which may come from anywhere: everything a later step relies on is looked at here.
+//!
+//! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
+
+use super::VERSION;
+use crate::aggregate::Aggregate;
+use crate::geometry::Polyhedron;
+use crate::math::Vec3;
+use crate::model::Model;
+use crate::packing::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
+use crate::spec::{MAX_LENGTH_MM, Spec, SpecError};
+use serde::Deserialize;
+use std::collections::BTreeSet;
+
+/// Why a file is no saved model.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// Not JSON, or not with the keys a model has.
+    #[error("this is no saved model of mesocrete: {0}")]
+    NotAModel(String),
+    /// Written by a version that may mean something else.
+    #[error("it was written by mesocrete {found}, and this is {VERSION}, which cannot read it: update mesocrete")]
+    Version {
+        /// What the file says.
+        found: String,
+    },
+    /// Its spec cannot be.
+    #[error("its spec is wrong: {0}")]
+    Spec(#[from] SpecError),
+    /// Two entries that must agree do not.
+    #[error("{0}")]
+    Contradiction(String),
+    /// An aggregate that is no closed surface.
+    #[error("aggregate {index}: {reason}")]
+    Aggregate {
+        /// Position in the file, from 0.
+        index: usize,
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+#[derive(Deserialize)]
+struct File {
+    mesocrete: String,
+    spec: serde_json::Value,
+    seed: u64,
+    specimen: serde_json::Value,
+    report: Option<Report>,
+    aggregates: Vec<FileAggregate>,
+}
+
+#[derive(Deserialize)]
+struct FileAggregate {
+    id: u32,
+    class: u16,
+    itz_thickness_mm: f64,
+    vertices: Vec<[f64; 3]>,
+    faces: Vec<Vec<u32>>,
+}
+
+/// Reads the bytes of a saved model.
+///
+/// A file without a `report` gets the figures that follow from its aggregates.
+///
+/// # Errors
+/// See [`ReadError`].
+pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
+    let file: File = serde_json::from_slice(bytes).map_err(|error| ReadError::NotAModel(error.to_string()))?;
+    accept_version(&file.mesocrete)?;
+    let spec = Spec::from_value(&file.spec)?;
+    accept_repeats(&file, &spec)?;
+    let classes = spec.grading.classes().len();
+    let aggregates = file.aggregates.into_iter().enumerate();
+    let aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes)).collect::<Result<Vec<_>, _>>()?;
+    let report = match file.report {
+        Some(report) => accept_report(report, &spec, aggregates.len())?,
+        None => figures(&spec, &aggregates),
+    };
+    Ok(Model { spec, aggregates, report })
+}
+
+/// The same major and minor version, or an older minor one.
+fn accept_version(found: &str) -> Result<(), ReadError> {
+    let numbers = |version: &str| {
+        let mut parts = version.split('.').map(|part| part.parse::<u32>().ok());
+        Some((parts.next()??, parts.next()??))
+    };
+    match (numbers(found), numbers(VERSION)) {
+        (Some((major, minor)), Some(own)) if major == own.0 && minor <= own.1 => Ok(()),
+        _ => Err(ReadError::Version { found: found.chars().take(40).collect() }),
+    }
+}
+
+/// `seed` and `specimen` stand twice in the file.
+fn accept_repeats(file: &File, spec: &Spec) -> Result<(), ReadError> {
+    if file.seed != spec.seed {
+        let message = format!("seed is {} but spec.seed is {}; they must agree", file.seed, spec.seed);
+        return Err(ReadError::Contradiction(message));
+    }
+    let specimen = serde_json::from_value(file.specimen.clone()).ok();
+    if specimen.as_ref() != Some(&spec.specimen) {
+        return Err(ReadError::Contradiction("specimen and spec.specimen differ; they must agree".to_owned()));
+    }
+    Ok(())
+}
+
+fn accept_report(report: Report, spec: &Spec, aggregates: usize) -> Result<Report, ReadError> {
+    let classes = spec.grading.classes().len();
+    if report.aggregates != aggregates || report.classes.len() != classes || report.seed != spec.seed {
+        let message = format!(
+            "report speaks of {} aggregates in {} classes with seed {}, the file holds {aggregates} in {classes} with seed {}",
+            report.aggregates,
+            report.classes.len(),
+            report.seed,
+            spec.seed
+        );
+        return Err(ReadError::Contradiction(message));
+    }
+    Ok(report)
+}
+
+fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggregate, ReadError> {
+    let wrong = |reason: String| ReadError::Aggregate { index, reason };
+    if file.id as usize != index {
+        return Err(wrong(format!("its id is {}; ids count from 0 in the order of the file", file.id)));
+    }
+    if usize::from(file.class) >= classes {
+        return Err(wrong(format!("its class is {}; the spec has {classes} classes, counted from 0", file.class)));
+    }
+    if !(0.0..=MAX_LENGTH_MM).contains(&file.itz_thickness_mm) {
+        return Err(wrong(format!("its itz_thickness_mm is {}; it must be 0 or more", file.itz_thickness_mm)));
+    }
+    let in_reach = |v: &[f64; 3]| v.iter().all(|x| x.abs() <= 2.0 * MAX_LENGTH_MM);
+    if let Some(vertex) = file.vertices.iter().position(|v| !in_reach(v)) {
+        return Err(wrong(format!("vertex {vertex} is farther than {} mm from the origin", 2.0 * MAX_LENGTH_MM)));
+    }
+    closed_surface(file.vertices.len(), &file.faces).map_err(wrong)?;
+    let body = Polyhedron::from_parts(file.vertices.into_iter().map(Vec3::from).collect(), file.faces);
+    Ok(Aggregate { id: file.id, class: file.class, itz_thickness_mm: file.itz_thickness_mm, body })
+}
+
+/// Every face has three corners or more, all of them there, and every edge is passed once in each direction.
+fn closed_surface(vertices: usize, faces: &[Vec<u32>]) -> Result<(), String> {
+    if vertices < 4 || faces.len() < 4 {
+        return Err(format!("{vertices} vertices and {} faces; a solid has at least 4 of each", faces.len()));
+    }
+    let mut edges = BTreeSet::new();
+    for (f, face) in faces.iter().enumerate() {
+        if face.len() < 3 {
+            return Err(format!("face {f} has {} corners; it takes at least 3", face.len()));
+        }
+        if let Some(corner) = face.iter().find(|&&corner| corner as usize >= vertices) {
+            return Err(format!("face {f} names vertex {corner}; there are {vertices}, counted from 0"));
+        }
+        for (i, &from) in face.iter().enumerate() {
+            let to = face[(i + 1) % face.len()];
+            if from == to || !edges.insert((from, to)) {
+                return Err(format!("face {f} passes the edge {from}-{to} a second time in the same direction"));
+            }
+        }
+    }
+    match edges.iter().find(|&&(from, to)| !edges.contains(&(to, from))) {
+        Some((from, to)) => {
+            Err(format!("the edge {from}-{to} has a face on one side only; the surface must be closed"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The report of a file that brings none: what follows from its aggregates.
+fn figures(spec: &Spec, aggregates: &[Aggregate]) -> Report {
+    let volume = spec.specimen.volume();
+    let asked = spec.grading.classes().into_iter().map(|class| ClassReport {
+        d_min_mm: class.d_min_mm,
+        d_max_mm: class.d_max_mm,
+        target_fraction: class.share * spec.fraction,
+        fraction: 0.0,
+        aggregates: 0,
+    });
+    let mut classes: Vec<_> = asked.collect();
+    for aggregate in aggregates {
+        let class = &mut classes[usize::from(aggregate.class)];
+        class.fraction += aggregate.body.volume() / volume;
+        class.aggregates += 1;
+    }
+    let fraction = classes.iter().map(|class| class.fraction).sum();
+    let reached = fraction >= spec.fraction - 0.001;
+    Report {
+        version: VERSION.to_owned(),
+        seed: spec.seed,
+        target_fraction: spec.fraction,
+        fraction,
+        aggregates: aggregates.len(),
+        discarded: 0,
+        specimen: SpecimenReport { kind: spec.specimen.kind().to_owned(), volume_mm3: volume },
+        grading: "not recorded in the file".to_owned(),
+        strategy: "not recorded in the file".to_owned(),
+        classes,
+        itz_limited: Vec::new(),
+        stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
+        stop_detail: "not recorded in the file".to_owned(),
+        seconds: Seconds::default(),
+        work: Work::default(),
+    }
+}
