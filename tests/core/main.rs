@@ -1,6 +1,8 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+mod exact;
 mod export;
+mod hull;
 mod mesh;
 mod models;
 mod saved;

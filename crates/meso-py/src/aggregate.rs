@@ -6,6 +6,7 @@ use crate::polyhedron::{PyPolyhedron, offset_error};
 use crate::tree::type_name;
 use meso_core::Model;
 use meso_core::aggregate::Aggregate;
+use meso_core::geometry::Face;
 use numpy::PyArray2;
 use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
@@ -44,7 +45,7 @@ impl PyAggregate {
     /// Vertex indices of every face, counter-clockwise from outside: list of lists of int.
     #[getter]
     fn faces(&self) -> Vec<Vec<u32>> {
-        self.0.body.faces().map(<[u32]>::to_vec).collect()
+        self.0.body.faces().map(Face::to_vec).collect()
     }
 
     /// Faces cut into triangles: ndarray, shape (m, 3), int64.

@@ -8,6 +8,8 @@ mod aggregate;
 mod arrays;
 mod boundary;
 mod command;
+mod files;
+mod mesh;
 mod packing;
 mod polyhedron;
 mod run;
@@ -23,6 +25,8 @@ mod _mesocrete {
     use super::aggregate::{PyAggregate, PyAggregates, restore_aggregate};
     #[pymodule_export]
     use super::command::run_command;
+    #[pymodule_export]
+    use super::mesh::PyMesh;
     #[pymodule_export]
     use super::packing::{PyPacking, pack};
     #[pymodule_export]

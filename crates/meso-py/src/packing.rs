@@ -2,6 +2,7 @@
 
 use crate::aggregate::PyAggregates;
 use crate::boundary::guard;
+use crate::mesh::{self, PyMesh};
 use crate::run::{beside_python, check_callable};
 use crate::spec::{self, PySpec};
 use crate::{arrays, tree};
@@ -140,6 +141,40 @@ impl PyPacking {
         plain(py, &self.0.report)
     }
 
+    /// Meshes the packing.
+    ///
+    /// Parameters
+    /// ----------
+    /// method : str, optional
+    ///     How the specimen is divided; "voxel" is the default.
+    /// element_size : float, optional
+    ///     Edge length of the elements, mm; default 2.
+    /// **options
+    ///     The other options of `mesocrete mesh`, e.g. `itz="none"`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError, TypeError
+    ///     Names the option, its value and the accepted range.
+    #[pyo3(signature = (*, method=None, element_size=None, **options))]
+    fn mesh(
+        &self,
+        py: Python<'_>,
+        method: Option<&Bound<'_, PyAny>>,
+        element_size: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyMesh> {
+        guard(|| {
+            let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
+            for (key, value) in [("method", method), ("element_size_mm", element_size)] {
+                if let Some(value) = value {
+                    keywords.set_item(key, value)?;
+                }
+            }
+            mesh::build(py, Arc::clone(&self.0), &keywords)
+        })
+    }
+
     /// The aggregates' outer surfaces as PyVista polygons (needs the extra `plot`).
     fn to_pyvista<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         call_view("packing_to_pyvista", slf, None)
@@ -165,7 +200,7 @@ impl PyPacking {
             points.extend_from_slice(aggregate.body.vertices());
             for face in aggregate.body.faces() {
                 faces.push(face.len() as i64);
-                faces.extend(face.iter().map(|&i| first + i64::from(i)));
+                faces.extend(face.iter().map(|i| first + i64::from(i)));
                 owners.push(i64::from(aggregate.id));
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::boundary::guard;
-use meso_core::geometry::{HullError, OffsetError, Polyhedron, convex_hull as hull, inward_offset};
+use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull, inward_offset};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;
@@ -66,7 +66,7 @@ impl PyPolyhedron {
     /// Vertex indices of every face, counter-clockwise from outside: list of lists of int.
     #[getter]
     fn faces(&self) -> Vec<Vec<u32>> {
-        self.0.faces().map(<[u32]>::to_vec).collect()
+        self.0.faces().map(Face::to_vec).collect()
     }
 
     /// Faces cut into triangles: ndarray, shape (m, 3), int64.

@@ -1,7 +1,17 @@
 //! Convex hull of points, with exact predicates.
+//!
+//! The hull grows point by point ([`surface`]) on triangles; then coplanar triangles become polygons and points
+//! inside faces and edges are dropped ([`polygons`]). No tolerance is involved: every sign is exact, so the vertices
+//! are exactly the extreme points and the faces exactly the facets.
+
+mod polygons;
+mod surface;
 
 use super::Polyhedron;
+use super::predicates::in_range;
 use crate::math::Vec3;
+use polygons::Polygons;
+use surface::Surface;
 
 /// Why points have no solid hull.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,9 +41,77 @@ pub enum HullError {
 
 /// The convex hull of `points` (mm): exact extreme set, outward faces, coplanar triangles merged into polygons.
 ///
+/// Vertices keep the order of `points`. Every face begins with its smallest vertex index, and the faces stand in
+/// ascending order of their first two indices: the result depends on the points alone.
+///
 /// # Errors
 /// See [`HullError`].
 pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
-    let _ = points;
-    todo!("landed by the geometry change")
+    HullBuilder::default().build(points)
+}
+
+/// [`convex_hull`] with memory that is kept from one hull to the next: for whoever makes thousands of them.
+#[derive(Clone, Debug, Default)]
+pub struct HullBuilder {
+    surface: Surface,
+    polygons: Polygons,
+    /// Position of every point among the hull's vertices.
+    rank: Vec<u32>,
+}
+
+impl HullBuilder {
+    /// As [`convex_hull`].
+    ///
+    /// # Errors
+    /// See [`HullError`].
+    pub fn build(&mut self, points: &[Vec3]) -> Result<Polyhedron, HullError> {
+        check(points)?;
+        self.surface.build(points)?;
+        self.polygons.collect(&self.surface, points);
+        Ok(self.polyhedron(points))
+    }
+
+    /// The collected polygons over the points that are their corners, in the canonical order.
+    fn polyhedron(&mut self, points: &[Vec3]) -> Polyhedron {
+        self.polygons.sort();
+        self.rank.clear();
+        self.rank.resize(points.len(), 0);
+        for &corner in &self.polygons.corners {
+            self.rank[corner as usize] = 1;
+        }
+        let vertices: Box<[Vec3]> = points.iter().zip(&self.rank).filter(|(_, r)| **r == 1).map(|(p, _)| *p).collect();
+        let mut count = 0;
+        for rank in &mut self.rank {
+            count += std::mem::replace(rank, count);
+        }
+        for corner in &mut self.polygons.corners {
+            *corner = self.rank[*corner as usize];
+        }
+        Polyhedron::from_lists(vertices, &self.polygons.corners, &self.polygons.ends)
+    }
+}
+
+/// The dimension of the smallest affine space that holds all `points`: 0 to 3, exactly.
+///
+/// # Errors
+/// As [`HullError`], for points that cannot be read.
+pub fn affine_dimension(points: &[Vec3]) -> Result<u8, HullError> {
+    check(points)?;
+    match surface::affine_basis(points) {
+        Ok(_) => Ok(3),
+        Err(dimension) => Ok(dimension),
+    }
+}
+
+fn check(points: &[Vec3]) -> Result<(), HullError> {
+    if points.is_empty() {
+        return Err(HullError::Empty);
+    }
+    for (index, point) in points.iter().enumerate() {
+        if !point.iter().all(|x| in_range(*x)) {
+            let finite = point.iter().all(|x| x.is_finite());
+            return Err(if finite { HullError::OutOfRange { index } } else { HullError::NotFinite { index } });
+        }
+    }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! A convex polyhedron: vertices and outward polygonal faces, with its exact integrals.
 
+use super::faces::{Face, FaceList};
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 
 /// A closed convex polyhedron.
@@ -8,11 +9,8 @@ use crate::math::{Aabb, Mat3, Rotation, Vec3};
 /// [`convex_hull`](crate::geometry::convex_hull) is the way to make one that is convex by construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
-    vertices: Vec<Vec3>,
-    /// Vertex indices of all faces, one face after the other.
-    indices: Vec<u32>,
-    /// `face_ends[f]` is one past the last index of face `f`.
-    face_ends: Vec<u32>,
+    vertices: Box<[Vec3]>,
+    faces: FaceList,
 }
 
 /// A face plane: the body lies where `normal . x <= offset`.
@@ -38,13 +36,17 @@ pub struct MassProperties {
 impl Polyhedron {
     /// Keeps `vertices` and `faces` as they are; they must form a closed convex surface.
     pub fn from_parts<F: AsRef<[u32]>>(vertices: Vec<Vec3>, faces: impl IntoIterator<Item = F>) -> Self {
-        let mut indices = Vec::new();
-        let mut face_ends = Vec::new();
+        let (mut corners, mut ends) = (Vec::new(), Vec::new());
         for face in faces {
-            indices.extend_from_slice(face.as_ref());
-            face_ends.push(indices.len() as u32);
+            corners.extend_from_slice(face.as_ref());
+            ends.push(corners.len() as u32);
         }
-        Self { vertices, indices, face_ends }
+        Self::from_lists(vertices.into_boxed_slice(), &corners, &ends)
+    }
+
+    /// As [`Polyhedron::from_parts`], from the corners of all faces and where each face ends.
+    pub(super) fn from_lists(vertices: Box<[Vec3]>, corners: &[u32], ends: &[u32]) -> Self {
+        Self { vertices, faces: FaceList::new(corners, ends) }
     }
 
     /// Vertex positions, mm.
@@ -53,16 +55,13 @@ impl Polyhedron {
     }
 
     /// Faces as vertex indices, counter-clockwise from outside.
-    pub fn faces(&self) -> impl ExactSizeIterator<Item = &[u32]> {
-        (0..self.face_ends.len()).map(|f| {
-            let start = if f == 0 { 0 } else { self.face_ends[f - 1] };
-            &self.indices[start as usize..self.face_ends[f] as usize]
-        })
+    pub fn faces(&self) -> impl ExactSizeIterator<Item = Face<'_>> {
+        (0..self.faces.len()).map(|f| self.faces.face(f))
     }
 
     /// Faces cut into triangles, fan-wise from their first vertex.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
-        self.faces().flat_map(|face| (1..face.len() - 1).map(move |i| [face[0], face[i], face[i + 1]]))
+        self.faces().flat_map(Face::triangles)
     }
 
     /// The planes of the faces, in face order.
@@ -70,18 +69,16 @@ impl Polyhedron {
         self.faces().map(|face| {
             let normal = self.face_vector_area(face).normalize();
             // The plane that leaves every vertex of the face inside: rounding must not cut the body.
-            let offset = face.iter().map(|&i| normal.dot(&self.vertices[i as usize])).fold(f64::NEG_INFINITY, f64::max);
+            let offset = face.iter().map(|i| normal.dot(&self.vertices[i as usize])).fold(f64::NEG_INFINITY, f64::max);
             Plane { normal, offset }
         })
     }
 
-    /// Twice nothing, once the area: the vector area of a face (outward, its length is the area in mm2).
-    fn face_vector_area(&self, face: &[u32]) -> Vec3 {
-        let origin = self.vertices[face[0] as usize];
-        (1..face.len() - 1).fold(Vec3::zeros(), |sum, i| {
-            let u = self.vertices[face[i] as usize] - origin;
-            let v = self.vertices[face[i + 1] as usize] - origin;
-            sum + u.cross(&v) * 0.5
+    /// The vector area of a face: outward, as long as the face is large (mm2).
+    fn face_vector_area(&self, face: Face) -> Vec3 {
+        face.triangles().fold(Vec3::zeros(), |sum, t| {
+            let [a, b, c] = t.map(|i| self.vertices[i as usize]);
+            sum + (b - a).cross(&(c - a)) * 0.5
         })
     }
 
@@ -145,10 +142,6 @@ impl Polyhedron {
 
     /// The same faces over vertices mapped by `map`, which must keep the orientation.
     pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
-        Self {
-            vertices: self.vertices.iter().map(map).collect(),
-            indices: self.indices.clone(),
-            face_ends: self.face_ends.clone(),
-        }
+        Self { vertices: self.vertices.iter().map(map).collect(), faces: self.faces.clone() }
     }
 }

@@ -1,0 +1,104 @@
+//! Polygon lists in as few bytes as their indices need: a million grains live in memory at once.
+
+/// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FaceList {
+    corners: Indices,
+    /// `ends[f]` is one past the last corner of face `f`; absent where every face is a triangle.
+    ends: Option<Indices>,
+}
+
+/// One face of a polyhedron: its vertex indices, counter-clockwise from outside.
+#[derive(Clone, Copy, Debug)]
+pub struct Face<'a> {
+    corners: &'a Indices,
+    start: usize,
+    end: usize,
+}
+
+/// Indices in the narrowest type that holds the largest of them.
+#[derive(Clone, Debug, PartialEq)]
+enum Indices {
+    U8(Box<[u8]>),
+    U16(Box<[u16]>),
+    U32(Box<[u32]>),
+}
+
+impl FaceList {
+    /// Stores the faces whose corners are `corners[0..ends[0]]`, `corners[ends[0]..ends[1]]`, ...
+    pub(super) fn new(corners: &[u32], ends: &[u32]) -> Self {
+        let triangles = ends.iter().zip(1..).all(|(&end, count)| end == 3 * count);
+        Self { corners: Indices::new(corners), ends: (!triangles).then(|| Indices::new(ends)) }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.ends.as_ref().map_or(self.corners.len() / 3, Indices::len)
+    }
+
+    pub(super) fn face(&self, f: usize) -> Face<'_> {
+        let (start, end) = match &self.ends {
+            None => (3 * f, 3 * f + 3),
+            Some(ends) => (if f == 0 { 0 } else { ends.get(f - 1) as usize }, ends.get(f) as usize),
+        };
+        Face { corners: &self.corners, start, end }
+    }
+}
+
+impl<'a> Face<'a> {
+    /// Number of vertices.
+    #[expect(clippy::len_without_is_empty, reason = "no face is empty")]
+    pub fn len(self) -> usize {
+        self.end - self.start
+    }
+
+    /// The index of the face's `k`-th vertex.
+    ///
+    /// # Panics
+    /// Where `k` is not less than [`Face::len`].
+    pub fn vertex(self, k: usize) -> u32 {
+        assert!(k < self.len(), "vertex {k} of a face with {}", self.len());
+        self.corners.get(self.start + k)
+    }
+
+    /// The vertex indices in order.
+    pub fn iter(self) -> impl ExactSizeIterator<Item = u32> + use<'a> {
+        (self.start..self.end).map(move |k| self.corners.get(k))
+    }
+
+    /// The vertex indices as a list.
+    pub fn to_vec(self) -> Vec<u32> {
+        self.iter().collect()
+    }
+
+    /// The face cut into triangles, fan-wise from its first vertex.
+    pub fn triangles(self) -> impl Iterator<Item = [u32; 3]> + use<'a> {
+        let at = move |k| self.corners.get(self.start + k);
+        (2..self.len()).map(move |k| [at(0), at(k - 1), at(k)])
+    }
+}
+
+impl Indices {
+    fn new(values: &[u32]) -> Self {
+        match values.iter().max() {
+            Some(&max) if max > u32::from(u16::MAX) => Self::U32(values.into()),
+            Some(&max) if max > u32::from(u8::MAX) => Self::U16(values.iter().map(|&i| i as u16).collect()),
+            _ => Self::U8(values.iter().map(|&i| i as u8).collect()),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::U8(values) => values.len(),
+            Self::U16(values) => values.len(),
+            Self::U32(values) => values.len(),
+        }
+    }
+
+    fn get(&self, k: usize) -> u32 {
+        match self {
+            Self::U8(values) => u32::from(values[k]),
+            Self::U16(values) => u32::from(values[k]),
+            Self::U32(values) => values[k],
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! Files for the core's readers and writers, which open none: by extension, and whole or not at all.
+
+use crate::boundary::file_error;
+use meso_core::export::{abaqus, vtu_mesh};
+use meso_core::mesh::Mesh;
+use pyo3::exceptions::{PyFileExistsError, PyValueError};
+use pyo3::prelude::*;
+use std::ffi::OsStr;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Writes a mesh in the format that the extension of `path` names.
+///
+/// # Errors
+/// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
+pub(crate) fn write_mesh(mesh: &Mesh, path: &Path, overwrite: bool) -> PyResult<()> {
+    match extension(path) {
+        "inp" => write_whole(path, overwrite, |out| abaqus::write(mesh, &abaqus::DeckOptions::default(), out)),
+        "vtu" => write_whole(path, overwrite, |out| vtu_mesh::write(mesh, &[], out)),
+        _ => Err(unknown_format(path, ".inp, .vtu")),
+    }
+}
+
+fn extension(path: &Path) -> &str {
+    path.extension().and_then(OsStr::to_str).unwrap_or("")
+}
+
+fn unknown_format(path: &Path, known: &str) -> PyErr {
+    PyValueError::new_err(format!("{}: the extension names no format; it must be one of {known}", path.display()))
+}
+
+/// Lets `write` fill a file beside `path` and moves it there when it is complete.
+fn write_whole(path: &Path, overwrite: bool, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> PyResult<()> {
+    if !overwrite && path.exists() {
+        return Err(PyFileExistsError::new_err(format!("{} exists; overwrite=True replaces it", path.display())));
+    }
+    fill_and_move(path, write).map_err(|error| file_error(path, error))
+}
+
+fn fill_and_move(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let file = new_file(folder)?;
+    let mut out = BufWriter::with_capacity(1 << 20, file);
+    write(&mut out)?;
+    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.as_file().sync_all()?;
+    file.persist(path).map(drop).map_err(|failed| failed.error)
+}
+
+/// A temporary file that, unlike tempfile's default, gets the permissions any new file gets.
+fn new_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".mesocrete-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}

@@ -1,0 +1,113 @@
+//! `Mesh`: points, cells and the phase of every cell.
+
+use crate::arrays;
+use crate::boundary::guard;
+use crate::files;
+use crate::packing::{call_view, plain};
+use crate::run::beside_python;
+use crate::spec::spec_error;
+use crate::tree::from_python;
+use meso_core::mesh::{self, CellKind, Mesh, MeshOptions, NO_AGGREGATE, PhaseVolumes};
+use meso_core::{Model, spec};
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A mesh of a packing.
+#[pyclass(name = "Mesh", module = "mesocrete", frozen, eq)]
+#[derive(PartialEq)]
+pub(crate) struct PyMesh(Arc<Mesh>);
+
+/// Meshes `model` with the options that Python's keywords name.
+pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
+    let value = from_python("", keywords.as_any())?;
+    let options: MeshOptions = spec::options_from_value(&value).map_err(|error| spec_error(&error))?;
+    let built = beside_python(py, None, move |_| mesh::build(&model, &options))?;
+    built.map(|mesh| PyMesh(Arc::new(mesh))).map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+#[pymethods]
+impl PyMesh {
+    /// Node positions: ndarray, shape (n, 3), float64, mm; a copy.
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        arrays::from_points(py, &self.0.points)
+    }
+
+    /// Node indices of every cell, in the order of Abaqus and VTK: ndarray, shape (m, nodes), int64; a copy.
+    #[getter]
+    fn cells<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        arrays::from_indices(py, self.0.cells.iter().copied(), self.0.kind.nodes())
+    }
+
+    /// The cells' shape, by its name in meshio: "tetra" or "hexahedron".
+    #[getter]
+    fn cell_type(&self) -> &'static str {
+        match self.0.kind {
+            CellKind::Tetrahedron => "tetra",
+            CellKind::Hexahedron => "hexahedron",
+        }
+    }
+
+    /// Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate; a copy.
+    #[getter]
+    fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        PyArray1::from_vec(py, self.0.phase.iter().map(|&phase| phase as u8).collect())
+    }
+
+    /// Id of the aggregate every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
+    #[getter]
+    fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let id = |&id: &u32| if id == NO_AGGREGATE { -1 } else { i64::from(id) };
+        PyArray1::from_vec(py, self.0.aggregate.iter().map(id).collect())
+    }
+
+    /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`.
+    fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let volumes = py.detach(|| PhaseVolumes::of_mesh(&self.0));
+        plain(py, &volumes)
+    }
+
+    /// Writes the mesh, whole or not at all; the extension names the format.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For an extension that names no mesh format; the message lists them.
+    /// OSError
+    ///     Where the file cannot be written.
+    #[pyo3(signature = (path, *, overwrite=true))]
+    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+        guard(|| py.detach(|| files::write_mesh(&self.0, &path, overwrite)))
+    }
+
+    /// The mesh as a PyVista unstructured grid (needs the extra `plot`).
+    fn to_pyvista<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("mesh_to_pyvista", slf, None)
+    }
+
+    /// The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`).
+    fn to_meshio<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("mesh_to_meshio", slf, None)
+    }
+
+    /// Number of cells.
+    fn __len__(&self) -> usize {
+        self.0.cell_count()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Mesh({} points, {} cells of type {})", self.0.points.len(), self.0.cell_count(), self.cell_type())
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+}

@@ -1,0 +1,43 @@
+//! Exact integer vectors for reference computations: coordinates in units of 2^-300.
+
+use meso_core::math::Vec3;
+use num_bigint::BigInt;
+use num_traits::ToPrimitive;
+
+pub(crate) type Big3 = [BigInt; 3];
+
+/// `x` in units of 2^-300; exact for 0 and magnitudes from 2^-247.
+pub(crate) fn big(x: f64) -> BigInt {
+    let bits = x.abs().to_bits();
+    let (exponent, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
+    let mantissa = BigInt::from(if exponent == 0 { fraction } else { fraction | (1 << 52) });
+    let shift = exponent.max(1) - 1075 + 300;
+    let magnitude = if shift >= 0 { mantissa << shift } else { mantissa >> -shift };
+    if x < 0.0 { -magnitude } else { magnitude }
+}
+
+pub(crate) fn exact(points: &[Vec3]) -> Vec<Big3> {
+    points.iter().map(|p| [p.x, p.y, p.z].map(big)).collect()
+}
+
+pub(crate) fn minus(a: &Big3, b: &Big3) -> Big3 {
+    [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
+}
+
+pub(crate) fn cross(a: &Big3, b: &Big3) -> Big3 {
+    [&a[1] * &b[2] - &a[2] * &b[1], &a[2] * &b[0] - &a[0] * &b[2], &a[0] * &b[1] - &a[1] * &b[0]]
+}
+
+pub(crate) fn dot(a: &Big3, b: &Big3) -> BigInt {
+    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
+}
+
+pub(crate) fn is_zero(v: &Big3) -> bool {
+    v.iter().all(|x| *x == BigInt::ZERO)
+}
+
+/// a / b - 1, for messages; `b` is not 0.
+pub(crate) fn ratio(a: &BigInt, b: &BigInt) -> f64 {
+    let difference: BigInt = (a - b) << 100_u32;
+    (difference / b).to_f64().unwrap_or(f64::NAN) / (1_u128 << 100) as f64
+}
