@@ -10,6 +10,7 @@ mod read;
 pub use read::{ReadError, read};
 
 use crate::aggregate::Aggregate;
+use crate::geometry::Face;
 use crate::model::Model;
 use crate::packing::{Report, Seconds};
 use serde::Serialize;
@@ -59,11 +60,11 @@ fn write_aggregate(aggregate: &Aggregate, out: &mut impl Write) -> io::Result<()
     out.write_all(b",\"vertices\":")?;
     rows(out, aggregate.body.vertices().iter().map(|v| <[f64; 3]>::from(*v)))?;
     out.write_all(b",\"faces\":")?;
-    rows(out, aggregate.body.faces())?;
+    rows(out, aggregate.body.faces().map(Face::to_vec))?;
     out.write_all(b"}")
 }
 
-/// A list of rows, without a copy of them.
+/// A list of rows, without a copy of all of them.
 fn rows(out: &mut impl Write, rows: impl Iterator<Item = impl Serialize>) -> io::Result<()> {
     for (i, row) in rows.enumerate() {
         out.write_all(if i == 0 { b"[" } else { b"," })?;

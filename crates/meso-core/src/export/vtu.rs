@@ -5,6 +5,7 @@
 //! order of the arrays, and one line break after the last.
 
 use crate::aggregate::Aggregate;
+use crate::geometry::Face;
 use crate::mesh::Phase;
 use std::io::{self, BufWriter, Write};
 
@@ -41,7 +42,7 @@ impl Size {
         Self {
             points: sum(|a| a.body.vertices().len()),
             cells: sum(|a| a.body.faces().len()),
-            corners: sum(|a| a.body.faces().map(<[u32]>::len).sum()),
+            corners: sum(|a| a.body.faces().map(Face::len).sum()),
         }
     }
 }
@@ -96,7 +97,7 @@ fn connectivity(aggregates: &[Aggregate], size: &Size, out: &mut impl Write) -> 
     let nodes = aggregates.iter().flat_map(|aggregate| {
         let offset = first;
         first += aggregate.body.vertices().len() as i32;
-        aggregate.body.faces().flatten().map(move |&i| (offset + i as i32).to_le_bytes())
+        aggregate.body.faces().flat_map(Face::iter).map(move |i| (offset + i as i32).to_le_bytes())
     });
     array(out, 4 * size.corners, nodes)
 }
