@@ -2,27 +2,55 @@
 
 use crate::boundary::file_error;
 use meso_core::export::{abaqus, vtu_mesh};
-use meso_core::mesh::Mesh;
+use meso_core::formats::Format;
+use meso_core::mesh::{self, Mesh, MeshOptions};
+use meso_core::{Model, saved};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use std::ffi::OsStr;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+/// Reads a saved model.
+///
+/// # Errors
+/// `OSError` where the file cannot be read, `ValueError` with its name where it is no model.
+pub(crate) fn load(path: &Path) -> PyResult<Model> {
+    let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
+    saved::read(&bytes).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
+}
+
+/// Writes a model in the format that the extension of `path` names; a deck gets the default mesh.
+///
+/// # Errors
+/// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
+pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool) -> PyResult<()> {
+    if let Some(format) = Format::from_path(path) {
+        return write_whole(path, overwrite, |out| format.write(model, out));
+    }
+    if extension(path) == "inp" {
+        let mesh = mesh::build(model, &MeshOptions::default());
+        return write_mesh(&mesh.map_err(|error| PyValueError::new_err(error.to_string()))?, path, overwrite);
+    }
+    let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(", ");
+    Err(unknown_format(path, &format!("{known}, .inp")))
+}
+
 /// Writes a mesh in the format that the extension of `path` names.
 ///
 /// # Errors
 /// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
 pub(crate) fn write_mesh(mesh: &Mesh, path: &Path, overwrite: bool) -> PyResult<()> {
-    match extension(path) {
+    match extension(path).as_str() {
         "inp" => write_whole(path, overwrite, |out| abaqus::write(mesh, &abaqus::DeckOptions::default(), out)),
         "vtu" => write_whole(path, overwrite, |out| vtu_mesh::write(mesh, &[], out)),
         _ => Err(unknown_format(path, ".inp, .vtu")),
     }
 }
 
-fn extension(path: &Path) -> &str {
-    path.extension().and_then(OsStr::to_str).unwrap_or("")
+/// In lower case, without its dot.
+fn extension(path: &Path) -> String {
+    path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase()
 }
 
 fn unknown_format(path: &Path, known: &str) -> PyErr {

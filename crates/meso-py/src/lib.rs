@@ -28,7 +28,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::mesh::PyMesh;
     #[pymodule_export]
-    use super::packing::{PyPacking, pack};
+    use super::packing::{PyPacking, load, pack, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]

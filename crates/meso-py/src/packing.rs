@@ -5,13 +5,14 @@ use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
 use crate::run::{beside_python, check_callable};
 use crate::spec::{self, PySpec};
-use crate::{arrays, tree};
-use meso_core::Model;
+use crate::{arrays, files, tree};
+use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict};
+use pyo3::types::{PyBool, PyBytes, PyDict, PyTuple};
 use serde::Serialize;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 type Surfaces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
@@ -88,6 +89,19 @@ fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
     })
 }
 
+/// Reads a saved model.
+///
+/// Raises
+/// ------
+/// OSError
+///     Where the file cannot be read.
+/// ValueError
+///     Where it is no model; the message says what is wrong and where.
+#[pyfunction]
+pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyPacking> {
+    guard(|| Ok(PyPacking(Arc::new(py.detach(|| files::load(&path))?))))
+}
+
 /// A serialisable value as Python's own types.
 pub(crate) fn plain<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let tree = serde_json::to_value(value).map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -139,6 +153,23 @@ impl PyPacking {
     /// What was reached, and what it cost: a dict with the keys of `--summary-json`.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         plain(py, &self.0.report)
+    }
+
+    /// Writes the packing, whole or not at all; the extension names the format.
+    ///
+    /// `.json` is the saved model, `.vtu` and `.stl` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus
+    /// deck of the default mesh (`mesh()` has the options).
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For an extension that names no format; the message lists them.
+    /// OSError
+    ///     Where the file cannot be written, or exists and `overwrite` is False.
+    #[pyo3(signature = (path, *, overwrite=true))]
+    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+        let model = Arc::clone(&self.0);
+        guard(|| beside_python(py, None, move |_| files::write_model(&model, &path, overwrite))?)
     }
 
     /// Meshes the packing.
@@ -229,4 +260,23 @@ impl PyPacking {
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
         slf
     }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_packing")?;
+        let mut model = Vec::new();
+        saved::write(&self.0, &mut model)?;
+        let report = serde_json::to_string(&self.0.report).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        (restore, (PyBytes::new(py, &model), report)).into_pyobject(py)
+    }
+}
+
+/// Unpickles a `Packing`: the bytes of a saved model, which names its version, and the report with its seconds.
+#[pyfunction(name = "_restore_packing")]
+pub(crate) fn restore_packing(py: Python<'_>, model: &[u8], report: &str) -> PyResult<PyPacking> {
+    let damaged = |error: String| PyValueError::new_err(format!("the pickle is damaged: {error}"));
+    guard(|| {
+        let mut model = py.detach(|| saved::read(model)).map_err(|error| damaged(error.to_string()))?;
+        model.report = serde_json::from_str(report).map_err(|error| damaged(error.to_string()))?;
+        Ok(PyPacking(Arc::new(model)))
+    })
 }

@@ -12,11 +12,13 @@ from collections.abc import Sequence
 from ._mesocrete import (
     Aggregate,
     Aggregates,
+    Mesh,
     Packing,
     Polyhedron,
     Spec,
     __version__,
     convex_hull,
+    load,
     pack,
 )
 
@@ -25,10 +27,12 @@ Sequence.register(Aggregates)
 __all__ = [
     "Aggregate",
     "Aggregates",
+    "Mesh",
     "Packing",
     "Polyhedron",
     "Spec",
     "__version__",
     "convex_hull",
+    "load",
     "pack",
 ]

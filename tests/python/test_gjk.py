@@ -1,0 +1,144 @@
+"""Collision of convex hulls of points: closed sets, every answer certified."""
+
+import itertools
+import threading
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import mesocrete as mc
+from mesocrete import gjk
+
+METHODS = ["enhanced", "classical", "signed-volumes", "exact"]
+CUBE = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+# Integers keep the reference exact, and meet flat, collinear, repeated and touching bodies all the time.
+GRID = st.lists(st.tuples(*[st.integers(-3, 3)] * 3), min_size=1, max_size=7).map(lambda rows: np.array(rows, float))
+
+
+def ball(rng, center, radius, count=25):
+    points = rng.normal(size=(count, 3))
+    return center + radius * points / np.linalg.norm(points, axis=1)[:, None]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_touching_cubes_overlap_and_one_ulp_apart_they_do_not(method):
+    assert gjk.intersects(CUBE, CUBE + [1.0, 0.0, 0.0], method=method)
+    assert gjk.intersects(CUBE, CUBE + [1.0, 1.0, 1.0], method=method)
+    gap = np.nextafter(1.0, 2.0)
+    assert not gjk.intersects(CUBE, CUBE + [gap, 0.0, 0.0], method=method)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bodies_may_be_points_segments_and_polygons(method):
+    segment = [[-1, 0.5, 0.5], [2, 0.5, 0.5]]
+    polygon = [[0.5, -1, -1], [0.5, 2, -1], [0.5, 0, 3]]
+    point = [[0.5, 0.5, 0.5]]
+    for a, b in itertools.combinations([CUBE, segment, polygon, point], 2):
+        assert gjk.intersects(a, b, method=method)
+        assert not gjk.intersects(a, np.add(b, [0, 9, 0]), method=method)
+
+
+@given(GRID, GRID)
+@settings(max_examples=300, deadline=None)
+def test_all_methods_agree_on_small_integer_bodies(a, b):
+    answers = {gjk.intersects(a, b, method=method) for method in METHODS}
+    assert len(answers) == 1
+    assert answers == {gjk.distance(a, b) == 0.0}
+    assert answers == {gjk.intersects(b[::-1], np.repeat(a, 2, axis=0))}
+
+
+def linear_program_says_they_intersect(a, b):
+    """A point of both hulls as the feasible point of a linear program, on integers far from its tolerance."""
+    optimize = pytest.importorskip("scipy.optimize")
+    ones, zeros = np.ones, np.zeros
+    equalities = np.vstack(
+        [np.hstack([a.T, -b.T]), np.r_[ones(len(a)), zeros(len(b))], np.r_[zeros(len(a)), ones(len(b))]]
+    )
+    result = optimize.linprog(zeros(len(a) + len(b)), A_eq=equalities, b_eq=[0, 0, 0, 1, 1])
+    return result.status == 0
+
+
+def test_answers_match_a_linear_program_on_random_integer_pairs():
+    pytest.importorskip("scipy")
+    rng = np.random.default_rng(11)
+    hits = 0
+    for _ in range(300):
+        a, b = (rng.integers(-4, 5, size=(rng.integers(1, 9), 3)).astype(float) for _ in range(2))
+        b = b + rng.integers(-3, 4, size=3)
+        expected = linear_program_says_they_intersect(a, b)
+        hits += expected
+        assert gjk.intersects(a, b) == expected
+    assert 90 < hits < 210, "the pairs must be neither all apart nor all overlapping"
+
+
+def test_distance_of_boxes_is_the_exact_one():
+    assert gjk.distance(CUBE, CUBE + [4.0, 5.0, 0.0]) == 5.0
+    assert gjk.distance(CUBE, CUBE + [1.0, 0.0, 0.0]) == 0.0
+    assert gjk.distance([[0, 0, 0]], [[1, 2, 2]]) == 3.0
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(1e-12, 10.0))
+@settings(max_examples=100, deadline=None)
+def test_distance_is_zero_exactly_when_they_intersect(seed, shift):
+    rng = np.random.default_rng(seed)
+    a, b = ball(rng, np.zeros(3), 1.0), ball(rng, np.array([1.0 + shift, 0.2, 0.1]), 1.0)
+    assert (gjk.distance(a, b) == 0.0) == gjk.intersects(a, b)
+
+
+def test_many_answers_are_the_single_ones():
+    rng = np.random.default_rng(3)
+    a = ball(rng, np.zeros(3), 1.0)
+    bodies = [ball(rng, rng.uniform(-2, 2, size=3), 0.7, count=int(rng.integers(4, 30))) for _ in range(5000)]
+    expected = np.array([gjk.intersects(a, b) for b in bodies])
+    assert 0.2 < expected.mean() < 0.8
+    for method in METHODS[:3]:
+        many = gjk.intersects_many(a, bodies, method=method)
+        assert many.dtype == bool
+        assert np.array_equal(many, expected)
+
+
+def test_many_takes_any_iterable_and_no_bodies_at_all():
+    assert gjk.intersects_many(CUBE, []).shape == (0,)
+    assert gjk.intersects_many(CUBE, (CUBE + s for s in (0.0, 2.0))).tolist() == [True, False]
+    assert gjk.intersects_many(CUBE, np.stack([CUBE, CUBE + 2.0])).tolist() == [True, False]
+    with pytest.raises(TypeError, match="iterable"):
+        gjk.intersects_many(CUBE, 3)
+
+
+def test_unknown_methods_are_named_with_those_there_are():
+    with pytest.raises(ValueError, match="'?\"?newton.*enhanced.*classical"):
+        gjk.intersects(CUBE, CUBE, method="newton")
+    with pytest.raises(TypeError):
+        gjk.intersects(CUBE, CUBE, method=3)
+
+
+def test_eight_threads_get_the_serial_answers():
+    rng = np.random.default_rng(5)
+    pairs = [(ball(rng, np.zeros(3), 1.0), ball(rng, rng.uniform(-1.5, 1.5, 3), 1.0)) for _ in range(100)]
+    serial = [(gjk.intersects(a, b), gjk.distance(a, b)) for a, b in pairs]
+    results = [None] * 8
+
+    def work(slot):
+        results[slot] = [[(gjk.intersects(a, b), gjk.distance(a, b)) for a, b in pairs] for _ in range(20)]
+
+    threads = [threading.Thread(target=work, args=(slot,)) for slot in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(round_ == serial for result in results for round_ in result)
+
+
+def test_memory_stays_flat_over_many_calls():
+    resource = pytest.importorskip("resource")
+    small = CUBE[:4]
+    def calls(count):
+        for _ in range(count):
+            gjk.intersects(CUBE, small)
+            mc.convex_hull(CUBE).vertices
+    calls(5_000)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    calls(50_000)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2_000  # KB; a leak of 40 bytes a call shows

@@ -1,0 +1,151 @@
+"""Long work beside Python: the GIL is free, Ctrl-C is heard, progress is told."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+import mesocrete as mc
+
+# Some ten seconds of work, wherever it is stopped.
+LONG = {
+    "specimen": {"kind": "cube", "side_mm": 300.0},
+    "fraction": 0.6,
+    "placement": {"strategy": "take-and-place", "attempts": 50_000, "time_limit_s": 60.0},
+}
+
+
+class Stop(Exception):
+    pass
+
+
+def interrupted_pack(delay):
+    """Packs until SIGINT comes after `delay` seconds; returns how long Ctrl-C took to be heard."""
+    sent = []
+
+    def send():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(delay, send)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            mc.pack(LONG)
+        return time.monotonic() - sent[0]
+    finally:
+        timer.cancel()
+        timer.join()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
+@pytest.mark.parametrize("delay", [0.05, 0.3, 1.0])
+def test_ctrl_c_is_heard_within_a_fifth_of_a_second(delay):
+    assert interrupted_pack(delay) < 0.2
+    # and the module goes on working
+    assert len(mc.pack({"specimen": {"kind": "cube", "side_mm": 40.0}}, fraction=0.1)) > 0
+
+
+def test_other_threads_run_while_it_packs():
+    def count(seconds):
+        counter, end = 0, time.monotonic() + seconds
+        while time.monotonic() < end:
+            counter += 1
+        return counter
+
+    alone = count(0.5)
+    stop = threading.Event()
+    thread = threading.Thread(target=lambda: mc.pack(LONG, progress=lambda *_: not stop.is_set()))
+    thread.start()
+    time.sleep(0.1)
+    beside = count(0.5)
+    stop.set()
+    thread.join(timeout=30)
+    assert not thread.is_alive()
+    # Two workers may leave this thread a third of two cores; a held GIL would leave it nothing.
+    assert beside > 0.15 * alone
+
+
+def test_progress_is_told_fraction_and_target(small_spec):
+    seen = []
+    packing = mc.pack(small_spec, progress=lambda fraction, target: seen.append((fraction, target)))
+    assert seen, "at least the end is told"
+    assert all(0.0 <= fraction <= 1.0 for fraction, _ in seen)
+    assert seen[-1][1] == pytest.approx(0.35)
+    assert packing.report()["stop_reason"] == "target-reached"
+
+
+def test_progress_that_says_no_gets_the_best_packing_found():
+    start = time.monotonic()
+    packing = mc.pack(LONG, progress=lambda fraction, target: time.monotonic() - start < 0.5)
+    assert time.monotonic() - start < 5.0
+    assert packing.report()["stop_reason"] == "interrupted"
+    assert 0.0 < packing.fraction < 0.6
+
+
+def test_what_progress_raises_comes_out():
+    def progress(fraction, target):
+        raise Stop("mine")
+
+    start = time.monotonic()
+    with pytest.raises(Stop, match="mine"):
+        mc.pack(LONG, progress=progress)
+    assert time.monotonic() - start < 5.0
+
+
+def test_threads_pack_at_once_and_get_the_serial_result(small_spec, packing):
+    results = [None] * 4
+
+    def work(slot):
+        results[slot] = mc.pack(small_spec, seed=7)
+
+    threads = [threading.Thread(target=work, args=(slot,)) for slot in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(result == packing for result in results)
+
+
+def pack_in_child(seed):
+    packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 60.0}, "fraction": 0.35}, seed=seed)
+    return packing, packing.mesh(element_size=6.0).volumes()
+
+
+@pytest.mark.parametrize("method", multiprocessing.get_all_start_methods())
+def test_processes_started_in_every_way_pack_too(method, packing):
+    with multiprocessing.get_context(method).Pool(2) as pool:
+        (again, volumes), (other, _) = pool.map_async(pack_in_child, [7, 8]).get(timeout=60)
+    assert again == packing
+    assert other != packing
+    assert volumes == packing.mesh(element_size=6.0).volumes()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
+def test_the_command_ends_with_130_on_ctrl_c_and_leaves_no_file(command, tmp_path):
+    (tmp_path / "spec.toml").write_text(mc.Spec(**LONG).to_toml(), encoding="utf-8")
+    process = subprocess.Popen([command, "pack", "spec.toml", "-o", "model.json"], cwd=tmp_path, stderr=subprocess.PIPE)
+    time.sleep(1.5)
+    sent = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    message = process.communicate(timeout=30)[1].decode()
+    assert process.returncode == 130, message
+    assert time.monotonic() - sent < 2.0
+    assert "panicked" not in message
+    assert "Traceback" not in message
+    assert os.listdir(tmp_path) == ["spec.toml"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="counts tasks in /proc")
+def test_no_worker_is_left_behind(small_spec):
+    mc.pack(small_spec)
+    deadline = time.monotonic() + 5.0
+    while len(os.listdir("/proc/self/task")) > threading.active_count() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    workers = [open(f"/proc/self/task/{t}/comm").read().strip() for t in os.listdir("/proc/self/task")]
+    assert "mesocrete" not in workers

@@ -1,0 +1,61 @@
+"""The package itself: what it names, what importing it does."""
+
+import importlib.metadata
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import mesocrete as mc
+
+
+def python(code):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True).stdout
+
+
+def test_every_public_name_is_there_and_documented():
+    for name in mc.__all__:
+        assert getattr(mc, name).__doc__, name
+    for name in mc.gjk.__all__:
+        assert getattr(mc.gjk, name).__doc__, name
+
+
+def test_version_is_that_of_the_installed_package():
+    assert mc.__version__ == importlib.metadata.version("mesocrete")
+
+
+def test_types_are_shipped():
+    folder = Path(mc.__file__).parent
+    assert (folder / "py.typed").exists()
+    assert (folder / "_mesocrete.pyi").exists()
+
+
+def test_import_prints_nothing_and_starts_no_thread():
+    code = (
+        "import os, signal, threading, numpy; before = len(os.listdir('/proc/self/task'));"
+        "handler = signal.getsignal(signal.SIGINT); import mesocrete;"
+        "assert signal.getsignal(signal.SIGINT) is handler;"
+        "assert len(os.listdir('/proc/self/task')) == before"
+    )
+    if sys.platform != "linux":
+        code = "import mesocrete"
+    assert python(code) == ""
+
+
+def test_import_takes_less_than_50_ms_beyond_numpy():
+    code = "import numpy, time; t = time.process_time(); import mesocrete; print(time.process_time() - t)"
+    assert min(float(python(code)) for _ in range(3)) < 0.05
+
+
+def test_import_does_not_pull_in_the_optional_libraries():
+    code = "import sys, mesocrete; print([m for m in ('pyvista', 'meshio', 'matplotlib', 'gmsh') if m in sys.modules])"
+    assert python(code) == "[]\n"
+
+
+def test_aggregates_are_a_sequence():
+    assert issubclass(mc.Aggregates, Sequence)
+
+
+def test_classes_name_the_package_they_are_imported_from():
+    for name in ("Aggregate", "Mesh", "Packing", "Polyhedron", "Spec"):
+        assert getattr(mc, name).__module__ == "mesocrete"
