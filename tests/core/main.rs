@@ -2,6 +2,7 @@
 
 mod exact;
 mod export;
+mod gjk;
 mod hull;
 mod mesh;
 mod models;

@@ -1,1 +1,38 @@
-//! Do two convex bodies share a point; and how far apart are they.
+//! Do two convex bodies share a point, and how far apart are they: proved answers, on any input.
+//!
+//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Every answer is
+//! certified. A search in floating point ([`Method`]) proposes it; a separating direction or four points around the
+//! origin prove it, rounding included; what they leave open is decided in exact arithmetic.
+//!
+//! ```
+//! use meso_core::{gjk, math::Vec3};
+//! let tetrahedron = |x: f64| [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(|p| Vec3::new(x + p[0], p[1], p[2]));
+//! assert!(gjk::intersects(&tetrahedron(0.0), &tetrahedron(1.0))?); // they touch in one corner
+//! assert!(!gjk::intersects(&tetrahedron(0.0), &tetrahedron(1.0 + f64::EPSILON))?);
+//! assert_eq!(gjk::distance(&tetrahedron(0.0), &tetrahedron(3.0))?, 2.0);
+//! # Ok::<(), gjk::GjkError>(())
+//! ```
+//!
+//! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`].
+
+mod body;
+mod certificate;
+mod classical;
+mod ellipsoid;
+mod enhanced;
+mod exact;
+mod integer;
+mod nearest;
+mod pair;
+mod query;
+mod simd;
+mod simplex;
+mod support;
+
+pub use body::Body;
+pub use pair::{Counters, apart, apart_counted, overlap, overlap_counted};
+pub use query::{
+    GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
+    verdict_with,
+};
+pub use support::Support;

@@ -1,0 +1,86 @@
+//! Proofs that survive rounding: a separating direction, or four points around the origin.
+//!
+//! u = 2^-53. A coordinate reaches the sums below with a relative error of at most u (it was shifted once), a
+//! difference of two points with one of at most 2u; every operation adds u. Products may underflow, by at most
+//! [`UNDERFLOW`] together; everything else the bounds cover with room to spare.
+
+use super::support::Support;
+use crate::math::Vec3;
+
+/// Unit roundoff of f64.
+const U: f64 = f64::EPSILON / 2.0;
+/// More than all products of one sum can lose by underflow.
+const UNDERFLOW: f64 = 1e-300;
+
+/// True when the heights of all points prove that `v` separates A from B + x by more than `gap` |v|.
+///
+/// Points of A lie lower: max a . v < min b . v + x . v.
+pub(crate) fn separates<A, B>(a: &A, b: &B, x: &Vec3, v: &Vec3, gap: f64) -> bool
+where
+    A: Support + ?Sized,
+    B: Support + ?Sized,
+{
+    let top_of_a = (0..a.len()).map(|i| highest(&a.point(i), v)).fold(f64::NEG_INFINITY, f64::max);
+    let top_of_b = (0..b.len()).map(|i| highest(&b.point(i), &-v)).fold(f64::NEG_INFINITY, f64::max);
+    let along = -highest(&-x, v);
+    let need = gap * v.norm() * (1.0 + 8.0 * U);
+    let terms = [top_of_a, top_of_b, need];
+    let doubt = 4.0 * U * (terms.iter().map(|t| t.abs()).sum::<f64>() + along.abs());
+    along - (top_of_a + top_of_b + need) > doubt + UNDERFLOW
+}
+
+/// An upper bound of p . v; 5 u: one for the coordinate, one for each product, two for the sum, and its own.
+#[inline(always)]
+fn highest(p: &Vec3, v: &Vec3) -> f64 {
+    let terms = p.component_mul(v);
+    terms.sum() + 6.0 * U * terms.abs().sum()
+}
+
+/// A point of A - B and bounds of its coordinates' magnitudes, each wrong by at most u times the bound.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Difference {
+    pub(crate) w: Vec3,
+    pub(crate) magnitude: Vec3,
+}
+
+impl Difference {
+    /// a - (b + x).
+    #[inline(always)]
+    pub(crate) fn new(a: &Vec3, b: &Vec3, x: &Vec3) -> Self {
+        let first = a - b;
+        let w = first - x;
+        let rounded_twice = first.zip_map(x, |d, x| if x == 0.0 { 0.0 } else { d.abs() });
+        Self { w, magnitude: w.abs() + rounded_twice }
+    }
+}
+
+/// True when the origin is proved to lie strictly inside the tetrahedron of the four points.
+///
+/// It does when the determinants of the four triples have the signs of a barycentric combination. A determinant's sign
+/// is certain beyond 12 u times its permanent: three relative errors of u in the entries, five operations, and room.
+pub(crate) fn encloses_origin(points: &[Difference; 4]) -> bool {
+    let [p0, p1, p2, p3] = points;
+    let first = certain_determinant(p1, p2, p3);
+    let others = [certain_determinant(p0, p3, p2), certain_determinant(p0, p1, p3), certain_determinant(p0, p2, p1)];
+    first != 0.0 && others.iter().all(|d| d * first.signum() > 0.0)
+}
+
+/// det(a, b, c), or 0 where its sign is in doubt.
+fn certain_determinant(a: &Difference, b: &Difference, c: &Difference) -> f64 {
+    let determinant = a.w.dot(&b.w.cross(&c.w));
+    let ([b1, b2, b3], [c1, c2, c3]) = (b.magnitude.into(), c.magnitude.into());
+    let cross: Vec3 = Vec3::new(b2 * c3 + b3 * c2, b3 * c1 + b1 * c3, b1 * c2 + b2 * c1);
+    let permanent = a.magnitude.dot(&cross);
+    if determinant.abs() > 12.0 * U * permanent + UNDERFLOW { determinant } else { 0.0 }
+}
+
+/// The same for points whose coordinates are each wrong by at most 4 u `reach`, at a fraction of the cost: no entry, no
+/// minor and no determinant is then wrong by more than the bound, which is 1e-14 of the box the points lie in.
+#[inline(always)]
+pub(crate) fn encloses_origin_roughly(points: &[Vec3; 4], reach: f64) -> bool {
+    let [p0, p1, p2, p3] = points;
+    let (c01, c23) = (p0.cross(p1), p2.cross(p3));
+    let determinants = [p1.dot(&c23), -p0.dot(&c23), p3.dot(&c01), -p2.dot(&c01)];
+    let bound = 128.0 * U * reach * reach * reach + UNDERFLOW;
+    determinants.iter().all(|&d| d > bound) || determinants.iter().all(|&d| d < -bound)
+}

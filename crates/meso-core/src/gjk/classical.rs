@@ -1,0 +1,97 @@
+//! Classical GJK: the point of A - B nearest the origin, and with it the distance (Sec. 2.3.1).
+//!
+//! Gilbert, Johnson, Keerthi, IEEE J. Robot. Autom. 4 (1988). The simplex is reduced at every step to the smallest part
+//! that holds its point nearest the origin, by one of two [sub-algorithms](SubAlgorithm). Used for distances, for gaps,
+//! and as the yardstick of [`enhanced`](super::enhanced).
+
+use super::certificate;
+use super::enhanced::{Found, Pair};
+use super::nearest::SubAlgorithm;
+use super::simd::{Kernel, Search};
+use super::simplex::Simplex;
+use crate::math::Vec3;
+
+/// Steps after which a search is in doubt.
+const MAX_STEPS: usize = 128;
+
+/// What ends a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Until {
+    /// The bodies are proved to be more than this apart, or not more.
+    Apart(f64),
+    /// The nearest point is found as well as rounding allows: the search ends in [`Found::Doubt`], or in an overlap.
+    Nearest,
+}
+
+/// The search from direction `v`.
+#[derive(Clone, Copy)]
+pub(crate) struct Classical<'a> {
+    pub(crate) pair: Pair<'a>,
+    pub(crate) v: Vec3,
+    pub(crate) sub_algorithm: SubAlgorithm,
+    pub(crate) until: Until,
+}
+
+impl Search for Classical<'_> {
+    type Output = Found;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> Found {
+        let Self { pair, v, sub_algorithm, until } = self;
+        let (first, separation) = pair.support(kernel, &v);
+        let mut simplex = Simplex::point(first);
+        if let Some(found) = self.decided(&v, separation, &first.w, simplex) {
+            return found;
+        }
+        // v is now the nearest point: the search goes against it.
+        let mut v = first.w;
+        for _ in 0..MAX_STEPS {
+            let direction = -v;
+            if direction == Vec3::zeros() {
+                return Found::Doubt(simplex);
+            }
+            let (a, separation) = pair.support(kernel, &direction);
+            if let Some(found) = self.decided(&direction, separation, &v, simplex) {
+                return found;
+            }
+            // |v|2 - v.w is what |v|2 can still fall by.
+            let progress = v.norm_squared() - v.dot(&a.w);
+            if simplex.contains(a.of) || until == Until::Nearest && progress <= 0.0 {
+                return Found::Doubt(simplex);
+            }
+            let before = simplex;
+            simplex.add(a);
+            let nearest = sub_algorithm.reduce(&mut simplex);
+            if let Some(vertices) = simplex.tetrahedron() {
+                return if pair.encloses_origin(vertices) { Found::Overlap(simplex) } else { Found::Doubt(simplex) };
+            }
+            if nearest.norm_squared() >= v.norm_squared() {
+                return Found::Doubt(before);
+            }
+            v = nearest;
+        }
+        Found::Doubt(simplex)
+    }
+}
+
+impl Classical<'_> {
+    /// The answer, once the support gap along `direction` is certainly above the asked one, or a point of A - B
+    /// certainly nearer.
+    #[inline(always)]
+    fn decided(&self, direction: &Vec3, separation: f64, nearest: &Vec3, simplex: Simplex) -> Option<Found> {
+        let Until::Apart(gap) = self.until else { return None };
+        let pair = &self.pair;
+        if gap == 0.0 {
+            let proved = |_| {
+                separation > pair.doubt(direction) || certificate::separates(pair.a, pair.b, &pair.x, direction, 0.0)
+            };
+            return (separation > 0.0)
+                .then(|| if proved(()) { Found::Apart(*direction) } else { Found::Doubt(simplex) });
+        }
+        let norm = direction.norm();
+        if separation - gap * norm > pair.doubt(direction) {
+            return Some(Found::Apart(*direction));
+        }
+        (nearest.norm() + 1e-14 * pair.reach < gap).then_some(Found::Overlap(simplex))
+    }
+}

@@ -1,0 +1,150 @@
+//! An ellipsoid around a body and one inside it, both about the frame's origin: most pairs need no more.
+//!
+//! With S = R diag(a2, b2, c2) R^T the ellipsoid's support along n is sqrt(n . S n). For two of them, a displacement
+//! x of the centres and n = (S_a + S_b)^-1 x, the point S_a n from a's centre is the one both come nearest to.
+
+use crate::geometry::Polyhedron;
+use crate::math::{Mat3, Vec3};
+
+/// Room for the rounding of everything this file computes: some hundred operations on well-conditioned matrices.
+const SLACK: f64 = 1e-9;
+
+/// What a header tells of a body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ellipsoids {
+    /// S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz. In f32, and larger by what that rounds off.
+    around: [f32; 6],
+    /// The inner ellipsoid over the outer one, squared; 0: none known.
+    inner_squared: f32,
+    pub(crate) circumradius: f64,
+    /// Rounded down.
+    pub(crate) inradius: f32,
+}
+
+/// What the ellipsoids tell of a pair.
+pub(crate) enum Hint {
+    /// The bodies are apart by more than the gap along this direction, not of unit length.
+    Apart(Vec3),
+    /// The bodies share a point.
+    Overlap,
+    /// Nobody knows; this is a good direction to start from.
+    Unsure(Vec3),
+}
+
+impl Ellipsoids {
+    /// Knows nothing: NaN fails every comparison below.
+    pub(crate) fn unknown() -> Self {
+        Self { around: [f32::NAN; 6], inner_squared: 0.0, circumradius: f64::INFINITY, inradius: 0.0 }
+    }
+
+    /// Second moments of the points about the origin, mm2.
+    pub(crate) fn moments(points: &[Vec3]) -> Mat3 {
+        points.iter().map(|p| p * p.transpose()).sum()
+    }
+
+    /// The ellipsoid of the shape `s`, enlarged to hold all points; the sphere alone where `s` is too flat or too extreme.
+    pub(crate) fn around(points: &[Vec3], s: &Mat3) -> Self {
+        let radius2 = points.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+        let circumradius = radius2.sqrt() * (1.0 + SLACK);
+        let unknown = Self { circumradius, ..Self::unknown() };
+        // Within these limits neither f32 nor the adjugates below lose anything that SLACK does not cover.
+        if !(1e-12..1e12).contains(&radius2) {
+            return unknown;
+        }
+        let s = s + Mat3::identity() * (s.trace() * 1e-4);
+        let Some(inverse) = s.try_inverse() else { return unknown };
+        let factor = points.iter().map(|p| p.dot(&(inverse * p))).fold(0.0, f64::max) * (1.0 + 1e-6);
+        let s = s * factor;
+        // f32 moves each entry by 2^-24 of the largest; the diagonal makes up for it, so that the ellipsoid only grows.
+        let grown = s + Mat3::identity() * (s.amax() * 1e-6);
+        let around = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|(i, j)| grown[(i, j)] as f32);
+        Self { around, ..unknown }
+    }
+
+    /// S of the outer ellipsoid.
+    pub(crate) fn matrix(&self) -> Mat3 {
+        let [xx, yy, zz, xy, xz, yz] = self.around.map(f64::from);
+        Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    }
+
+    /// Finds how far the outer ellipsoid must shrink to lie inside every face plane.
+    ///
+    /// A face's normal is known to the rounding of its cross products over its area: slivers shrink the result.
+    pub(crate) fn measure_inside(&mut self, solid: &Polyhedron) {
+        let (s, size) = (self.matrix(), self.circumradius);
+        let (mut inner_squared, mut inradius) = (f64::INFINITY, f64::INFINITY);
+        for (plane, face) in solid.planes().zip(solid.faces()) {
+            let area = face_area(solid, face);
+            let doubt = size * (64.0 * f64::EPSILON * face.len() as f64 * size * size / area + SLACK);
+            let offset = plane.offset - doubt;
+            if offset.is_nan() || offset <= 0.0 {
+                return;
+            }
+            inradius = inradius.min(offset);
+            inner_squared = inner_squared.min(offset * offset / plane.normal.dot(&(s * plane.normal)));
+        }
+        self.inradius = (inradius * (1.0 - 1e-6)) as f32;
+        // Below this the rounding of the axis could count; such flat bodies gain little from an inner ellipsoid.
+        self.inner_squared = if inner_squared > 1e-4 { (inner_squared * (1.0 - 1e-6)) as f32 } else { 0.0 };
+    }
+
+    /// What the spheres tell of bodies whose centres lie `x` apart; `None`: nothing.
+    #[inline(always)]
+    pub(crate) fn compare_spheres(&self, other: &Self, x: &Vec3, gap: f64) -> Option<Hint> {
+        let distance2 = x.norm_squared();
+        let reach = self.circumradius + other.circumradius + gap;
+        if distance2 > reach * reach * (1.0 + SLACK) {
+            return Some(Hint::Apart(*x));
+        }
+        let inside = f64::from(self.inradius) + f64::from(other.inradius);
+        (gap == 0.0 && distance2 < inside * inside * (1.0 - SLACK)).then_some(Hint::Overlap)
+    }
+
+    /// What the ellipsoids tell: apart by more than `gap`, overlapping, or neither.
+    #[inline(always)]
+    pub(crate) fn compare_axis(&self, other: &Self, x: &Vec3, gap: f64) -> Hint {
+        let n = self.axis(other, x);
+        let along = n.dot(x);
+        // Both from their matrices: along - q_a would lose a small body beside a large one.
+        let (q_a, q_b) = (n.dot(&times(&self.around, &n)), n.dot(&times(&other.around, &n)));
+        let need = q_a.sqrt() + q_b.sqrt() + gap * n.norm();
+        if along > need * (1.0 + SLACK) && along.is_finite() {
+            return Hint::Apart(n);
+        }
+        let common = q_a <= f64::from(self.inner_squared) && q_b <= f64::from(other.inner_squared);
+        if gap == 0.0 && common && along > 0.0 { Hint::Overlap } else { Hint::Unsure(if along > 0.0 { n } else { *x }) }
+    }
+
+    /// n = (S_a + S_b)^-1 x by the adjugate; not finite, or 0, where nothing is known of the bodies.
+    #[inline(always)]
+    fn axis(&self, other: &Self, x: &Vec3) -> Vec3 {
+        let m: [f64; 6] = std::array::from_fn(|i| f64::from(self.around[i]) + f64::from(other.around[i]));
+        let [xx, yy, zz, xy, xz, yz] = m;
+        let adjugate = [
+            yy * zz - yz * yz,
+            xx * zz - xz * xz,
+            xx * yy - xy * xy,
+            xz * yz - xy * zz,
+            xy * yz - xz * yy,
+            xy * xz - yz * xx,
+        ];
+        let determinant = xx * adjugate[0] + xy * adjugate[3] + xz * adjugate[4];
+        symmetric_times(&adjugate, x) / determinant
+    }
+}
+
+fn face_area(solid: &Polyhedron, face: &[u32]) -> f64 {
+    let corner = |i: usize| solid.vertices()[face[i] as usize];
+    let sum: Vec3 = (1..face.len() - 1).map(|i| (corner(i) - corner(0)).cross(&(corner(i + 1) - corner(0)))).sum();
+    sum.norm() * 0.5
+}
+
+#[inline(always)]
+fn times(s: &[f32; 6], n: &Vec3) -> Vec3 {
+    symmetric_times(&s.map(f64::from), n)
+}
+
+#[inline(always)]
+fn symmetric_times(&[xx, yy, zz, xy, xz, yz]: &[f64; 6], v: &Vec3) -> Vec3 {
+    Vec3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
+}

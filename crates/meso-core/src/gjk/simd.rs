@@ -1,0 +1,244 @@
+//! The support of both bodies of a pair at once, on the widest registers the machine has.
+//!
+//! The only unsafe code of the crate: `std::arch` loads and the calls into functions compiled for AVX2 or AVX-512,
+//! which are reached after detection only. Every kernel does the same correctly rounded operations in the same order
+//! (fused multiply-adds, which are exact to define), so that all machines find the same vertices and the same answers.
+#![allow(unsafe_code)]
+
+use super::body::{Block, Body, INLINE_BLOCKS, LANES};
+use crate::math::Vec3;
+
+/// Points per group of blocks; their index fits the low bits of a double.
+const GROUP: usize = LANES * INLINE_BLOCKS;
+/// The mantissa bits that hold the index of a point within its group.
+const INDEX: u64 = GROUP as u64 - 1;
+
+/// The farthest point of A along a direction and the nearest of B, with their heights.
+///
+/// Heights are short of the true ones by at most 2^-47 of |direction| times the size: see [`HEIGHT_ERROR`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Extremes {
+    /// Index in A.
+    pub(crate) a: u32,
+    /// Index in B.
+    pub(crate) b: u32,
+    /// Largest height of a point of A.
+    pub(crate) top_of_a: f64,
+    /// Smallest height of a point of B.
+    pub(crate) bottom_of_b: f64,
+}
+
+/// Error of a height over |direction| times the size: 31 ulp for the index in the mantissa, 3 for the dot product,
+/// and as much again to spare for what is done with it.
+pub(crate) const HEIGHT_ERROR: f64 = 1.0 / (1u64 << 46) as f64;
+
+/// One instruction set's way to find [`Extremes`].
+pub(crate) trait Kernel: Copy {
+    /// The extremes of the pair along `v`.
+    fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes;
+}
+
+/// A search that is compiled once per instruction set.
+pub(crate) trait Search {
+    /// What it finds.
+    type Output;
+    /// Runs with the given kernel; must be `#[inline(always)]` to be compiled for the kernel's instruction set.
+    fn run<K: Kernel>(self, kernel: K) -> Self::Output;
+}
+
+/// Runs `search` on the widest registers there are.
+#[inline]
+pub(crate) fn dispatch<S: Search>(search: S) -> S::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("fma") {
+            // SAFETY: both features were detected.
+            return unsafe { x86::on_avx512(search) };
+        }
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            // SAFETY: both features were detected.
+            return unsafe { x86::on_avx2(search) };
+        }
+    }
+    search.run(Portable)
+}
+
+/// The kernel for any machine.
+#[derive(Clone, Copy)]
+pub(crate) struct Portable;
+
+impl Kernel for Portable {
+    #[inline(always)]
+    fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes {
+        let (a_index, top_of_a) = portable_top(a, v);
+        let (b_index, top_of_b) = portable_top(b, &-v);
+        Extremes { a: a.unpadded(a_index), b: b.unpadded(b_index), top_of_a, bottom_of_b: -top_of_b }
+    }
+}
+
+fn portable_top(body: &Body, v: &Vec3) -> (u32, f64) {
+    let mut best = (0, f64::NEG_INFINITY);
+    let groups = std::iter::once(&body.inline_blocks()[..]).chain(body.more_blocks().chunks_exact(INLINE_BLOCKS));
+    for (group, blocks) in groups.enumerate() {
+        for (i, key) in blocks.iter().flat_map(|block| portable_heights(block, v)).enumerate() {
+            let key = f64::from_bits((key.to_bits() & !INDEX) | i as u64);
+            if key > best.1 {
+                best = (group * GROUP, key);
+            }
+        }
+    }
+    (best.0 as u32 + (best.1.to_bits() & INDEX) as u32, best.1)
+}
+
+#[inline(always)]
+fn portable_heights(Block([x, y, z]): &Block, v: &Vec3) -> [f64; LANES] {
+    std::array::from_fn(|lane| z[lane].mul_add(v.z, y[lane].mul_add(v.y, x[lane] * v.x)))
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{Block, Body, Extremes, GROUP, INDEX, INLINE_BLOCKS, Kernel, LANES, Search};
+    use crate::math::Vec3;
+    use std::arch::x86_64::*;
+
+    #[target_feature(enable = "avx512f,fma")]
+    pub(super) fn on_avx512<S: Search>(search: S) -> S::Output {
+        search.run(Avx512)
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    pub(super) fn on_avx2<S: Search>(search: S) -> S::Output {
+        search.run(Avx2)
+    }
+
+    /// Eight points per register. Made only inside [`on_avx512`].
+    #[derive(Clone, Copy)]
+    struct Avx512;
+
+    impl Kernel for Avx512 {
+        #[inline(always)]
+        fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes {
+            // SAFETY: this type is made only where AVX-512 was detected.
+            unsafe {
+                let keys_a = keys512(a.inline_blocks(), v);
+                let keys_b = keys512(b.inline_blocks(), &-v);
+                let (mut top_a, mut top_b) = (_mm512_reduce_max_pd(keys_a), _mm512_reduce_max_pd(keys_b));
+                let (mut first_a, mut first_b) = (0, 0);
+                if !a.more_blocks().is_empty() {
+                    (first_a, top_a) = more512(a, v, keys_a);
+                }
+                if !b.more_blocks().is_empty() {
+                    (first_b, top_b) = more512(b, &-v, keys_b);
+                }
+                found(a, b, (first_a, top_a), (first_b, top_b))
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn found(a: &Body, b: &Body, (first_a, top_a): (u32, f64), (first_b, top_b): (u32, f64)) -> Extremes {
+        let index = |body: &Body, first: u32, key: f64| body.unpadded(first + (key.to_bits() & INDEX) as u32);
+        Extremes { a: index(a, first_a, top_a), b: index(b, first_b, top_b), top_of_a: top_a, bottom_of_b: -top_b }
+    }
+
+    /// Largest key per lane of a group of four blocks.
+    #[inline(always)]
+    unsafe fn keys512(blocks: &[Block; INLINE_BLOCKS], v: &Vec3) -> __m512d {
+        // SAFETY: AVX-512 is there (see `Avx512`); blocks are 64-byte aligned.
+        unsafe {
+            let (vx, vy, vz) = (_mm512_set1_pd(v.x), _mm512_set1_pd(v.y), _mm512_set1_pd(v.z));
+            let lanes = _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0);
+            let key = |i: usize| {
+                let Block([x, y, z]) = &blocks[i];
+                let height = _mm512_mul_pd(_mm512_load_pd(x.as_ptr()), vx);
+                let height = _mm512_fmadd_pd(_mm512_load_pd(y.as_ptr()), vy, height);
+                let height = _mm512_fmadd_pd(_mm512_load_pd(z.as_ptr()), vz, height);
+                let index = _mm512_add_epi64(lanes, _mm512_set1_epi64((i * LANES) as i64));
+                // Bits of the index where the mask is set, of the height elsewhere.
+                let mask = _mm512_set1_epi64(INDEX as i64);
+                _mm512_castsi512_pd(_mm512_ternarylogic_epi64(mask, index, _mm512_castpd_si512(height), 0xCA))
+            };
+            _mm512_max_pd(_mm512_max_pd(key(0), key(1)), _mm512_max_pd(key(2), key(3)))
+        }
+    }
+
+    /// The rest of a body of more than 32 points: first index of the best group, and the best key.
+    #[inline(never)]
+    #[target_feature(enable = "avx512f,fma")]
+    fn more512(body: &Body, v: &Vec3, first: __m512d) -> (u32, f64) {
+        let mut best = first;
+        let mut group_of_best = _mm512_setzero_si512();
+        for (group, blocks) in body.more_blocks().chunks_exact(INLINE_BLOCKS).enumerate() {
+            let blocks = blocks.try_into().expect("groups of four");
+            // SAFETY: AVX-512 is there, this function asks for it.
+            let keys = unsafe { keys512(blocks, v) };
+            let better = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(keys, best);
+            best = _mm512_mask_mov_pd(best, better, keys);
+            group_of_best = _mm512_mask_set1_epi64(group_of_best, better, group as i64 + 1);
+        }
+        let top = _mm512_reduce_max_pd(best);
+        let mut groups = [0i64; LANES];
+        // SAFETY: the array holds eight integers.
+        unsafe { _mm512_storeu_si512(groups.as_mut_ptr().cast(), group_of_best) };
+        let lane = (top.to_bits() & INDEX) as usize % LANES;
+        (groups[lane] as u32 * GROUP as u32, top)
+    }
+
+    /// Four points per register. Made only inside [`on_avx2`].
+    #[derive(Clone, Copy)]
+    struct Avx2;
+
+    impl Kernel for Avx2 {
+        #[inline(always)]
+        fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes {
+            // SAFETY: this type is made only where AVX2 and FMA were detected.
+            unsafe { found(a, b, top256(a, v), top256(b, &-v)) }
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn top256(body: &Body, v: &Vec3) -> (u32, f64) {
+        // SAFETY: AVX2 is there (see `Avx2`).
+        unsafe {
+            let mut best = (0, reduce256(keys256(body.inline_blocks(), v)));
+            for (group, blocks) in body.more_blocks().chunks_exact(INLINE_BLOCKS).enumerate() {
+                let key = reduce256(keys256(blocks.try_into().expect("groups of four"), v));
+                if key > best.1 {
+                    best = ((group as u32 + 1) * GROUP as u32, key);
+                }
+            }
+            best
+        }
+    }
+
+    /// Largest key per lane of a group of four blocks.
+    #[inline(always)]
+    unsafe fn keys256(blocks: &[Block; INLINE_BLOCKS], v: &Vec3) -> __m256d {
+        // SAFETY: AVX2 is there (see `Avx2`); half a block is four aligned doubles.
+        unsafe {
+            let (vx, vy, vz) = (_mm256_set1_pd(v.x), _mm256_set1_pd(v.y), _mm256_set1_pd(v.z));
+            let lanes = _mm256_set_epi64x(3, 2, 1, 0);
+            let mask = _mm256_castsi256_pd(_mm256_set1_epi64x(INDEX as i64));
+            let key = |half: usize| {
+                let Block([x, y, z]) = &blocks[half / 2];
+                let at = half % 2 * 4;
+                let height = _mm256_mul_pd(_mm256_load_pd(x.as_ptr().add(at)), vx);
+                let height = _mm256_fmadd_pd(_mm256_load_pd(y.as_ptr().add(at)), vy, height);
+                let height = _mm256_fmadd_pd(_mm256_load_pd(z.as_ptr().add(at)), vz, height);
+                let index = _mm256_castsi256_pd(_mm256_add_epi64(lanes, _mm256_set1_epi64x(half as i64 * 4)));
+                _mm256_or_pd(_mm256_andnot_pd(mask, height), index)
+            };
+            let pair = |i: usize| _mm256_max_pd(key(i), key(i + 1));
+            _mm256_max_pd(_mm256_max_pd(pair(0), pair(2)), _mm256_max_pd(pair(4), pair(6)))
+        }
+    }
+
+    #[inline(always)]
+    unsafe fn reduce256(keys: __m256d) -> f64 {
+        // SAFETY: AVX2 is there (see `Avx2`).
+        unsafe {
+            let two = _mm_max_pd(_mm256_castpd256_pd128(keys), _mm256_extractf128_pd::<1>(keys));
+            _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+}

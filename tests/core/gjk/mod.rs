@@ -1,0 +1,6 @@
+//! The collision tests against independent references.
+
+mod answers;
+mod bodies;
+mod families;
+mod reference;
