@@ -3,7 +3,7 @@
 //! With S = R diag(a2, b2, c2) R^T the ellipsoid's support along n is sqrt(n . S n). For two of them, a displacement
 //! x of the centres and n = (S_a + S_b)^-1 x, the point S_a n from a's centre is the one both come nearest to.
 
-use crate::geometry::Polyhedron;
+use crate::geometry::{Face, Polyhedron};
 use crate::math::{Mat3, Vec3};
 
 /// Room for the rounding of everything this file computes: some hundred operations on well-conditioned matrices.
@@ -133,9 +133,9 @@ impl Ellipsoids {
     }
 }
 
-fn face_area(solid: &Polyhedron, face: &[u32]) -> f64 {
-    let corner = |i: usize| solid.vertices()[face[i] as usize];
-    let sum: Vec3 = (1..face.len() - 1).map(|i| (corner(i) - corner(0)).cross(&(corner(i + 1) - corner(0)))).sum();
+fn face_area(solid: &Polyhedron, face: Face<'_>) -> f64 {
+    let corners = face.triangles().map(|t| t.map(|i| solid.vertices()[i as usize]));
+    let sum: Vec3 = corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum();
     sum.norm() * 0.5
 }
 
