@@ -6,5 +6,6 @@ mod gjk;
 mod hull;
 mod mesh;
 mod models;
+mod offset;
 mod saved;
 mod spec;

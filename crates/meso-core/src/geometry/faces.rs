@@ -61,7 +61,7 @@ impl<'a> Face<'a> {
     }
 
     /// The vertex indices in order.
-    pub fn iter(self) -> impl ExactSizeIterator<Item = u32> + use<'a> {
+    pub fn iter(self) -> impl ExactSizeIterator<Item = u32> + Clone + use<'a> {
         (self.start..self.end).map(move |k| self.corners.get(k))
     }
 
@@ -71,7 +71,7 @@ impl<'a> Face<'a> {
     }
 
     /// The face cut into triangles, fan-wise from its first vertex.
-    pub fn triangles(self) -> impl Iterator<Item = [u32; 3]> + use<'a> {
+    pub fn triangles(self) -> impl Iterator<Item = [u32; 3]> + Clone + use<'a> {
         let at = move |k| self.corners.get(self.start + k);
         (2..self.len()).map(move |k| [at(0), at(k - 1), at(k)])
     }

@@ -91,6 +91,27 @@ impl HullBuilder {
     }
 }
 
+/// The faces of a hull as loops of point indices, for whoever wants the combinatorics alone.
+pub(super) struct Facets(Polygons);
+
+impl Facets {
+    /// The facets of the hull of `points`, whose coordinates must be within the range of [`convex_hull`].
+    pub(super) fn of(points: &[Vec3]) -> Result<Self, HullError> {
+        check(points)?;
+        let mut surface = Surface::default();
+        surface.build(points)?;
+        let mut polygons = Polygons::default();
+        polygons.collect(&surface, points);
+        Ok(Self(polygons))
+    }
+
+    /// Point indices of every facet, counter-clockwise from outside.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.0.ends);
+        starts.zip(&self.0.ends).map(|(&start, &end)| &self.0.corners[start as usize..end as usize])
+    }
+}
+
 /// The dimension of the smallest affine space that holds all `points`: 0 to 3, exactly.
 ///
 /// # Errors

@@ -1,14 +1,19 @@
 //! Convex bodies: polyhedra, their hulls, offsets and the ellipsoids they are cut from.
 
+mod double_double;
 pub mod ellipsoid;
 mod faces;
 pub mod hull;
+mod inradius;
+mod integer;
+mod integrals;
 pub mod offset;
 mod polyhedron;
 mod predicates;
 
 pub use faces::Face;
 pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull};
+pub use inradius::{Ball, inscribed_ball};
 pub use offset::{OffsetError, inward_offset};
 pub use polyhedron::{MassProperties, Plane, Polyhedron};
 pub use predicates::{MAX_MAGNITUDE, MIN_MAGNITUDE};

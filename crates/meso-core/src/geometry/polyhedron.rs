@@ -1,6 +1,7 @@
 //! A convex polyhedron: vertices and outward polygonal faces, with its exact integrals.
 
 use super::faces::{Face, FaceList};
+use super::integrals;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 
 /// A closed convex polyhedron.
@@ -11,6 +12,7 @@ use crate::math::{Aabb, Mat3, Rotation, Vec3};
 pub struct Polyhedron {
     vertices: Box<[Vec3]>,
     faces: FaceList,
+    volume: f64,
 }
 
 /// A face plane: the body lies where `normal . x <= offset`.
@@ -46,7 +48,18 @@ impl Polyhedron {
 
     /// As [`Polyhedron::from_parts`], from the corners of all faces and where each face ends.
     pub(super) fn from_lists(vertices: Box<[Vec3]>, corners: &[u32], ends: &[u32]) -> Self {
-        Self { vertices, faces: FaceList::new(corners, ends) }
+        Self::with_faces(vertices, FaceList::new(corners, ends))
+    }
+
+    fn with_faces(vertices: Box<[Vec3]>, faces: FaceList) -> Self {
+        let triangles = (0..faces.len()).flat_map(|f| faces.face(f).triangles());
+        let volume = integrals::volume(&vertices, triangles);
+        Self { vertices, faces, volume }
+    }
+
+    /// The same body with a volume that is known better than its rounded vertices tell.
+    pub(super) fn with_volume(self, volume: f64) -> Self {
+        Self { volume, ..self }
     }
 
     /// Vertex positions, mm.
@@ -87,17 +100,9 @@ impl Polyhedron {
         self.faces().map(|face| self.face_vector_area(face).norm()).sum()
     }
 
-    /// Volume, mm3.
+    /// Volume, mm3, to 1e-14.
     pub fn volume(&self) -> f64 {
-        let apex = self.vertices[0];
-        let six_volumes: f64 = self
-            .triangles()
-            .map(|t| {
-                let [a, b, c] = t.map(|i| self.vertices[i as usize] - apex);
-                a.dot(&b.cross(&c))
-            })
-            .sum();
-        six_volumes / 6.0
+        self.volume
     }
 
     /// Centre of volume, mm.
@@ -142,6 +147,6 @@ impl Polyhedron {
 
     /// The same faces over vertices mapped by `map`, which must keep the orientation.
     pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
-        Self { vertices: self.vertices.iter().map(map).collect(), faces: self.faces.clone() }
+        Self::with_faces(self.vertices.iter().map(map).collect(), self.faces.clone())
     }
 }
