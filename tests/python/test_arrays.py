@@ -58,7 +58,6 @@ ACCEPTED = {
     "list of lists": np.ndarray.tolist,
     "tuple of arrays": tuple,
     "masked array without a mask": np.ma.array,
-    "matrix": lambda a: np.asmatrix(a),
 }
 
 

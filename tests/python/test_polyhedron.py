@@ -28,7 +28,7 @@ def test_hull_of_a_cube_has_six_square_faces():
     assert body.triangles.shape == (12, 3)
     assert body.volume == 8.0
     assert body.area == 24.0
-    assert body.centroid.tolist() == [1.0, 1.0, 1.0]
+    assert body.centroid == pytest.approx([1.0, 1.0, 1.0], rel=1e-15)
 
 
 def test_faces_are_counter_clockwise_from_outside():

@@ -4,10 +4,11 @@ use meso_core::math::Vec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::type_object::PyTypeInfo;
 use pyo3::types::PyDict;
 
-/// Integers beyond it have neighbours that f64 cannot tell apart.
-const LARGEST_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
+/// From here on, 2^53, f64 cannot tell neighbouring integers apart.
+const FIRST_DOUBTFUL_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Copies `object` (the argument called `name`) into points, while the GIL keeps others from changing it.
 ///
@@ -15,7 +16,7 @@ const LARGEST_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 ///
 /// # Errors
 /// `TypeError` where the entries are not numbers; `ValueError` for another shape, for masked entries, for integers
-/// beyond 2^53 and for NaN or infinity, with the row.
+/// of 2^53 or more and for NaN or infinity, with the row.
 pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
     let points = match plain(object)? {
         Some(points) => points,
@@ -35,7 +36,12 @@ pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3
 
 /// The short way: a plain, aligned, C-ordered float64 array of three columns.
 fn plain(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec3>>> {
-    let Ok(array) = object.cast_exact::<PyArray2<f64>>() else { return Ok(None) };
+    // `cast` looks at dtype, byte order and dimensions, and lets subclasses (masked arrays) pass; `cast_exact` is the
+    // other way round.
+    let Ok(array) = object.cast::<PyArray2<f64>>() else { return Ok(None) };
+    if !object.get_type().is(PyArray2::<f64>::type_object(object.py())) {
+        return Ok(None);
+    }
     // numpy's slices check the order, but not the alignment, which reading them takes for granted.
     let aligned = array.getattr("flags")?.getattr("aligned")?.extract::<bool>()?;
     if !aligned || !array.is_c_contiguous() || array.shape()[1] != 3 {
@@ -83,10 +89,10 @@ fn check_kind(name: &str, array: &Bound<'_, PyAny>) -> PyResult<()> {
 /// Integers f64 cannot hold are refused, not rounded.
 fn check_integers(name: &str, array: &Bound<'_, PyAny>, points: &[Vec3]) -> PyResult<()> {
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-    let beyond = |p: &Vec3| p.iter().any(|x| x.abs() > LARGEST_EXACT_INTEGER);
+    let beyond = |p: &Vec3| p.iter().any(|x| x.abs() >= FIRST_DOUBTFUL_INTEGER);
     match points.iter().position(beyond) {
         Some(row) if kind != "f" => Err(PyValueError::new_err(format!(
-            "{name}[{row}] holds an integer beyond 2^53, which float64 cannot represent exactly"
+            "{name}[{row}] holds an integer of 2^53 or more, which float64 cannot tell from its neighbours"
         ))),
         _ => Ok(()),
     }
@@ -105,7 +111,7 @@ fn wrong_shape(name: &str, shape: &str) -> PyErr {
 }
 
 fn triple(p: &Vec3) -> String {
-    format!("({}, {}, {})", p.x, p.y, p.z)
+    format!("({:?}, {:?}, {:?})", p.x, p.y, p.z)
 }
 
 /// `points` as a new (n, 3) float64 array that belongs to the caller.

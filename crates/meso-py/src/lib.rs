@@ -9,6 +9,7 @@ mod arrays;
 mod boundary;
 mod command;
 mod files;
+mod gjk;
 mod mesh;
 mod packing;
 mod polyhedron;
@@ -25,6 +26,8 @@ mod _mesocrete {
     use super::aggregate::{PyAggregate, PyAggregates, restore_aggregate};
     #[pymodule_export]
     use super::command::run_command;
+    #[pymodule_export]
+    use super::gjk::{distance, intersects, intersects_many};
     #[pymodule_export]
     use super::mesh::PyMesh;
     #[pymodule_export]

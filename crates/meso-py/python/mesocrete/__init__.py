@@ -9,6 +9,7 @@ Units are mm, mm3, N, MPa, tonne and s; fractions go from 0 to 1 by volume of th
 
 from collections.abc import Sequence
 
+from . import gjk
 from ._mesocrete import (
     Aggregate,
     Aggregates,
@@ -33,6 +34,7 @@ __all__ = [
     "Spec",
     "__version__",
     "convex_hull",
+    "gjk",
     "load",
     "pack",
 ]

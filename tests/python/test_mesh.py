@@ -1,0 +1,103 @@
+"""Meshes from Python: arrays, files, and what other libraries make of them."""
+
+import numpy as np
+import pytest
+
+import mesocrete as mc
+
+
+@pytest.fixture(scope="module")
+def mesh(packing):
+    return packing.mesh(method="voxel", element_size=3.0)
+
+
+def test_arrays_have_the_documented_shapes(mesh):
+    assert mesh.points.shape == (21**3, 3)
+    assert mesh.points.dtype == np.float64
+    assert mesh.cells.shape == (20**3, 8) == (len(mesh), 8)
+    assert mesh.cells.min() == 0
+    assert mesh.cells.max() == len(mesh.points) - 1
+    assert mesh.phase.shape == mesh.aggregate.shape == (20**3,)
+    assert set(np.unique(mesh.phase)) == {0, 1, 2}
+    assert mesh.cell_type == "hexahedron"
+
+
+def test_cells_of_aggregates_name_theirs_and_mortar_names_none(mesh, packing):
+    assert (mesh.aggregate[mesh.phase == 0] == -1).all()
+    assert (mesh.aggregate[mesh.phase != 0] >= 0).all()
+    assert mesh.aggregate.max() < len(packing)
+
+
+def test_volumes_add_up_to_the_specimen(mesh, packing):
+    volumes = mesh.volumes()
+    assert sum(volumes.values()) == pytest.approx(60.0**3, rel=1e-12)
+    assert volumes["aggregate"] == pytest.approx(27.0 * (mesh.phase == 2).sum(), rel=1e-12)
+
+
+def test_a_finer_mesh_comes_closer_to_the_exact_fraction(packing):
+    fractions = [packing.mesh(element_size=h, itz="none").volumes()["aggregate"] / 60.0**3 for h in (6.0, 1.0)]
+    errors = [abs(fraction - packing.fraction) for fraction in fractions]
+    assert errors[1] < 0.002
+    assert errors[1] <= errors[0]
+
+
+def test_meshes_compare_by_value_and_say_what_they_are(mesh, packing):
+    assert packing.mesh(element_size=3.0) == mesh
+    assert packing.mesh(element_size=6.0) != mesh
+    assert repr(mesh) == "Mesh(9261 points, 8000 cells of type hexahedron)"
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"method": "voxels"}, ValueError, "method is \"voxels\".*voxel"),
+        ({"method": 3}, TypeError, "method"),
+        ({"element_size": -1.0}, ValueError, "element_size_mm is -1"),
+        ({"element_size": 0.0}, ValueError, "element_size_mm is 0"),
+        ({"element_size": float("nan")}, ValueError, "element_size_mm is NaN"),
+        ({"element_size": 1e-6}, ValueError, "element_size_mm is"),
+        ({"element_size": "fine"}, TypeError, "element_size_mm"),
+        ({"itz": "thick"}, ValueError, "itz is \"thick\".*solid"),
+        ({"elementsize": 2.0}, ValueError, "elementsize is not a known key.*element_size_mm"),
+    ],
+)
+def test_options_that_cannot_be_are_named(packing, options, error, message):
+    with pytest.raises(error, match=message):
+        packing.mesh(**options)
+
+
+def test_meshio_gets_the_same_mesh_with_a_set_per_phase(mesh):
+    pytest.importorskip("meshio")
+    theirs = mesh.to_meshio()
+    assert np.array_equal(theirs.points, mesh.points)
+    assert np.array_equal(theirs.cells[0].data, mesh.cells)
+    for name, phase in (("MORTAR", 0), ("ITZ", 1), ("AGGREGATE", 2)):
+        assert np.array_equal(theirs.cell_sets[name][0], np.flatnonzero(mesh.phase == phase))
+
+
+def test_pyvista_gets_the_same_mesh_and_measures_the_same_volume(mesh):
+    pytest.importorskip("pyvista")
+    grid = mesh.to_pyvista()
+    assert grid.n_cells == len(mesh)
+    assert np.array_equal(grid.cell_data["phase"], mesh.phase)
+    assert grid.compute_cell_sizes()["Volume"].sum() == pytest.approx(60.0**3, rel=1e-9)
+
+
+def test_meshio_reads_the_deck_and_its_sets(mesh, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    mesh.write(tmp_path / "model.inp")
+    deck = meshio.read(tmp_path / "model.inp")
+    assert np.allclose(deck.points, mesh.points, atol=1e-9)
+    assert sum(len(block.data) for block in deck.cells) == len(mesh)
+    assert {"AGGREGATE", "ITZ", "MORTAR"} <= set(deck.cell_sets)
+
+
+def test_both_readers_read_the_vtu(mesh, tmp_path):
+    mesh.write(tmp_path / "mesh.vtu")
+    pyvista, meshio = pytest.importorskip("pyvista"), pytest.importorskip("meshio")
+    grid = pyvista.read(tmp_path / "mesh.vtu")
+    assert np.array_equal(grid.points, mesh.points)
+    assert np.array_equal(grid.cell_data["phase"], mesh.phase)
+    theirs = meshio.read(tmp_path / "mesh.vtu")
+    assert np.array_equal(theirs.points, mesh.points)
+    assert np.array_equal(theirs.cells[0].data, mesh.cells)

@@ -1,0 +1,53 @@
+"""Pictures, and what is said where the library for them is missing."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+
+def test_pyvista_gets_closed_surfaces_with_their_data(packing):
+    pytest.importorskip("pyvista")
+    surface = packing.to_pyvista()
+    assert surface.n_cells == sum(len(a.faces) for a in packing.aggregates)
+    assert surface.n_open_edges == 0
+    assert set(surface.cell_data.keys()) == {"aggregate", "class", "itz_thickness_mm"}
+    first = surface.extract_cells(np.flatnonzero(surface.cell_data["aggregate"] == 0))
+    assert first.n_points == len(packing.aggregates[0].vertices)
+
+
+def test_plot_writes_a_picture_that_is_not_blank(packing, tmp_path):
+    pytest.importorskip("pyvista")
+    image = pytest.importorskip("matplotlib.image")
+    if sys.platform == "linux" and not can_render():
+        pytest.skip("VTK cannot render off screen here")
+    packing.plot(screenshot=tmp_path / "packing.png")
+    pixels = image.imread(tmp_path / "packing.png")
+    assert pixels.std() > 0.05
+
+
+def can_render():
+    """VTK may crash without a display or Mesa: ask in another process."""
+    code = "import pyvista as p; q = p.Plotter(off_screen=True); q.add_mesh(p.Cube()); q.screenshot(None)"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=120).returncode == 0
+
+
+def test_plot_grading_draws_what_was_asked_and_what_was_reached(packing):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    ax = packing.plot_grading(ax=pyplot.figure().add_subplot())
+    asked, reached = (line.get_ydata() for line in ax.get_lines())
+    assert asked[0] == reached[0] == 0.0
+    assert asked[-1] == reached[-1] == pytest.approx(100.0)
+    assert np.abs(asked - reached).max() < 1.0
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize(("call", "module", "extra"), [("to_pyvista", "pyvista", "plot"), ("plot_grading", "matplotlib.pyplot", "plot")])
+def test_a_missing_library_says_how_to_get_it(packing, monkeypatch, call, module, extra):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ImportError, match=rf"pip install 'mesocrete\[{extra}\]'"):
+        getattr(packing, call)()
