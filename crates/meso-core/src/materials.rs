@@ -40,6 +40,14 @@ impl Default for Materials {
     }
 }
 
+impl Elastic {
+    /// Speed of dilatational waves, mm/s: sqrt(E (1 - nu) / (rho (1 + nu) (1 - 2 nu))).
+    pub fn wave_speed_mm_per_s(&self) -> f64 {
+        let (e, nu, rho) = (self.youngs_modulus_mpa, self.poisson_ratio, self.density_t_per_mm3);
+        (e * (1.0 - nu) / (rho * (1.0 + nu) * (1.0 - 2.0 * nu))).sqrt()
+    }
+}
+
 impl Materials {
     /// The elastic values of `phase`.
     pub fn elastic(&self, phase: Phase) -> &Elastic {

@@ -3,13 +3,16 @@
 //! [`build`] is the one way in; the methods are siblings, one file each. A mesh knows nothing of file formats.
 
 mod error;
+mod grains;
+mod lattice;
 mod options;
+pub mod quality;
 mod sweep;
 mod volumes;
 mod voxel;
 
 pub use error::MeshError;
-pub use options::{ItzForm, MeshOptions, Method};
+pub use options::{Fit, ItzForm, MeshOptions, Method};
 pub use volumes::PhaseVolumes;
 
 use crate::aggregate::Aggregate;
@@ -118,5 +121,29 @@ pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &Mesh
     options.validate(specimen)?;
     match options.method {
         Method::Voxel => Ok(voxel::build(aggregates, specimen, options)),
+        Method::Lattice if options.fit == Fit::Plain => Ok(lattice::plain(aggregates, specimen, options)),
+        Method::Lattice => Ok(fitted(aggregates, specimen, options)),
+    }
+}
+
+fn fitted(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
+    let grains = grains::Grain::all(aggregates, |_| 0.0);
+    let tetrahedra = lattice::fitted(&grains, specimen, options.element_size_mm);
+    let phase = tetrahedra.grain.iter().map(|&g| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::Aggregate });
+    let id = |&g: &u32| if g == NO_AGGREGATE { g } else { grains[g as usize].id };
+    Mesh {
+        kind: CellKind::Tetrahedron,
+        phase: phase.collect(),
+        aggregate: tetrahedra.grain.iter().map(id).collect(),
+        points: tetrahedra.points,
+        cells: tetrahedra.cells.into_flattened(),
+    }
+}
+
+/// The thickness of an aggregate's shell as a layer of solid elements, mm; 0 for none.
+fn shell_thickness(aggregate: &Aggregate, options: &MeshOptions) -> f64 {
+    match options.itz {
+        ItzForm::Solid => aggregate.itz_thickness_mm,
+        ItzForm::None => 0.0,
     }
 }

@@ -19,6 +19,8 @@ pub struct MeshOptions {
     pub thin_itz: bool,
     /// Sub-samples per voxel and axis: 1 takes the phase of the centre, n the majority of n^3 points.
     pub subsamples: u32,
+    /// What a lattice does at the grains' surfaces.
+    pub fit: Fit,
 }
 
 /// The meshing methods, siblings behind one interface.
@@ -27,6 +29,18 @@ pub struct MeshOptions {
 pub enum Method {
     /// A regular grid of hexahedra, each of the phase of its centre.
     Voxel,
+    /// Body-centred cubic tetrahedra, fitted to the grains or plain.
+    Lattice,
+}
+
+/// What a lattice does at the grains' surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fit {
+    /// Nodes move onto the surfaces, and tetrahedra that cross one are cut.
+    Fitted,
+    /// Every tetrahedron has the phase of its centroid.
+    Plain,
 }
 
 /// The ITZ in the mesh.
@@ -41,7 +55,14 @@ pub enum ItzForm {
 
 impl Default for MeshOptions {
     fn default() -> Self {
-        Self { method: Method::Voxel, element_size_mm: 2.0, itz: ItzForm::Solid, thin_itz: false, subsamples: 1 }
+        Self {
+            method: Method::Voxel,
+            element_size_mm: 2.0,
+            itz: ItzForm::Solid,
+            thin_itz: false,
+            subsamples: 1,
+            fit: Fit::Fitted,
+        }
     }
 }
 

@@ -3,9 +3,9 @@
 //! A row of grid points parallel to x meets a convex grain in one interval, cut out by the grain's planes: nx x <= d -
 //! ny y - nz z. So a grain costs its planes times its rows, and no point is ever tested against a grain.
 
-use crate::aggregate::Aggregate;
-use crate::math::{Aabb, Vec3};
-use rayon::prelude::*;
+use super::grains::Grain;
+use crate::geometry::Plane;
+use crate::math::Vec3;
 
 /// Points `origin + (i, j, k) * spacing`, i fastest.
 #[derive(Clone, Copy, Debug)]
@@ -41,16 +41,16 @@ pub(crate) struct Label(u32);
 impl Label {
     pub(crate) const MORTAR: Self = Self(u32::MAX);
 
-    fn core(id: u32) -> Self {
-        Self(id << 1)
+    fn core(grain: u32) -> Self {
+        Self(grain << 1)
     }
 
-    fn shell(id: u32) -> Self {
-        Self(id << 1 | 1)
+    fn shell(grain: u32) -> Self {
+        Self(grain << 1 | 1)
     }
 
-    /// The aggregate, or `None` in the mortar.
-    pub(crate) fn aggregate(self) -> Option<u32> {
+    /// Index of the grain, or `None` in the mortar.
+    pub(crate) fn grain(self) -> Option<u32> {
         (self != Self::MORTAR).then_some(self.0 >> 1)
     }
 
@@ -59,35 +59,16 @@ impl Label {
     }
 }
 
-/// A grain as the sweep needs it.
-struct Grain {
-    id: u32,
-    aabb: Aabb,
-    /// Outward unit normal and offset of every face.
-    planes: Vec<(Vec3, f64)>,
-    /// Shell thickness in this mesh, mm; 0: no shell.
-    shell: f64,
-}
-
 /// All grains, and by layer of a grid those that meet it.
-pub(crate) struct Sweep {
+pub(crate) struct Sweep<'a> {
     grid: PointGrid,
-    grains: Vec<Grain>,
+    grains: &'a [Grain],
     by_layer: Vec<Vec<u32>>,
 }
 
-impl Sweep {
-    /// Prepares the labels of `grid`; `shell(aggregate)` is the thickness of its shell in the mesh, mm.
-    pub(crate) fn new(grid: PointGrid, aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Self {
-        let grains: Vec<Grain> = aggregates
-            .par_iter()
-            .map(|a| Grain {
-                id: a.id,
-                aabb: a.body.aabb(),
-                planes: a.body.planes().map(|p| (p.normal, p.offset)).collect(),
-                shell: shell(a),
-            })
-            .collect();
+impl<'a> Sweep<'a> {
+    /// Prepares the labels of `grid`.
+    pub(crate) fn new(grid: PointGrid, grains: &'a [Grain]) -> Self {
         let mut by_layer = vec![Vec::new(); grid.counts[2]];
         for (index, grain) in grains.iter().enumerate() {
             for k in grid.range(2, grain.aabb.min.z, grain.aabb.max.z) {
@@ -102,18 +83,19 @@ impl Sweep {
         labels.fill(Label::MORTAR);
         let z = self.grid.coordinate(2, k);
         for &index in &self.by_layer[k] {
-            self.label_grain(&self.grains[index as usize], z, labels);
+            self.label_grain(index, z, labels);
         }
     }
 
-    fn label_grain(&self, grain: &Grain, z: f64, labels: &mut [Label]) {
+    fn label_grain(&self, index: u32, z: f64, labels: &mut [Label]) {
+        let grain = &self.grains[index as usize];
         for j in self.grid.range(1, grain.aabb.min.y, grain.aabb.max.y) {
             let row = &mut labels[j * self.grid.counts[0]..][..self.grid.counts[0]];
             let [outer, core] = grain.intervals(self.grid.coordinate(1, j), z);
             if grain.shell > 0.0 {
-                row[self.grid.range(0, outer.low, outer.high)].fill(Label::shell(grain.id));
+                row[self.grid.range(0, outer.low, outer.high)].fill(Label::shell(index));
             }
-            row[self.grid.range(0, core.low, core.high)].fill(Label::core(grain.id));
+            row[self.grid.range(0, core.low, core.high)].fill(Label::core(index));
         }
     }
 }
@@ -143,7 +125,7 @@ impl Grain {
     fn intervals(&self, y: f64, z: f64) -> [Interval; 2] {
         let mut outer = Interval { low: self.aabb.min.x, high: self.aabb.max.x };
         let mut core = outer;
-        for (normal, offset) in &self.planes {
+        for Plane { normal, offset } in &self.planes {
             let reach = offset - normal.y * y - normal.z * z;
             outer.clip(normal.x, reach);
             core.clip(normal.x, reach - self.shell);

@@ -5,7 +5,8 @@
 //! every axis one ITZ voxel or more lies between core and mortar (a shell h thick is crossed over a length of at least h).
 
 use super::sweep::{Label, PointGrid, Sweep};
-use super::{CellKind, ItzForm, Mesh, MeshOptions, NO_AGGREGATE, Phase};
+use super::grains::Grain;
+use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -14,23 +15,23 @@ use rayon::prelude::*;
 /// The voxel mesh of `aggregates` in `specimen`.
 pub(super) fn build(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
     let voxels = Voxels::of(specimen, options.element_size_mm);
-    let labels = voxels.labels(aggregates, options);
+    let grains = Grain::all(aggregates, |a| shell_thickness(a, voxels.spacing.max(), options));
+    let labels = voxels.labels(&grains, options.subsamples as usize);
     let phase = labels.par_iter().map(|&label| phase_of(label)).collect();
-    let aggregate = labels.par_iter().map(|label| label.aggregate().unwrap_or(NO_AGGREGATE)).collect();
+    let aggregate = labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
     Mesh { points: voxels.points(), kind: CellKind::Hexahedron, cells: voxels.cells(), phase, aggregate }
 }
 
 /// The thickness an aggregate's shell has in a voxel mesh, mm; 0 for none.
-pub(super) fn shell_thickness(aggregate: &Aggregate, voxel_mm: f64, options: &MeshOptions) -> f64 {
-    match options.itz {
-        ItzForm::None => 0.0,
-        ItzForm::Solid if aggregate.itz_thickness_mm == 0.0 || options.thin_itz => aggregate.itz_thickness_mm,
-        ItzForm::Solid => aggregate.itz_thickness_mm.max(voxel_mm),
+fn shell_thickness(aggregate: &Aggregate, voxel_mm: f64, options: &MeshOptions) -> f64 {
+    match super::shell_thickness(aggregate, options) {
+        t if t == 0.0 || options.thin_itz => t,
+        t => t.max(voxel_mm),
     }
 }
 
 fn phase_of(label: Label) -> Phase {
-    match label.aggregate() {
+    match label.grain() {
         None => Phase::Mortar,
         Some(_) if label.in_shell() => Phase::Itz,
         Some(_) => Phase::Aggregate,
@@ -53,11 +54,10 @@ impl Voxels {
         Self { min: aabb.min, max: aabb.max, spacing, counts }
     }
 
-    fn labels(&self, aggregates: &[Aggregate], options: &MeshOptions) -> Vec<Label> {
-        let n = options.subsamples as usize;
+    fn labels(&self, grains: &[Grain], n: usize) -> Vec<Label> {
         let spacing = self.spacing / n as f64;
         let grid = PointGrid { origin: self.min + spacing / 2.0, spacing, counts: self.counts.map(|c| c * n) };
-        let sweep = Sweep::new(grid, aggregates, |a| shell_thickness(a, self.spacing.max(), options));
+        let sweep = Sweep::new(grid, grains);
         let mut labels = vec![Label::MORTAR; self.counts.iter().product()];
         let layers = labels.par_chunks_mut(self.counts[0] * self.counts[1]).enumerate();
         if n == 1 {

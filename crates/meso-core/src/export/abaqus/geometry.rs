@@ -2,7 +2,7 @@
 
 use super::DeckOptions;
 use super::lines::Lines;
-use crate::math::Aabb;
+use crate::math::{Aabb, Vec3};
 use crate::mesh::{CellKind, Mesh, Phase};
 use std::io::{self, Write};
 
@@ -22,12 +22,16 @@ pub(super) fn heading(lines: &mut Lines<impl Write>, text: &[String]) -> io::Res
     text.iter().try_for_each(|line| lines.line(format!("{line:.79}")))
 }
 
-pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+pub(super) fn write(
+    lines: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    sides: &Sides,
+    options: &DeckOptions,
+) -> io::Result<()> {
     nodes(lines, mesh)?;
     elements(lines, mesh, options)?;
-    let sides = node_sides(mesh);
-    node_sets(lines, &sides)?;
-    surfaces(lines, mesh, &sides)
+    node_sets(lines, sides)?;
+    surfaces(lines, mesh, sides)
 }
 
 fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
@@ -59,36 +63,45 @@ pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
 }
 
 /// For every node a bit per bounding plane it lies on, in the order of [`SIDES`].
-fn node_sides(mesh: &Mesh) -> Vec<u8> {
-    let aabb = Aabb::around(&mesh.points);
-    let slack = 1e-9 * aabb.size().max();
-    let on = |x: f64, axis: usize, upper: bool| {
-        let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
-        (x - plane).abs() <= slack
-    };
-    let bits = |p: &crate::math::Vec3| {
-        SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | u8::from(on(p[axis], axis, upper)) << i)
-    };
-    mesh.points.iter().map(bits).collect()
+pub(super) struct Sides(Vec<u8>);
+
+impl Sides {
+    pub(super) fn of(points: &[Vec3]) -> Self {
+        let aabb = Aabb::around(points);
+        let slack = 1e-9 * aabb.size().max();
+        let on = |x: f64, axis: usize, upper: bool| {
+            let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
+            u8::from((x - plane).abs() <= slack)
+        };
+        let bits = |p: &Vec3| {
+            SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | on(p[axis], axis, upper) << i)
+        };
+        Self(points.iter().map(bits).collect())
+    }
+
+    /// The nodes on bounding plane `bit` of [`SIDES`], ascending.
+    pub(super) fn members(&self, bit: usize) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.0).filter(move |(_, on)| **on >> bit & 1 == 1).map(|(node, _)| node)
+    }
 }
 
-fn node_sets(lines: &mut Lines<impl Write>, sides: &[u8]) -> io::Result<()> {
+fn node_sets(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {
     for (bit, (_, _, name)) in SIDES.iter().enumerate() {
         lines.line(format!("*NSET, NSET={name}"))?;
-        lines.members((1..).zip(sides).filter(|(_, on)| **on >> bit & 1 == 1).map(|(number, _)| number))?;
+        lines.members(sides.members(bit).map(|node| u64::from(node) + 1))?;
     }
     Ok(())
 }
 
 /// The element faces on each bounding plane.
-fn surfaces(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &[u8]) -> io::Result<()> {
+fn surfaces(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
     let mut members: [Vec<(u64, usize)>; 6] = Default::default();
     for (number, cell) in (1..).zip(mesh.cells()) {
-        if cell.iter().all(|&node| sides[node as usize] == 0) {
+        if cell.iter().all(|&node| sides.0[node as usize] == 0) {
             continue;
         }
         for (face, nodes) in mesh.kind.faces().iter().enumerate() {
-            let on = nodes.iter().fold(u8::MAX, |on, &i| on & sides[cell[i] as usize]);
+            let on = nodes.iter().fold(u8::MAX, |on, &i| on & sides.0[cell[i] as usize]);
             (0..6).filter(|bit| on >> bit & 1 == 1).for_each(|bit| members[bit].push((number, face)));
         }
     }

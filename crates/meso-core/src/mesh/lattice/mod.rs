@@ -1,0 +1,73 @@
+//! Body-centred cubic tetrahedra, plain or fitted to the grains.
+//!
+//! Plain: every tetrahedron has the phase of its centroid. Fitted: isosurface stuffing after Labelle and Shewchuk
+//! (SIGGRAPH 2007), for many materials and exact planes: lattice nodes near a surface move onto it ([`snap`]), the edges
+//! that still cross one are cut there ([`cut`]).
+
+mod bcc;
+mod cut;
+mod snap;
+
+use super::grains::{Grain, Locator};
+use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
+use crate::aggregate::Aggregate;
+use crate::math::Vec3;
+use crate::packing::Specimen;
+use bcc::Bcc;
+use rayon::prelude::*;
+
+/// Tetrahedra before they are a mesh: nodes, and the grain each lies in.
+pub(super) struct Tetrahedra {
+    pub(super) points: Vec<Vec3>,
+    pub(super) cells: Vec<[u32; 4]>,
+    /// Index of the grain, [`NO_AGGREGATE`] in the mortar.
+    pub(super) grain: Vec<u32>,
+}
+
+/// The plain lattice: phase by centroid.
+pub(super) fn plain(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
+    let grains = Grain::all(aggregates, |a| super::shell_thickness(a, options));
+    let bcc = Bcc::new(specimen.aabb(), options.element_size_mm);
+    let locator = Locator::new(&grains, &specimen.aabb());
+    let points: Vec<Vec3> = (0..bcc.nodes() as u32).into_par_iter().map(|node| bcc.position(node)).collect();
+    let layers: Vec<Vec<[u32; 4]>> = (0..bcc.counts[2])
+        .into_par_iter()
+        .map(|k| {
+            let mut cells = Vec::new();
+            bcc.tetrahedra(k, |cell| cells.push(oriented(cell, &points)));
+            cells
+        })
+        .collect();
+    let cells = layers.concat();
+    let located: Vec<(Phase, u32)> = cells.par_iter().map(|cell| locate(&grains, &locator, &centroid(cell, &points))).collect();
+    let (phase, aggregate) = located.into_iter().unzip();
+    Mesh { points, kind: CellKind::Tetrahedron, cells: cells.into_flattened(), phase, aggregate }
+}
+
+fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
+    match locator.find(x) {
+        None => (Phase::Mortar, NO_AGGREGATE),
+        Some((g, height)) if height > -grains[g].shell => (Phase::Itz, grains[g].id),
+        Some((g, _)) => (Phase::Aggregate, grains[g].id),
+    }
+}
+
+/// The fitted lattice: grains and mortar.
+pub(super) fn fitted(grains: &[Grain], specimen: &Specimen, element_size: f64) -> Tetrahedra {
+    let bcc = Bcc::new(specimen.aabb(), element_size);
+    let locator = Locator::new(grains, &specimen.aabb());
+    let mut field = snap::Field::new(&bcc, grains);
+    field.snap();
+    cut::Cutter::new(&field, &locator).cells()
+}
+
+pub(super) fn centroid(cell: &[u32; 4], points: &[Vec3]) -> Vec3 {
+    cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0
+}
+
+/// The same nodes in the order of positive volume.
+pub(super) fn oriented(cell: [u32; 4], points: &[Vec3]) -> [u32; 4] {
+    let [a, b, c, d] = cell;
+    let p = |node: u32| points[node as usize] - points[a as usize];
+    if p(b).cross(&p(c)).dot(&p(d)) < 0.0 { [a, c, b, d] } else { cell }
+}

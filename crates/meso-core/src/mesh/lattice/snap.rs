@@ -1,0 +1,185 @@
+//! The warp: lattice nodes that a surface passes closely move onto it.
+//!
+//! A node may be on the surfaces of several grains; `on` holds them. Where two grains come closer than a snapped node
+//! can tell apart, the node is put on both: the gap is closed there, counted, and named in the report.
+
+use super::bcc::{Bcc, EdgeKind};
+use crate::math::Vec3;
+use crate::mesh::grains::Grain;
+use crate::mesh::sweep::{Label, PointGrid, Sweep};
+use rayon::prelude::*;
+
+/// "In no grain", as a label, and an empty place in a node's list of surfaces.
+pub(super) const MORTAR: u32 = u32::MAX;
+
+/// A crossing nearer to a node than this share of the edge moves the node (Labelle and Shewchuk's values for a
+/// body-centred lattice; the box-face diagonals take that of the long edges).
+pub(super) fn alpha(kind: EdgeKind) -> f64 {
+    match kind {
+        EdgeKind::Short => 0.41189,
+        EdgeKind::Long | EdgeKind::Diagonal => 0.24999,
+    }
+}
+
+/// Rounds of the second look at moved nodes; each one only follows the changes of the one before.
+const ROUNDS: usize = 6;
+
+/// Lattice nodes with what they lie in and on.
+pub(super) struct Field<'a> {
+    pub(super) bcc: &'a Bcc,
+    pub(super) grains: &'a [Grain],
+    pub(super) points: Vec<Vec3>,
+    /// Index of the grain a node lies in, or [`MORTAR`].
+    pub(super) label: Vec<u32>,
+    /// The grains on whose surface a moved node lies, then [`MORTAR`]; all [`MORTAR`] for a node that was not moved.
+    pub(super) on: Vec<[u32; 3]>,
+    /// Pairs of grains whose gap was closed at a node, with the gap's width, mm.
+    pub(super) closed: Vec<(u32, u32, f64)>,
+}
+
+/// A change of a node that a surface passes closely.
+enum Change {
+    /// The node goes onto the surface of the grain.
+    Move(u32, u32, Vec3),
+    /// The node, already on a surface, counts as on this grain's too; the gap's width, mm.
+    Close(u32, u32, f64),
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn new(bcc: &'a Bcc, grains: &'a [Grain]) -> Self {
+        let nodes = 0..bcc.nodes() as u32;
+        let points: Vec<Vec3> = nodes.into_par_iter().map(|node| bcc.position(node)).collect();
+        let mut label = labels(grains, PointGrid {
+            origin: points[0],
+            spacing: bcc.spacing,
+            counts: bcc.counts.map(|c| c + 1),
+        });
+        label.extend(labels(grains, PointGrid { origin: points[bcc.corners()], spacing: bcc.spacing, counts: bcc.counts }));
+        let on = vec![[MORTAR; 3]; points.len()];
+        Self { bcc, grains, points, label, on, closed: Vec::new() }
+    }
+
+    /// Moves every node that a surface passes closely, then looks again at the edges of moved nodes.
+    pub(super) fn snap(&mut self) {
+        let nodes = 0..self.points.len() as u32;
+        let moves: Vec<Change> = nodes.into_par_iter().filter_map(|node| self.first_move(node)).collect();
+        let mut touched = self.apply(moves);
+        for _ in 0..ROUNDS {
+            let changes: Vec<Change> = touched.par_iter().flat_map_iter(|&node| self.second_look(node)).collect();
+            touched = self.apply(changes);
+            if touched.is_empty() {
+                return;
+            }
+        }
+    }
+
+    pub(super) fn snapped(&self, node: u32) -> bool {
+        self.on[node as usize][0] != MORTAR
+    }
+
+    /// True when no surface has to pass between two neighbours: they share a material.
+    pub(super) fn compatible(&self, a: u32, b: u32) -> bool {
+        match (self.snapped(a), self.snapped(b)) {
+            (true, true) => true,
+            (true, false) => self.may_be(a, self.label[b as usize]),
+            (false, true) => self.may_be(b, self.label[a as usize]),
+            (false, false) => self.label[a as usize] == self.label[b as usize],
+        }
+    }
+
+    /// Can a tetrahedron at the moved node be of this label?
+    fn may_be(&self, moved: u32, label: u32) -> bool {
+        label == MORTAR || self.on[moved as usize].contains(&label)
+    }
+
+    /// The grain of a node that has not moved.
+    pub(super) fn inside(&self, node: u32) -> Option<&'a Grain> {
+        let label = self.label[node as usize];
+        (label != MORTAR && !self.snapped(node)).then(|| &self.grains[label as usize])
+    }
+
+    /// Where the surface of the grain around `inside` crosses the edge to `outside`, as a share of the edge.
+    pub(super) fn exit(&self, inside: u32, outside: u32) -> f64 {
+        let grain = &self.grains[self.label[inside as usize] as usize];
+        grain.exit(&self.points[inside as usize], &self.points[outside as usize])
+    }
+
+    /// The nearest crossing of the node's edges, measured against each edge's alpha.
+    fn first_move(&self, node: u32) -> Option<Change> {
+        let label = self.label[node as usize];
+        let mut best = (1.0, None);
+        self.bcc.neighbours(node, |other| {
+            let there = self.label[other as usize];
+            if there == label || !self.may_follow(node, other) {
+                return;
+            }
+            let (t, grain) =
+                if label == MORTAR { (1.0 - self.exit(other, node), there) } else { (self.exit(node, other), label) };
+            let ratio = t / alpha(self.bcc.kind(node, other));
+            if ratio < best.0 {
+                best = (ratio, Some(Change::Move(node, grain, self.at(node, other, t))));
+            }
+        });
+        best.1
+    }
+
+    /// Nodes on the box's faces stay on them.
+    fn may_follow(&self, node: u32, other: u32) -> bool {
+        let walls = self.bcc.walls(node);
+        walls & self.bcc.walls(other) == walls
+    }
+
+    pub(super) fn at(&self, node: u32, other: u32, t: f64) -> Vec3 {
+        self.points[node as usize].lerp(&self.points[other as usize], t)
+    }
+
+    /// The edges from a moved node into other grains: close the gap, move the other node, or leave the edge to be cut.
+    fn second_look(&self, node: u32) -> Vec<Change> {
+        let mut changes = Vec::new();
+        self.bcc.neighbours(node, |other| {
+            if self.compatible(node, other) {
+                return;
+            }
+            let (limit, grain) = (alpha(self.bcc.kind(node, other)), self.label[other as usize]);
+            let t = self.exit(other, node);
+            if t < limit && self.may_follow(other, node) {
+                changes.push(Change::Move(other, grain, self.at(other, node, t)));
+            } else if 1.0 - t < limit {
+                let length = (self.points[node as usize] - self.points[other as usize]).norm();
+                changes.push(Change::Close(node, grain, (1.0 - t) * length));
+            }
+        });
+        changes
+    }
+
+    /// Carries the changes out in their order; returns the nodes that need a second look.
+    fn apply(&mut self, changes: Vec<Change>) -> Vec<u32> {
+        let mut touched = Vec::new();
+        for change in changes {
+            match change {
+                Change::Move(node, grain, point) if !self.snapped(node) => {
+                    self.points[node as usize] = point;
+                    self.on[node as usize][0] = grain;
+                    touched.push(node);
+                }
+                Change::Close(node, grain, gap) => {
+                    let on = &mut self.on[node as usize];
+                    if let Some(free) = on.iter().position(|g| *g == MORTAR).filter(|_| !on.contains(&grain)) {
+                        on[free] = grain;
+                        self.closed.push((on[0].min(grain), on[0].max(grain), gap));
+                    }
+                }
+                Change::Move(..) => {}
+            }
+        }
+        touched
+    }
+}
+
+/// The grain of every point of a grid.
+fn labels(grains: &[Grain], grid: PointGrid) -> Vec<u32> {
+    let sweep = Sweep::new(grid, grains);
+    let mut labels = vec![Label::MORTAR; grid.counts.iter().product()];
+    labels.par_chunks_mut(grid.layer_len()).enumerate().for_each(|(k, layer)| sweep.label_layer(k, layer));
+    labels.into_par_iter().map(|label| label.grain().unwrap_or(MORTAR)).collect()
+}

@@ -1,0 +1,172 @@
+//! How good a mesh is: angles, shapes, the time step it allows, and how near its interfaces lie to the grains.
+
+use super::volumes::cell_volume;
+use super::{CellKind, Mesh};
+use crate::materials::Materials;
+use crate::math::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// One cell's measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellQuality {
+    /// Smallest angle between two faces, degrees; 90 for voxels.
+    pub min_dihedral_deg: f64,
+    /// Largest angle between two faces, degrees.
+    pub max_dihedral_deg: f64,
+    /// Three times the inscribed over the circumscribed sphere's radius; 1 for the regular tetrahedron and for voxels.
+    pub radius_ratio: f64,
+    /// Shortest distance from a node (a face) to the opposite face, mm.
+    pub shortest_altitude_mm: f64,
+    /// mm3; negative where the nodes are out of order.
+    pub volume_mm3: f64,
+}
+
+/// The worst of all cells, with a histogram.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct QualityReport {
+    /// Number of cells.
+    pub cells: usize,
+    /// Smallest dihedral angle, degrees, and the cell's index.
+    pub min_dihedral_deg: (f64, usize),
+    /// Largest dihedral angle, degrees, and the cell's index.
+    pub max_dihedral_deg: (f64, usize),
+    /// Smallest radius ratio and the cell's index.
+    pub min_radius_ratio: (f64, usize),
+    /// Shortest altitude, mm, and the cell's index.
+    pub shortest_altitude_mm: (f64, usize),
+    /// Cells by smallest dihedral angle: below 1, 2, 5, 8, 10, 15, 30 degrees and the rest.
+    pub dihedral_histogram: [usize; 8],
+    /// Cells with no positive volume.
+    pub inverted: usize,
+    /// Longest stable time step of explicit dynamics, s: altitude over dilatational wave speed, of the worst cell.
+    pub stable_time_step_s: f64,
+}
+
+/// Upper limits of the histogram's bins, degrees.
+pub const DIHEDRAL_BINS: [f64; 7] = [1.0, 2.0, 5.0, 8.0, 10.0, 15.0, 30.0];
+
+/// Every cell's measures, in the cells' order.
+pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
+    let measure = |cell: &[u32]| match mesh.kind {
+        CellKind::Tetrahedron => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
+        CellKind::Hexahedron => voxel(cell, mesh),
+    };
+    mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(measure).collect()
+}
+
+/// The worst of `cells`, which are `mesh`'s.
+pub fn report(mesh: &Mesh, cells: &[CellQuality], materials: &Materials) -> QualityReport {
+    let least = |value: fn(&CellQuality) -> f64| {
+        let worst = (0..).zip(cells).map(|(i, q)| (value(q), i));
+        worst.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NAN, 0))
+    };
+    let steps = cells.iter().zip(&mesh.phase);
+    let step = |(q, phase): (&CellQuality, _)| q.shortest_altitude_mm / materials.elastic(*phase).wave_speed_mm_per_s();
+    let largest = least(|q| -q.max_dihedral_deg);
+    QualityReport {
+        cells: cells.len(),
+        min_dihedral_deg: least(|q| q.min_dihedral_deg),
+        max_dihedral_deg: (-largest.0, largest.1),
+        min_radius_ratio: least(|q| q.radius_ratio),
+        shortest_altitude_mm: least(|q| q.shortest_altitude_mm),
+        dihedral_histogram: histogram(cells),
+        inverted: cells.iter().filter(|q| q.volume_mm3 <= 0.0).count(),
+        stable_time_step_s: steps.map(step).fold(f64::INFINITY, f64::min),
+    }
+}
+
+/// The cells whose smallest dihedral angle lies below `degrees`, as indices.
+pub fn bad_cells(cells: &[CellQuality], degrees: f64) -> Vec<usize> {
+    (0..).zip(cells).filter(|(_, q)| q.min_dihedral_deg < degrees).map(|(index, _)| index).collect()
+}
+
+fn histogram(cells: &[CellQuality]) -> [usize; 8] {
+    let mut bins = [0; 8];
+    for cell in cells {
+        bins[DIHEDRAL_BINS.iter().position(|limit| cell.min_dihedral_deg < *limit).unwrap_or(7)] += 1;
+    }
+    bins
+}
+
+/// Smallest and largest cosine of a tetrahedron's dihedral angles.
+///
+/// With outward face vectors n_i (of twice the area), the angle at the edge shared by faces i and j has the cosine
+/// -n_i . n_j / |n_i| |n_j|.
+pub(crate) fn dihedral_cosines(p: [Vec3; 4]) -> [f64; 2] {
+    let normals = face_vectors(p).map(|n| n / n.norm());
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for i in 0..4 {
+        for j in 0..i {
+            let cosine = -normals[i].dot(&normals[j]);
+            range = [range[0].min(cosine), range[1].max(cosine)];
+        }
+    }
+    range
+}
+
+/// Outward vectors of twice the area, the face opposite to node i at i.
+fn face_vectors([a, b, c, d]: [Vec3; 4]) -> [Vec3; 4] {
+    let cross = |u: Vec3, v: Vec3, w: Vec3| (v - u).cross(&(w - u));
+    [cross(b, c, d), cross(a, d, c), cross(a, b, d), cross(a, c, b)]
+}
+
+/// Measures of the tetrahedron with these corners, mm.
+pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
+    let degrees = |cosine: f64| libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees();
+    let [low, high] = dihedral_cosines(p);
+    let areas = face_vectors(p).map(|n| n.norm() / 2.0);
+    let volume = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0])) / 6.0;
+    let inscribed = 3.0 * volume / areas.iter().sum::<f64>();
+    CellQuality {
+        min_dihedral_deg: degrees(high),
+        max_dihedral_deg: degrees(low),
+        radius_ratio: 3.0 * inscribed / circumradius(p),
+        shortest_altitude_mm: 3.0 * volume / areas.iter().fold(0.0, |a: f64, b| a.max(*b)),
+        volume_mm3: volume,
+    }
+}
+
+/// |u^2 (v x w) + v^2 (w x u) + w^2 (u x v)| / (2 |u . v x w|), edges from the first corner.
+fn circumradius([a, b, c, d]: [Vec3; 4]) -> f64 {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let numerator =
+        v.cross(&w) * u.norm_squared() + w.cross(&u) * v.norm_squared() + u.cross(&v) * w.norm_squared();
+    numerator.norm() / (2.0 * u.dot(&v.cross(&w)).abs())
+}
+
+/// Measures of a box-shaped hexahedron.
+fn voxel(cell: &[u32], mesh: &Mesh) -> CellQuality {
+    let edge = |i: usize| (mesh.points[cell[i] as usize] - mesh.points[cell[0] as usize]).norm();
+    CellQuality {
+        min_dihedral_deg: 90.0,
+        max_dihedral_deg: 90.0,
+        radius_ratio: 1.0,
+        shortest_altitude_mm: edge(1).min(edge(3)).min(edge(4)),
+        volume_mm3: cell_volume(mesh.kind, cell, &mesh.points),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_regular_tetrahedron_has_the_known_angle_and_ratio_one() {
+        let p = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from);
+        let q = tetrahedron(p);
+        assert!((q.min_dihedral_deg - 70.528_779_365_509_31).abs() < 1e-9, "{q:?}");
+        assert!((q.max_dihedral_deg - q.min_dihedral_deg).abs() < 1e-9);
+        assert!((q.radius_ratio - 1.0).abs() < 1e-12);
+        assert!((q.volume_mm3.abs() - 8.0 / 3.0).abs() < 1e-12);
+        assert!((q.shortest_altitude_mm.abs() - 4.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_flat_tetrahedron_has_angles_near_zero_and_180() {
+        let p = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 1e-4]].map(Vec3::from);
+        let q = tetrahedron(p);
+        assert!(q.min_dihedral_deg < 0.05 && q.max_dihedral_deg > 179.9);
+        assert!((q.shortest_altitude_mm - 1e-4).abs() < 1e-8);
+    }
+}
