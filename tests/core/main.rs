@@ -1,6 +1,5 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
-mod calculix;
 mod exact;
 mod export;
 mod gjk;

@@ -4,7 +4,7 @@ use meso_core::aggregate::Aggregate;
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{self, Mesh, MeshOptions, Phase, PhaseVolumes};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 
 /// The axis-aligned block between two corners.
@@ -167,4 +167,49 @@ fn a_vtu_declares_where_every_array_starts() {
         assert_eq!(pair[1], pair[0] + 8 + size(pair[0]));
     }
     assert_eq!(size(*offsets.last().unwrap()), 8);
+}
+
+fn lattice(element_size_mm: f64, fit: mesh::Fit) -> Mesh {
+    let (grains, specimen) = turned_blocks();
+    let options =
+        MeshOptions { method: Method::Lattice, element_size_mm, fit, itz: ItzForm::None, ..Default::default() };
+    voxels(&grains, &specimen, options)
+}
+
+#[test]
+fn a_fitted_lattice_fills_the_specimen_without_inverted_cells() {
+    let mesh = lattice(1.0, mesh::Fit::Fitted);
+    assert!((PhaseVolumes::of_mesh(&mesh).total() / 64_000.0 - 1.0).abs() < 1e-9);
+    assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+}
+
+#[test]
+fn the_faces_of_a_fitted_lattice_match_in_pairs() {
+    // A diagonal that two neighbours chose differently would leave its four triangles alone inside the cube.
+    let mesh = lattice(2.0, mesh::Fit::Fitted);
+    let mut faces: Vec<[u32; 3]> = mesh
+        .cells()
+        .flat_map(|cell| mesh.kind.faces().iter().map(|face| [0, 1, 2].map(|i| cell[face[i]])))
+        .map(|mut face| {
+            face.sort_unstable();
+            face
+        })
+        .collect();
+    faces.sort_unstable();
+    let at = |node: u32, axis: usize| mesh.points[node as usize][axis];
+    for group in faces.chunk_by(|a, b| a == b) {
+        let outer = (0..3).any(|axis| [0.0, 40.0].iter().any(|x| group[0].iter().all(|&n| at(n, axis) == *x)));
+        assert_eq!(group.len(), if outer { 1 } else { 2 }, "{:?}", group[0]);
+    }
+}
+
+#[test]
+fn a_plain_lattice_has_the_phase_of_every_centroid() {
+    let (grains, _) = turned_blocks();
+    let mesh = lattice(1.5, mesh::Fit::Plain);
+    for (c, cell) in mesh.cells().enumerate() {
+        let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 4.0;
+        let inside = |a: &&Aggregate| a.body.planes().all(|p| p.normal.dot(&centre) <= p.offset);
+        assert_eq!(mesh.aggregate[c], grains.iter().find(inside).map_or(mesh::NO_AGGREGATE, |a| a.id));
+    }
 }

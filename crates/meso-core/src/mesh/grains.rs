@@ -17,12 +17,8 @@ pub(crate) struct Grain {
 impl Grain {
     /// `shell(aggregate)` is the thickness of its shell in the mesh, mm.
     pub(crate) fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
-        let grain = |a: &Aggregate| Self {
-            id: a.id,
-            aabb: a.body.aabb(),
-            planes: a.body.planes().collect(),
-            shell: shell(a),
-        };
+        let grain =
+            |a: &Aggregate| Self { id: a.id, aabb: a.body.aabb(), planes: a.body.planes().collect(), shell: shell(a) };
         aggregates.par_iter().map(grain).collect()
     }
 
@@ -62,7 +58,8 @@ impl<'a> Locator<'a> {
         let mean = grains.iter().map(|g| g.aabb.size().max()).sum::<f64>() / grains.len().max(1) as f64;
         let cell = (mean * CELL_PER_GRAIN).max(domain.size().max() / 256.0);
         let counts = [0, 1, 2].map(|i| (domain.size()[i] / cell).ceil().max(1.0) as usize);
-        let mut locator = Self { grains, min: domain.min, cell, counts, buckets: vec![Vec::new(); counts.iter().product()] };
+        let mut locator =
+            Self { grains, min: domain.min, cell, counts, buckets: vec![Vec::new(); counts.iter().product()] };
         for (index, grain) in grains.iter().enumerate() {
             let (low, high) = (locator.cell_of(&grain.aabb.min), locator.cell_of(&grain.aabb.max));
             for k in low[2]..=high[2] {

@@ -1,7 +1,7 @@
 //! How good a mesh is: angles, shapes, the time step it allows, and how near its interfaces lie to the grains.
 
 use super::volumes::cell_volume;
-use super::{CellKind, Mesh};
+use super::{CellKind, Mesh, Phase};
 use crate::materials::Materials;
 use crate::math::Vec3;
 use rayon::prelude::*;
@@ -62,7 +62,8 @@ pub fn report(mesh: &Mesh, cells: &[CellQuality], materials: &Materials) -> Qual
         worst.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NAN, 0))
     };
     let steps = cells.iter().zip(&mesh.phase);
-    let step = |(q, phase): (&CellQuality, _)| q.shortest_altitude_mm / materials.elastic(*phase).wave_speed_mm_per_s();
+    let step =
+        |(q, phase): (&CellQuality, &Phase)| q.shortest_altitude_mm / materials.elastic(*phase).wave_speed_mm_per_s();
     let largest = least(|q| -q.max_dihedral_deg);
     QualityReport {
         cells: cells.len(),
@@ -130,8 +131,7 @@ pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
 /// |u^2 (v x w) + v^2 (w x u) + w^2 (u x v)| / (2 |u . v x w|), edges from the first corner.
 fn circumradius([a, b, c, d]: [Vec3; 4]) -> f64 {
     let (u, v, w) = (b - a, c - a, d - a);
-    let numerator =
-        v.cross(&w) * u.norm_squared() + w.cross(&u) * v.norm_squared() + u.cross(&v) * w.norm_squared();
+    let numerator = v.cross(&w) * u.norm_squared() + w.cross(&u) * v.norm_squared() + u.cross(&v) * w.norm_squared();
     numerator.norm() / (2.0 * u.dot(&v.cross(&w)).abs())
 }
 

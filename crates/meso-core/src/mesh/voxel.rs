@@ -4,8 +4,8 @@
 //! offset by the shell's thickness: max_i (n_i . x - d_i) > -t. By default t is at least the voxel's edge, so that along
 //! every axis one ITZ voxel or more lies between core and mortar (a shell h thick is crossed over a length of at least h).
 
-use super::sweep::{Label, PointGrid, Sweep};
 use super::grains::Grain;
+use super::sweep::{Label, PointGrid, Sweep};
 use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
@@ -18,7 +18,8 @@ pub(super) fn build(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
     let grains = Grain::all(aggregates, |a| shell_thickness(a, voxels.spacing.max(), options));
     let labels = voxels.labels(&grains, options.subsamples as usize);
     let phase = labels.par_iter().map(|&label| phase_of(label)).collect();
-    let aggregate = labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
+    let aggregate =
+        labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
     Mesh { points: voxels.points(), kind: CellKind::Hexahedron, cells: voxels.cells(), phase, aggregate }
 }
 

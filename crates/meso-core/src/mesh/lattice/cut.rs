@@ -105,7 +105,8 @@ impl<'a> Cutter<'a> {
 
     /// The cut node between two lattice nodes.
     fn cut(&self, a: u32, b: u32) -> u32 {
-        let index = self.edges.binary_search(&(a.min(b), a.max(b))).expect("nodes on two sides have a cut between them");
+        let index =
+            self.edges.binary_search(&(a.min(b), a.max(b))).expect("nodes on two sides have a cut between them");
         (self.field.points.len() + index) as u32
     }
 
@@ -138,7 +139,9 @@ impl<'a> Cutter<'a> {
     }
 
     fn tip_and_prism(&self, tip: u32, mut base: [u32; 3]) -> (Vec<[u32; 4]>, Vec<[u32; 4]>) {
-        base.sort_by(|&v, &w| if self.first(tip, v, w) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater });
+        base.sort_by(
+            |&v, &w| if self.first(tip, v, w) { std::cmp::Ordering::Less } else { std::cmp::Ordering::Greater },
+        );
         let cuts = base.map(|v| self.cut(tip, v));
         let rails = [0, 1, 2].map(|r| [cuts[r], base[r]]);
         (vec![[tip, cuts[0], cuts[1], cuts[2]]], prism(rails).to_vec())

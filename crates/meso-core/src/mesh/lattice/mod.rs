@@ -39,7 +39,8 @@ pub(super) fn plain(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
         })
         .collect();
     let cells = layers.concat();
-    let located: Vec<(Phase, u32)> = cells.par_iter().map(|cell| locate(&grains, &locator, &centroid(cell, &points))).collect();
+    let located: Vec<(Phase, u32)> =
+        cells.par_iter().map(|cell| locate(&grains, &locator, &centroid(cell, &points))).collect();
     let (phase, aggregate) = located.into_iter().unzip();
     Mesh { points, kind: CellKind::Tetrahedron, cells: cells.into_flattened(), phase, aggregate }
 }

@@ -49,12 +49,12 @@ impl<'a> Field<'a> {
     pub(super) fn new(bcc: &'a Bcc, grains: &'a [Grain]) -> Self {
         let nodes = 0..bcc.nodes() as u32;
         let points: Vec<Vec3> = nodes.into_par_iter().map(|node| bcc.position(node)).collect();
-        let mut label = labels(grains, PointGrid {
-            origin: points[0],
-            spacing: bcc.spacing,
-            counts: bcc.counts.map(|c| c + 1),
-        });
-        label.extend(labels(grains, PointGrid { origin: points[bcc.corners()], spacing: bcc.spacing, counts: bcc.counts }));
+        let mut label =
+            labels(grains, PointGrid { origin: points[0], spacing: bcc.spacing, counts: bcc.counts.map(|c| c + 1) });
+        label.extend(labels(
+            grains,
+            PointGrid { origin: points[bcc.corners()], spacing: bcc.spacing, counts: bcc.counts },
+        ));
         let on = vec![[MORTAR; 3]; points.len()];
         Self { bcc, grains, points, label, on, closed: Vec::new() }
     }
