@@ -16,5 +16,6 @@ pub mod packing;
 pub mod saved;
 pub mod spec;
 
-pub use model::{Model, Progress, Silent, pack};
+pub use model::{Model, pack};
+pub use packing::{Progress, Silent};
 pub use spec::{Spec, SpecError};

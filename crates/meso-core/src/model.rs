@@ -1,8 +1,11 @@
 //! A packed specimen: what `pack` returns, `.json` holds and every other command reads.
 
 use crate::aggregate::Aggregate;
-use crate::packing::Report;
-use crate::spec::Spec;
+use crate::aggregate::take::{Grain, Recipe, take};
+use crate::geometry::HullError;
+use crate::packing::{self, Outcome, Progress, Report, Request, Seconds, Strategy};
+use crate::spec::{Spec, SpecError};
+use rayon::prelude::*;
 
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,32 +18,50 @@ pub struct Model {
     pub report: Report,
 }
 
-/// Where a long run says how far it is, and asks whether to go on.
-pub trait Progress: Sync {
-    /// The fraction reached so far, of the target. Return `false` to stop with the best packing found.
-    fn update(&self, fraction: f64, target: f64) -> bool;
-    /// Seconds since some fixed moment: the core itself reads no clock.
-    fn seconds(&self) -> f64;
-}
-
-/// No progress, no clock, never stops.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Silent;
-
-impl Progress for Silent {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
-    fn seconds(&self) -> f64 {
-        0.0
-    }
-}
-
 /// Takes and places the aggregates that `spec` asks for.
 ///
 /// # Errors
 /// A spec that cannot be met is named before any work starts.
-pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, crate::spec::SpecError> {
-    let _ = (spec, progress);
-    todo!("landed by the packing change")
+pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
+    let start = progress.seconds();
+    let grains = take_grains(spec)?;
+    let taken = progress.seconds();
+    let request = Request {
+        specimen: &spec.specimen,
+        fraction: spec.fraction,
+        grading: &spec.grading,
+        grains: &grains,
+        seed: spec.seed,
+        placement: &spec.placement,
+        progress,
+    };
+    let outcome = packing::place(&request);
+    let aggregates = settle(&grains, &outcome)?;
+    let placed = progress.seconds();
+    let mut report = packing::report(&request, &aggregates, &outcome);
+    report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
+    Ok(Model { spec: spec.clone(), aggregates, report })
+}
+
+fn take_grains(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
+    let recipe = Recipe { grading: &spec.grading, shape: &spec.shape, itz: &spec.itz, seed: spec.seed };
+    let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
+    take(&recipe, spec.fraction * spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))
+}
+
+fn flat_shape(error: &HullError) -> SpecError {
+    SpecError { key: "shape".into(), message: format!("gives aggregates without volume: {error}") }
+}
+
+/// The placed grains in the specimen's frame.
+fn settle(grains: &[Grain], outcome: &Outcome) -> Result<Vec<Aggregate>, SpecError> {
+    let placed: Vec<_> = grains.iter().zip(&outcome.poses).filter_map(|(g, pose)| Some((g, pose.as_ref()?))).collect();
+    placed
+        .par_iter()
+        .enumerate()
+        .map(|(id, (grain, pose))| {
+            let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
+            Ok(Aggregate { id: id as u32, class: grain.class, itz_thickness_mm: grain.itz_thickness_mm, body })
+        })
+        .collect()
 }

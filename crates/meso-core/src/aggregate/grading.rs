@@ -85,4 +85,13 @@ impl Grading {
             .map(|w| SizeClass { d_min_mm: w[0], d_max_mm: w[1], share: self.passing(w[1]) - self.passing(w[0]) })
             .collect()
     }
+
+    /// The curve in words, for the report.
+    pub fn describe(&self) -> String {
+        let form = match self.form {
+            FullerForm::Normalised => "normalised",
+            FullerForm::Raw => "raw",
+        };
+        format!("Fuller, {form}, n = {}, {} to {} mm", self.exponent, self.d_min_mm, self.d_max_mm)
+    }
 }

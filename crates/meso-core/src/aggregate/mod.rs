@@ -2,7 +2,9 @@
 
 pub mod grading;
 pub mod itz;
+pub mod random;
 pub mod shape;
+pub mod take;
 
 pub use grading::{FullerForm, Grading, SizeClass, SizeDefinition};
 pub use itz::Itz;

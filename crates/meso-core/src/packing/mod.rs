@@ -1,11 +1,20 @@
 //! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
 
+mod grid;
+mod place;
+mod rearrange;
 mod report;
 mod specimen;
+mod take_and_place;
 
-pub use report::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
+pub use place::place;
+pub use report::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
 pub use specimen::Specimen;
 
+use crate::aggregate::Grading;
+use crate::aggregate::take::{Grain, snap};
+use crate::geometry::{HullError, Polyhedron, convex_hull};
+use crate::math::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.
@@ -53,3 +62,93 @@ impl Default for Placement {
         }
     }
 }
+
+/// Where a long run says how far it is, and asks whether to go on.
+pub trait Progress: Sync {
+    /// The fraction reached so far, of the target. Return `false` to stop with the best packing found.
+    fn update(&self, fraction: f64, target: f64) -> bool;
+    /// Seconds since some fixed moment: the core itself reads no clock.
+    fn seconds(&self) -> f64;
+}
+
+/// No progress, no clock, never stops.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn update(&self, _: f64, _: f64) -> bool {
+        true
+    }
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+}
+
+/// What is to be placed, and where.
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    /// What is filled.
+    pub specimen: &'a Specimen,
+    /// Volume of the aggregates over the specimen's, 0 to 1.
+    pub fraction: f64,
+    /// What the classes are asked to hold.
+    pub grading: &'a Grading,
+    /// The grains in the order they are placed.
+    pub grains: &'a [Grain],
+    /// Seed of the positions.
+    pub seed: u64,
+    /// How to place.
+    pub placement: &'a Placement,
+    /// Where to report, and whom to ask.
+    pub progress: &'a dyn Progress,
+}
+
+/// Where a grain ended: turned about its own origin, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// `None` where the grain kept the orientation it was taken with.
+    pub rotation: Option<Rotation>,
+    /// In the specimen, mm.
+    pub centre: Vec3,
+}
+
+impl Pose {
+    fn at(centre: Vec3) -> Self {
+        Self { rotation: None, centre }
+    }
+
+    /// Vertices about the centre: turned and rounded to the lattice, or as they are.
+    pub fn turned(&self, vertices: &[Vec3]) -> Vec<Vec3> {
+        let Some(rotation) = self.rotation else { return vertices.to_vec() };
+        let matrix = rotation.to_rotation_matrix();
+        vertices.iter().map(|v| snap(&(matrix * v))).collect()
+    }
+
+    /// The grain's surface in the specimen. A turned grain gets a hull of its own, since rounding its vertices may fold
+    /// a nearly flat edge.
+    ///
+    /// # Errors
+    /// Where the turned vertices span no volume.
+    pub fn apply(&self, body: &Polyhedron) -> Result<Polyhedron, HullError> {
+        let body = match self.rotation {
+            None => return Ok(body.translated(&self.centre)),
+            Some(_) => convex_hull(&self.turned(body.vertices()))?,
+        };
+        Ok(body.translated(&self.centre))
+    }
+}
+
+/// What a strategy reached.
+pub struct Outcome {
+    /// The pose of every grain; `None` where it found no place.
+    pub poses: Vec<Option<Pose>>,
+    /// What was counted on the way.
+    pub work: Work,
+    /// Why it ended early, if it did.
+    pub stop: Option<StopReason>,
+    /// Why grains are missing, if it did not end early.
+    pub dead_end: StopReason,
+    /// The strategy's name.
+    pub strategy: &'static str,
+}
+

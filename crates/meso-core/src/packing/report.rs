@@ -1,5 +1,7 @@
 //! What a packing run reached, and what it cost.
 
+use super::{Outcome, Request};
+use crate::aggregate::Aggregate;
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -111,4 +113,87 @@ pub struct Work {
     pub exact_calls: u64,
     /// Sweeps of the rearrangement.
     pub sweeps: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.candidates += other.candidates;
+        self.pairs_broad += other.pairs_broad;
+        self.pairs_sphere += other.pairs_sphere;
+        self.pairs_axis += other.pairs_axis;
+        self.gjk_calls += other.gjk_calls;
+        self.exact_calls += other.exact_calls;
+        self.sweeps += other.sweeps;
+    }
+}
+
+/// A class counts as reached within this share of its target, or within one of its own grains.
+const REACHED: f64 = 0.002;
+
+/// Sums up what `outcome` reached of `request`. Volumes are those of the placed polyhedra.
+pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) -> Report {
+    let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
+    let classes = class_reports(request, aggregates, specimen.volume_mm3);
+    let short: Vec<&ClassReport> = classes.iter().filter(|class| class.is_short()).collect();
+    let fraction = classes.iter().map(|class| class.fraction).sum();
+    Report {
+        version: env!("CARGO_PKG_VERSION").into(),
+        seed: request.seed,
+        target_fraction: request.fraction,
+        fraction,
+        aggregates: aggregates.len(),
+        discarded: request.grains.len() - aggregates.len(),
+        specimen,
+        grading: request.grading.describe(),
+        strategy: outcome.strategy.into(),
+        itz_limited: itz_limited(request, outcome),
+        stop_reason: outcome.stop.unwrap_or(if short.is_empty() { StopReason::TargetReached } else { outcome.dead_end }),
+        stop_detail: detail(request.fraction, fraction, &short),
+        classes,
+        seconds: Seconds::default(),
+        work: outcome.work,
+    }
+}
+
+impl ClassReport {
+    fn is_short(&self) -> bool {
+        let mean = self.fraction / self.aggregates.max(1) as f64;
+        self.target_fraction - self.fraction > (REACHED * self.target_fraction).max(mean)
+    }
+}
+
+fn class_reports(request: &Request, aggregates: &[Aggregate], volume: f64) -> Vec<ClassReport> {
+    let asked = request.grading.classes().into_iter().map(|class| ClassReport {
+        d_min_mm: class.d_min_mm,
+        d_max_mm: class.d_max_mm,
+        target_fraction: class.share * request.fraction,
+        fraction: 0.0,
+        aggregates: 0,
+    });
+    let mut classes: Vec<ClassReport> = asked.collect();
+    for aggregate in aggregates {
+        let class = &mut classes[usize::from(aggregate.class)];
+        class.fraction += aggregate.body.volume() / volume;
+        class.aggregates += 1;
+    }
+    classes
+}
+
+fn itz_limited(request: &Request, outcome: &Outcome) -> Vec<u32> {
+    let placed = request.grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
+    placed.enumerate().filter(|(_, (grain, _))| grain.itz_limited).map(|(id, _)| id as u32).collect()
+}
+
+fn detail(target: f64, fraction: f64, short: &[&ClassReport]) -> String {
+    if short.is_empty() {
+        return format!("reached {fraction:.5} of {target}, every class as graded");
+    }
+    let classes: Vec<String> = short
+        .iter()
+        .map(|class| {
+            let missing = 100.0 * (1.0 - class.fraction / class.target_fraction);
+            format!("{}-{} mm lacks {missing:.1} %", class.d_min_mm, class.d_max_mm)
+        })
+        .collect();
+    format!("reached {fraction:.5} of {target}; {}", classes.join(", "))
 }

@@ -47,4 +47,21 @@ impl Specimen {
             Self::Box { .. } => "box",
         }
     }
+
+    /// Where the centre of a body may be, so that its box `local` about that centre stays `gap` mm inside the
+    /// specimen's bounding box.
+    pub fn room_for(&self, local: &Aabb, gap: f64) -> Aabb {
+        let aabb = self.aabb();
+        let gap = Vec3::repeat(gap);
+        Aabb { min: aabb.min - local.min + gap, max: aabb.max - local.max - gap }
+    }
+
+    /// True when the vertices `body`, moved by `centre`, lies in the specimen with `gap` mm to its surface; exact for boxes.
+    pub fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
+        let aabb = self.aabb();
+        body.iter().all(|v| {
+            let point = v + centre;
+            (0..3).all(|i| point[i] >= aabb.min[i] + gap && point[i] <= aabb.max[i] - gap)
+        })
+    }
 }

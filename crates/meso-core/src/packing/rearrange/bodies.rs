@@ -1,0 +1,209 @@
+//! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
+
+use super::contact::{LANES, Points, V};
+use crate::aggregate::take::Grain;
+use crate::math::{Rotation, Vec3};
+use crate::packing::{Pose, Specimen};
+use rayon::prelude::*;
+
+/// Where the vertices of a body stand in the coordinate arrays.
+#[derive(Clone, Copy)]
+struct Span {
+    start: u32,
+    len: u32,
+}
+
+/// What of a body moves.
+#[derive(Clone, Copy)]
+pub(super) struct State {
+    /// In the specimen, mm.
+    pub(super) centre: Vec3,
+    pub(super) rotation: Rotation,
+    /// Movement of the last sweep, mm and radians.
+    pub(super) velocity: Vec3,
+    pub(super) spin: Vec3,
+    /// Length of the path any point of the body has moved at the most since the start, mm.
+    pub(super) path: f64,
+}
+
+/// What of a body stays.
+#[derive(Clone, Copy)]
+pub(super) struct Fixed {
+    /// Which grain it is.
+    pub(super) grain: u32,
+    pub(super) outer_radius: f32,
+    /// 1 / mass^0.5 and 1 / its moment of inertia as a ball of the same volume.
+    pub(super) inverse_mass: f32,
+    pub(super) inverse_inertia: f32,
+    /// Radius of the ball of the same volume, mm.
+    pub(super) ball_radius: f32,
+}
+
+/// All bodies.
+pub(super) struct Bodies {
+    pub(super) fixed: Vec<Fixed>,
+    pub(super) state: Vec<State>,
+    spans: Vec<Span>,
+    /// Vertices about the centre: x, y, z blocks of `LANES` one after the other, as taken and as turned.
+    shape: Vec<f32>,
+    turned: Vec<f32>,
+}
+
+impl Bodies {
+    /// The grains at `poses`, ordered along a space-filling curve.
+    pub(super) fn new(grains: &[Grain], poses: &[Pose], specimen: &Specimen) -> Self {
+        let mut order: Vec<(u64, u32)> =
+            poses.iter().enumerate().map(|(i, pose)| (morton(&pose.centre, specimen), i as u32)).collect();
+        order.sort_unstable();
+        let mut bodies =
+            Self { fixed: Vec::new(), state: Vec::new(), spans: Vec::new(), shape: Vec::new(), turned: Vec::new() };
+        for &(_, i) in &order {
+            bodies.push(i, &grains[i as usize], &poses[i as usize]);
+        }
+        bodies.turned = bodies.shape.clone();
+        bodies
+    }
+
+    fn push(&mut self, index: u32, grain: &Grain, pose: &Pose) {
+        let mass = grain.volume.sqrt();
+        let ball_radius = libm::cbrt(grain.volume * 0.75 / std::f64::consts::PI);
+        self.fixed.push(Fixed {
+            grain: index,
+            outer_radius: grain.outer_radius as f32 * 1.000_001,
+            inverse_mass: (1.0 / mass) as f32,
+            inverse_inertia: (1.0 / (0.4 * mass * ball_radius * ball_radius)) as f32,
+            ball_radius: ball_radius as f32,
+        });
+        self.state.push(State {
+            centre: pose.centre,
+            rotation: pose.rotation.unwrap_or(Rotation::identity()),
+            velocity: Vec3::zeros(),
+            spin: Vec3::zeros(),
+            path: 0.0,
+        });
+        let vertices = grain.body.vertices();
+        let padded = vertices.len().next_multiple_of(LANES);
+        self.spans.push(Span { start: self.shape.len() as u32, len: padded as u32 });
+        for axis in 0..3 {
+            self.shape.extend((0..padded).map(|k| vertices[if k < vertices.len() { k } else { 0 }][axis] as f32));
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.fixed.len()
+    }
+
+    /// Turned vertices of a body about its centre.
+    #[inline(always)]
+    pub(super) fn points(&self, body: u32) -> Points<'_> {
+        let Span { start, len } = self.spans[body as usize];
+        let (start, len) = (start as usize, len as usize);
+        let all = &self.turned[start..start + 3 * len];
+        Points { x: &all[..len], y: &all[len..2 * len], z: &all[2 * len..] }
+    }
+
+    /// Centre of `j` seen from the centre of `i`.
+    #[inline(always)]
+    pub(super) fn offset(&self, i: u32, j: u32) -> V {
+        let d = self.state[j as usize].centre - self.state[i as usize].centre;
+        [d.x as f32, d.y as f32, d.z as f32]
+    }
+
+    /// Half-extents of a body's box about its centre: (lowest, highest).
+    pub(super) fn extent(&self, body: u32) -> (Vec3, Vec3) {
+        let p = self.points(body);
+        let low = |c: &[f32]| f64::from(c.iter().fold(f32::INFINITY, |m, &v| m.min(v)));
+        let high = |c: &[f32]| f64::from(c.iter().fold(f32::NEG_INFINITY, |m, &v| m.max(v)));
+        (Vec3::new(low(p.x), low(p.y), low(p.z)), Vec3::new(high(p.x), high(p.y), high(p.z)))
+    }
+
+    /// Calls `step` on every body's state, then turns its vertices and puts it back inside `walls`.
+    pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &mut State) + Sync) {
+        let Self { state, spans, shape, turned, fixed } = self;
+        let blocks = split(turned, spans);
+        state.par_iter_mut().zip(blocks).enumerate().with_min_len(256).for_each(|(body, (state, turned))| {
+            let before = state.centre;
+            step(body as u32, state);
+            let start = spans[body].start as usize;
+            let extent = turn(&shape[start..start + turned.len()], turned, &state.rotation);
+            state.centre = walls.confine(state.centre, &extent);
+            let moved = (state.centre - before).norm() + state.spin.norm() * f64::from(fixed[body].outer_radius);
+            state.path += moved * 1.000_001;
+        });
+    }
+
+    /// The pose of every grain, in the order of the grains.
+    pub(super) fn poses(&self) -> Vec<Pose> {
+        let mut poses: Vec<(u32, Pose)> = self
+            .fixed
+            .iter()
+            .zip(&self.state)
+            .map(|(fixed, state)| (fixed.grain, Pose { rotation: Some(state.rotation), centre: state.centre }))
+            .collect();
+        poses.sort_unstable_by_key(|&(grain, _)| grain);
+        poses.into_iter().map(|(_, pose)| pose).collect()
+    }
+}
+
+/// The box bodies stay in, walls already moved inwards by the gap asked for.
+pub(super) struct Walls {
+    pub(super) low: Vec3,
+    pub(super) high: Vec3,
+}
+
+impl Walls {
+    fn confine(&self, centre: Vec3, (low, high): &(Vec3, Vec3)) -> Vec3 {
+        Vec3::from_fn(|i, _| centre[i].max(self.low[i] - low[i]).min(self.high[i] - high[i]))
+    }
+}
+
+/// One mutable block of vertices per body.
+fn split<'a>(mut all: &'a mut [f32], spans: &[Span]) -> Vec<&'a mut [f32]> {
+    let mut blocks = Vec::with_capacity(spans.len());
+    for span in spans {
+        let (block, rest) = all.split_at_mut(3 * span.len as usize);
+        blocks.push(block);
+        all = rest;
+    }
+    blocks
+}
+
+/// Turns `shape` by `rotation` into `turned`; returns the box of the result.
+fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (Vec3, Vec3) {
+    let len = shape.len() / 3;
+    let matrix = rotation.to_rotation_matrix();
+    let (mut low, mut high) = (Vec3::zeros(), Vec3::zeros());
+    let (x, rest) = shape.split_at(len);
+    let (y, z) = rest.split_at(len);
+    for (row, out) in turned.chunks_exact_mut(len).enumerate() {
+        let [p, q, r] = [0, 1, 2].map(|column| matrix[(row, column)] as f32);
+        let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let chunks = x.chunks_exact(LANES).zip(y.chunks_exact(LANES)).zip(z.chunks_exact(LANES));
+        for (out, ((x, y), z)) in out.chunks_exact_mut(LANES).zip(chunks) {
+            for lane in 0..LANES {
+                let v = p * x[lane] + q * y[lane] + r * z[lane];
+                out[lane] = v;
+                least[lane] = if v < least[lane] { v } else { least[lane] };
+                most[lane] = if v > most[lane] { v } else { most[lane] };
+            }
+        }
+        low[row] = f64::from(least.iter().fold(f32::INFINITY, |m, &v| m.min(v)));
+        high[row] = f64::from(most.iter().fold(f32::NEG_INFINITY, |m, &v| m.max(v)));
+    }
+    (low, high)
+}
+
+/// Position along the Morton curve over the specimen's box, 21 bits a coordinate.
+fn morton(point: &Vec3, specimen: &Specimen) -> u64 {
+    let aabb = specimen.aabb();
+    let size = aabb.size().max();
+    (0..3).fold(0, |code, i| code | spread_bits((((point[i] - aabb.min[i]) / size).clamp(0.0, 1.0) * 2_097_151.0) as u64) << i)
+}
+
+fn spread_bits(mut v: u64) -> u64 {
+    v = (v | v << 32) & 0x001f_0000_0000_ffff;
+    v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+    v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+    v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+    (v | v << 2) & 0x1249_2492_4924_9249
+}

@@ -1,0 +1,340 @@
+//! Contact between two convex bodies for the dynamics: a direction, the gap along it, and the points it acts on.
+//!
+//! Single precision, uncertified: it only says where to push; placement is proved afterwards by [`gjk`](crate::gjk).
+//!
+//! The direction is that of the nearest points of the two bodies with their centres moved apart by a factor `spread`,
+//! just enough that they do not overlap. Scaling the distance of two bodies by s is the same as scaling both bodies by
+//! 1/s, which keeps every face normal and edge direction; so the nearest features of the spread bodies are, for shallow
+//! overlaps, those that touch, and their direction separates with the least movement. One distance query, started from
+//! the features of the last sweep, replaces a penetration query (MPR or EPA).
+
+/// Vertices of a body about its centre, one array per coordinate, padded to a multiple of [`LANES`] with copies of the
+/// first.
+#[derive(Clone, Copy)]
+pub(super) struct Points<'a> {
+    pub(super) x: &'a [f32],
+    pub(super) y: &'a [f32],
+    pub(super) z: &'a [f32],
+}
+
+/// Width of the support loop; fixed, so that ties fall to the same vertex on every machine.
+pub(super) const LANES: usize = 8;
+
+pub(super) type V = [f32; 3];
+
+/// Two bodies' common tangent plane, remembered between sweeps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Contact {
+    /// Unit direction from the first body to the second.
+    pub(super) normal: V,
+    /// Distance of the bodies along `normal`, mm; negative where they overlap along it.
+    pub(super) gap: f32,
+    /// Where the contact acts on the first body, about its centre, mm.
+    pub(super) on_a: V,
+    /// Where it acts on the second.
+    pub(super) on_b: V,
+    /// Vertices (of the first, of the second) that span the nearest features; the start of the next query.
+    features: [(u16, u16); 3],
+    count: u8,
+}
+
+/// Vertex farthest in direction `d`, and how far; the lowest index among equals.
+#[inline(always)]
+fn extreme(p: &Points, d: V) -> (usize, f32) {
+    let mut best = [f32::NEG_INFINITY; LANES];
+    let mut block = [0u32; LANES];
+    let chunks = p.x.chunks_exact(LANES).zip(p.y.chunks_exact(LANES)).zip(p.z.chunks_exact(LANES));
+    for (i, ((x, y), z)) in chunks.enumerate() {
+        for lane in 0..LANES {
+            let reach = x[lane] * d[0] + y[lane] * d[1] + z[lane] * d[2];
+            let better = reach > best[lane];
+            best[lane] = if better { reach } else { best[lane] };
+            block[lane] = if better { i as u32 } else { block[lane] };
+        }
+    }
+    let mut winner = (block[0] as usize * LANES, best[0]);
+    for lane in 1..LANES {
+        let index = block[lane] as usize * LANES + lane;
+        if best[lane] > winner.1 || (best[lane] == winner.1 && index < winner.0) {
+            winner = (index, best[lane]);
+        }
+    }
+    winner
+}
+
+/// How far the body reaches in direction `d`.
+#[inline(always)]
+fn reach(p: &Points, d: V) -> f32 {
+    let mut best = [f32::NEG_INFINITY; LANES];
+    let chunks = p.x.chunks_exact(LANES).zip(p.y.chunks_exact(LANES)).zip(p.z.chunks_exact(LANES));
+    for ((x, y), z) in chunks {
+        for lane in 0..LANES {
+            let reach = x[lane] * d[0] + y[lane] * d[1] + z[lane] * d[2];
+            best[lane] = if reach > best[lane] { reach } else { best[lane] };
+        }
+    }
+    best.iter().fold(f32::NEG_INFINITY, |m, &b| if b > m { b } else { m })
+}
+
+/// Gap between `a` and `b`, whose centre is at `x` from that of `a`, along the unit direction `n`.
+#[inline(always)]
+pub(super) fn gap_along(a: &Points, b: &Points, x: V, n: V) -> f32 {
+    dot(n, x) - reach(b, neg(n)) - reach(a, n)
+}
+
+/// Least spread beyond touching, as a share of the bodies' reach along the contact.
+const LEAST_SPREAD: f32 = 0.05;
+/// Spread grows by this where the bodies still overlap.
+const MORE_SPREAD: f32 = 1.5;
+const MOST_STEPS: usize = 12;
+/// The query ends when a support point is no nearer than this share of the distance.
+const TOLERANCE: f64 = 1e-4;
+
+impl Contact {
+    /// A first guess: only a direction.
+    pub(super) fn towards(normal: V) -> Self {
+        Self { normal, ..Self::default() }
+    }
+
+    /// Finds the contact anew, starting from the remembered one, whose `gap` must be current.
+    #[inline(always)]
+    pub(super) fn refresh(&mut self, a: &Points, b: &Points, x: V) {
+        let along = dot(self.normal, x).max(1e-6);
+        let mut spread = 1.0 + (LEAST_SPREAD * (along - self.gap.max(-along)) + 1.2 * (-self.gap).max(0.0)) / along;
+        for _ in 0..16 {
+            if self.query(a, b, scale(x, spread), x) {
+                return;
+            }
+            self.count = 0;
+            spread *= MORE_SPREAD;
+        }
+        self.normal = direction_or_up(x);
+        self.gap = gap_along(a, b, x, self.normal);
+        (self.on_a, self.on_b) = ([0.0; 3], [0.0; 3]);
+    }
+
+    /// GJK distance query with the centres `far` apart; false where the bodies overlap even so.
+    #[inline(always)]
+    fn query(&mut self, a: &Points, b: &Points, far: V, x: V) -> bool {
+        let mut simplex = Simplex::default();
+        for &(i, j) in &self.features[..usize::from(self.count)] {
+            simplex.push(a, b, i, j, far);
+        }
+        if simplex.count == 0 {
+            let d = self.normal;
+            simplex.push(a, b, extreme(a, d).0 as u16, extreme(b, neg(d)).0 as u16, far);
+        }
+        let mut v = simplex.nearest();
+        for _ in 0..MOST_STEPS {
+            let length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            if length2 < 1e-12 || simplex.count == 4 {
+                return false;
+            }
+            // v points from b to a: the contact direction is -v.
+            let inverse = 1.0 / length2.sqrt();
+            let n = [(-v[0] * inverse) as f32, (-v[1] * inverse) as f32, (-v[2] * inverse) as f32];
+            let ((i, reach_a), (j, reach_b)) = (extreme(a, n), extreme(b, neg(n)));
+            let support = dot(n, far) - reach_a - reach_b;
+            let fresh = !simplex.holds(i as u16, j as u16);
+            if !fresh || f64::from(support) >= (1.0 - TOLERANCE) * length2.sqrt() {
+                self.settle(&simplex, a, b, n, dot(n, x) - reach_a - reach_b);
+                return true;
+            }
+            simplex.push(a, b, i as u16, j as u16, far);
+            v = simplex.nearest();
+        }
+        let inverse = 1.0 / (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-12);
+        let n = [(-v[0] * inverse) as f32, (-v[1] * inverse) as f32, (-v[2] * inverse) as f32];
+        self.settle(&simplex, a, b, n, gap_along(a, b, x, n));
+        true
+    }
+
+    fn settle(&mut self, simplex: &Simplex, a: &Points, b: &Points, normal: V, gap: f32) {
+        (self.normal, self.gap) = (normal, gap);
+        (self.on_a, self.on_b) = ([0.0; 3], [0.0; 3]);
+        self.count = simplex.count as u8;
+        for k in 0..simplex.count.min(3) {
+            let ((i, j), weight) = (simplex.features[k], simplex.weights[k] as f32);
+            self.features[k] = (i, j);
+            self.on_a = add_scaled(self.on_a, at(a, i), weight);
+            self.on_b = add_scaled(self.on_b, at(b, j), weight);
+        }
+    }
+}
+
+/// Up to four points of A - B - far, and the weights of the one nearest the origin.
+#[derive(Default)]
+struct Simplex {
+    points: [[f64; 3]; 4],
+    features: [(u16, u16); 4],
+    weights: [f64; 4],
+    count: usize,
+}
+
+impl Simplex {
+    #[inline(always)]
+    fn push(&mut self, a: &Points, b: &Points, i: u16, j: u16, far: V) {
+        let (p, q) = (at(a, i), at(b, j));
+        self.points[self.count] = [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]) - f64::from(far[k]));
+        self.features[self.count] = (i, j);
+        self.count += 1;
+    }
+
+    fn holds(&self, i: u16, j: u16) -> bool {
+        self.features[..self.count].contains(&(i, j))
+    }
+
+    /// Reduces to the face that holds the point nearest the origin, and returns that point; a tetrahedron around the
+    /// origin stays whole.
+    #[inline(always)]
+    fn nearest(&mut self) -> [f64; 3] {
+        match self.count {
+            1 => self.weights[0] = 1.0,
+            2 => self.segment(),
+            3 => self.triangle(),
+            _ => self.tetrahedron(),
+        }
+        let mut v = [0.0; 3];
+        for k in 0..self.count {
+            for (coordinate, p) in v.iter_mut().zip(self.points[k]) {
+                *coordinate += self.weights[k] * p;
+            }
+        }
+        v
+    }
+
+    fn keep(&mut self, kept: &[usize], weights: &[f64]) {
+        for (to, (&from, &weight)) in kept.iter().zip(weights).enumerate() {
+            self.points[to] = self.points[from];
+            self.features[to] = self.features[from];
+            self.weights[to] = weight;
+        }
+        self.count = kept.len();
+    }
+
+    fn segment(&mut self) {
+        let [a, b, ..] = self.points;
+        let ab = sub(b, a);
+        let (t, length2) = (-dot3(a, ab), dot3(ab, ab));
+        if t <= 0.0 {
+            self.keep(&[0], &[1.0]);
+        } else if t >= length2 {
+            self.keep(&[1], &[1.0]);
+        } else {
+            self.keep(&[0, 1], &[1.0 - t / length2, t / length2]);
+        }
+    }
+
+    fn triangle(&mut self) {
+        let (kept, weights, count) = nearest_on_triangle([self.points[0], self.points[1], self.points[2]]);
+        self.keep(&kept[..count], &weights[..count]);
+    }
+
+    /// The nearest of the faces whose plane has the origin on the outer side.
+    fn tetrahedron(&mut self) {
+        let mut best: Option<([usize; 3], [f64; 3], usize, f64)> = None;
+        for (face, apex) in [([0, 1, 2], 3), ([0, 1, 3], 2), ([0, 2, 3], 1), ([1, 2, 3], 0)] {
+            let [p, q, r] = face.map(|k| self.points[k]);
+            let normal = cross3(sub(q, p), sub(r, p));
+            let (to_origin, to_apex) = (-dot3(normal, p), dot3(normal, sub(self.points[apex], p)));
+            if to_origin * to_apex > 0.0 {
+                continue;
+            }
+            let (kept, weights, count) = nearest_on_triangle([p, q, r]);
+            let v = (0..count).fold([0.0; 3], |v, k| {
+                [0, 1, 2].map(|i| v[i] + weights[k] * self.points[face[kept[k]]][i])
+            });
+            let distance2 = dot3(v, v);
+            if best.is_none_or(|(.., least)| distance2 < least) {
+                best = Some((kept.map(|k| face[k]), weights, count, distance2));
+            }
+        }
+        if let Some((kept, weights, count, _)) = best {
+            self.keep(&kept[..count], &weights[..count]);
+        } else {
+            self.weights = [0.25; 4];
+        }
+    }
+}
+
+/// The vertices and weights of the point of triangle `abc` nearest the origin (C. Ericson, Real-Time Collision
+/// Detection, 2005, Sec. 5.1.5).
+fn nearest_on_triangle([a, b, c]: [[f64; 3]; 3]) -> ([usize; 3], [f64; 3], usize) {
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let (d1, d2) = (-dot3(ab, a), -dot3(ac, a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return ([0, 0, 0], [1.0, 0.0, 0.0], 1);
+    }
+    let (d3, d4) = (-dot3(ab, b), -dot3(ac, b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return ([1, 0, 0], [1.0, 0.0, 0.0], 1);
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let t = d1 / (d1 - d3);
+        return ([0, 1, 0], [1.0 - t, t, 0.0], 2);
+    }
+    let (d5, d6) = (-dot3(ab, c), -dot3(ac, c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return ([2, 0, 0], [1.0, 0.0, 0.0], 1);
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let t = d2 / (d2 - d6);
+        return ([0, 2, 0], [1.0 - t, t, 0.0], 2);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        let t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return ([1, 2, 0], [1.0 - t, t, 0.0], 2);
+    }
+    let sum = va + vb + vc;
+    ([0, 1, 2], [va / sum, vb / sum, vc / sum], 3)
+}
+
+fn direction_or_up(x: V) -> V {
+    let length = dot(x, x).sqrt();
+    if length > 1e-6 { scale(x, 1.0 / length) } else { [0.0, 0.0, 1.0] }
+}
+
+#[inline(always)]
+fn at(p: &Points, i: u16) -> V {
+    [p.x[usize::from(i)], p.y[usize::from(i)], p.z[usize::from(i)]]
+}
+
+#[inline(always)]
+pub(super) fn dot(a: V, b: V) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+pub(super) fn cross(a: V, b: V) -> V {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn neg(a: V) -> V {
+    [-a[0], -a[1], -a[2]]
+}
+
+#[inline(always)]
+pub(super) fn scale(a: V, s: f32) -> V {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+#[inline(always)]
+pub(super) fn add_scaled(a: V, b: V, s: f32) -> V {
+    [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s]
+}
+
+fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross3(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

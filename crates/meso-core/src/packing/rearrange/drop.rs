@@ -1,0 +1,73 @@
+//! The start: grains that found no free position are dropped where they overlap least.
+
+use crate::aggregate::random::{Purpose, Stream};
+use crate::math::{Aabb, Vec3};
+use crate::packing::Pose;
+use crate::packing::grid::Grid;
+use crate::packing::place::Task;
+
+/// Random points looked at per dropped grain.
+const LOOKS: usize = 12;
+
+/// The given poses, and for every grain without one the random position that leaves it most room among those before it.
+pub(super) fn fill(task: &Task, poses: &[Option<Pose>]) -> Vec<Pose> {
+    let middle = task.request.grains.get(task.request.grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
+    let mut ground = Ground { grid: Grid::new(&task.request.specimen.aabb(), middle), balls: Vec::new() };
+    for (grain, pose) in poses.iter().enumerate() {
+        if let Some(pose) = pose {
+            ground.insert(ball_radius(task, grain), pose.centre);
+        }
+    }
+    let mut filled = Vec::with_capacity(poses.len());
+    for (grain, pose) in poses.iter().enumerate() {
+        filled.push(pose.unwrap_or_else(|| {
+            let centre = ground.roomiest(task, grain);
+            ground.insert(ball_radius(task, grain), centre);
+            Pose::at(centre)
+        }));
+    }
+    filled
+}
+
+/// Radius of the ball of the same volume, mm.
+fn ball_radius(task: &Task, grain: usize) -> f64 {
+    libm::cbrt(task.request.grains[grain].volume * 0.75 / std::f64::consts::PI)
+}
+
+/// What lies there already, as balls of the same volume.
+struct Ground {
+    grid: Grid,
+    balls: Vec<(f64, Vec3)>,
+}
+
+impl Ground {
+    fn insert(&mut self, radius: f64, centre: Vec3) {
+        let half = Vec3::repeat(radius);
+        self.grid.insert(&Aabb { min: centre - half, max: centre + half });
+        self.balls.push((radius, centre));
+    }
+
+    fn roomiest(&self, task: &Task, grain: usize) -> Vec3 {
+        let body = &task.request.grains[grain];
+        let mut stream = Stream::new(task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
+        let room = task.request.specimen.room_for(&body.body.aabb(), task.request.placement.wall_gap_mm);
+        let radius = ball_radius(task, grain);
+        let looks = (0..LOOKS).map(|_| {
+            let centre = stream.point(&room.min, &room.max);
+            (self.clearance(radius, &centre), centre)
+        });
+        looks.fold((f64::NEG_INFINITY, room.min), |best, look| if look.0 > best.0 { look } else { best }).1
+    }
+
+    /// Distance of the ball to the nearest other; negative where it overlaps one.
+    fn clearance(&self, radius: f64, centre: &Vec3) -> f64 {
+        let half = Vec3::repeat(radius);
+        let mut least = f64::INFINITY;
+        self.grid.all_near(&Aabb { min: centre - half, max: centre + half }, |other| {
+            let (other_radius, other_centre) = self.balls[other as usize];
+            least = least.min((other_centre - centre).norm() - radius - other_radius);
+            true
+        });
+        least
+    }
+}

@@ -1,0 +1,110 @@
+//! The proof: every pair of the final bodies, in double precision at their final coordinates, or one of them goes.
+
+use crate::aggregate::take::{Grain, snap};
+use crate::gjk;
+use crate::math::{Aabb, Vec3};
+use crate::packing::grid::Grid;
+use crate::packing::place::Task;
+use crate::packing::{Placement, Pose, Work};
+use rayon::prelude::*;
+
+/// The final poses on the lattice, less the grains that are not proved inside and apart from all others.
+pub(super) struct Proved {
+    pub(super) poses: Vec<Option<Pose>>,
+    /// Grains that had to go.
+    pub(super) left_out: usize,
+}
+
+/// Keeps of `poses` (one per grain of the task) what is proved; of two grains in doubt the one with more doubts goes,
+/// then the smaller.
+pub(super) fn keep_apart(task: &Task, poses: &[Pose], work: &mut Work) -> Proved {
+    let poses: Vec<Pose> = poses.iter().map(|pose| Pose { centre: snap(&pose.centre), ..*pose }).collect();
+    let settled: Vec<Settled> =
+        task.request.grains.par_iter().zip(&poses).map(|(grain, pose)| Settled::new(task, grain, pose)).collect();
+    let mut grid = Grid::new(&task.request.specimen.aabb(), 2.0 * settled[settled.len() / 2].radius);
+    settled.iter().for_each(|body| grid.insert(&body.aabb));
+    let looks: Vec<(Vec<u32>, u64)> =
+        (0..settled.len()).into_par_iter().map(|body| doubts(task, &grid, &settled, body)).collect();
+    work.gjk_calls += looks.iter().map(|look| look.1).sum::<u64>();
+    let mut kept = vec![true; poses.len()];
+    drop_outside(&settled, &mut kept);
+    drop_doubtful(looks.into_iter().map(|look| look.0).collect(), &mut kept);
+    let left_out = kept.iter().filter(|kept| !**kept).count();
+    Proved { poses: poses.into_iter().zip(kept).map(|(pose, kept)| kept.then_some(pose)).collect(), left_out }
+}
+
+/// A grain at its final coordinates.
+struct Settled {
+    body: gjk::Body,
+    centre: Vec3,
+    aabb: Aabb,
+    radius: f64,
+    inside: bool,
+}
+
+impl Settled {
+    fn new(task: &Task, grain: &Grain, pose: &Pose) -> Self {
+        let vertices = pose.turned(grain.body.vertices());
+        let local = Aabb::around(&vertices);
+        let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
+        let half_gap = Vec3::repeat(*min_gap_mm);
+        Self {
+            body: gjk::Body::new(&vertices),
+            centre: pose.centre,
+            aabb: Aabb { min: local.min + pose.centre - half_gap, max: local.max + pose.centre + half_gap },
+            radius: grain.outer_radius,
+            inside: task.request.specimen.holds(&vertices, &pose.centre, *wall_gap_mm),
+        }
+    }
+}
+
+/// The bodies before `body` that it is not proved apart from, and how many were asked.
+fn doubts(task: &Task, grid: &Grid, settled: &[Settled], body: usize) -> (Vec<u32>, u64) {
+    let own = &settled[body];
+    let (mut doubts, mut asked) = (Vec::new(), 0);
+    grid.all_near(&own.aabb, |other| {
+        let it = &settled[other as usize];
+        if (other as usize) < body && own.aabb.intersects(&it.aabb) {
+            asked += 1;
+            let offset = it.centre - own.centre;
+            if gjk::apart(&own.body, &it.body, &offset, task.request.placement.min_gap_mm, None).is_none() {
+                doubts.push(other);
+            }
+        }
+        true
+    });
+    doubts.sort_unstable();
+    (doubts, asked)
+}
+
+fn drop_outside(settled: &[Settled], kept: &mut [bool]) {
+    for (kept, body) in kept.iter_mut().zip(settled) {
+        *kept = body.inside;
+    }
+}
+
+/// Drops grains until no doubtful pair is left; grains come in descending volume.
+fn drop_doubtful(doubts: Vec<Vec<u32>>, kept: &mut [bool]) {
+    let mut pairs: Vec<(u32, u32)> =
+        doubts.iter().enumerate().flat_map(|(body, others)| others.iter().map(move |&other| (other, body as u32))).collect();
+    loop {
+        pairs.retain(|&(p, q)| kept[p as usize] && kept[q as usize]);
+        let mut count = vec![0u32; kept.len()];
+        for &(p, q) in &pairs {
+            count[p as usize] += 1;
+            count[q as usize] += 1;
+        }
+        // Whoever has the most doubts among its own doubtful neighbours goes; of equals the smaller.
+        let goes: Vec<u32> = pairs
+            .iter()
+            .map(|&(p, q)| if count[p as usize] > count[q as usize] { p } else { q })
+            .collect();
+        if goes.is_empty() {
+            return;
+        }
+        let worst = goes.iter().map(|&body| count[body as usize]).max().unwrap_or(0);
+        for body in goes.into_iter().filter(|&body| count[body as usize] == worst) {
+            kept[body as usize] = false;
+        }
+    }
+}
