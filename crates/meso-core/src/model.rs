@@ -23,6 +23,7 @@ pub struct Model {
 /// # Errors
 /// A spec that cannot be met is named before any work starts.
 pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
+    spec.validate()?;
     let start = progress.seconds();
     let grains = take_grains(spec)?;
     let taken = progress.seconds();
@@ -50,7 +51,7 @@ fn take_grains(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
 }
 
 fn flat_shape(error: &HullError) -> SpecError {
-    SpecError { key: "shape".into(), message: format!("gives aggregates without volume: {error}") }
+    SpecError::value("shape", format!("gives aggregates without volume: {error}"))
 }
 
 /// The placed grains in the specimen's frame.

@@ -151,4 +151,3 @@ pub struct Outcome {
     /// The strategy's name.
     pub strategy: &'static str,
 }
-

@@ -147,7 +147,11 @@ pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) ->
         grading: request.grading.describe(),
         strategy: outcome.strategy.into(),
         itz_limited: itz_limited(request, outcome),
-        stop_reason: outcome.stop.unwrap_or(if short.is_empty() { StopReason::TargetReached } else { outcome.dead_end }),
+        stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
+            StopReason::TargetReached
+        } else {
+            outcome.dead_end
+        }),
         stop_detail: detail(request.fraction, fraction, &short),
         classes,
         seconds: Seconds::default(),

@@ -107,8 +107,14 @@ struct Scene<'a> {
 
 impl<'a> Scene<'a> {
     fn new(task: &'a Task<'a>) -> Self {
-        let middle = task.request.grains.get(task.request.grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
-        Self { task, placed: Vec::new(), grid: Grid::new(&task.request.specimen.aabb(), middle), class_volume: vec![0.0; task.class_targets.len()] }
+        let middle =
+            task.request.grains.get(task.request.grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
+        Self {
+            task,
+            placed: Vec::new(),
+            grid: Grid::new(&task.request.specimen.aabb(), middle),
+            class_volume: vec![0.0; task.class_targets.len()],
+        }
     }
 
     fn insert(&mut self, grain: usize, centre: Vec3) {
@@ -134,7 +140,9 @@ impl<'a> Scene<'a> {
             let reach = body.inner_radius + self.task.request.grains[other as usize].inner_radius;
             (other_centre - centre).norm_squared() < reach * reach
         });
-        if clearly_hit || !self.task.request.specimen.holds(body.body.vertices(), centre, self.task.request.placement.wall_gap_mm) {
+        if clearly_hit
+            || !self.task.request.specimen.holds(body.body.vertices(), centre, self.task.request.placement.wall_gap_mm)
+        {
             return false;
         }
         let gap = Vec3::repeat(self.task.request.placement.min_gap_mm);
@@ -153,14 +161,23 @@ impl<'a> Scene<'a> {
         let offset = other_centre - centre;
         let distance2 = offset.norm_squared();
         work.pairs_broad += 1;
-        if distance2 > (body.outer_radius + other.outer_radius + self.task.request.placement.min_gap_mm).powi(2) * SPHERE_SLACK {
+        if distance2
+            > (body.outer_radius + other.outer_radius + self.task.request.placement.min_gap_mm).powi(2) * SPHERE_SLACK
+        {
             return true;
         }
         work.pairs_sphere += 1;
         if distance2 < (body.inner_radius + other.inner_radius).powi(2) {
             return false;
         }
-        gjk::apart(&self.task.bodies[grain], &self.task.bodies[self.placed[placed].0 as usize], &offset, self.task.request.placement.min_gap_mm, None).is_some()
+        gjk::apart(
+            &self.task.bodies[grain],
+            &self.task.bodies[self.placed[placed].0 as usize],
+            &offset,
+            self.task.request.placement.min_gap_mm,
+            None,
+        )
+        .is_some()
     }
 }
 

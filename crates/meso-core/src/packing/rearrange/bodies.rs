@@ -109,14 +109,6 @@ impl Bodies {
         [d.x as f32, d.y as f32, d.z as f32]
     }
 
-    /// Half-extents of a body's box about its centre: (lowest, highest).
-    pub(super) fn extent(&self, body: u32) -> (Vec3, Vec3) {
-        let p = self.points(body);
-        let low = |c: &[f32]| f64::from(c.iter().fold(f32::INFINITY, |m, &v| m.min(v)));
-        let high = |c: &[f32]| f64::from(c.iter().fold(f32::NEG_INFINITY, |m, &v| m.max(v)));
-        (Vec3::new(low(p.x), low(p.y), low(p.z)), Vec3::new(high(p.x), high(p.y), high(p.z)))
-    }
-
     /// Calls `step` on every body's state, then turns its vertices and puts it back inside `walls`.
     pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &mut State) + Sync) {
         let Self { state, spans, shape, turned, fixed } = self;
@@ -197,7 +189,9 @@ fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (Vec3, Vec3) 
 fn morton(point: &Vec3, specimen: &Specimen) -> u64 {
     let aabb = specimen.aabb();
     let size = aabb.size().max();
-    (0..3).fold(0, |code, i| code | spread_bits((((point[i] - aabb.min[i]) / size).clamp(0.0, 1.0) * 2_097_151.0) as u64) << i)
+    (0..3).fold(0, |code, i| {
+        code | spread_bits((((point[i] - aabb.min[i]) / size).clamp(0.0, 1.0) * 2_097_151.0) as u64) << i
+    })
 }
 
 fn spread_bits(mut v: u64) -> u64 {

@@ -241,9 +241,8 @@ impl Simplex {
                 continue;
             }
             let (kept, weights, count) = nearest_on_triangle([p, q, r]);
-            let v = (0..count).fold([0.0; 3], |v, k| {
-                [0, 1, 2].map(|i| v[i] + weights[k] * self.points[face[kept[k]]][i])
-            });
+            let v =
+                (0..count).fold([0.0; 3], |v, k| [0, 1, 2].map(|i| v[i] + weights[k] * self.points[face[kept[k]]][i]));
             let distance2 = dot3(v, v);
             if best.is_none_or(|(.., least)| distance2 < least) {
                 best = Some((kept.map(|k| face[k]), weights, count, distance2));

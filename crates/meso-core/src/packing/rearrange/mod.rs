@@ -244,7 +244,8 @@ fn pushes(pairs: &Pairs, fixed: &[bodies::Fixed], body: u32, want: f32) -> (V, V
 /// The impulse along the normal that would open the pair by what it lacks.
 fn impulse(pair: &Pair, fixed: &[bodies::Fixed], want: f32) -> f32 {
     let (a, b) = (fixed[pair.a as usize], fixed[pair.b as usize]);
-    let (lever_a, lever_b) = (cross(pair.contact.on_a, pair.contact.normal), cross(pair.contact.on_b, pair.contact.normal));
+    let (lever_a, lever_b) =
+        (cross(pair.contact.on_a, pair.contact.normal), cross(pair.contact.on_b, pair.contact.normal));
     let ease = a.inverse_mass
         + b.inverse_mass
         + dot(lever_a, lever_a) * a.inverse_inertia

@@ -1,7 +1,7 @@
 //! Which bodies may touch: pairs within a skin, by a grid, with what is known of their contact.
 
 use super::bodies::Bodies;
-use super::contact::{Contact, V, gap_along, scale, dot};
+use super::contact::{Contact, V, dot, gap_along, scale};
 use rayon::prelude::*;
 
 /// Two bodies within the skin of each other, `a < b`.
@@ -55,7 +55,11 @@ impl Pairs {
     /// True when a body may have come nearer to one that the list does not name.
     pub(super) fn stale(&self, bodies: &Bodies) -> bool {
         self.paths_at_build.len() != bodies.len()
-            || bodies.state.par_iter().zip(&self.paths_at_build).any(|(state, path)| state.path - path > self.skin / 2.0)
+            || bodies
+                .state
+                .par_iter()
+                .zip(&self.paths_at_build)
+                .any(|(state, path)| state.path - path > self.skin / 2.0)
     }
 
     /// The pairs less than `reach + skin` apart, which the list stays complete for until a body has gone `skin / 2`.
@@ -198,7 +202,8 @@ impl Level {
         let cell = 2.0 * largest + reach;
         let counts = [0, 1, 2].map(|i| ((high[i] - low[i]) / cell) as i64 + 1);
         let mut level = Self { origin: low, cell, counts, largest, starts: Vec::new(), members: Vec::new() };
-        let keys: Vec<u32> = members.iter().map(|&body| level.flat(level.cell_of(&bodies.state[body as usize].centre))).collect();
+        let keys: Vec<u32> =
+            members.iter().map(|&body| level.flat(level.cell_of(&bodies.state[body as usize].centre))).collect();
         level.starts = starts(counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = level.starts.clone();
         level.members = vec![0; members.len()];

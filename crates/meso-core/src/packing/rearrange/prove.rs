@@ -85,8 +85,11 @@ fn drop_outside(settled: &[Settled], kept: &mut [bool]) {
 
 /// Drops grains until no doubtful pair is left; grains come in descending volume.
 fn drop_doubtful(doubts: Vec<Vec<u32>>, kept: &mut [bool]) {
-    let mut pairs: Vec<(u32, u32)> =
-        doubts.iter().enumerate().flat_map(|(body, others)| others.iter().map(move |&other| (other, body as u32))).collect();
+    let mut pairs: Vec<(u32, u32)> = doubts
+        .iter()
+        .enumerate()
+        .flat_map(|(body, others)| others.iter().map(move |&other| (other, body as u32)))
+        .collect();
     loop {
         pairs.retain(|&(p, q)| kept[p as usize] && kept[q as usize]);
         let mut count = vec![0u32; kept.len()];
@@ -95,10 +98,8 @@ fn drop_doubtful(doubts: Vec<Vec<u32>>, kept: &mut [bool]) {
             count[q as usize] += 1;
         }
         // Whoever has the most doubts among its own doubtful neighbours goes; of equals the smaller.
-        let goes: Vec<u32> = pairs
-            .iter()
-            .map(|&(p, q)| if count[p as usize] > count[q as usize] { p } else { q })
-            .collect();
+        let goes: Vec<u32> =
+            pairs.iter().map(|&(p, q)| if count[p as usize] > count[q as usize] { p } else { q }).collect();
         if goes.is_empty() {
             return;
         }
