@@ -7,5 +7,6 @@ mod hull;
 mod mesh;
 mod models;
 mod offset;
+mod packing;
 mod saved;
 mod spec;

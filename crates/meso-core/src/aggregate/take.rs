@@ -19,8 +19,10 @@ pub struct Grain {
     pub itz_limited: bool,
     /// Outer surface about the ellipsoid's centre, mm, on the [`snap`] lattice.
     pub body: Polyhedron,
-    /// R diag(a2, b2, c2) R^T of the ellipsoid that holds the body, mm2.
-    pub ellipsoid: Mat3,
+    /// Semi-axes of the ellipsoid that holds the vertices, mm.
+    pub semi_axes: Vec3,
+    /// Columns: the directions of the semi-axes.
+    pub rotation: Mat3,
     /// mm3.
     pub volume: f64,
     /// Radius of the sphere about the centre that holds the body, mm.
@@ -98,13 +100,13 @@ fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<G
     let body = convex_hull(&vertices)?;
     let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
     let drawn = stream.uniform(recipe.itz.thickness_mm[0], recipe.itz.thickness_mm[1]);
-    let squares = Mat3::from_diagonal(&ellipsoid.semi_axes.component_mul(&ellipsoid.semi_axes));
     Ok(Grain {
         class,
         index,
         itz_thickness_mm: drawn.min(ITZ_LIMIT * inner_radius),
         itz_limited: drawn > ITZ_LIMIT * inner_radius,
-        ellipsoid: rotation.matrix() * squares * rotation.matrix().transpose(),
+        semi_axes: ellipsoid.semi_axes,
+        rotation: rotation.into_inner(),
         volume: body.volume(),
         outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),
         inner_radius,

@@ -1,6 +1,7 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::{DEFAULT_ATTEMPTS, Outcome, Placement, Request, StopReason, Strategy, rearrange, take_and_place};
+use crate::aggregate::take::Grain;
 use crate::gjk;
 use rayon::prelude::*;
 
@@ -46,7 +47,7 @@ impl<'a> Task<'a> {
             request: *request,
             class_targets: request.grading.classes().iter().map(|class| class.share * volume * bound).collect(),
             deadline: limit.map_or(f64::INFINITY, |limit| request.progress.seconds() + limit),
-            bodies: request.grains.par_iter().map(|grain| gjk::Body::new(grain.body.vertices())).collect(),
+            bodies: request.grains.par_iter().map(collider).collect(),
         }
     }
 
@@ -58,4 +59,9 @@ impl<'a> Task<'a> {
         }
         (self.request.progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit)
     }
+}
+
+/// The grain in the form collision works on, with all that lets pairs be told apart early.
+fn collider(grain: &Grain) -> gjk::Body {
+    gjk::Body::on_ellipsoid(grain.body.vertices(), &grain.semi_axes, &grain.rotation).with_inside_of(&grain.body)
 }

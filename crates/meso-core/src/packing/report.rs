@@ -2,6 +2,7 @@
 
 use super::{Outcome, Request};
 use crate::aggregate::Aggregate;
+use crate::gjk::Counters;
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -115,18 +116,6 @@ pub struct Work {
     pub sweeps: u64,
 }
 
-impl std::ops::AddAssign for Work {
-    fn add_assign(&mut self, other: Self) {
-        self.candidates += other.candidates;
-        self.pairs_broad += other.pairs_broad;
-        self.pairs_sphere += other.pairs_sphere;
-        self.pairs_axis += other.pairs_axis;
-        self.gjk_calls += other.gjk_calls;
-        self.exact_calls += other.exact_calls;
-        self.sweeps += other.sweeps;
-    }
-}
-
 /// A class counts as reached within this share of its target, or within one of its own grains.
 const REACHED: f64 = 0.002;
 
@@ -200,4 +189,15 @@ fn detail(target: f64, fraction: f64, short: &[&ClassReport]) -> String {
         })
         .collect();
     format!("reached {fraction:.5} of {target}; {}", classes.join(", "))
+}
+
+impl Work {
+    /// Adds what collision counted.
+    pub(super) fn add(&mut self, counters: &Counters) {
+        self.pairs_broad += counters.pairs;
+        self.pairs_sphere += counters.after_spheres;
+        self.pairs_axis += counters.after_ellipsoids;
+        self.gjk_calls += counters.gjk_calls;
+        self.exact_calls += counters.exact_calls;
+    }
 }

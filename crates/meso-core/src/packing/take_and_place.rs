@@ -9,7 +9,7 @@ use super::place::Task;
 use super::{Outcome, Pose, StopReason, Work};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::{Grain, snap};
-use crate::gjk;
+use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
@@ -52,10 +52,12 @@ fn commit(scene: &mut Scene, search: &mut Search, first_mate: usize, outcome: &m
     if scene.class_is_full(search.grain) {
         return;
     }
-    if search.found.is_some_and(|centre| !scene.free_of_mates(search.grain, &centre, first_mate, &mut search.work)) {
+    if search.found.is_some_and(|centre| !scene.free_of_mates(search.grain, &centre, first_mate, &mut search.counters))
+    {
         search.run(scene);
     }
-    outcome.work += search.work;
+    outcome.work.candidates += search.candidates;
+    outcome.work.add(&search.counters);
     if let Some(centre) = search.found {
         outcome.poses[search.grain] = Some(Pose::at(centre));
         scene.insert(search.grain, centre);
@@ -68,14 +70,15 @@ struct Search {
     stream: Stream,
     attempts_left: u32,
     found: Option<Vec3>,
-    work: Work,
+    candidates: u64,
+    counters: Counters,
 }
 
 impl Search {
     fn new(task: &Task, grain: usize, attempts: u32) -> Self {
         let Grain { class, index, .. } = task.request.grains[grain];
         let stream = Stream::new(task.request.seed, Purpose::Place, class, u64::from(index));
-        Self { grain, stream, attempts_left: attempts, found: None, work: Work::default() }
+        Self { grain, stream, attempts_left: attempts, found: None, candidates: 0, counters: Counters::default() }
     }
 
     /// Goes on to the next free position.
@@ -86,9 +89,9 @@ impl Search {
         let room = scene.task.request.specimen.room_for(&aabb, scene.task.request.placement.wall_gap_mm);
         while self.attempts_left > 0 && self.found.is_none() {
             self.attempts_left -= 1;
-            self.work.candidates += 1;
+            self.candidates += 1;
             let centre = snap(&self.stream.point(&room.min, &room.max));
-            if scene.free(self.grain, &aabb, &centre, &mut self.work) {
+            if scene.free(self.grain, &aabb, &centre, &mut self.counters) {
                 self.found = Some(centre);
             }
         }
@@ -133,7 +136,7 @@ impl<'a> Scene<'a> {
     }
 
     /// True when the grain at `centre` is proved apart from everything placed, and inside the specimen.
-    fn free(&self, grain: usize, local: &Aabb, centre: &Vec3, work: &mut Work) -> bool {
+    fn free(&self, grain: usize, local: &Aabb, centre: &Vec3, counters: &mut Counters) -> bool {
         let body = &self.task.request.grains[grain];
         let clearly_hit = self.grid.at(centre).any(|other| {
             let (other, other_centre) = self.placed[other as usize];
@@ -147,39 +150,18 @@ impl<'a> Scene<'a> {
         }
         let gap = Vec3::repeat(self.task.request.placement.min_gap_mm);
         let aabb = Aabb { min: local.min + centre - gap, max: local.max + centre + gap };
-        self.grid.all_near(&aabb, |other| self.apart(grain, centre, other as usize, work))
+        self.grid.all_near(&aabb, |other| self.apart(grain, centre, other as usize, counters))
     }
 
     /// The same against the bodies placed from `first_mate` on.
-    fn free_of_mates(&self, grain: usize, centre: &Vec3, first_mate: usize, work: &mut Work) -> bool {
-        (first_mate..self.placed.len()).all(|other| self.apart(grain, centre, other, work))
+    fn free_of_mates(&self, grain: usize, centre: &Vec3, first_mate: usize, counters: &mut Counters) -> bool {
+        (first_mate..self.placed.len()).all(|other| self.apart(grain, centre, other, counters))
     }
 
-    fn apart(&self, grain: usize, centre: &Vec3, placed: usize, work: &mut Work) -> bool {
+    fn apart(&self, grain: usize, centre: &Vec3, placed: usize, counters: &mut Counters) -> bool {
         let (other, other_centre) = self.placed[placed];
-        let (body, other) = (&self.task.request.grains[grain], &self.task.request.grains[other as usize]);
-        let offset = other_centre - centre;
-        let distance2 = offset.norm_squared();
-        work.pairs_broad += 1;
-        if distance2
-            > (body.outer_radius + other.outer_radius + self.task.request.placement.min_gap_mm).powi(2) * SPHERE_SLACK
-        {
-            return true;
-        }
-        work.pairs_sphere += 1;
-        if distance2 < (body.inner_radius + other.inner_radius).powi(2) {
-            return false;
-        }
-        gjk::apart(
-            &self.task.bodies[grain],
-            &self.task.bodies[self.placed[placed].0 as usize],
-            &offset,
-            self.task.request.placement.min_gap_mm,
-            None,
-        )
-        .is_some()
+        let (body, other) = (&self.task.bodies[grain], &self.task.bodies[other as usize]);
+        let gap = self.task.request.placement.min_gap_mm;
+        gjk::apart_counted(body, other, &(other_centre - centre), gap, None, counters).is_some()
     }
 }
-
-/// Keeps the sphere test on the safe side of its own rounding.
-const SPHERE_SLACK: f64 = 1.0 + 1e-12;

@@ -85,7 +85,8 @@ impl Bodies {
         let padded = vertices.len().next_multiple_of(LANES);
         self.spans.push(Span { start: self.shape.len() as u32, len: padded as u32 });
         for axis in 0..3 {
-            self.shape.extend((0..padded).map(|k| vertices[if k < vertices.len() { k } else { 0 }][axis] as f32));
+            let coordinates = vertices.iter().map(|v| v[axis] as f32);
+            self.shape.extend(coordinates.chain(std::iter::repeat(vertices[0][axis] as f32)).take(padded));
         }
     }
 

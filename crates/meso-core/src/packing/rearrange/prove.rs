@@ -1,7 +1,7 @@
 //! The proof: every pair of the final bodies, in double precision at their final coordinates, or one of them goes.
 
 use crate::aggregate::take::{Grain, snap};
-use crate::gjk;
+use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::grid::Grid;
 use crate::packing::place::Task;
@@ -23,9 +23,9 @@ pub(super) fn keep_apart(task: &Task, poses: &[Pose], work: &mut Work) -> Proved
         task.request.grains.par_iter().zip(&poses).map(|(grain, pose)| Settled::new(task, grain, pose)).collect();
     let mut grid = Grid::new(&task.request.specimen.aabb(), 2.0 * settled[settled.len() / 2].radius);
     settled.iter().for_each(|body| grid.insert(&body.aabb));
-    let looks: Vec<(Vec<u32>, u64)> =
+    let looks: Vec<(Vec<u32>, Counters)> =
         (0..settled.len()).into_par_iter().map(|body| doubts(task, &grid, &settled, body)).collect();
-    work.gjk_calls += looks.iter().map(|look| look.1).sum::<u64>();
+    looks.iter().for_each(|look| work.add(&look.1));
     let mut kept = vec![true; poses.len()];
     drop_outside(&settled, &mut kept);
     drop_doubtful(looks.into_iter().map(|look| look.0).collect(), &mut kept);
@@ -58,23 +58,24 @@ impl Settled {
     }
 }
 
-/// The bodies before `body` that it is not proved apart from, and how many were asked.
-fn doubts(task: &Task, grid: &Grid, settled: &[Settled], body: usize) -> (Vec<u32>, u64) {
+/// The bodies before `body` that it is not proved apart from, and what it took.
+fn doubts(task: &Task, grid: &Grid, settled: &[Settled], body: usize) -> (Vec<u32>, Counters) {
     let own = &settled[body];
-    let (mut doubts, mut asked) = (Vec::new(), 0);
+    let (mut doubts, mut counters) = (Vec::new(), Counters::default());
     grid.all_near(&own.aabb, |other| {
         let it = &settled[other as usize];
         if (other as usize) < body && own.aabb.intersects(&it.aabb) {
-            asked += 1;
             let offset = it.centre - own.centre;
-            if gjk::apart(&own.body, &it.body, &offset, task.request.placement.min_gap_mm, None).is_none() {
+            if gjk::apart_counted(&own.body, &it.body, &offset, task.request.placement.min_gap_mm, None, &mut counters)
+                .is_none()
+            {
                 doubts.push(other);
             }
         }
         true
     });
     doubts.sort_unstable();
-    (doubts, asked)
+    (doubts, counters)
 }
 
 fn drop_outside(settled: &[Settled], kept: &mut [bool]) {

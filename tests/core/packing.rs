@@ -1,0 +1,141 @@
+//! Packing: what is delivered is what was asked, proved apart, and the same on any number of threads.
+
+use meso_core::aggregate::Aggregate;
+use meso_core::packing::{Silent, Specimen, StopReason, Strategy};
+use meso_core::{Model, Spec, gjk, pack};
+use parry3d_f64::shape::ConvexPolyhedron;
+
+fn small(fraction: f64) -> Spec {
+    Spec { fraction, specimen: Specimen::Cube { side_mm: 70.0 }, ..Spec::default() }
+}
+
+fn packed(spec: &Spec) -> Model {
+    pack(spec, &Silent).expect("the spec is valid")
+}
+
+/// Pairs whose boxes meet; everything else is apart for sure.
+fn near_pairs(aggregates: &[Aggregate]) -> Vec<(&Aggregate, &Aggregate)> {
+    let boxes: Vec<_> = aggregates.iter().map(|aggregate| aggregate.body.aabb()).collect();
+    let mut pairs = Vec::new();
+    for i in 0..boxes.len() {
+        pairs.extend((0..i).filter(|&j| boxes[i].intersects(&boxes[j])).map(|j| (&aggregates[i], &aggregates[j])));
+    }
+    pairs
+}
+
+fn assert_apart(model: &Model) {
+    let pairs = near_pairs(&model.aggregates);
+    assert!(pairs.len() > model.aggregates.len(), "a dense packing has near pairs");
+    for (a, b) in pairs {
+        assert!(!gjk::intersects(a.body.vertices(), b.body.vertices()).unwrap(), "{} and {} overlap", a.id, b.id);
+    }
+    let walls = model.spec.specimen.aabb();
+    for v in model.aggregates.iter().flat_map(|aggregate| aggregate.body.vertices()) {
+        assert!((0..3).all(|i| walls.min[i] <= v[i] && v[i] <= walls.max[i]), "{v} is outside");
+    }
+}
+
+fn in_pool<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+#[test]
+fn rearrangement_delivers_every_class_and_no_overlap() {
+    for fraction in [0.4, 0.5, 0.6] {
+        let model = packed(&small(fraction));
+        assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
+        assert_eq!(model.report.discarded, 0);
+        for class in &model.report.classes {
+            let one_grain = class.fraction / class.aggregates as f64;
+            assert!((class.fraction - class.target_fraction).abs() <= one_grain, "{class:?}");
+        }
+        assert_apart(&model);
+    }
+}
+
+#[test]
+fn parry_finds_no_overlap_deeper_than_its_tolerance() {
+    let model = packed(&small(0.5));
+    let shapes: Vec<ConvexPolyhedron> = model
+        .aggregates
+        .iter()
+        .map(|aggregate| {
+            let points: Vec<_> = aggregate.body.vertices().iter().map(|v| nalgebra::Point3::from(*v)).collect();
+            ConvexPolyhedron::from_convex_hull(&points).unwrap()
+        })
+        .collect();
+    let here = nalgebra::Isometry3::identity();
+    for (a, b) in near_pairs(&model.aggregates) {
+        let (p, q) = (&shapes[a.id as usize], &shapes[b.id as usize]);
+        let contact = parry3d_f64::query::contact(&here, p, &here, q, 0.0).unwrap();
+        assert!(contact.is_none_or(|contact| contact.dist > -1e-6), "{} and {}: {contact:?}", a.id, b.id);
+    }
+}
+
+#[test]
+fn packing_is_identical_at_one_two_and_four_threads() {
+    for spec in [small(0.55), Spec { placement: literal(100), ..small(0.5) }] {
+        let models = [1, 2, 4].map(|threads| in_pool(threads, || packed(&spec)));
+        assert_eq!(models[0], models[1]);
+        assert_eq!(models[0], models[2]);
+    }
+}
+
+fn literal(attempts: u32) -> meso_core::packing::Placement {
+    meso_core::packing::Placement {
+        strategy: Strategy::TakeAndPlace,
+        attempts: Some(attempts),
+        ..Default::default()
+    }
+}
+
+#[test]
+fn the_papers_rule_falls_short_of_a_half_and_says_which_class() {
+    let model = packed(&Spec { placement: literal(100), ..small(0.5) });
+    assert_eq!(model.report.stop_reason, StopReason::AttemptsExhausted);
+    assert!((0.36..0.44).contains(&model.report.fraction), "{}", model.report.fraction);
+    assert!(model.report.stop_detail.contains("5-10 mm lacks"), "{}", model.report.stop_detail);
+    assert!(model.report.discarded > 0);
+    assert_apart(&model);
+}
+
+#[test]
+fn more_attempts_never_place_less() {
+    let fraction = |attempts| packed(&Spec { placement: literal(attempts), ..small(0.5) }).report.fraction;
+    assert!(fraction(10) < fraction(100));
+    assert!(fraction(100) < fraction(1000));
+}
+
+#[test]
+fn grains_keep_the_least_gap_asked_for() {
+    let mut spec = small(0.4);
+    spec.placement.min_gap_mm = 0.3;
+    spec.placement.wall_gap_mm = 0.5;
+    let model = packed(&spec);
+    assert_eq!(model.report.stop_reason, StopReason::TargetReached);
+    for (a, b) in near_pairs(&model.aggregates) {
+        assert!(gjk::distance(a.body.vertices(), b.body.vertices()).unwrap() >= 0.3);
+    }
+    for v in model.aggregates.iter().flat_map(|aggregate| aggregate.body.vertices()) {
+        assert!((0..3).all(|i| 0.5 <= v[i] && v[i] <= 69.5), "{v} is too near the wall");
+    }
+}
+
+#[test]
+fn a_packing_that_cannot_be_ends_with_what_fits_and_says_so() {
+    let model = packed(&Spec { specimen: Specimen::Cube { side_mm: 45.0 }, ..small(0.80) });
+    assert_eq!(model.report.stop_reason, StopReason::Jammed);
+    assert!(model.report.fraction > 0.3, "{}", model.report.fraction);
+    assert_apart(&model);
+}
+
+#[test]
+fn the_report_adds_up() {
+    let model = packed(&small(0.5));
+    let volume: f64 = model.aggregates.iter().map(|aggregate| aggregate.body.volume()).sum();
+    assert!((volume / model.spec.specimen.volume() - model.report.fraction).abs() < 1e-12);
+    assert_eq!(model.report.classes.iter().map(|class| class.aggregates).sum::<usize>(), model.aggregates.len());
+    assert!(model.aggregates.windows(2).all(|w| w[0].body.volume() > w[1].body.volume() - 1e-6));
+    let work = model.report.work;
+    assert!(work.pairs_broad >= work.pairs_sphere && work.pairs_sphere >= work.pairs_axis && work.gjk_calls > 0);
+}
