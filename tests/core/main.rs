@@ -1,5 +1,6 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+mod check;
 mod exact;
 mod export;
 mod gjk;

@@ -1,9 +1,48 @@
 //! The `mesocrete` command as a function, so that the binary and the Python package run the same code.
+//!
+//! stdout carries data only; progress and messages go to stderr. What was typed ([`commands`]) becomes what is meant
+//! (a spec, options, [`outputs`]), then the core works, then files appear whole or not at all.
 
+mod commands;
+mod failure;
+mod inputs;
+mod interrupt;
+mod outputs;
+mod progress;
+mod say;
+mod threads;
+
+use clap::Parser;
+use commands::{Cli, Command};
+use failure::Failure;
 use std::ffi::OsString;
 
 /// Runs the command with `args` (the program's name first) and returns its exit code.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
-    let _ = args.into_iter();
-    0
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return usage(&error),
+    };
+    failure::hush_panics();
+    interrupt::install();
+    std::panic::catch_unwind(|| dispatch(cli.command))
+        .unwrap_or(Err(Failure::Bug))
+        .unwrap_or_else(|failure| failure.tell())
+}
+
+fn dispatch(command: Command) -> Result<u8, Failure> {
+    match command {
+        Command::Pack(args) => commands::pack::run(&args),
+        Command::Mesh(args) => commands::mesh::run(&args),
+        Command::Check(args) => commands::check::run(&args),
+        Command::Convert(args) => commands::convert::run(&args),
+        Command::Init(args) => commands::init::run(&args),
+        Command::Recipes => commands::recipes::run(),
+    }
+}
+
+/// Help and version go to stdout and are no failure; everything else is wrong usage.
+fn usage(error: &clap::Error) -> u8 {
+    let _ = error.print();
+    u8::from(error.use_stderr()) * failure::USAGE
 }

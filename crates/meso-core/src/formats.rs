@@ -1,6 +1,8 @@
-//! What a packing can be written as: the file's extension names the format.
+//! What a packing and a mesh can be written as: the file's extension names the format.
 
-use crate::export::{csv, stl, vtu};
+use crate::export::abaqus::{self, DeckOptions};
+use crate::export::{csv, stl, vtu, vtu_mesh};
+use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::saved;
 use std::io::{self, Write};
@@ -45,7 +47,7 @@ impl Format {
 
     /// The format that the extension of `path` names, in either case.
     pub fn from_path(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        let extension = lower_extension(path)?;
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
@@ -61,4 +63,47 @@ impl Format {
             Self::Csv => csv::write(&model.aggregates, out),
         }
     }
+}
+
+/// A format that holds a mesh for finite elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Abaqus and CalculiX.
+    Inp,
+    /// Cells with phase and aggregate id.
+    Vtu,
+}
+
+impl MeshFormat {
+    /// All formats, the deck first.
+    pub const ALL: [Self; 2] = [Self::Inp, Self::Vtu];
+
+    /// The extension without its dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Inp => "inp",
+            Self::Vtu => "vtu",
+        }
+    }
+
+    /// The format that the extension of `path` names, in either case.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = lower_extension(path)?;
+        Self::ALL.into_iter().find(|format| format.extension() == extension)
+    }
+
+    /// Writes `mesh` to `out` in this format; `deck` counts for decks.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(self, mesh: &Mesh, deck: &DeckOptions, out: impl Write) -> io::Result<()> {
+        match self {
+            Self::Inp => abaqus::write(mesh, deck, out),
+            Self::Vtu => vtu_mesh::write(mesh, &[], out),
+        }
+    }
+}
+
+fn lower_extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }

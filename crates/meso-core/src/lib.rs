@@ -4,6 +4,7 @@
 //! the exact polyhedra.
 
 pub mod aggregate;
+pub mod check;
 pub mod export;
 pub mod formats;
 pub mod geometry;
@@ -13,6 +14,7 @@ pub mod math;
 pub mod mesh;
 pub mod model;
 pub mod packing;
+pub mod recipes;
 pub mod saved;
 pub mod spec;
 

@@ -1,0 +1,47 @@
+//! What can be typed: one file per subcommand, each with its arguments and what it does.
+
+pub(crate) mod check;
+pub(crate) mod convert;
+pub(crate) mod init;
+pub(crate) mod mesh;
+mod names;
+pub(crate) mod pack;
+pub(crate) mod recipes;
+mod values;
+
+use clap::{Parser, Subcommand};
+
+/// Mesoscale concrete: convex aggregates packed without overlap, proved apart, meshed for finite elements.
+#[derive(Parser, Debug)]
+#[command(name = "mesocrete", version, after_help = AFTER_HELP, max_term_width = 100)]
+#[command(arg_required_else_help = true, subcommand_required = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Lengths are in mm; fractions are aggregate volume over specimen volume, 0 to 1.
+stdout carries data only, messages go to stderr.
+
+Exit codes: 0 done; 1 failure; 2 wrong usage or spec; 3 short of the target with --strict; 130 after Ctrl-C.
+
+First steps:
+  mesocrete pack --fraction 0.4        pack a 150 mm cube; writes model.json, model.vtu, model.inp
+  mesocrete init en-cube-150           write SPEC.toml to start from, then: mesocrete pack SPEC.toml";
+
+#[derive(Subcommand, Debug)]
+pub(crate) enum Command {
+    /// Pack a specimen with aggregates and write it
+    Pack(pack::Args),
+    /// Mesh a saved model for finite elements
+    Mesh(mesh::Args),
+    /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
+    Check(check::Args),
+    /// Write a saved model in another format
+    Convert(convert::Args),
+    /// Write a commented SPEC.toml to start from
+    Init(init::Args),
+    /// List the specimens that `init` knows
+    Recipes,
+}

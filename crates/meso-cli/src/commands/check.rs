@@ -1,0 +1,77 @@
+//! `mesocrete check`: the exact, independent check of a saved model.
+
+use super::values;
+use crate::failure::{Failure, RUN};
+use crate::outputs::{Target, Unit};
+use crate::{inputs, say, threads};
+use meso_core::Model;
+use meso_core::check::{Check, Finding, check};
+use serde::Serialize;
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+/// Findings listed one by one; the rest is counted.
+const LISTED: usize = 20;
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// A saved model (.json); `-` is standard input
+    model: PathBuf,
+    /// Write what was found as JSON instead of a table
+    #[arg(long)]
+    json: bool,
+    /// Number of threads; all cores when absent
+    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
+    threads: Option<u16>,
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    let model = inputs::model(&args.model)?;
+    let found = threads::with(args.threads, || check(&model))?;
+    Unit::default()
+        .fill(&Target::Stdout, false, |out| if args.json { json(&found, out) } else { table(&model, &found, out) })?;
+    if found.is_sound() {
+        return Ok(0);
+    }
+    let name = args.model.display();
+    say::line(format!("error: {name}: {} of its promises are not kept", say::count(found.findings.len())));
+    Ok(RUN)
+}
+
+#[derive(Serialize)]
+struct Json<'a> {
+    sound: bool,
+    #[serde(flatten)]
+    check: &'a Check,
+}
+
+fn json(check: &Check, out: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, &Json { sound: check.is_sound(), check })?;
+    writeln!(out)
+}
+
+fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
+    let gap = model.spec.placement.min_gap_mm;
+    let rows: [(&str, fn(&Finding) -> bool); 7] = [
+        ("overlapping pairs", |f| matches!(f, Finding::Overlap { .. })),
+        ("pairs nearer than the gap", |f| matches!(f, Finding::Gap { .. })),
+        ("aggregates outside the specimen", |f| matches!(f, Finding::Outside { .. })),
+        ("aggregates not closed and convex", |f| matches!(f, Finding::NotConvex { .. })),
+        ("aggregates without a sound ITZ", |f| matches!(f, Finding::Itz { .. })),
+        ("aggregates outside their class", |f| matches!(f, Finding::Size { .. })),
+        ("figures of the report that differ", |f| matches!(f, Finding::Report { .. })),
+    ];
+    writeln!(out, "{:34} {:>12}", "aggregates", say::count(check.aggregates))?;
+    writeln!(out, "{:34} {:>12.6}", "fraction", check.fraction)?;
+    writeln!(out, "{:34} {:>12}", "pairs put to the exact test", say::count(check.pairs_tested as usize))?;
+    writeln!(out, "{:34} {gap:>12}", "gap asked between aggregates, mm")?;
+    for (name, of_kind) in rows {
+        let count = check.findings.iter().filter(|finding| of_kind(finding)).count();
+        writeln!(out, "{name:34} {:>12}", say::count(count))?;
+    }
+    check.findings.iter().take(LISTED).try_for_each(|finding| writeln!(out, "  {finding}"))?;
+    if check.findings.len() > LISTED {
+        writeln!(out, "  and {} more; --json lists all", say::count(check.findings.len() - LISTED))?;
+    }
+    writeln!(out, "{}", if check.is_sound() { "sound: every promise is kept" } else { "NOT sound" })
+}

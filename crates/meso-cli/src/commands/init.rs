@@ -1,0 +1,38 @@
+//! `mesocrete init`: a commented SPEC.toml to start from.
+
+use crate::failure::Failure;
+use crate::outputs::{Target, Unit};
+use crate::say;
+use meso_core::recipes::{self, ALL};
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// Name of a recipe, see `mesocrete recipes`
+    #[arg(default_value = recipes::DEFAULT)]
+    recipe: String,
+    /// Where to write it; `-` is standard output
+    #[arg(short, long, value_name = "FILE", default_value = "SPEC.toml")]
+    output: PathBuf,
+    /// Replace a file that is there already
+    #[arg(short, long)]
+    force: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    let recipe = recipes::find(&args.recipe).ok_or_else(|| unknown(&args.recipe))?;
+    let target = Target::new(&args.output, args.force)?;
+    let mut unit = Unit::default();
+    unit.fill(&target, args.force, |out| out.write_all(recipe.text.as_bytes()))?;
+    unit.commit()?;
+    if let Some(path) = target.file() {
+        let path = path.display();
+        say::line(format!("wrote {path}; edit it, then: mesocrete pack {path}"));
+    }
+    Ok(0)
+}
+
+fn unknown(name: &str) -> Failure {
+    let known: Vec<_> = ALL.iter().map(|recipe| recipe.name).collect();
+    Failure::Usage(format!("there is no recipe {name:?}; the recipes are {}", known.join(", ")))
+}

@@ -1,0 +1,132 @@
+//! `mesocrete mesh`: a saved model as finite elements.
+
+use super::{names, values};
+use crate::failure::Failure;
+use crate::outputs::{self, Target, Unit};
+use crate::{inputs, say, threads};
+use meso_core::Model;
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::formats::MeshFormat;
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// A saved model (.json); `-` is standard input
+    model: PathBuf,
+    /// File to write, its format by the extension: .inp, .vtu; `-` is standard output (.inp). May be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+    #[arg(long, default_value = "voxel", value_parser = names::parse::<Method>)]
+    #[arg(help = format!("How the specimen is divided: {}", names::list::<Method>()))]
+    method: Method,
+    /// Edge length of the elements, mm
+    #[arg(long, value_name = "H", default_value_t = MeshOptions::default().element_size_mm, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
+    element_size_mm: f64,
+    #[arg(long, default_value = "solid", value_parser = names::parse::<ItzForm>)]
+    #[arg(help = format!("How the interfacial transition zone enters the mesh: {}", names::list::<ItzForm>()))]
+    itz: ItzForm,
+    #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
+    #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
+    fit: Fit,
+    /// Let the ITZ be thinner than one voxel, with holes in it
+    #[arg(long)]
+    thin_itz: bool,
+    /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    subsamples: u32,
+    /// Hexahedra with reduced integration (C3D8R)
+    #[arg(long)]
+    reduced_integration: bool,
+    /// Only nodes, elements, sets and surfaces, for *INCLUDE
+    #[arg(long)]
+    geometry_only: bool,
+    /// Number of threads; all cores when absent
+    #[arg(long, value_name = "N", value_parser = values::threads)]
+    threads: Option<u16>,
+    /// Replace files that are there already
+    #[arg(short, long)]
+    force: bool,
+    /// Say nothing but errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    let plan = args.output.iter().map(|path| plan(path, args.force)).collect::<Result<Vec<_>, _>>()?;
+    outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
+    let model = inputs::model(&args.model)?;
+    let mesh = threads::with(args.threads, || build(&model, &args.options()))??;
+    let deck = args.deck();
+    let mut unit = Unit::default();
+    for (target, format) in &plan {
+        unit.fill(target, args.force, |out| format.write(&mesh, &deck, out))?;
+    }
+    unit.commit()?;
+    if !args.quiet {
+        describe(&mesh, &model);
+        plan.iter()
+            .filter_map(|(target, _)| target.file())
+            .for_each(|path| say::line(format!("wrote {}", path.display())));
+    }
+    Ok(0)
+}
+
+impl Args {
+    fn options(&self) -> MeshOptions {
+        MeshOptions {
+            method: self.method,
+            element_size_mm: self.element_size_mm,
+            itz: self.itz,
+            thin_itz: self.thin_itz,
+            subsamples: self.subsamples,
+            fit: self.fit,
+        }
+    }
+
+    fn deck(&self) -> DeckOptions {
+        DeckOptions {
+            geometry_only: self.geometry_only,
+            reduced_integration: self.reduced_integration,
+            ..DeckOptions::default()
+        }
+    }
+}
+
+fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
+    let format = if path == Path::new("-") { Some(MeshFormat::Inp) } else { MeshFormat::from_path(path) };
+    let format = format.ok_or_else(|| {
+        let known = MeshFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
+        let message = format!("{}: the extension names no mesh format; it must be one of {known}", path.display());
+        Failure::Usage(message)
+    })?;
+    Ok((Target::new(path, force)?, format))
+}
+
+/// Meshes; options that cannot be are wrong usage.
+pub(super) fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, Failure> {
+    mesh::build(model, options).map_err(|error| Failure::Usage(flag_names(&error.to_string())))
+}
+
+/// The core speaks of `mesh.element_size_mm`, the user typed `--element-size-mm`.
+fn flag_names(message: &str) -> String {
+    match message.strip_prefix("mesh.").and_then(|rest| rest.split_once(' ')) {
+        Some((key, rest)) => format!("--{} {rest}", key.replace('_', "-")),
+        None => message.to_owned(),
+    }
+}
+
+/// Size of the mesh, and how its phases compare with the specimen.
+pub(super) fn describe(mesh: &Mesh, model: &Model) {
+    let volumes = PhaseVolumes::of_mesh(mesh);
+    let share = |volume: f64| volume / model.spec.specimen.volume();
+    say::line(format!(
+        "meshed {} elements, {} nodes: aggregate {:.4}, ITZ {:.4}, mortar {:.4} of the specimen",
+        say::count(mesh.cell_count()),
+        say::count(mesh.points.len()),
+        share(volumes.aggregate),
+        share(volumes.itz),
+        share(volumes.mortar)
+    ));
+}

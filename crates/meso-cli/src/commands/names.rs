@@ -1,0 +1,57 @@
+//! Options with a name out of a few: the core's own enums, so that a new method needs no change here.
+
+use serde::de::value::{Error, StrDeserializer};
+use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
+
+/// Reads a name that serde knows as one of `T`'s.
+pub(super) fn parse<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, String> {
+    let name: StrDeserializer<'_, Error> = text.into_deserializer();
+    T::deserialize(name).map_err(|_| format!("it must be one of {}", list::<T>()))
+}
+
+/// All names of `T`, with commas.
+pub(super) fn list<T: for<'de> Deserialize<'de>>() -> String {
+    let mut names: &[&str] = &[];
+    // It always fails, after it was told the names.
+    let _ = T::deserialize(Ask(&mut names));
+    names.join(", ")
+}
+
+/// Asks a type for the names of its variants.
+struct Ask<'a>(&'a mut &'static [&'static str]);
+
+impl<'de> Deserializer<'de> for Ask<'_> {
+    type Error = Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, _: V) -> Result<V::Value, Error> {
+        Err(de::Error::custom("no enum"))
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        variants: &'static [&'static str],
+        _: V,
+    ) -> Result<V::Value, Error> {
+        *self.0 = variants;
+        Err(de::Error::custom("only asked"))
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
+        newtype_struct seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_core::packing::Strategy;
+
+    #[test]
+    fn names_are_those_of_the_spec() {
+        assert_eq!(list::<Strategy>(), "auto, take-and-place, rearrange");
+        assert_eq!(parse("rearrange"), Ok(Strategy::Rearrange));
+        assert_eq!(parse::<Strategy>("fast"), Err("it must be one of auto, take-and-place, rearrange".to_owned()));
+    }
+}

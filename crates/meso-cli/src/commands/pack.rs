@@ -1,0 +1,203 @@
+//! `mesocrete pack`: a spec becomes a packed specimen and its files.
+
+use super::{mesh, names, values};
+use crate::failure::{Failure, INTERRUPTED, SHORT};
+use crate::outputs::{self, Target, Unit};
+use crate::progress::Watch;
+use crate::{inputs, say, threads};
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::formats::{Format, MeshFormat};
+use meso_core::mesh::{Mesh, MeshOptions};
+use meso_core::packing::{Report, StopReason, Strategy};
+use meso_core::{Model, Spec, SpecError};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
+    spec: Option<PathBuf>,
+    /// File to write, its format by the extension: .json, .vtu, .stl, .csv, .inp; `-` writes the .json to standard output.
+    /// May be repeated; absent: model.json, model.vtu, model.inp
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Seed of all randomness; the same seed gives the same bytes
+    #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Volume of the aggregates over the specimen's, 0 to 1
+    #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
+    fraction: Option<f64>,
+    #[arg(long, value_parser = names::parse::<Strategy>)]
+    #[arg(help = format!("How aggregates are placed: {}", names::list::<Strategy>()))]
+    strategy: Option<Strategy>,
+    /// Random positions tried per aggregate
+    #[arg(long, value_name = "N", value_parser = values::attempts, allow_negative_numbers = true)]
+    attempts: Option<u32>,
+    /// Stop after S seconds with the best packing found
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    time_limit: Option<f64>,
+    /// Number of threads; all cores when absent. It changes the time, never the result
+    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
+    threads: Option<u16>,
+    /// Exit with 3 when the target is not reached
+    #[arg(long)]
+    strict: bool,
+    /// Replace files that are there already
+    #[arg(short, long)]
+    force: bool,
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+    /// Write the figures of the run as JSON; `-` is standard output
+    #[arg(long, value_name = "FILE")]
+    summary_json: Option<PathBuf>,
+}
+
+/// What one output holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Content {
+    Packing(Format),
+    Mesh(MeshFormat),
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    let spec = args.spec()?;
+    let plan = args.plan()?;
+    let watch = Watch::start(args.quiet);
+    let model = threads::with(args.threads, || meso_core::pack(&spec, &watch))?;
+    watch.finish();
+    let mut model = model.map_err(|error| args.name_flag(error))?;
+    let mesh = plan.mesh(&model)?;
+    plan.write(&mut model, mesh.as_ref(), &watch)?;
+    if !args.quiet {
+        tell(&model.report);
+        mesh.iter().for_each(|mesh| mesh::describe(mesh, &model));
+        plan.files().for_each(|path| say::line(format!("wrote {}", path.display())));
+    }
+    Ok(exit_code(&model.report, args.strict))
+}
+
+impl Args {
+    /// The spec's file, then what the flags change.
+    fn spec(&self) -> Result<Spec, Failure> {
+        let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), inputs::spec)?;
+        spec.seed = self.seed.unwrap_or(spec.seed);
+        spec.fraction = self.fraction.unwrap_or(spec.fraction);
+        spec.placement.strategy = self.strategy.unwrap_or(spec.placement.strategy);
+        spec.placement.attempts = self.attempts.or(spec.placement.attempts);
+        spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
+        spec.validate().map_err(|error| self.name_flag(error))?;
+        Ok(spec)
+    }
+
+    /// A wrong value that came from a flag is called by the flag's name.
+    fn name_flag(&self, error: SpecError) -> Failure {
+        let flag = match error.key.as_str() {
+            "fraction" if self.fraction.is_some() => "--fraction",
+            "placement.attempts" if self.attempts.is_some() => "--attempts",
+            "placement.time_limit_s" if self.time_limit.is_some() => "--time-limit",
+            _ => return Failure::Usage(error.to_string()),
+        };
+        Failure::Usage(format!("{flag} {}", error.message))
+    }
+
+    /// Where everything goes; refuses what cannot be written before anything is packed.
+    fn plan(&self) -> Result<Plan, Failure> {
+        let default = ["model.json", "model.vtu", "model.inp"].map(PathBuf::from);
+        let paths = if self.output.is_empty() { &default[..] } else { &self.output };
+        let contents = paths.iter().map(|path| content(path)).collect::<Result<Vec<_>, _>>()?;
+        let target = |path: &PathBuf| Target::new(path, self.force);
+        let targets = paths.iter().map(target).collect::<Result<Vec<_>, _>>()?;
+        let summary = self.summary_json.as_ref().map(target).transpose()?;
+        let all: Vec<&Target> = targets.iter().chain(&summary).collect();
+        outputs::distinct(&all, &self.spec.as_deref().into_iter().collect::<Vec<_>>())?;
+        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force })
+    }
+}
+
+fn content(path: &Path) -> Result<Content, Failure> {
+    if path == Path::new("-") {
+        return Ok(Content::Packing(Format::Json));
+    }
+    let packing = Format::from_path(path).map(Content::Packing);
+    packing.or_else(|| MeshFormat::from_path(path).map(Content::Mesh)).ok_or_else(|| {
+        let known = Format::ALL.map(Format::extension).join(", .");
+        Failure::Usage(format!("{}: the extension names no format; it must be one of .{known}, .inp", path.display()))
+    })
+}
+
+/// Where everything goes.
+struct Plan {
+    outputs: Vec<(Target, Content)>,
+    summary: Option<Target>,
+    force: bool,
+}
+
+impl Plan {
+    fn files(&self) -> impl Iterator<Item = &Path> {
+        self.outputs.iter().map(|(target, _)| target).chain(&self.summary).filter_map(Target::file)
+    }
+
+    /// The default mesh, where an output needs one.
+    fn mesh(&self, model: &Model) -> Result<Option<Mesh>, Failure> {
+        let wanted = self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)));
+        wanted.then(|| mesh::build(model, &MeshOptions::default())).transpose()
+    }
+
+    /// Writes all files; the summary last, since it tells how long the others took.
+    fn write(&self, model: &mut Model, mesh: Option<&Mesh>, watch: &Watch) -> Result<(), Failure> {
+        let mut unit = Unit::default();
+        let start = watch.elapsed();
+        for (target, content) in &self.outputs {
+            unit.fill(target, self.force, |out| match (content, mesh) {
+                (Content::Packing(format), _) => format.write(model, out),
+                (Content::Mesh(format), Some(mesh)) => format.write(mesh, &DeckOptions::default(), out),
+                (Content::Mesh(_), None) => Ok(()),
+            })?;
+        }
+        model.report.seconds.write = watch.elapsed() - start;
+        model.report.seconds.total = watch.elapsed();
+        if let Some(target) = &self.summary {
+            unit.fill(target, self.force, |out| {
+                serde_json::to_writer_pretty(&mut *out, &model.report)?;
+                writeln!(out)
+            })?;
+        }
+        unit.commit()
+    }
+}
+
+/// What was reached, as a table.
+fn tell(report: &Report) {
+    say::line(format!(
+        "packed {} aggregates in {:.2} s: fraction {:.5} of {} asked ({}, seed {})",
+        say::count(report.aggregates),
+        report.seconds.take + report.seconds.place,
+        report.fraction,
+        report.target_fraction,
+        report.strategy,
+        report.seed
+    ));
+    say::line(format!("grading: {}", report.grading));
+    say::line("    class, mm       asked     reached  aggregates");
+    for class in &report.classes {
+        let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);
+        let aggregates = say::count(class.aggregates);
+        say::line(format!(
+            "  {limits:>11}  {:>10.5}  {:>10.5}  {aggregates:>10}",
+            class.target_fraction, class.fraction
+        ));
+    }
+}
+
+/// The code of a run that wrote its files; says why where it stopped short.
+fn exit_code(report: &Report, strict: bool) -> u8 {
+    if report.stop_reason == StopReason::TargetReached {
+        return 0;
+    }
+    say::line(format!("warning: short of the target: {}", report.stop_detail));
+    match report.stop_reason {
+        StopReason::Interrupted => INTERRUPTED,
+        _ if strict => SHORT,
+        _ => 0,
+    }
+}

@@ -1,0 +1,31 @@
+//! Numbers as they are typed; each parser names what it accepts.
+
+use std::fmt::Display;
+use std::str::FromStr;
+
+/// A number; ranges are the spec's business.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    text.parse().map_err(|_| "it must be a number, with a point for the decimals".to_owned())
+}
+
+/// A seed.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    whole(text, 0, u64::MAX)
+}
+
+/// A count of attempts.
+pub(super) fn attempts(text: &str) -> Result<u32, String> {
+    whole(text, 1, u32::MAX)
+}
+
+/// A number of threads.
+pub(super) fn threads(text: &str) -> Result<u16, String> {
+    whole(text, 1, 1024)
+}
+
+fn whole<T: FromStr + PartialOrd + Display + Copy>(text: &str, low: T, high: T) -> Result<T, String> {
+    match text.parse() {
+        Ok(value) if value >= low && value <= high => Ok(value),
+        _ => Err(format!("it must be a whole number from {low} to {high}")),
+    }
+}

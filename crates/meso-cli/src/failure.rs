@@ -1,0 +1,60 @@
+//! How a command ends badly: one line on stderr and an exit code.
+
+use crate::say;
+use std::path::Path;
+
+/// Exit code of a run-time or input/output failure.
+pub(crate) const RUN: u8 = 1;
+/// Exit code of wrong usage or a wrong spec.
+pub(crate) const USAGE: u8 = 2;
+/// Exit code of `--strict` where the target was not reached.
+pub(crate) const SHORT: u8 = 3;
+/// Exit code after Ctrl-C.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Why a command could not do what it was asked; each message names what is wrong and the way out.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Wrong usage or a wrong spec.
+    Usage(String),
+    /// Something that could not be done.
+    Run(String),
+    /// A panic: our mistake.
+    Bug,
+}
+
+impl Failure {
+    /// A file that could not be read or written, with the operating system's reason.
+    pub(crate) fn file(path: &Path, error: &std::io::Error) -> Self {
+        Self::Run(format!("{}: {}", path.display(), plain(error)))
+    }
+
+    /// Says it on stderr; the exit code.
+    pub(crate) fn tell(&self) -> u8 {
+        match self {
+            Self::Usage(message) => say::line(format!("error: {message}")),
+            Self::Run(message) => say::line(format!("error: {message}")),
+            Self::Bug => {
+                say::line("error: this is a mistake in mesocrete; please report it with the command and the spec")
+            }
+        }
+        if matches!(self, Self::Usage(_)) { USAGE } else { RUN }
+    }
+}
+
+/// "No such file or directory (os error 2)" without the number.
+fn plain(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or(&text);
+    match error.kind() {
+        std::io::ErrorKind::StorageFull => format!("{text}; free some space or write elsewhere"),
+        std::io::ErrorKind::PermissionDenied => format!("{text}; choose a place that you may write to"),
+        std::io::ErrorKind::NotFound => format!("{text}; check the name and the folder"),
+        _ => text.to_owned(),
+    }
+}
+
+/// A panic says one line; [`Failure::Bug`] adds what to do about it.
+pub(crate) fn hush_panics() {
+    std::panic::set_hook(Box::new(|panic| say::line(format!("internal error: {panic}").replace('\n', " "))));
+}

@@ -1,0 +1,52 @@
+//! Specs and saved models from files or standard input.
+
+use crate::failure::Failure;
+use meso_core::{Model, Spec, saved};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Longest spec that is read, bytes; a sieve table of a million rows is shorter.
+const LONGEST_SPEC: u64 = 32 << 20;
+
+/// Reads a SPEC.toml, `-` for standard input. Values that cannot be are named with their line.
+pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
+    let bytes = read(path, LONGEST_SPEC)?;
+    let name = name(path);
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        Failure::Usage(format!("{name}: byte {position} is not UTF-8; save the spec as plain text"))
+    })?;
+    Spec::from_toml(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+}
+
+/// Reads a saved model, `-` for standard input.
+pub(crate) fn model(path: &Path) -> Result<Model, Failure> {
+    let bytes = read(path, u64::MAX)?;
+    saved::read(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
+}
+
+fn name(path: &Path) -> String {
+    if path == Path::new("-") { "standard input".to_owned() } else { path.display().to_string() }
+}
+
+fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
+    let fail = |error: io::Error| Failure::file(path, &error);
+    let source: Box<dyn Read> = if path == Path::new("-") { Box::new(io::stdin()) } else { Box::new(open(path)?) };
+    let mut bytes = Vec::new();
+    source.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(fail)?;
+    if bytes.len() as u64 > limit {
+        return Err(Failure::Usage(format!("{} is longer than {} MB; that is no spec", name(path), limit >> 20)));
+    }
+    Ok(bytes)
+}
+
+/// Opens a regular file: a directory cannot be read, and a pipe without a writer would be waited for without end.
+fn open(path: &Path) -> Result<File, Failure> {
+    let kind = std::fs::metadata(path).map_err(|error| Failure::file(path, &error))?;
+    if !kind.is_file() {
+        let what = if kind.is_dir() { "a directory" } else { "no regular file" };
+        return Err(Failure::Usage(format!("{} is {what}; name a file, or - for standard input", path.display())));
+    }
+    File::open(path).map_err(|error| Failure::file(path, &error))
+}

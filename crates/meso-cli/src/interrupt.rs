@@ -1,0 +1,67 @@
+//! Ctrl-C, and being told to end: the first time the best packing is kept, the second time everything stops.
+//!
+//! Temporary files are removed either way; only a kill that cannot be caught leaves one behind, `.mesocrete-*.tmp`.
+
+use crate::failure::INTERRUPTED;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+static POLLED: AtomicBool = AtomicBool::new(false);
+static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Handles the signals from now on.
+pub(crate) fn install() {
+    // The one way this fails is that it was done before, by an earlier run in the same process.
+    let _ = ctrlc::set_handler(|| {
+        let first = !ASKED.swap(true, Ordering::SeqCst);
+        if !(first && POLLED.load(Ordering::SeqCst)) {
+            remove_temporary_files();
+            std::process::exit(INTERRUPTED.into());
+        }
+    });
+}
+
+/// True once the user asked to stop.
+pub(crate) fn asked() -> bool {
+    ASKED.load(Ordering::SeqCst)
+}
+
+/// While this lives, the first Ctrl-C only sets what [`asked`] tells.
+pub(crate) struct Polling;
+
+impl Polling {
+    pub(crate) fn begin() -> Self {
+        POLLED.store(true, Ordering::SeqCst);
+        Self
+    }
+}
+
+impl Drop for Polling {
+    fn drop(&mut self) {
+        POLLED.store(false, Ordering::SeqCst);
+    }
+}
+
+/// Remembers a temporary file to be removed when the process is told to end.
+pub(crate) fn remember(path: &Path) {
+    if let Ok(mut paths) = TEMPORARY.lock() {
+        paths.push(path.to_owned());
+    }
+}
+
+/// The file got its name, or is gone.
+pub(crate) fn forget(path: &Path) {
+    if let Ok(mut paths) = TEMPORARY.lock() {
+        paths.retain(|other| other != path);
+    }
+}
+
+fn remove_temporary_files() {
+    if let Ok(paths) = TEMPORARY.lock() {
+        for path in paths.iter() {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}

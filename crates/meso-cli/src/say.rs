@@ -1,0 +1,32 @@
+//! Messages on stderr, which may be closed: a message that nobody hears is no failure.
+
+use std::fmt::Display;
+use std::io::Write;
+
+/// A line on stderr.
+pub(crate) fn line(message: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{message}");
+}
+
+/// A whole number with its thousands apart: 12,685.
+pub(crate) fn count(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::count;
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(count), ["0", "999", "1,000", "1,234,567"]);
+    }
+}

@@ -1,0 +1,28 @@
+//! Specs to start from, commented: the specimens of the paper and of the standards.
+
+/// A commented SPEC.toml and its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Recipe {
+    /// What `init` calls it.
+    pub name: &'static str,
+    /// The spec; its first line is a comment that says what it is.
+    pub text: &'static str,
+}
+
+/// Name of the paper's specimen.
+pub const DEFAULT: &str = "paper";
+
+/// All recipes, the paper's first.
+pub const ALL: &[Recipe] = &[Recipe { name: DEFAULT, text: include_str!("recipes/paper.toml") }];
+
+impl Recipe {
+    /// What it is, in a line.
+    pub fn title(&self) -> &'static str {
+        self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
+    }
+}
+
+/// The recipe of this name.
+pub fn find(name: &str) -> Option<&'static Recipe> {
+    ALL.iter().find(|recipe| recipe.name == name)
+}

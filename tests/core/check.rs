@@ -1,0 +1,141 @@
+//! The check finds what is planted, and nothing else.
+
+use crate::models::{box_body, model_of};
+use meso_core::Model;
+use meso_core::check::{Check, Finding, check};
+use meso_core::geometry::Polyhedron;
+use meso_core::math::Vec3;
+
+/// A model whose boxes are all as long as their class asks (5 to 10 mm along the diagonal) and reported rightly.
+fn sound(bodies: Vec<Polyhedron>) -> Model {
+    let mut model = model_of(bodies);
+    let volume: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
+    model.report.fraction = volume / model.spec.specimen.volume();
+    model
+}
+
+fn cube(x: f64, y: f64, z: f64) -> Polyhedron {
+    box_body([x, y, z], [x + 4.0, y + 4.0, z + 4.0])
+}
+
+fn findings(model: &Model) -> Vec<Finding> {
+    check(model).findings
+}
+
+#[test]
+fn a_sound_model_has_no_findings() {
+    let model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.0 + 4e-15, 0.0, 0.0), cube(146.0, 146.0, 146.0)]);
+    let Check { aggregates, pairs_tested, fraction, findings } = check(&model);
+    assert_eq!((aggregates, pairs_tested), (3, 0));
+    assert!((fraction - 192.0 / 150f64.powi(3)).abs() < 1e-15);
+    assert_eq!(findings, []);
+}
+
+#[test]
+fn touching_in_one_point_is_an_overlap() {
+    let model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.0, 4.0, 4.0)]);
+    assert_eq!(findings(&model), [Finding::Overlap { a: 0, b: 1 }]);
+}
+
+#[test]
+fn one_ulp_of_a_gap_is_apart() {
+    let model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.0f64.next_up(), 4.0, 4.0)]);
+    assert_eq!(findings(&model), []);
+}
+
+#[test]
+fn every_pair_of_a_lattice_is_met() {
+    let cubes = |n: usize, step: f64| {
+        let places = (0..n * n * n).map(move |i| [i % n, i / n % n, i / (n * n)].map(|k| k as f64 * step));
+        sound(places.map(|[x, y, z]| cube(x, y, z)).collect())
+    };
+    let touching = check(&cubes(10, 4.0));
+    // Each pair of neighbours, diagonal ones too, is met once: (28^3 - 1000) / 2 for 10 cubes a side.
+    assert_eq!(touching.findings.len(), (28usize.pow(3) - 1000) / 2);
+    assert_eq!(findings(&cubes(10, 4.0001)), []);
+}
+
+#[test]
+fn bodies_of_very_different_size_are_met() {
+    let mut model = sound(vec![box_body([10.0; 3], [100.0; 3]), cube(97.0, 50.0, 50.0), cube(1.0, 1.0, 1.0)]);
+    model.spec.grading.size = meso_core::aggregate::SizeDefinition::Sieve;
+    assert_eq!(findings(&model), [Finding::Overlap { a: 0, b: 1 }]);
+}
+
+#[test]
+fn a_gap_that_is_too_small_is_found_with_its_size() {
+    let mut model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.25, 0.0, 0.0), cube(0.0, 0.0, 4.5)]);
+    model.spec.placement.min_gap_mm = 0.5;
+    assert_eq!(findings(&model), [Finding::Gap { a: 0, b: 1, distance_mm: 0.25 }]);
+}
+
+#[test]
+fn one_ulp_outside_the_specimen_is_found() {
+    let model = sound(vec![cube(0.0, 0.0, 146.0), box_body([50.0; 3], [53.0, 54.0, 150f64.next_up()])]);
+    assert!(findings(&model).contains(&Finding::Outside { aggregate: 1 }));
+    assert!(!findings(&model).contains(&Finding::Outside { aggregate: 0 }));
+}
+
+#[test]
+fn the_gap_to_the_walls_is_looked_at() {
+    let mut model = sound(vec![cube(1.0, 1.0, 1.0), cube(50.0, 0.999, 50.0)]);
+    model.spec.placement.wall_gap_mm = 1.0;
+    assert_eq!(findings(&model), [Finding::Outside { aggregate: 1 }]);
+}
+
+fn not_convex(change: impl Fn(usize, &Vec3) -> Vec3) -> String {
+    let body = cube(50.0, 50.0, 50.0);
+    let vertices: Vec<Vec3> = body.vertices().iter().enumerate().map(|(i, v)| change(i, v)).collect();
+    let body = Polyhedron::from_parts(vertices, body.faces().map(|face| face.to_vec()));
+    let found = findings(&sound(vec![body]));
+    let Some(Finding::NotConvex { aggregate: 0, reason }) = found.first() else { panic!("{found:?}") };
+    reason.clone()
+}
+
+#[test]
+fn faces_that_are_bent_or_seen_from_inside_are_found() {
+    assert!(not_convex(|i, v| if i == 5 { v - Vec3::x() * 0.1 } else { *v }).contains("is not flat"));
+    assert!(not_convex(|i, v| if i == 7 { v - Vec3::x() * 1e-9 } else { *v }).contains("outside"));
+    assert!(not_convex(|i, v| if i == 7 { v + Vec3::repeat(1e-9) } else { *v }).contains("has vertex 7 outside"));
+    assert!(not_convex(|_, v| Vec3::new(-v.x, v.y, v.z)).contains("outside"), "a reflected body is inside out");
+    assert!(not_convex(|_, v| Vec3::new(v.x, v.y, 0.0)).contains("no volume"));
+}
+
+#[test]
+fn an_open_or_doubled_surface_is_found() {
+    let body = cube(50.0, 50.0, 50.0);
+    let faces: Vec<_> = body.faces().map(|face| face.to_vec()).collect();
+    let with = |faces: Vec<Vec<u32>>| findings(&sound(vec![Polyhedron::from_parts(body.vertices().to_vec(), faces)]));
+    assert!(with(faces[1..].to_vec())[0].to_string().contains("one side only"));
+    let doubled = [&faces[..], &faces[..1]].concat();
+    assert!(with(doubled)[0].to_string().contains("twice in one direction"));
+}
+
+#[test]
+fn a_shell_that_takes_the_whole_aggregate_is_found() {
+    let mut model = sound(vec![cube(0.0, 0.0, 0.0), cube(10.0, 0.0, 0.0)]);
+    model.aggregates[1].itz_thickness_mm = 2.0;
+    let found = findings(&model);
+    assert!(matches!(&found[..], [Finding::Itz { aggregate: 1, .. }]), "{found:?}");
+}
+
+#[test]
+fn an_aggregate_in_the_wrong_class_is_found() {
+    let mut model = sound(vec![cube(0.0, 0.0, 0.0)]);
+    model.aggregates[0].class = 1;
+    assert!(matches!(findings(&model)[..], [Finding::Size { aggregate: 0, .. }]));
+}
+
+#[test]
+fn a_report_that_does_not_fit_is_found() {
+    let mut model = sound(vec![cube(0.0, 0.0, 0.0)]);
+    model.report.fraction += 1e-6;
+    assert!(matches!(findings(&model)[..], [Finding::Report { .. }]));
+    model.report.aggregates = 2;
+    assert!(findings(&model)[0].to_string().contains("it counts 2 aggregates, there are 1"));
+}
+
+#[test]
+fn an_empty_model_is_sound() {
+    assert_eq!(findings(&sound(Vec::new())), []);
+}
