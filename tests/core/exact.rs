@@ -6,18 +6,18 @@ use num_traits::ToPrimitive;
 
 pub(crate) type Big3 = [BigInt; 3];
 
-/// `x` in units of 2^-300; exact for 0 and magnitudes from 2^-247.
-pub(crate) fn big(x: f64) -> BigInt {
+/// `x` in units of 2^-`unit`, rounded down in magnitude.
+pub(crate) fn in_units(x: f64, unit: i32) -> BigInt {
     let bits = x.abs().to_bits();
     let (exponent, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
     let mantissa = BigInt::from(if exponent == 0 { fraction } else { fraction | (1 << 52) });
-    let shift = exponent.max(1) - 1075 + 300;
+    let shift = exponent.max(1) - 1075 + unit;
     let magnitude = if shift >= 0 { mantissa << shift } else { mantissa >> -shift };
     if x < 0.0 { -magnitude } else { magnitude }
 }
 
 pub(crate) fn exact(points: &[Vec3]) -> Vec<Big3> {
-    points.iter().map(|p| [p.x, p.y, p.z].map(big)).collect()
+    points.iter().map(|p| [p.x, p.y, p.z].map(|x| in_units(x, 300))).collect()
 }
 
 pub(crate) fn minus(a: &Big3, b: &Big3) -> Big3 {

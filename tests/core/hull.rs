@@ -1,133 +1,200 @@
-//! The convex hull against an exact brute-force reference, and what no hull may violate.
+//! The convex hull, proved in exact arithmetic, on everything that breaks hull codes.
 
-use crate::exact::{Big3, big, cross, dot, exact, is_zero, minus, ratio};
-use meso_core::geometry::{HullError, Polyhedron, convex_hull};
+use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
+use crate::solids::{Source, block, coplanar, lower_dimensional, solids};
+use meso_core::geometry::{HullBuilder, HullError, Polyhedron, affine_dimension, convex_hull};
 use meso_core::math::Vec3;
 use num_bigint::BigInt;
-use rand_chacha::ChaCha8Rng;
-use rand_core::{RngCore, SeedableRng};
 use std::collections::BTreeSet;
 
-/// The facets of the hull, each as the set of all points in its plane, by trying every triple of points.
-fn brute_facets(points: &[Big3]) -> BTreeSet<Vec<usize>> {
-    let mut facets = BTreeSet::new();
-    for i in 0..points.len() {
-        for j in i + 1..points.len() {
-            for k in j + 1..points.len() {
-                let normal = cross(&minus(&points[j], &points[i]), &minus(&points[k], &points[i]));
-                if let (false, Some(plane)) = (is_zero(&normal), supporting(points, &normal, &points[i])) {
-                    facets.insert(plane);
-                }
-            }
-        }
+/// Proves that the hull of `points` is right; returns it.
+fn proved_hull(points: &[Vec3], name: &str) -> Polyhedron {
+    let hull = convex_hull(points).unwrap_or_else(|error| panic!("{name}: {error}"));
+    let (vertices, points) = (exact(hull.vertices()), exact(points));
+    assert_subsequence(&vertices, &points, name);
+    assert_closed(&hull, name);
+    for face in hull.faces() {
+        assert_supports(&face.to_vec(), &vertices, &points, name);
     }
-    facets
-}
-
-/// The points in the plane through `origin` across `normal`, where all points lie on one side of it.
-fn supporting(points: &[Big3], normal: &Big3, origin: &Big3) -> Option<Vec<usize>> {
-    let (mut plane, mut below, mut above) = (Vec::new(), false, false);
-    for (i, point) in points.iter().enumerate() {
-        let height = dot(normal, &minus(point, origin));
-        below |= height < BigInt::ZERO;
-        above |= height > BigInt::ZERO;
-        if below && above {
-            return None;
-        }
-        if height == BigInt::ZERO {
-            plane.push(i);
-        }
-    }
-    Some(plane)
-}
-
-/// Checks the hull of `points` against brute force, in exact arithmetic throughout.
-fn assert_exact_hull(points: &[Vec3], what: &str) -> Polyhedron {
-    let hull = convex_hull(points).unwrap_or_else(|error| panic!("{what}: {error}"));
-    let mut distinct = exact(points);
-    distinct.sort();
-    distinct.dedup();
-    let facets = brute_facets(&distinct);
-    let mut planes = vec![0; distinct.len()];
-    facets.iter().flatten().for_each(|&i| planes[i] += 1);
-    let extreme = |i: &usize| planes[*i] >= 3;
-    let expected: BTreeSet<BTreeSet<&Big3>> =
-        facets.iter().map(|f| f.iter().filter(|i| extreme(i)).map(|&i| &distinct[i]).collect()).collect();
-    let vertices = exact(hull.vertices());
-    let faces: BTreeSet<BTreeSet<&Big3>> =
-        hull.faces().map(|f| f.iter().map(|i| &vertices[i as usize]).collect()).collect();
-    assert!(faces == expected, "{what}: wrong faces");
-    assert_eq!(hull.faces().len(), expected.len(), "{what}: a face twice");
-    assert_eq!(vertices.iter().collect::<BTreeSet<_>>().len(), vertices.len(), "{what}: a vertex twice");
-    assert_eq!(vertices.len(), planes.iter().filter(|n| **n >= 3).count(), "{what}: vertex count");
-    assert_closed_convex(&hull, &vertices, what);
-    assert_volume(&hull, &vertices, what);
+    assert_volume(&hull, &vertices, name);
     hull
 }
 
-/// Every edge once in each direction, Euler's formula, and every corner of every face turning left seen from outside.
-fn assert_closed_convex(hull: &Polyhedron, vertices: &[Big3], what: &str) {
+/// The vertices are distinct input points, in input order.
+fn assert_subsequence(vertices: &[Big3], points: &[Big3], name: &str) {
+    let mut rest = points.iter();
+    assert!(vertices.iter().all(|v| rest.any(|p| p == v)), "{name}: the vertices are not input points in order");
+    assert_eq!(vertices.iter().collect::<BTreeSet<_>>().len(), vertices.len(), "{name}: a vertex twice");
+}
+
+/// Every edge once in each direction; Euler's formula; every vertex used.
+fn assert_closed(hull: &Polyhedron, name: &str) {
     let mut edges = BTreeSet::new();
     for face in hull.faces() {
-        let (corners, n) = (face.to_vec(), face.len());
-        for k in 0..n {
-            assert!(edges.insert((corners[k], corners[(k + 1) % n])), "{what}: an edge twice");
-            let [a, b, c] = [0, 1, 2].map(|step| &vertices[corners[(k + step) % n] as usize]);
-            let normal = cross(&minus(b, a), &minus(c, a));
-            assert!(!is_zero(&normal), "{what}: a corner of 180 degrees");
-            assert!(vertices.iter().all(|v| dot(&normal, &minus(v, a)) <= BigInt::ZERO), "{what}: not convex");
+        for k in 0..face.len() {
+            assert!(edges.insert((face.vertex(k), face.vertex((k + 1) % face.len()))), "{name}: an edge twice");
         }
     }
-    assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))), "{what}: not closed");
-    assert_eq!(hull.vertices().len() + hull.faces().len(), edges.len() / 2 + 2, "{what}: Euler");
+    assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))), "{name}: not closed");
+    assert_eq!(hull.vertices().len() + hull.faces().len(), edges.len() / 2 + 2, "{name}: Euler");
+    assert_eq!(
+        edges.iter().map(|e| e.0).collect::<BTreeSet<_>>().len(),
+        hull.vertices().len(),
+        "{name}: unused vertex"
+    );
 }
 
-fn assert_volume(hull: &Polyhedron, vertices: &[Big3], what: &str) {
-    let six: BigInt = hull
-        .triangles()
-        .map(|t| {
-            let [a, b, c] = t.map(|i| minus(&vertices[i as usize], &vertices[0]));
-            dot(&a, &cross(&b, &c))
-        })
-        .sum();
-    // |volume - six / 6| <= 1e-14 six / 6, with the volume in the cube of the unit.
-    let volume = (big(hull.volume()) << 600) * 6;
+/// The face's plane has every input point on or below it and no hull vertex but its own corners in it; the corners
+/// turn left, strictly.
+fn assert_supports(corners: &[u32], vertices: &[Big3], points: &[Big3], name: &str) {
+    let corner = |k: usize| &vertices[corners[k % corners.len()] as usize];
+    let turn = |k: usize| cross(&minus(corner(k + 1), corner(k)), &minus(corner(k + 2), corner(k)));
+    let normal = turn(0);
+    assert!(!is_zero(&normal), "{name}: three corners on a line");
+    let height = |p: &Big3| dot(&normal, &minus(p, corner(0)));
+    assert!(points.iter().all(|p| height(p) <= BigInt::ZERO), "{name}: a point is outside");
+    for (i, vertex) in (0..).zip(vertices) {
+        assert_eq!(height(vertex) == BigInt::ZERO, corners.contains(&i), "{name}: not merged, or not plane");
+    }
+    assert!(
+        (0..corners.len()).all(|k| dot(&turn(k), &normal) > BigInt::ZERO),
+        "{name}: a corner of 180 degrees or more"
+    );
+}
+
+/// Within 1e-14 of the exact volume.
+fn assert_volume(hull: &Polyhedron, vertices: &[Big3], name: &str) {
+    let determinant = |t: [u32; 3]| {
+        let [a, b, c] = t.map(|i| minus(&vertices[i as usize], &vertices[0]));
+        dot(&a, &cross(&b, &c))
+    };
+    let six: BigInt = hull.triangles().map(determinant).sum();
+    // Coordinates are in units of 2^-300, hence volumes in 2^-900.
+    let volume = in_units(hull.volume(), 900) * 6;
     let error: BigInt = &volume - &six;
     let small = error.magnitude() * 100_000_000_000_000_u64 <= *six.magnitude();
-    assert!(small, "{what}: relative volume error {:e}", ratio(&volume, &six));
+    assert!(small, "{name}: relative volume error {:e}", ratio(&volume, &six));
 }
 
-fn random(rng: &mut ChaCha8Rng) -> f64 {
-    (rng.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-fn points(n: usize, mut coordinate: impl FnMut() -> f64) -> Vec<Vec3> {
-    (0..n).map(|_| Vec3::new(coordinate(), coordinate(), coordinate())).collect()
+/// What does not depend on the order of the points: every face as the set of its corners' bits.
+fn unordered(hull: &Polyhedron) -> BTreeSet<BTreeSet<[u64; 3]>> {
+    let bits = |i: u32| <[f64; 3]>::from(hull.vertices()[i as usize] + Vec3::zeros()).map(f64::to_bits);
+    hull.faces().map(|face| face.iter().map(bits).collect()).collect()
 }
 
 #[test]
-fn hulls_of_random_points_are_exact() {
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    for case in 0..60 {
-        let n = 4 + case % 22;
-        assert_exact_hull(&points(n, || random(&mut rng) - 0.5), &format!("random case {case}"));
+fn hulls_of_every_family_are_proved() {
+    let clouds = solids(80);
+    assert!(clouds.len() > 390);
+    for cloud in clouds {
+        proved_hull(&cloud.points, &cloud.name);
     }
 }
 
 #[test]
-fn hulls_of_lattice_points_merge_their_coplanar_triangles() {
-    let mut rng = ChaCha8Rng::seed_from_u64(2);
-    let mut merged = 0;
-    for case in 0..150 {
-        let side = 2 + case as u64 % 4;
-        let cloud = points(6 + case % 25, || (rng.next_u64() % side) as f64);
-        match convex_hull(&cloud) {
-            Err(HullError::LowerDimensional { .. }) => continue,
-            _ => {
-                let hull = assert_exact_hull(&cloud, &format!("lattice case {case}"));
-                merged += usize::from(hull.faces().any(|face| face.len() > 3));
+fn small_lattice_sets_are_proved_or_flat() {
+    let (mut source, mut flat, mut merged) = (Source::new(1), 0, 0);
+    for case in 0..4000 {
+        let points = source.lattice(4 + case % 9, 2 + case % 3);
+        match convex_hull(&points) {
+            Err(HullError::LowerDimensional { dimension }) => {
+                assert_eq!(affine_dimension(&points), Ok(dimension));
+                flat += 1;
             }
+            _ => merged += usize::from(proved_hull(&points, "lattice").faces().any(|face| face.len() > 3)),
         }
     }
-    assert!(merged > 50, "only {merged} cases had anything to merge");
+    assert!(flat > 200 && merged > 1500, "{flat} flat and {merged} merged sets");
+}
+
+#[test]
+fn fewer_than_three_dimensions_are_named() {
+    for (dimension, cloud) in lower_dimensional() {
+        let error = convex_hull(&cloud.points).expect_err(&cloud.name);
+        assert_eq!(error, HullError::LowerDimensional { dimension }, "{}", cloud.name);
+    }
+}
+
+#[test]
+fn order_and_duplicates_do_not_change_the_hull() {
+    let mut source = Source::new(2);
+    for mut cloud in solids(12) {
+        let expected = unordered(&convex_hull(&cloud.points).unwrap());
+        cloud.points.push(cloud.points[0]);
+        cloud.points.push(cloud.points[cloud.points.len() / 2]);
+        source.shuffle(&mut cloud.points);
+        assert_eq!(unordered(&convex_hull(&cloud.points).unwrap()), expected, "{}", cloud.name);
+    }
+}
+
+#[test]
+fn powers_of_two_reflections_and_axis_swaps_map_the_hull() {
+    let maps: [fn(Vec3) -> Vec3; 4] = [|p| p * 1024.0, |p| p / 64.0, |p| -p, |p| p.yxz()];
+    for cloud in solids(6).into_iter().filter(|cloud| !cloud.name.contains("magnitudes")) {
+        let hull = convex_hull(&cloud.points).unwrap();
+        for map in maps {
+            let expected = unordered(&hull.mapped(|v| map(*v)));
+            let mapped: Vec<Vec3> = cloud.points.iter().map(|p| map(*p)).collect();
+            let hull_of_mapped = convex_hull(&mapped).unwrap();
+            assert_eq!(unordered(&hull_of_mapped), expected, "{}", cloud.name);
+        }
+    }
+}
+
+#[test]
+fn the_hull_of_a_hull_is_itself() {
+    for cloud in solids(6) {
+        let hull = convex_hull(&cloud.points).unwrap();
+        assert_eq!(convex_hull(hull.vertices()).unwrap(), hull, "{}", cloud.name);
+    }
+}
+
+#[test]
+fn a_builder_gives_the_same_hulls_whatever_it_built_before() {
+    let mut builder = HullBuilder::default();
+    for cloud in solids(6) {
+        assert_eq!(builder.build(&cloud.points), convex_hull(&cloud.points), "{}", cloud.name);
+        let _ = builder.build(&[Vec3::zeros(); 5]);
+    }
+}
+
+#[test]
+fn a_hundred_thousand_points_take_no_time_to_speak_of() {
+    let mut source = Source::new(3);
+    let sphere: Vec<Vec3> = (0..100_000).map(|_| source.direction()).collect();
+    assert!(convex_hull(&sphere).unwrap().vertices().len() > 99_990);
+    let mut plane: Vec<Vec3> = (0..30_000).map(|k| Vec3::new(f64::from(k % 173), f64::from(k / 173), 0.0)).collect();
+    assert_eq!(convex_hull(&plane), Err(HullError::LowerDimensional { dimension: 2 }));
+    plane.push(Vec3::new(40.0, 60.0, 70.0));
+    assert_eq!(convex_hull(&plane).unwrap().faces().len(), 6);
+    let disc: Vec<Vec3> = (0..20_000).map(|_| source.direction()).map(|d| Vec3::new(d.x, d.y, 0.0)).collect();
+    let cone = [disc, vec![Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1e-9)]].concat();
+    assert!(convex_hull(&cone).is_ok());
+}
+
+#[test]
+fn what_is_no_coordinate_is_named() {
+    let with = |x: f64| [block([1.0; 3]), vec![Vec3::new(0.0, x, 0.0)]].concat();
+    assert_eq!(convex_hull(&[]), Err(HullError::Empty));
+    for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(convex_hull(&with(x)), Err(HullError::NotFinite { index: 8 }));
+    }
+    for x in [1e61, -1e90, 1e-61, 5e-324] {
+        assert_eq!(convex_hull(&with(x)), Err(HullError::OutOfRange { index: 8 }));
+    }
+    for x in [0.0, -0.0, 1e-60, -1e-60] {
+        assert_eq!(convex_hull(&with(x)).unwrap().vertices().len(), 8);
+    }
+}
+
+#[test]
+fn the_faces_of_known_solids_are_counted() {
+    let count = |points: &[Vec3]| {
+        let hull = convex_hull(points).unwrap();
+        (hull.vertices().len(), hull.faces().len())
+    };
+    assert_eq!(count(&block([1.0, 2.0, 3.0])), (8, 6));
+    for cloud in coplanar(&mut Source::new(4)).iter().filter(|cloud| cloud.name.contains("box")) {
+        assert_eq!(count(&cloud.points), (8, 6), "{}", cloud.name);
+    }
 }

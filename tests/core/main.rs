@@ -10,4 +10,5 @@ mod models;
 mod offset;
 mod packing;
 mod saved;
+mod solids;
 mod spec;
