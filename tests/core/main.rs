@@ -1,6 +1,7 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
 mod check;
+mod erosion;
 mod exact;
 mod export;
 mod gjk;
@@ -10,5 +11,6 @@ mod models;
 mod offset;
 mod packing;
 mod saved;
+mod sieve;
 mod solids;
 mod spec;

@@ -1,15 +1,110 @@
-//! The inward offset against exact erosions.
+//! The inward offset against erosions to hundreds of digits.
 
-use meso_core::geometry::{convex_hull, inscribed_ball, inward_offset};
-use meso_core::math::Vec3;
+use crate::erosion::Planes;
+use crate::solids::{Cloud, Source, block, coplanar, duplicates, issues, lattices, near_flat, paper, scaled};
+use meso_core::geometry::{OffsetError, Polyhedron, convex_hull, inscribed_ball, inward_offset};
 
-fn cube(side: f64) -> Vec<Vec3> {
-    (0..8).map(|i| Vec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * side).collect()
+/// How the offsets of a family came out.
+#[derive(Debug, Default)]
+struct Score {
+    right: usize,
+    vanished: usize,
+    refused: usize,
+    worst: f64,
+}
+
+/// Compares offsets at shares of the inradius, below and above 1, with the reference; panics where a vanishing is wrong.
+fn score(clouds: &[Cloud]) -> Score {
+    let mut score = Score::default();
+    for cloud in clouds {
+        let body = convex_hull(&cloud.points).unwrap();
+        let planes = Planes::of(&body);
+        let radius = inscribed_ball(&body).radius;
+        for share in [0.05, 0.3, 0.7, 0.95, 0.999, 1.001, 1.5] {
+            let thickness = radius * share;
+            compare(&mut score, inward_offset(&body, thickness), planes.eroded_volume(thickness), &cloud.name);
+        }
+    }
+    score
+}
+
+fn compare(score: &mut Score, core: Result<Option<Polyhedron>, OffsetError>, expected: f64, name: &str) {
+    match core {
+        Ok(None) => {
+            assert_eq!(expected, 0.0, "{name}: said to vanish");
+            score.vanished += 1;
+        }
+        Ok(Some(core)) => {
+            assert!(expected > 0.0, "{name}: a ghost of {} mm3", core.volume());
+            let error = (core.volume() / expected - 1.0).abs();
+            score.worst = score.worst.max(error);
+            score.right += 1;
+        }
+        Err(error) => {
+            assert!(matches!(error, OffsetError::IllConditioned { .. }), "{name}: {error}");
+            assert!(expected > 0.0, "{name}: no answer where there is one, nothing");
+            score.refused += 1;
+        }
+    }
+}
+
+#[test]
+fn well_shaped_bodies_keep_twelve_digits() {
+    let mut source = Source::new(30);
+    let few = |clouds: Vec<Cloud>| clouds.into_iter().filter(|c| c.points.len() < 16).collect::<Vec<_>>();
+    let families = [
+        few(paper(&mut source, 20)),
+        few(lattices(&mut source, 60)),
+        few(duplicates(&mut source, 30)),
+        few(coplanar(&mut source)),
+        few(scaled(&mut source, 40)),
+    ];
+    for family in families {
+        let score = score(&family);
+        assert!(score.worst <= 1e-12 && score.refused == 0, "{}: {score:?}", family[0].name);
+        assert!(score.vanished >= 2 * family.len(), "{}: {score:?}", family[0].name);
+    }
+}
+
+#[test]
+fn plates_keep_nine_digits_or_are_refused() {
+    let mut plates = near_flat(&mut Source::new(31), 24);
+    plates.extend(issues());
+    plates.retain(|cloud| cloud.points.len() < 20);
+    let score = score(&plates);
+    assert!(score.worst <= 1e-9, "{score:?}");
+    assert!(score.right > plates.len(), "{score:?}");
+    assert!(score.vanished >= 2 * plates.len(), "{score:?}");
+}
+
+#[test]
+fn vanishing_is_decided_to_the_last_bit() {
+    let mut source = Source::new(32);
+    let families = [
+        paper(&mut source, 12),
+        lattices(&mut source, 12),
+        coplanar(&mut source),
+        near_flat(&mut source, 12),
+        scaled(&mut source, 8),
+    ];
+    let (mut vanished, mut left) = (0, 0);
+    for cloud in families.into_iter().flatten().filter(|cloud| cloud.points.len() < 14) {
+        let body = convex_hull(&cloud.points).unwrap();
+        let planes = Planes::of(&body);
+        let radius = inscribed_ball(&body).radius;
+        for step in -3..=3 {
+            let thickness = f64::from_bits(radius.to_bits().wrapping_add_signed(step));
+            let vanishes = matches!(inward_offset(&body, thickness), Ok(None));
+            assert_eq!(vanishes, planes.eroded_volume(thickness) == 0.0, "{} by {thickness:e}", cloud.name);
+            *(if vanishes { &mut vanished } else { &mut left }) += 1;
+        }
+    }
+    assert!(vanished > 100 && left > 100, "{vanished} vanished, {left} left");
 }
 
 #[test]
 fn a_shrunk_cube_is_a_cube() {
-    let body = convex_hull(&cube(2.0)).unwrap();
+    let body = convex_hull(&block([1.0; 3])).unwrap();
     for thickness in [0.0, 0.1, 0.25, 0.9, 0.999] {
         let core = inward_offset(&body, thickness).unwrap().unwrap();
         let side = 2.0 - 2.0 * thickness;
@@ -20,7 +115,7 @@ fn a_shrunk_cube_is_a_cube() {
 
 #[test]
 fn a_cube_vanishes_at_half_its_side_and_not_before() {
-    let body = convex_hull(&cube(2.0)).unwrap();
+    let body = convex_hull(&block([1.0; 3])).unwrap();
     assert_eq!(inscribed_ball(&body).radius, 1.0);
     assert_eq!(inward_offset(&body, 1.0).unwrap(), None);
     assert_eq!(inward_offset(&body, 1.0 + f64::EPSILON).unwrap(), None);

@@ -5,6 +5,7 @@
 //! method walks along such quadruples ("bases") with a falling bound until its ball fits.
 
 use super::Polyhedron;
+use super::double_double::{self, Dd, Dd3};
 use super::integer::{Int3, bits, cross, dot, minus, quotient, to_integer, to_integers, unit_exponent};
 use crate::math::Vec3;
 use nalgebra::{Matrix4, Vector4};
@@ -13,6 +14,9 @@ use num_traits::{One, Signed};
 
 /// Faces are named by number; the four numbers from the face count on name the walls of [`exact_walls`].
 type Basis = [usize; 4];
+
+/// From this share of the body's size on, a radius in f64 (right to about 1e-14 of that size) is trusted.
+const TRUSTED: f64 = 1e-4;
 
 /// A ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,14 +27,15 @@ pub struct Ball {
     pub radius: f64,
 }
 
-/// The largest ball inside `body`, to about 1e-13 of the body's size.
+/// The largest ball inside `body`, its radius to about 1e-10.
 ///
 /// The centre of long bodies is one of many. Bodies too flat for floating point go through exact arithmetic.
 pub fn inscribed_ball(body: &Polyhedron) -> Ball {
     let corners = plane_corners(body);
+    let size = body.aabb().size().amax();
     match float_ball(&corners) {
-        Some((ball, _)) => ball,
-        None => {
+        Some((ball, _)) if ball.radius > TRUSTED * size => ball,
+        _ => {
             let planes = ExactPlanes::new(&corners, 0.0);
             let mut basis = planes.walls();
             planes.ball(&planes.roots(64), &mut basis, 64, &corners)
@@ -76,9 +81,10 @@ pub(super) fn plane_corners(body: &Polyhedron) -> Vec<[Vec3; 3]> {
 fn float_ball(corners: &[[Vec3; 3]]) -> Option<(Ball, Basis)> {
     let middle = corners.iter().flatten().sum::<Vec3>() / (3 * corners.len()) as f64;
     let size = corners.iter().flatten().map(|p| (p - middle).amax()).fold(0.0, f64::max);
+    let scale = libm::scalbn(1.0, -libm::ilogb(size));
     let mut rows = Vec::with_capacity(corners.len() + 4);
     for [a, b, c] in corners {
-        let normal = ((b - a) / size).cross(&((c - a) / size)).try_normalize(0.0)?;
+        let normal = unit_normal([a, b, c], scale)?;
         rows.push((normal.push(1.0), normal.dot(&((a - middle) / size))));
     }
     let third = 1.0 / libm::sqrt(3.0);
@@ -87,6 +93,12 @@ fn float_ball(corners: &[[Vec3; 3]]) -> Option<(Ball, Basis)> {
     }
     let (solution, basis) = dual_simplex(&rows)?;
     Some((Ball { center: middle + solution.xyz() * size, radius: solution.w * size }, basis))
+}
+
+/// The unit normal to the last bit even of a narrow triangle, multiplied by `scale` before; `None` where it has none.
+fn unit_normal([a, b, c]: [&Vec3; 3], scale: f64) -> Option<Vec3> {
+    let edge = |p: &Vec3| -> Dd3 { [0, 1, 2].map(|k| Dd::difference(p[k], a[k]) * scale) };
+    Vec3::from(double_double::cross(&edge(b), &edge(c)).map(Dd::value)).try_normalize(0.0)
 }
 
 /// Maximises the last unknown under row . x <= offset, starting from the last four rows.

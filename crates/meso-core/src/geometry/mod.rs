@@ -10,6 +10,7 @@ mod integrals;
 pub mod offset;
 mod polyhedron;
 mod predicates;
+mod sieve;
 
 pub use faces::Face;
 pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull};
@@ -17,3 +18,4 @@ pub use inradius::{Ball, inscribed_ball};
 pub use offset::{OffsetError, inward_offset};
 pub use polyhedron::{MassProperties, Plane, Polyhedron};
 pub use predicates::{MAX_MAGNITUDE, MIN_MAGNITUDE};
+pub use sieve::{principal_axes, sieve_size};
