@@ -79,6 +79,18 @@ def test_folders_that_are_not_there_are_os_errors_with_the_path(packing, tmp_pat
         packing.write(str(tmp_path) + "/nul\0.json")
 
 
+@pytest.mark.skipif(os.name == "nt", reason="POSIX links and devices")
+def test_links_stay_links_and_devices_stay_devices(packing, tmp_path):
+    (tmp_path / "real.csv").write_text("old", encoding="utf-8")
+    (tmp_path / "link.csv").symlink_to(tmp_path / "real.csv")
+    packing.write(tmp_path / "link.csv")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert (tmp_path / "real.csv").read_text(encoding="utf-8").startswith("id,")
+    (tmp_path / "null.csv").symlink_to("/dev/null")
+    packing.write(tmp_path / "null.csv")
+    assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="POSIX permissions")
 def test_new_files_have_the_permissions_of_any_new_file(packing, tmp_path):
     packing.write(tmp_path / "model.csv")
@@ -88,7 +100,14 @@ def test_new_files_have_the_permissions_of_any_new_file(packing, tmp_path):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
-def test_a_full_disk_is_an_os_error_and_keeps_the_old_file(packing, tmp_path):
+def test_a_full_device_is_an_os_error(packing, tmp_path):
+    (tmp_path / "full.csv").symlink_to("/dev/full")
+    with pytest.raises(OSError, match="full.csv"):
+        packing.write(tmp_path / "full.csv")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX limits")
+def test_a_file_that_outgrows_its_limit_is_an_os_error_and_keeps_the_old_file(packing, tmp_path):
     resource = pytest.importorskip("resource")
     import signal
 

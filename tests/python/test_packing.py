@@ -1,6 +1,7 @@
 """A packing: what was asked, what was reached, and every aggregate."""
 
 import copy
+import json
 import math
 import pickle
 
@@ -137,7 +138,23 @@ def test_packings_do_not_hash_and_say_what_they_are(packing):
 
 def test_check_proves_the_packing(packing):
     check = packing.check()
-    assert check["overlaps"] == 0
+    assert check["sound"] is True
+    assert check["findings"] == []
+    assert check["aggregates"] == len(packing)
+    assert check["pairs_tested"] > len(packing)
+    assert check["fraction"] == pytest.approx(packing.fraction, rel=1e-12)
+
+
+def test_check_finds_what_a_hand_has_moved(packing, tmp_path):
+    packing.write(tmp_path / "model.json")
+    model = json.loads((tmp_path / "model.json").read_text(encoding="utf-8"))
+    first, second = model["aggregates"][:2]
+    shift = np.mean(second["vertices"], axis=0) - np.mean(first["vertices"], axis=0)
+    first["vertices"] = (np.array(first["vertices"]) + shift).tolist()
+    (tmp_path / "moved.json").write_text(json.dumps(model), encoding="utf-8")
+    check = mc.load(tmp_path / "moved.json").check()
+    assert check["sound"] is False
+    assert check["findings"]
 
 
 @pytest.mark.parametrize(("seed", "error"), [(-1, ValueError), (2**64, ValueError), (1.5, TypeError), ("1", TypeError), (True, TypeError)])

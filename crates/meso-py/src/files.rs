@@ -8,6 +8,7 @@ use meso_core::{Model, saved};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use std::ffi::OsStr;
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -57,12 +58,24 @@ fn unknown_format(path: &Path, known: &str) -> PyErr {
     PyValueError::new_err(format!("{}: the extension names no format; it must be one of {known}", path.display()))
 }
 
-/// Lets `write` fill a file beside `path` and moves it there when it is complete.
+/// Lets `write` fill a file beside `path` and moves it there when it is complete; devices and pipes are streamed to.
 fn write_whole(path: &Path, overwrite: bool, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> PyResult<()> {
     if !overwrite && path.exists() {
         return Err(PyFileExistsError::new_err(format!("{} exists; overwrite=True replaces it", path.display())));
     }
-    fill_and_move(path, write).map_err(|error| file_error(path, error))
+    let written = match std::fs::metadata(path) {
+        Ok(there) if !there.is_file() => File::options().write(true).open(path).and_then(|file| stream(file, write)),
+        // A link is followed, so that it stays a link.
+        Ok(_) => path.canonicalize().and_then(|real| fill_and_move(&real, write)),
+        Err(_) => fill_and_move(path, write),
+    };
+    written.map_err(|error| file_error(path, error))
+}
+
+fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    write(&mut out)?;
+    out.flush()
 }
 
 fn fill_and_move(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
@@ -78,7 +91,7 @@ fn fill_and_move(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<(
 /// A temporary file that, unlike tempfile's default, gets the permissions any new file gets.
 fn new_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".mesocrete-");
+    builder.prefix(".mesocrete-").suffix(".tmp");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder)

@@ -6,6 +6,7 @@ use crate::mesh::{self, PyMesh};
 use crate::run::{beside_python, check_callable};
 use crate::spec::{self, PySpec};
 use crate::{arrays, files, tree};
+use meso_core::check::{Check, check};
 use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -14,6 +15,14 @@ use pyo3::types::{PyBool, PyBytes, PyDict, PyTuple};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// What `mesocrete check --json` prints, too.
+#[derive(Serialize)]
+struct Checked {
+    sound: bool,
+    #[serde(flatten)]
+    check: Check,
+}
 
 type Surfaces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
 
@@ -170,6 +179,20 @@ impl PyPacking {
     fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
         let model = Arc::clone(&self.0);
         guard(|| beside_python(py, None, move |_| files::write_model(&model, &path, overwrite))?)
+    }
+
+    /// Proves, independently of how it was packed, that nothing overlaps and everything lies inside.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed) and `findings`, a list of what is wrong.
+    fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        guard(|| {
+            let model = Arc::clone(&self.0);
+            let check = beside_python(py, None, move |_| check(&model))?;
+            plain(py, &Checked { sound: check.is_sound(), check })
+        })
     }
 
     /// Meshes the packing.
