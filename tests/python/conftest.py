@@ -1,6 +1,5 @@
 """What several test files share: the small packing they look at, the tiers, and the command."""
 
-import os
 import shutil
 import subprocess
 import sys
@@ -54,6 +53,6 @@ def run(command, tmp_path):
 
     def run_command(*args, **options):
         options = {"capture_output": True, "text": True, "timeout": 120, "cwd": tmp_path} | options
-        return subprocess.run([command, *map(os.fspath, args)], **options)
+        return subprocess.run([command, *map(str, args)], **options)
 
     return run_command

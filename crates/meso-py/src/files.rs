@@ -88,11 +88,8 @@ fn fill_and_move(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<(
     file.persist(path).map(drop).map_err(|failed| failed.error)
 }
 
-/// A temporary file that, unlike tempfile's default, gets the permissions any new file gets.
+/// A temporary file; unlike tempfile's own it gets the permissions any new file gets, and errors keep their number.
 fn new_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".mesocrete-").suffix(".tmp");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    let new = |path: &Path| File::options().write(true).create_new(true).open(path);
+    tempfile::Builder::new().prefix(".mesocrete-").suffix(".tmp").make_in(folder, new)
 }
