@@ -127,10 +127,9 @@ pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &Mesh
 }
 
 fn fitted(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
-    let grains = grains::Grain::all(aggregates, |_| 0.0);
-    let tetrahedra = lattice::fitted(&grains, specimen, options.element_size_mm);
+    let tetrahedra = lattice::fitted(aggregates, specimen, options.element_size_mm);
     let phase = tetrahedra.grain.iter().map(|&g| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::Aggregate });
-    let id = |&g: &u32| if g == NO_AGGREGATE { g } else { grains[g as usize].id };
+    let id = |&g: &u32| if g == NO_AGGREGATE { g } else { aggregates[g as usize].id };
     Mesh {
         kind: CellKind::Tetrahedron,
         phase: phase.collect(),

@@ -6,7 +6,10 @@
 
 mod bcc;
 mod cut;
+mod fit;
 mod snap;
+mod star;
+mod surface;
 
 use super::grains::{Grain, Locator};
 use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
@@ -15,6 +18,7 @@ use crate::math::Vec3;
 use crate::packing::Specimen;
 use bcc::Bcc;
 use rayon::prelude::*;
+use surface::Surface;
 
 /// Tetrahedra before they are a mesh: nodes, and the grain each lies in.
 pub(super) struct Tetrahedra {
@@ -54,12 +58,17 @@ fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
 }
 
 /// The fitted lattice: grains and mortar.
-pub(super) fn fitted(grains: &[Grain], specimen: &Specimen, element_size: f64) -> Tetrahedra {
-    let bcc = Bcc::new(specimen.aabb(), element_size);
-    let locator = Locator::new(grains, &specimen.aabb());
-    let mut field = snap::Field::new(&bcc, grains);
+pub(super) fn fitted(aggregates: &[Aggregate], specimen: &Specimen, element_size: f64) -> Tetrahedra {
+    let domain = specimen.aabb();
+    let grains = Grain::all(aggregates, |_| 0.0);
+    let bcc = Bcc::new(domain, element_size);
+    let locator = Locator::new(&grains, &domain);
+    let mut field = snap::Field::new(&bcc, &grains);
     field.snap();
-    cut::Cutter::new(&field, &locator).cells()
+    let mut mesh = cut::Cutter::new(&field, &locator).cells();
+    let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
+    fit::fit(&mut mesh, &surfaces, &domain, element_size);
+    mesh
 }
 
 pub(super) fn centroid(cell: &[u32; 4], points: &[Vec3]) -> Vec3 {

@@ -1,0 +1,69 @@
+//! A grain's surface as the fit asks of it: edges and corners near a point, and steps along a face.
+
+use crate::geometry::{Plane, Polyhedron};
+use crate::math::Vec3;
+
+/// Faces, edges and corners of a grain.
+pub(super) struct Surface {
+    planes: Vec<Plane>,
+    edges: Vec<[Vec3; 2]>,
+    corners: Vec<Vec3>,
+    /// Points this far from a plane count as on it, mm.
+    slack: f64,
+}
+
+impl Surface {
+    pub(super) fn new(body: &Polyhedron) -> Self {
+        let at = |i: u32| body.vertices()[i as usize];
+        let mut edges = Vec::new();
+        for face in body.faces() {
+            let face: Vec<u32> = face.iter().collect();
+            for i in 0..face.len() {
+                let (a, b) = (face[i], face[(i + 1) % face.len()]);
+                if a < b {
+                    edges.push([a, b]);
+                }
+            }
+        }
+        Self {
+            planes: body.planes().collect(),
+            edges: edges.into_iter().map(|edge| edge.map(|i| at(i))).collect(),
+            corners: body.vertices().to_vec(),
+            slack: 1e-9 * body.aabb().size().max(),
+        }
+    }
+
+    /// Calls `visit` with the corners and the nearest points of the edges within `reach` of `x`.
+    pub(super) fn features_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
+        let near = |p: &Vec3| (p - x).norm_squared() < reach * reach;
+        self.corners.iter().filter(|corner| near(corner)).for_each(|corner| visit(*corner));
+        for [a, b] in &self.edges {
+            let along = b - a;
+            let t = (x - a).dot(&along) / along.norm_squared();
+            let place = a + along * t;
+            if t > 0.0 && t < 1.0 && near(&place) {
+                visit(place);
+            }
+        }
+    }
+
+    /// `x` after the part of `step` that lies in all the faces at `x`, or `None` where that leaves the faces.
+    pub(super) fn along_face(&self, x: &Vec3, step: &Vec3) -> Option<Vec3> {
+        let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
+        let step = match at[..] {
+            [plane] => step - plane.normal * plane.normal.dot(step),
+            [first, second] => {
+                let edge = first.normal.cross(&second.normal).normalize();
+                edge * edge.dot(step)
+            }
+            _ => return None,
+        };
+        let place = x + step;
+        let inside = self.planes.iter().all(|p| p.normal.dot(&place) <= p.offset + self.slack);
+        (inside && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+    }
+
+    fn is_on(&self, plane: &Plane, x: &Vec3) -> bool {
+        (plane.normal.dot(x) - plane.offset).abs() <= self.slack
+    }
+}
