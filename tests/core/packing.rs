@@ -82,11 +82,7 @@ fn packing_is_identical_at_one_two_and_four_threads() {
 }
 
 fn literal(attempts: u32) -> meso_core::packing::Placement {
-    meso_core::packing::Placement {
-        strategy: Strategy::TakeAndPlace,
-        attempts: Some(attempts),
-        ..Default::default()
-    }
+    meso_core::packing::Placement { strategy: Strategy::TakeAndPlace, attempts: Some(attempts), ..Default::default() }
 }
 
 #[test]

@@ -71,7 +71,7 @@ pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], domain: &Aabb, si
 }
 
 /// The place on the grain's edges and corners near the node that gains the most volume.
-fn slide(star: &Star, role: Role, surfaces: &[Surface], size: f64, _round: usize) -> Option<Vec3> {
+fn slide(star: &Star, role: Role, surfaces: &[Surface], size: f64, _: usize) -> Option<Vec3> {
     let Role::Surface(grain) = role else { return None };
     let gain = star.gain(grain);
     let least = 1e-6 * size * size * size;
@@ -157,7 +157,9 @@ fn near_surface(mesh: &Tetrahedra, roles: &[Role]) -> Vec<bool> {
     let mut active: Vec<bool> = roles.iter().map(|role| matches!(role, Role::Surface(_) | Role::Contact)).collect();
     for cell in &mesh.cells {
         if cell.iter().any(|&node| matches!(roles[node as usize], Role::Surface(_) | Role::Contact)) {
-            cell.iter().filter(|&&node| roles[node as usize] == Role::Free).for_each(|&node| active[node as usize] = true);
+            cell.iter()
+                .filter(|&&node| roles[node as usize] == Role::Free)
+                .for_each(|&node| active[node as usize] = true);
         }
     }
     active

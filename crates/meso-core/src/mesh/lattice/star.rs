@@ -52,7 +52,6 @@ pub(super) struct Star {
     faces: Vec<([Vec3; 3], u32)>,
 }
 
-
 impl Star {
     pub(super) fn new(mesh: &Tetrahedra, stars: &Stars, node: u32, moved: &Moved) -> Self {
         let face = |&cell: &u32| {
