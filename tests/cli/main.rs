@@ -1,1 +1,10 @@
 //! Tests of the `mesocrete` command, run as a user runs it.
+
+mod bad_input;
+#[path = "../bad_specs.rs"]
+mod bad_specs;
+mod command;
+mod files;
+mod help;
+mod interrupt;
+mod same_bytes;

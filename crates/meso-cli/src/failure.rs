@@ -31,13 +31,11 @@ impl Failure {
 
     /// Says it on stderr; the exit code.
     pub(crate) fn tell(&self) -> u8 {
-        match self {
-            Self::Usage(message) => say::line(format!("error: {message}")),
-            Self::Run(message) => say::line(format!("error: {message}")),
-            Self::Bug => {
-                say::line("error: this is a mistake in mesocrete; please report it with the command and the spec")
-            }
-        }
+        let message = match self {
+            Self::Usage(message) | Self::Run(message) => message,
+            Self::Bug => "this is a mistake in mesocrete; please report it with the command and the spec",
+        };
+        say::line(format!("error: {message}"));
         if matches!(self, Self::Usage(_)) { USAGE } else { RUN }
     }
 }

@@ -123,11 +123,9 @@ fn single(model: &Model, aggregate: &Aggregate) -> Vec<Finding> {
     [convex, itz, outside(model, aggregate), size(model, aggregate)].into_iter().flatten().collect()
 }
 
-/// Exact for boxes: coordinates are compared, not computed, where no gap is asked.
 fn outside(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
-    let (aabb, gap) = (model.spec.specimen.aabb(), model.spec.placement.wall_gap_mm);
-    let inside = |v: &Vec3| (0..3).all(|i| v[i] >= aabb.min[i] + gap && v[i] <= aabb.max[i] - gap);
-    (!aggregate.body.vertices().iter().all(inside)).then_some(Finding::Outside { aggregate: aggregate.id })
+    let inside = model.spec.specimen.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm);
+    (!inside).then_some(Finding::Outside { aggregate: aggregate.id })
 }
 
 fn itz(aggregate: &Aggregate) -> Option<Finding> {

@@ -50,9 +50,12 @@ fn json(check: &Check, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)
 }
 
+/// What is counted, and which findings count.
+type Row = (&'static str, fn(&Finding) -> bool);
+
 fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
     let gap = model.spec.placement.min_gap_mm;
-    let rows: [(&str, fn(&Finding) -> bool); 7] = [
+    let rows: [Row; 7] = [
         ("overlapping pairs", |f| matches!(f, Finding::Overlap { .. })),
         ("pairs nearer than the gap", |f| matches!(f, Finding::Gap { .. })),
         ("aggregates outside the specimen", |f| matches!(f, Finding::Outside { .. })),

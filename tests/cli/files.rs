@@ -1,0 +1,200 @@
+//! Files appear whole or not at all, and only where the user wants them.
+
+use crate::command::Folder;
+use serde_json::Value;
+use std::process::Stdio;
+use std::time::Duration;
+
+#[test]
+fn pack_without_outputs_writes_model_json_vtu_and_inp() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["pack", "small.toml"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.is_empty());
+    assert_eq!(folder.names(), ["model.inp", "model.json", "model.vtu", "small.toml"]);
+    assert!(run.stderr.contains("meshed 8,000 elements"), "{}", run.stderr);
+}
+
+#[test]
+fn an_existing_file_is_kept_unless_forced() {
+    let folder = Folder::with_spec();
+    folder.write("model.vtu", "mine");
+    let run = folder.run(&["pack", "small.toml"]);
+    assert_eq!((run.code, folder.names()), (1, vec!["model.vtu".to_owned(), "small.toml".to_owned()]));
+    assert_eq!(folder.read("model.vtu"), b"mine");
+    let run = folder.run(&["pack", "small.toml", "--force"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(folder.read("model.vtu").starts_with(b"<?xml"));
+}
+
+#[test]
+fn the_same_command_twice_with_force_gives_the_same_files() {
+    let folder = Folder::with_spec();
+    assert_eq!(folder.run(&["pack", "small.toml"]).code, 0);
+    let first: Vec<_> = ["model.json", "model.vtu", "model.inp"].map(|name| folder.read(name)).into();
+    assert_eq!(folder.run(&["pack", "small.toml", "--force"]).code, 0);
+    assert!(["model.json", "model.vtu", "model.inp"].map(|name| folder.read(name)).to_vec() == first);
+}
+
+#[test]
+fn when_one_output_fails_none_appears() {
+    let folder = Folder::with_spec();
+    let args = ["pack", "small.toml", "-o", "a.json", "-o", "b.vtu", "-o", "c.inp", "--summary-json", "/dev/full"];
+    let run = folder.run(&args);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert_eq!(folder.names(), ["small.toml"]);
+}
+
+#[test]
+fn a_kill_at_any_time_leaves_no_torn_file() {
+    let folder = Folder::with_model();
+    let whole = folder.run(&["convert", "small.json", "-o", "whole.csv", "-o", "whole.vtu"]);
+    assert_eq!(whole.code, 0, "{}", whole.stderr);
+    for step in 0..60 {
+        let args = ["convert", "small.json", "-o", "new.csv", "-o", "new.vtu"];
+        let mut child = folder.command(&args).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(Duration::from_micros(250 * step));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        for (new, whole) in [("new.csv", "whole.csv"), ("new.vtu", "whole.vtu")] {
+            if folder.path(new).exists() {
+                assert!(folder.read(new) == folder.read(whole), "{new} is torn after {step} steps");
+                std::fs::remove_file(folder.path(new)).unwrap();
+            }
+        }
+        // What a kill leaves behind is recognisable.
+        for name in folder.names() {
+            if name.starts_with(".mesocrete-") && name.ends_with(".tmp") {
+                std::fs::remove_file(folder.path(&name)).unwrap();
+            }
+        }
+    }
+    assert_eq!(folder.names(), ["small.json", "small.toml", "whole.csv", "whole.vtu"]);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let folder = Folder::with_spec();
+    let mut child = folder
+        .command(&["pack", "small.toml", "-o", "-", "--quiet"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_full_standard_output_is_a_failure() {
+    let folder = Folder::with_spec();
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = folder.command(&["pack", "small.toml", "-o", "-"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("error: standard output: No space left on device"), "{message}");
+}
+
+#[test]
+#[cfg(unix)]
+fn closed_standard_streams_do_no_harm() {
+    let folder = Folder::with_spec();
+    let program = env!("CARGO_BIN_EXE_mesocrete");
+    let script = format!("{program} pack small.toml -o a.json 1>&- 2>&-");
+    let status = folder
+        .command(&[])
+        .get_current_dir()
+        .map(|dir| std::process::Command::new("sh").arg("-c").arg(script).current_dir(dir).status().unwrap());
+    assert_eq!(status.unwrap().code(), Some(0));
+    assert_eq!(folder.names(), ["a.json", "small.toml"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_link_stays_a_link() {
+    let folder = Folder::with_spec();
+    folder.write("real.json", "old");
+    std::os::unix::fs::symlink("real.json", folder.path("link.json")).unwrap();
+    let run = folder.run(&["pack", "small.toml", "-o", "link.json", "--force"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(folder.path("link.json").is_symlink());
+    assert!(folder.read("real.json").starts_with(b"{\"mesocrete\""));
+}
+
+#[test]
+#[cfg(unix)]
+fn a_new_file_has_the_permissions_of_any_new_file() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_model();
+    let mode = |name: &str| std::fs::metadata(folder.path(name)).unwrap().permissions().mode();
+    assert_eq!(mode("small.json"), mode("small.toml"));
+}
+
+#[test]
+fn standard_output_carries_the_model_alone() {
+    let folder = Folder::with_model();
+    let run = folder.run(&["pack", "small.toml", "-o", "-"]);
+    assert!(run.stdout == folder.read("small.json"));
+    let again = folder.run_with_input(&["check", "-"], &run.stdout);
+    assert_eq!(again.code, 0, "{}", again.stderr);
+    let csv = folder.run_with_input(&["convert", "-", "-o", "-", "--format", "csv"], &run.stdout);
+    assert!(csv.stdout().starts_with("id,class,size_mm"), "{}", csv.stderr);
+}
+
+#[test]
+fn the_summary_has_the_keys_others_rely_on() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["pack", "small.toml", "-o", "a.json", "--summary-json", "-", "--seed", "7", "--quiet"]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    let summary: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(summary["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(summary["seed"], 7);
+    assert_eq!(summary["target_fraction"], 0.3);
+    assert!((summary["fraction"].as_f64().unwrap() - 0.3).abs() < 0.01);
+    assert!(summary["aggregates"].as_u64().unwrap() > 10);
+    assert!(summary["discarded"].is_u64());
+    assert_eq!(summary["specimen"]["kind"], "cube");
+    assert_eq!(summary["specimen"]["volume_mm3"], 64000.0);
+    assert_eq!(summary["stop_reason"], "target-reached");
+    for key in ["d_min_mm", "d_max_mm", "target_fraction", "fraction", "aggregates"] {
+        assert!(summary["classes"][1][key].is_number(), "classes lack {key}");
+    }
+    for key in ["total", "take", "place", "write"] {
+        assert!(summary["seconds"][key].as_f64().unwrap() > 0.0, "seconds lack {key}");
+    }
+    for key in ["candidates", "pairs_broad", "pairs_sphere", "pairs_axis", "gjk_calls", "exact_calls"] {
+        assert!(summary["work"][key].is_u64(), "work lacks {key}");
+    }
+}
+
+#[test]
+fn falling_short_is_a_warning_and_with_strict_a_code() {
+    let folder = Folder::with_spec();
+    let short =
+        ["pack", "small.toml", "--fraction", "0.55", "--strategy", "take-and-place", "--attempts", "3", "-o", "a.json"];
+    let run = folder.run(&[&short[..], &["--quiet"]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.starts_with("warning: short of the target: reached 0."), "{}", run.stderr);
+    let run = folder.run(&[&short[..], &["--strict", "--force"]].concat());
+    assert_eq!(run.code, 3, "{}", run.stderr);
+    assert_eq!(folder.run(&["check", "a.json"]).code, 0, "what was reached is written and sound");
+    assert_eq!(folder.run(&["pack", "small.toml", "--strict", "-o", "b.json"]).code, 0);
+}
+
+#[test]
+fn every_recipe_starts_a_spec_that_is_read() {
+    let folder = Folder::new();
+    let list = folder.run(&["recipes"]);
+    let names: Vec<&str> = list.stdout().lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(names.first(), Some(&"paper"));
+    for name in names {
+        let run = folder.run(&["init", name, "--force"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        // A target that exists ends the command after the spec was read, before anything is packed.
+        let run = folder.run(&["pack", "SPEC.toml", "-o", "SPEC.toml/model.json"]);
+        assert_eq!(run.code, 1, "{name}: {}", run.stderr);
+    }
+}

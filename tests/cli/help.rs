@@ -1,0 +1,53 @@
+//! What a user reads: help, lists, tables; kept as snapshots.
+
+use crate::command::Folder;
+use insta::{assert_snapshot, with_settings};
+
+#[test]
+fn help() {
+    let folder = Folder::new();
+    for command in ["pack", "mesh", "check", "convert", "init", "recipes"] {
+        let run = folder.run(&[command, "--help"]);
+        assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+        assert_snapshot!(format!("help_{command}"), run.stdout());
+    }
+    assert_snapshot!("help", folder.run(&["--help"]).stdout());
+}
+
+#[test]
+fn without_a_command_the_help_is_shown_as_wrong_usage() {
+    let run = Folder::new().run(&[]);
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("Usage: mesocrete <COMMAND>"), "{}", run.stderr);
+}
+
+#[test]
+fn the_version_is_one_line() {
+    let run = Folder::new().run(&["--version"]);
+    assert_eq!(run.stdout(), format!("mesocrete {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn recipes() {
+    assert_snapshot!(Folder::new().run(&["recipes"]).stdout());
+}
+
+#[test]
+fn init_writes_a_commented_spec() {
+    assert_snapshot!(Folder::new().run(&["init", "-o", "-"]).stdout());
+}
+
+#[test]
+fn messages_of_pack_and_tables_of_check() {
+    let folder = Folder::with_spec();
+    let packed = folder.run(&["pack", "small.toml"]).stderr;
+    let table = folder.run(&["check", "model.json"]).stdout().to_owned();
+    let json = folder.run(&["check", "model.json", "--json"]).stdout().to_owned();
+    // The figures are the algorithms' business; here it is the words.
+    with_settings!({ filters => [(r" +\d[\d,.]*", " #")] }, {
+        assert_snapshot!("pack_messages", packed);
+        assert_snapshot!("check_table", table);
+        assert_snapshot!("check_json", json);
+    });
+    assert_eq!(folder.run(&["pack", "small.toml", "--force", "--quiet"]).stderr, "");
+}

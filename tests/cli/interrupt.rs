@@ -1,0 +1,60 @@
+//! Ctrl-C keeps the best packing; a second one ends everything at once.
+#![cfg(unix)]
+
+use crate::command::Folder;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A specimen that takes far longer to pack than these tests wait.
+const LARGE: &str = "fraction = 0.6\nspecimen = { kind = 'cube', side_mm = 200 }\n";
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+fn start(folder: &Folder, args: &[&str]) -> Child {
+    folder.write("large.toml", LARGE);
+    folder.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+#[test]
+fn the_first_interrupt_keeps_the_best_packing() {
+    let folder = Folder::new();
+    let outputs = ["-o", "a.json", "-o", "a.csv", "--strategy", "take-and-place", "--attempts", "4000000"];
+    let child = start(&folder, &[&["pack", "large.toml"], &outputs[..]].concat());
+    std::thread::sleep(Duration::from_secs(6));
+    let asked = Instant::now();
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    // The promise is half a second; writing a large model and a busy machine take more.
+    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
+    assert_eq!(folder.names(), ["a.csv", "a.json", "large.toml"]);
+    assert!(message.contains("warning: short of the target"), "{message}");
+    assert_eq!(folder.run(&["check", "a.json"]).code, 0);
+}
+
+#[test]
+fn the_second_interrupt_ends_it_and_leaves_nothing() {
+    let folder = Folder::new();
+    let mut child = start(&folder, &["pack", "large.toml", "-o", "a.json"]);
+    std::thread::sleep(Duration::from_millis(500));
+    signal(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(20));
+    signal(&child, "-INT");
+    let code = child.wait().unwrap().code();
+    assert_eq!(code, Some(130));
+    assert!(!folder.names().iter().any(|name| name.ends_with(".tmp")), "{:?}", folder.names());
+}
+
+#[test]
+fn a_command_that_has_nothing_to_keep_ends_at_once() {
+    let folder = Folder::with_model();
+    let mut child = folder.command(&["check", "-"]).stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+    // Standard input stays open, so that it waits.
+    let _input = child.stdin.take();
+    std::thread::sleep(Duration::from_millis(200));
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
