@@ -16,3 +16,4 @@ mod saved;
 mod sieve;
 mod solids;
 mod spec;
+mod statistics;

@@ -17,6 +17,7 @@ pub mod packing;
 pub mod recipes;
 pub mod saved;
 pub mod spec;
+pub mod statistics;
 
 pub use model::{Model, pack};
 pub use packing::{Progress, Silent};

@@ -1,0 +1,109 @@
+//! What a packing looks like in numbers: grading, shape, orientation, walls, gaps and correlation functions.
+//!
+//! None of it is computed unless it is asked for. Samples are drawn from portable streams in fixed batches and summed
+//! in batch order: the figures are the same on any number of threads.
+
+mod correlation;
+mod distribution;
+mod index;
+mod nearest;
+mod shape;
+mod wall;
+
+pub use correlation::Correlation;
+pub use distribution::Distribution;
+pub use shape::{Orientation, Shapes, Zingg};
+pub use wall::WallEffect;
+
+use crate::aggregate::Aggregate;
+use crate::gjk::GjkError;
+use crate::math::Vec3;
+use crate::model::Model;
+use crate::packing::{ClassReport, Specimen};
+use index::Index;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How much is sampled, and how finely it is resolved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Seed of the samples.
+    pub seed: u64,
+    /// Random lines for the correlation functions.
+    pub lines: u32,
+    /// Step between two lags of the correlation functions, mm.
+    pub lag_mm: f64,
+    /// Number of lags, from 0.
+    pub lags: u32,
+    /// Random points for the wall effect.
+    pub points: u32,
+    /// Width of a layer of the wall effect, mm; at least a thousandth of the specimen.
+    pub layer_mm: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { seed: 1, lines: 10_000, lag_mm: 0.5, lags: 81, points: 200_000, layer_mm: 1.0 }
+    }
+}
+
+/// The figures of one packing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Volume of the aggregates over the specimen's.
+    pub fraction: f64,
+    /// Surface of the aggregates over the specimen's volume, 1/mm.
+    pub specific_surface_per_mm: f64,
+    /// Asked and reached volume, and number, by size class.
+    pub classes: Vec<ClassReport>,
+    /// Shape.
+    pub shapes: Shapes,
+    /// Directions of the longest axes.
+    pub orientation: Orientation,
+    /// Fraction against depth.
+    pub wall_effect: WallEffect,
+    /// Distance from each aggregate to the nearest other one, mm; absent for fewer than two.
+    pub nearest_distance_mm: Option<Distribution>,
+    /// Two-point correlation and lineal path.
+    pub correlation: Correlation,
+}
+
+/// Measures a packed model.
+///
+/// # Errors
+/// A loaded model may hold coordinates beyond what the exact distance accepts.
+pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkError> {
+    let (specimen, aggregates) = (&model.spec.specimen, model.aggregates.as_slice());
+    let index = Index::new(aggregates, &specimen.aabb());
+    let sample = Sample { specimen, aggregates, index: &index, options };
+    Ok(Statistics {
+        fraction: ordered_sum(aggregates, |a| a.body.volume()) / specimen.volume(),
+        specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / specimen.volume(),
+        classes: model.report.classes.clone(),
+        shapes: Shapes::of(aggregates),
+        orientation: Orientation::of(aggregates),
+        wall_effect: wall::wall_effect(&sample),
+        nearest_distance_mm: nearest::nearest_distances(aggregates, &index)?,
+        correlation: correlation::correlation(&sample),
+    })
+}
+
+/// What sampling needs.
+#[derive(Clone, Copy)]
+struct Sample<'a> {
+    specimen: &'a Specimen,
+    aggregates: &'a [Aggregate],
+    index: &'a Index,
+    options: &'a Options,
+}
+
+/// The sum in list order of figures computed in parallel.
+fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sync + Send) -> f64 {
+    aggregates.par_iter().map(figure).collect::<Vec<_>>().iter().sum()
+}
+
+/// True when the closed specimen has `point`, with `gap` mm to its surface.
+fn holds(specimen: &Specimen, point: &Vec3, gap: f64) -> bool {
+    specimen.holds(std::slice::from_ref(point), &Vec3::zeros(), gap)
+}

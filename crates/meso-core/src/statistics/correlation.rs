@@ -1,0 +1,194 @@
+//! Two-point correlation and lineal path of the aggregates, from random lines through the specimen.
+//!
+//! S2(r) is the chance that two points at distance r, both in the specimen, both lie in aggregates; the lineal path
+//! L(r) that the whole segment between them lies in one aggregate. Along a line both follow exactly from the chords of
+//! the aggregates, so that the only error is that of the choice of lines. Known limits: S2(0) = L(0) = f; S2 falls at
+//! first with a quarter of the specific surface, and tends to f^2 (Torquato, Random Heterogeneous Materials, 2002).
+
+use super::{Sample, holds};
+use crate::aggregate::random::{Purpose, Stream};
+use crate::geometry::Polyhedron;
+use crate::math::{Aabb, Vec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Lines to a batch: each batch has its own random stream.
+const BATCH: u32 = 64;
+/// Halvings of the bracket of a line's end: to 1e-12 of the specimen.
+const HALVINGS: u32 = 40;
+
+/// The correlation functions at equidistant lags.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Correlation {
+    /// Lags r, mm.
+    pub lag_mm: Vec<f64>,
+    /// S2(r), from pairs of points that both lie in the specimen.
+    pub two_point: Vec<f64>,
+    /// L(r).
+    pub lineal_path: Vec<f64>,
+    /// Slope of the pairs' measure at r = 0, from the number of chords, 1/mm: minus a quarter of the specific surface.
+    pub slope_per_mm: f64,
+    /// Mean length of the chords, mm.
+    pub mean_chord_mm: f64,
+    /// Random lines looked at.
+    pub lines: u32,
+}
+
+/// A line through the specimen: its length there, and the pieces of it that lie in aggregates, ascending.
+struct Line {
+    length: f64,
+    chords: Vec<(f64, f64)>,
+}
+
+/// Sums over lines.
+#[derive(Clone)]
+struct Sums {
+    pairs: Vec<f64>,
+    segments: Vec<f64>,
+    room: Vec<f64>,
+    chords: f64,
+    chord_length: f64,
+    length: f64,
+}
+
+pub(super) fn correlation(sample: &Sample) -> Correlation {
+    let options = sample.options;
+    let batches = options.lines.div_ceil(BATCH);
+    let all: Vec<Sums> = (0..batches).into_par_iter().map(|batch| sums(sample, batch)).collect();
+    let mut total = Sums::new(options.lags as usize);
+    all.iter().for_each(|sums| total.join(sums));
+    // Lags longer than every line have no pair.
+    let lags: Vec<usize> = (0..options.lags as usize).filter(|&k| total.room[k] > 0.0).collect();
+    let shares = |counted: &[f64]| lags.iter().map(|&k| counted[k] / total.room[k]).collect();
+    Correlation {
+        lag_mm: lags.iter().map(|&k| k as f64 * options.lag_mm).collect(),
+        two_point: shares(&total.pairs),
+        lineal_path: shares(&total.segments),
+        slope_per_mm: if total.length > 0.0 { -total.chords / total.length } else { 0.0 },
+        mean_chord_mm: if total.chords > 0.0 { total.chord_length / total.chords } else { 0.0 },
+        lines: options.lines,
+    }
+}
+
+fn sums(sample: &Sample, batch: u32) -> Sums {
+    let mut stream = Stream::new(sample.options.seed, Purpose::Sample, 1, u64::from(batch));
+    let mut sums = Sums::new(sample.options.lags as usize);
+    for _ in 0..BATCH.min(sample.options.lines - batch * BATCH) {
+        sums.add(&line(sample, &mut stream), sample.options.lag_mm);
+    }
+    sums
+}
+
+impl Sums {
+    fn new(lags: usize) -> Self {
+        let zeros = vec![0.0; lags];
+        Self { pairs: zeros.clone(), segments: zeros.clone(), room: zeros, chords: 0.0, chord_length: 0.0, length: 0.0 }
+    }
+
+    /// Lines were chosen through uniform points, so in proportion to their length; its inverse as weight undoes that.
+    fn add(&mut self, line: &Line, lag: f64) {
+        let weight = 1.0 / line.length;
+        for k in 0..self.pairs.len() {
+            let r = k as f64 * lag;
+            self.room[k] += weight * (line.length - r).max(0.0);
+            self.pairs[k] += weight * line.overlap_with_itself(r);
+            self.segments[k] += weight * line.chords.iter().map(|(from, to)| (to - from - r).max(0.0)).sum::<f64>();
+        }
+        self.chords += weight * line.chords.len() as f64;
+        self.chord_length += weight * line.chords.iter().map(|(from, to)| to - from).sum::<f64>();
+        self.length += weight * line.length;
+    }
+
+    fn join(&mut self, other: &Self) {
+        for (mine, others) in
+            [(&mut self.pairs, &other.pairs), (&mut self.segments, &other.segments), (&mut self.room, &other.room)]
+        {
+            mine.iter_mut().zip(others).for_each(|(x, y)| *x += y);
+        }
+        self.chords += other.chords;
+        self.chord_length += other.chord_length;
+        self.length += other.length;
+    }
+}
+
+impl Line {
+    /// Length of the points that lie in a chord and, `r` further on, in a chord again.
+    fn overlap_with_itself(&self, r: f64) -> f64 {
+        let (mut sum, mut first) = (0.0, 0);
+        for &(from, to) in &self.chords {
+            // Chords that end before this one starts, moved on, end before every later one.
+            while first < self.chords.len() && self.chords[first].1 <= from + r {
+                first += 1;
+            }
+            let reached = self.chords[first..].iter().take_while(|chord| chord.0 < to + r);
+            sum += reached.map(|chord| (chord.1.min(to + r) - chord.0.max(from + r)).max(0.0)).sum::<f64>();
+        }
+        sum
+    }
+}
+
+/// A line in a random direction through a random point of the specimen (which must be convex to be crossed once).
+fn line(sample: &Sample, stream: &mut Stream) -> Line {
+    let room = sample.specimen.aabb();
+    let point = loop {
+        let point = stream.point(&room.min, &room.max);
+        if holds(sample.specimen, &point, 0.0) {
+            break point;
+        }
+    };
+    let direction = stream.rotation() * Vec3::z();
+    let (ahead, behind) = (reach(sample, &point, &direction), reach(sample, &point, &-direction));
+    let origin = point - direction * behind;
+    let length = ahead + behind;
+    let mut chords: Vec<(f64, f64)> = near_line(sample, &origin, &direction, length)
+        .into_iter()
+        .filter_map(|a| chord(&sample.aggregates[a as usize].body, &origin, &direction))
+        .map(|(from, to)| (from.max(0.0), to.min(length)))
+        .filter(|(from, to)| from < to)
+        .collect();
+    chords.sort_by(|x, y| x.0.total_cmp(&y.0));
+    Line { length, chords }
+}
+
+/// How far the specimen reaches from a point of it.
+fn reach(sample: &Sample, point: &Vec3, direction: &Vec3) -> f64 {
+    let (mut low, mut high) = (0.0, sample.specimen.aabb().size().norm());
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        *(if holds(sample.specimen, &(point + direction * middle), 0.0) { &mut low } else { &mut high }) = middle;
+    }
+    high
+}
+
+/// The aggregates whose boxes a line may cross.
+fn near_line(sample: &Sample, origin: &Vec3, direction: &Vec3, length: f64) -> Vec<u32> {
+    let steps = (length / sample.index.cell()).ceil().max(1.0);
+    let at = |step: f64| origin + direction * (length * step / steps);
+    let mut near = Vec::new();
+    for step in 0..steps as u32 {
+        let (from, to) = (at(f64::from(step)), at(f64::from(step) + 1.0));
+        sample.index.near(&Aabb { min: from.inf(&to), max: from.sup(&to) }, &mut near);
+    }
+    near.sort_unstable();
+    near.dedup();
+    near
+}
+
+/// Where a line enters and leaves a body.
+fn chord(body: &Polyhedron, origin: &Vec3, direction: &Vec3) -> Option<(f64, f64)> {
+    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
+    for plane in body.planes() {
+        let (speed, height) = (plane.normal.dot(direction), plane.offset - plane.normal.dot(origin));
+        if speed > 0.0 {
+            to = to.min(height / speed);
+        } else if speed < 0.0 {
+            from = from.max(height / speed);
+        } else if height < 0.0 {
+            return None;
+        }
+        if from >= to {
+            return None;
+        }
+    }
+    Some((from, to))
+}
