@@ -1,31 +1,29 @@
-//! A body laid out for many queries: coordinates in blocks of eight, and what decides most pairs in one cache line.
+//! A body laid out for many queries: coordinates side by side, and what decides most pairs in one cache line.
 
 use super::ellipsoid::Ellipsoids;
 use super::support::Support;
 use crate::geometry::Polyhedron;
 use crate::math::{Mat3, Vec3};
 
-/// Points per [`Block`]: one AVX-512 register of doubles.
-pub(crate) const LANES: usize = 8;
-/// Blocks kept inside the body: bodies of up to 32 points need no second allocation.
-pub(crate) const INLINE_BLOCKS: usize = 4;
+/// Points per [`Group`]: four AVX-512 registers of doubles for each coordinate.
+pub(crate) const GROUP: usize = 32;
 
-/// Eight points, coordinate by coordinate.
+/// Thirty-two points, coordinate by coordinate.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Block(pub(crate) [[f64; LANES]; 3]);
+pub(crate) struct Group(pub(crate) [[f64; GROUP]; 3]);
 
 /// The hull of points in the body's own frame; pairs of bodies are asked about with a translation between the frames.
 ///
 /// The points are as given: turn them before. The origin of the frame should lie inside, near the middle.
-/// 832 bytes for up to 32 points: a header of 64 bytes, and four blocks of eight points.
+/// 832 bytes for up to 32 points: a header of 64 bytes, and 24 bytes for each point.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Body {
     pub(crate) bounds: Ellipsoids,
     len: u32,
-    rest: Option<Box<[Block]>>,
-    inline: [Block; INLINE_BLOCKS],
+    rest: Option<Box<[Group]>>,
+    first: Group,
 }
 
 impl Body {
@@ -59,8 +57,8 @@ impl Body {
 
     /// The body without its bounds, for a single query.
     pub(crate) fn bare(points: impl ExactSizeIterator<Item = Vec3>) -> Self {
-        let first = Block([[0.0; LANES]; 3]);
-        let mut body = Self { bounds: Ellipsoids::unknown(), len: 0, rest: None, inline: [first; INLINE_BLOCKS] };
+        let first = Group([[0.0; GROUP]; 3]);
+        let mut body = Self { bounds: Ellipsoids::unknown(), len: 0, rest: None, first };
         body.fill(points);
         body
     }
@@ -70,25 +68,22 @@ impl Body {
         Self { bounds, ..Self::bare(points.iter().copied()) }
     }
 
-    /// Stores the points and repeats the first one up to a whole group of blocks: padding never changes a support.
+    /// Stores the points and repeats the first one up to a whole group: padding never changes a support.
     fn fill(&mut self, points: impl ExactSizeIterator<Item = Vec3>) {
         self.len = u32::try_from(points.len()).expect("fewer than 2^32 points");
-        let group = LANES * INLINE_BLOCKS;
-        let extra_blocks = (points.len().div_ceil(group).max(1) - 1) * INLINE_BLOCKS;
-        let mut extra = vec![self.inline[0]; extra_blocks];
-        let mut first = Vec3::zeros();
+        let mut rest = vec![self.first; points.len().div_ceil(GROUP).max(1) - 1];
+        let slots = GROUP * (1 + rest.len());
+        let mut first_point = Vec3::zeros();
         let mut end = 0;
         for (i, p) in points.enumerate() {
-            if i == 0 {
-                first = p;
-            }
-            set(&mut self.inline, &mut extra, i, &p);
+            first_point = if i == 0 { p } else { first_point };
+            set(&mut self.first, &mut rest, i, &p);
             end = i + 1;
         }
-        for i in end..group + extra_blocks * LANES {
-            set(&mut self.inline, &mut extra, i, &first);
+        for i in end..slots {
+            set(&mut self.first, &mut rest, i, &first_point);
         }
-        self.rest = (extra_blocks > 0).then(|| extra.into_boxed_slice());
+        self.rest = (!rest.is_empty()).then(|| rest.into_boxed_slice());
     }
 
     /// The index of the point in slot `i`: padding stands for the first point.
@@ -97,16 +92,23 @@ impl Body {
         if i < self.len { i } else { 0 }
     }
 
-    /// The four blocks every body has.
+    /// The group every body has.
     #[inline(always)]
-    pub(crate) fn inline_blocks(&self) -> &[Block; INLINE_BLOCKS] {
-        &self.inline
+    pub(crate) fn first_group(&self) -> &Group {
+        &self.first
     }
 
-    /// Further blocks, in groups of four, of a body with more than 32 points.
+    /// Further groups, of a body with more than 32 points.
     #[inline(always)]
-    pub(crate) fn more_blocks(&self) -> &[Block] {
+    pub(crate) fn more_groups(&self) -> &[Group] {
         self.rest.as_deref().unwrap_or(&[])
+    }
+
+    /// The point in slot `i`.
+    #[inline(always)]
+    pub(crate) fn slot(&self, i: usize) -> Vec3 {
+        let Group([x, y, z]) = if i < GROUP { &self.first } else { &self.more_groups()[i / GROUP - 1] };
+        Vec3::new(x[i % GROUP], y[i % GROUP], z[i % GROUP])
     }
 
     /// Radius of the sphere about the frame's origin that holds the body, mm.
@@ -121,11 +123,10 @@ impl Body {
 }
 
 #[inline(always)]
-fn set(inline: &mut [Block; INLINE_BLOCKS], extra: &mut [Block], i: usize, p: &Vec3) {
-    let (block, lane) = (i / LANES, i % LANES);
-    let Block(axes) = if block < INLINE_BLOCKS { &mut inline[block] } else { &mut extra[block - INLINE_BLOCKS] };
+fn set(first: &mut Group, rest: &mut [Group], i: usize, p: &Vec3) {
+    let Group(axes) = if i < GROUP { first } else { &mut rest[i / GROUP - 1] };
     for (axis, value) in axes.iter_mut().zip(p.iter()) {
-        axis[lane] = *value;
+        axis[i % GROUP] = *value;
     }
 }
 
@@ -134,11 +135,7 @@ impl Support for Body {
         self.len as usize
     }
 
-    #[inline(always)]
     fn point(&self, i: usize) -> Vec3 {
-        let (block, lane) = (i / LANES, i % LANES);
-        let Block([x, y, z]) =
-            if block < INLINE_BLOCKS { &self.inline[block] } else { &self.more_blocks()[block - INLINE_BLOCKS] };
-        Vec3::new(x[lane], y[lane], z[lane])
+        self.slot(i)
     }
 }

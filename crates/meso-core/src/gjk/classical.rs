@@ -48,7 +48,7 @@ impl Search for Classical<'_> {
         for _ in 0..MAX_STEPS {
             let direction = -v;
             if direction == Vec3::zeros() {
-                return Found::Doubt(simplex);
+                return Found::Doubt(pair.corners(&simplex));
             }
             let (a, separation) = pair.support(kernel, &direction);
             if let Some(found) = self.decided(&direction, separation, &v, simplex) {
@@ -57,20 +57,24 @@ impl Search for Classical<'_> {
             // |v|2 - v.w is what |v|2 can still fall by.
             let progress = v.norm_squared() - v.dot(&a.w);
             if simplex.contains(a.of) || until == Until::Nearest && progress <= 0.0 {
-                return Found::Doubt(simplex);
+                return Found::Doubt(pair.corners(&simplex));
             }
             let before = simplex;
             simplex.add(a);
             let nearest = sub_algorithm.reduce(&mut simplex);
             if let Some(vertices) = simplex.tetrahedron() {
-                return if pair.encloses_origin(vertices) { Found::Overlap(simplex) } else { Found::Doubt(simplex) };
+                return if pair.encloses_origin(vertices) {
+                    Found::Overlap(pair.corners(&simplex))
+                } else {
+                    Found::Doubt(pair.corners(&simplex))
+                };
             }
             if nearest.norm_squared() >= v.norm_squared() {
-                return Found::Doubt(before);
+                return Found::Doubt(pair.corners(&before));
             }
             v = nearest;
         }
-        Found::Doubt(simplex)
+        Found::Doubt(pair.corners(&simplex))
     }
 }
 
@@ -86,12 +90,12 @@ impl Classical<'_> {
                 separation > pair.doubt(direction) || certificate::separates(pair.a, pair.b, &pair.x, direction, 0.0)
             };
             return (separation > 0.0)
-                .then(|| if proved(()) { Found::Apart(*direction) } else { Found::Doubt(simplex) });
+                .then(|| if proved(()) { Found::Apart(*direction) } else { Found::Doubt(pair.corners(&simplex)) });
         }
         let norm = direction.norm();
         if separation - gap * norm > pair.doubt(direction) {
             return Some(Found::Apart(*direction));
         }
-        (nearest.norm() + 1e-14 * pair.reach < gap).then_some(Found::Overlap(simplex))
+        (nearest.norm() + 1e-14 * pair.reach < gap).then(|| Found::Overlap(pair.corners(&simplex)))
     }
 }

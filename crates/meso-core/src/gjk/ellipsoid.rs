@@ -21,14 +21,15 @@ pub(crate) struct Ellipsoids {
     pub(crate) inradius: f32,
 }
 
-/// What the ellipsoids tell of a pair.
-pub(crate) enum Hint {
+/// What the spheres or ellipsoids tell of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Known {
     /// The bodies are apart by more than the gap along this direction, not of unit length.
     Apart(Vec3),
     /// The bodies share a point.
     Overlap,
     /// Nobody knows; this is a good direction to start from.
-    Unsure(Vec3),
+    Nothing(Vec3),
 }
 
 impl Ellipsoids {
@@ -90,34 +91,35 @@ impl Ellipsoids {
 
     /// What the spheres tell of bodies whose centres lie `x` apart; `None`: nothing.
     #[inline(always)]
-    pub(crate) fn compare_spheres(&self, other: &Self, x: &Vec3, gap: f64) -> Option<Hint> {
+    pub(crate) fn compare_spheres(&self, other: &Self, x: &Vec3, gap: f64) -> Option<Known> {
         let distance2 = x.norm_squared();
         let reach = self.circumradius + other.circumradius + gap;
         if distance2 > reach * reach * (1.0 + SLACK) {
-            return Some(Hint::Apart(*x));
+            return Some(Known::Apart(*x));
         }
         let inside = f64::from(self.inradius) + f64::from(other.inradius);
-        (gap == 0.0 && distance2 < inside * inside * (1.0 - SLACK)).then_some(Hint::Overlap)
+        (gap == 0.0 && distance2 < inside * inside * (1.0 - SLACK)).then_some(Known::Overlap)
     }
 
     /// What the ellipsoids tell: apart by more than `gap`, overlapping, or neither.
     #[inline(always)]
-    pub(crate) fn compare_axis(&self, other: &Self, x: &Vec3, gap: f64) -> Hint {
-        let n = self.axis(other, x);
+    pub(crate) fn compare_axis(&self, other: &Self, x: &Vec3, gap: f64) -> Known {
+        let (n, determinant) = self.axis(other, x);
         let along = n.dot(x);
         // Both from their matrices: along - q_a would lose a small body beside a large one.
         let (q_a, q_b) = (n.dot(&times(&self.around, &n)), n.dot(&times(&other.around, &n)));
-        let need = q_a.sqrt() + q_b.sqrt() + gap * n.norm();
-        if along > need * (1.0 + SLACK) && along.is_finite() {
-            return Hint::Apart(n);
+        if apart(along, q_a, q_b, gap, &n) {
+            return Known::Apart(n);
         }
-        let common = q_a <= f64::from(self.inner_squared) && q_b <= f64::from(other.inner_squared);
-        if gap == 0.0 && common && along > 0.0 { Hint::Overlap } else { Hint::Unsure(if along > 0.0 { n } else { *x }) }
+        // The axis is n / determinant: so the inner ellipsoids' common point is told without dividing.
+        let square = determinant * determinant;
+        let common = q_a <= f64::from(self.inner_squared) * square && q_b <= f64::from(other.inner_squared) * square;
+        if gap == 0.0 && common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { *x }) }
     }
 
-    /// n = (S_a + S_b)^-1 x by the adjugate; not finite, or 0, where nothing is known of the bodies.
+    /// (S_a + S_b)^-1 x times the determinant, by the adjugate, and the determinant; NaN where nothing is known.
     #[inline(always)]
-    fn axis(&self, other: &Self, x: &Vec3) -> Vec3 {
+    fn axis(&self, other: &Self, x: &Vec3) -> (Vec3, f64) {
         let m: [f64; 6] = std::array::from_fn(|i| f64::from(self.around[i]) + f64::from(other.around[i]));
         let [xx, yy, zz, xy, xz, yz] = m;
         let adjugate = [
@@ -129,8 +131,18 @@ impl Ellipsoids {
             xy * xz - yz * xx,
         ];
         let determinant = xx * adjugate[0] + xy * adjugate[3] + xz * adjugate[4];
-        symmetric_times(&adjugate, x) / determinant
+        (symmetric_times(&adjugate, x), determinant)
     }
+}
+
+/// along > sqrt(q_a) + sqrt(q_b) + gap |n|, certainly; without roots where there is no gap.
+#[inline(always)]
+fn apart(along: f64, q_a: f64, q_b: f64, gap: f64, n: &Vec3) -> bool {
+    if gap != 0.0 {
+        return along > (q_a.sqrt() + q_b.sqrt() + gap * n.norm()) * (1.0 + SLACK);
+    }
+    let rest = along * along * (1.0 - SLACK) - (q_a + q_b);
+    along > 0.0 && rest > 0.0 && rest * rest > 4.0 * q_a * q_b * (1.0 + SLACK)
 }
 
 fn face_area(solid: &Polyhedron, face: Face<'_>) -> f64 {

@@ -10,7 +10,7 @@
 use super::body::Body;
 use super::certificate::{self, Difference};
 use super::simd::{HEIGHT_ERROR, Kernel, Search};
-use super::simplex::{Simplex, Vertex};
+use super::simplex::{Corners, Simplex, Vertex};
 use super::support::Support;
 use crate::math::Vec3;
 
@@ -23,9 +23,10 @@ pub(crate) enum Found {
     /// Proved apart along this direction, from A to B.
     Apart(Vec3),
     /// Proved to share a point: the origin lies in this tetrahedron. Where a gap was asked for: proved not that far apart.
-    Overlap(Simplex),
+    /// Where the frames' origins or the ellipsoids prove it, corners are missing.
+    Overlap(Corners),
     /// Not proved; this is where the search ended.
-    Doubt(Simplex),
+    Doubt(Corners),
 }
 
 /// A pair of bodies, B displaced by `x` from where its points are.
@@ -50,11 +51,17 @@ pub(crate) struct Originals<'a> {
 }
 
 impl Pair<'_> {
-    /// The vertex of A - B made of points `a` and `b`.
+    /// The vertex of A - B made of the points in slots `a` and `b`.
     #[inline(always)]
-    pub(crate) fn vertex(&self, a: u32, b: u32) -> Vertex {
-        let w = self.a.point(a as usize) - self.b.point(b as usize) - self.x;
+    fn vertex(&self, a: u32, b: u32) -> Vertex {
+        let w = self.a.slot(a as usize) - self.b.slot(b as usize) - self.x;
         Vertex { w, of: (a, b) }
+    }
+
+    /// The pairs of points that make up these vertices.
+    #[inline(always)]
+    pub(crate) fn corners(&self, simplex: &Simplex) -> Corners {
+        simplex.corners(|of| (self.a.unpadded(of.0), self.b.unpadded(of.1)))
     }
 
     /// The support of A - B along `v`, and by how much `v` separates the bodies, times |v|; negative: not at all.
@@ -79,7 +86,7 @@ impl Pair<'_> {
 
     /// The vertex from the points as they were given, with bounds of its error.
     fn difference(&self, of: (u32, u32)) -> Difference {
-        let (a, b) = (of.0 as usize, of.1 as usize);
+        let (a, b) = (self.a.unpadded(of.0) as usize, self.b.unpadded(of.1) as usize);
         match self.originals {
             Some(Originals { a: from_a, b: from_b, scale }) => {
                 let Difference { w, magnitude } = Difference::new(&from_a[a], &from_b[b], &Vec3::zeros());
@@ -126,32 +133,32 @@ impl Search for Enhanced<'_> {
                 return apart_or_doubt(&pair, &v, separation, simplex);
             }
             if simplex.contains(a.of) {
-                return Found::Doubt(simplex);
+                return Found::Doubt(pair.corners(&simplex));
             }
             simplex.add(a);
             match update(&mut simplex) {
                 Some(direction) if direction != Vec3::zeros() => v = direction,
-                Some(_) => return Found::Doubt(simplex),
+                Some(_) => return Found::Doubt(pair.corners(&simplex)),
                 None => return overlap_or_doubt(&pair, simplex),
             }
         }
-        Found::Doubt(simplex)
+        Found::Doubt(pair.corners(&simplex))
     }
 }
 
 #[inline(always)]
-fn apart_or_doubt(pair: &Pair<'_>, v: &Vec3, separation: f64, simplex: Simplex) -> Found {
+pub(crate) fn apart_or_doubt(pair: &Pair<'_>, v: &Vec3, separation: f64, simplex: Simplex) -> Found {
     if separation > pair.doubt(v) || certificate::separates(pair.a, pair.b, &pair.x, v, 0.0) {
         return Found::Apart(*v);
     }
-    Found::Doubt(simplex)
+    Found::Doubt(pair.corners(&simplex))
 }
 
 #[inline(always)]
 fn overlap_or_doubt(pair: &Pair<'_>, simplex: Simplex) -> Found {
     match simplex.tetrahedron() {
-        Some(vertices) if pair.encloses_origin(vertices) => Found::Overlap(simplex),
-        _ => Found::Doubt(simplex),
+        Some(vertices) if pair.encloses_origin(vertices) => Found::Overlap(pair.corners(&simplex)),
+        _ => Found::Doubt(pair.corners(&simplex)),
     }
 }
 

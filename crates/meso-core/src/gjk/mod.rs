@@ -24,6 +24,7 @@ mod exact;
 mod integer;
 mod nearest;
 mod pair;
+mod portal;
 mod query;
 mod simd;
 mod simplex;

@@ -4,12 +4,13 @@
 
 use super::body::Body;
 use super::classical::{Classical, Until};
-use super::ellipsoid::Hint;
+use super::ellipsoid::Known;
 use super::enhanced::{Enhanced, Found, Pair};
 use super::exact::ExactPair;
 use super::nearest::SubAlgorithm;
+use super::portal::Portal;
 use super::simd::{Kernel, Search, dispatch};
-use super::simplex::Simplex;
+use super::simplex::Corners;
 use crate::math::Vec3;
 
 /// How many pairs each stage was left with.
@@ -45,12 +46,7 @@ pub fn overlap(a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
 /// [`overlap`], counting what it took.
 #[inline]
 pub fn overlap_counted(a: &Body, b: &Body, b_from_a: &Vec3, counters: &mut Counters) -> bool {
-    let query = Query { a, b, x: *b_from_a, gap: 0.0 };
-    match query.compare(counters) {
-        Hint::Apart(_) => false,
-        Hint::Overlap => true,
-        Hint::Unsure(v) => query.search(v, counters).is_none(),
-    }
+    Query { a, b, x: *b_from_a, gap: 0.0, start: None }.axis(counters).is_none()
 }
 
 /// A unit axis from A to B along which the bodies are more than `gap` (mm) apart, or `None` when they are not.
@@ -83,18 +79,7 @@ pub fn apart_counted(
     start: Option<Vec3>,
     counters: &mut Counters,
 ) -> Option<Vec3> {
-    let query = Query { a, b, x: *b_from_a, gap };
-    let v = match query.compare(counters) {
-        Hint::Apart(n) => return Some(n.normalize()),
-        Hint::Overlap => return None,
-        Hint::Unsure(v) => v,
-    };
-    if let Some(axis) = start
-        && query.separated_along(&axis)
-    {
-        return Some(axis.normalize());
-    }
-    query.search(v, counters).map(|v| v.normalize())
+    Query { a, b, x: *b_from_a, gap, start }.axis(counters).map(|v| v.normalize())
 }
 
 /// Are the bodies more than `gap` apart?
@@ -104,84 +89,100 @@ struct Query<'a> {
     b: &'a Body,
     x: Vec3,
     gap: f64,
+    start: Option<Vec3>,
+}
+
+/// How far a query had to go.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Stage {
+    Spheres,
+    Ellipsoids,
+    Start,
+    Gjk,
+}
+
+impl From<Known> for Found {
+    #[inline(always)]
+    fn from(known: Known) -> Self {
+        match known {
+            Known::Apart(v) => Self::Apart(v),
+            Known::Overlap => Self::Overlap(Corners::NONE),
+            Known::Nothing(_) => Self::Doubt(Corners::NONE),
+        }
+    }
+}
+
+impl Counters {
+    #[inline(always)]
+    fn count(&mut self, stage: Stage) {
+        self.pairs += 1;
+        self.after_spheres += u64::from(stage > Stage::Spheres);
+        self.after_ellipsoids += u64::from(stage > Stage::Ellipsoids);
+        self.gjk_calls += u64::from(stage == Stage::Gjk);
+    }
+}
+
+impl Search for Query<'_> {
+    type Output = (Stage, Found);
+
+    /// Every stage in one function for each instruction set: calls between them would cost as much as they do.
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> (Stage, Found) {
+        let (a, b) = (&self.a.bounds, &self.b.bounds);
+        if let Some(known) = a.compare_spheres(b, &self.x, self.gap) {
+            return (Stage::Spheres, known.into());
+        }
+        let known = a.compare_axis(b, &self.x, self.gap);
+        let Known::Nothing(v) = known else { return (Stage::Ellipsoids, known.into()) };
+        let pair = self.pair();
+        if let Some(axis) = self.start {
+            let (_, separation) = pair.support(kernel, &axis);
+            if separation - self.gap * axis.norm() > pair.doubt(&axis) {
+                return (Stage::Start, Found::Apart(axis));
+            }
+        }
+        let v = if v == Vec3::zeros() { Vec3::x() } else { v };
+        let found = if self.gap != 0.0 {
+            let (sub_algorithm, until) = (SubAlgorithm::SignedVolumes, Until::Apart(self.gap));
+            Classical { pair, v, sub_algorithm, until }.run(kernel)
+        } else if a.inradius > 0.0 && b.inradius > 0.0 {
+            Portal { pair, v }.run(kernel)
+        } else {
+            Enhanced { pair, v }.run(kernel)
+        };
+        (Stage::Gjk, found)
+    }
 }
 
 impl<'a> Query<'a> {
-    /// The stages that look at no vertex.
-    #[inline(always)]
-    fn compare(&self, counters: &mut Counters) -> Hint {
-        counters.pairs += 1;
-        let (a, b) = (&self.a.bounds, &self.b.bounds);
-        if let Some(decided) = a.compare_spheres(b, &self.x, self.gap) {
-            return decided;
-        }
-        counters.after_spheres += 1;
-        let hint = a.compare_axis(b, &self.x, self.gap);
-        counters.after_ellipsoids += u64::from(matches!(hint, Hint::Unsure(_)));
-        hint
-    }
-
     #[inline(always)]
     fn pair(&self) -> Pair<'a> {
         let norm1 = self.x.x.abs() + self.x.y.abs() + self.x.z.abs();
-        Pair {
-            a: self.a,
-            b: self.b,
-            x: self.x,
-            reach: self.a.circumradius() + self.b.circumradius() + norm1,
-            originals: None,
-        }
+        let reach = self.a.circumradius() + self.b.circumradius() + norm1;
+        Pair { a: self.a, b: self.b, x: self.x, reach, originals: None }
     }
 
-    fn separated_along(&self, axis: &Vec3) -> bool {
-        dispatch(Along { pair: self.pair(), v: *axis, gap: self.gap })
-    }
-
-    /// GJK, then exact arithmetic: the axis, not of unit length.
-    #[inline]
-    fn search(&self, v: Vec3, counters: &mut Counters) -> Option<Vec3> {
-        counters.gjk_calls += 1;
-        let v = if v == Vec3::zeros() { Vec3::x() } else { v };
-        let found = if self.gap == 0.0 {
-            dispatch(Enhanced { pair: self.pair(), v })
-        } else {
-            let (sub_algorithm, until) = (SubAlgorithm::SignedVolumes, Until::Apart(self.gap));
-            dispatch(Classical { pair: self.pair(), v, sub_algorithm, until })
-        };
+    /// The axis, not of unit length.
+    #[inline(always)]
+    fn axis(&self, counters: &mut Counters) -> Option<Vec3> {
+        let (stage, found) = dispatch(*self);
+        counters.count(stage);
         match found {
             Found::Apart(v) => Some(v),
             Found::Overlap(_) => None,
-            Found::Doubt(simplex) => self.decide(&simplex, counters),
+            Found::Doubt(corners) => self.decide(corners.pairs(), counters),
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn decide(&self, start: &Simplex, counters: &mut Counters) -> Option<Vec3> {
+    fn decide(&self, start: &[(u32, u32)], counters: &mut Counters) -> Option<Vec3> {
         counters.exact_calls += 1;
         let exact = ExactPair::new(self.a, self.b, &self.x);
         if self.gap == 0.0 {
-            return exact.decide(&start.pairs()).direction();
+            return exact.decide(start).direction();
         }
-        let (distance2, direction) = exact.squared_distance(&start.pairs());
+        let (distance2, direction) = exact.squared_distance(start);
         distance2.exceeds(self.gap).then(|| direction.direction())
-    }
-}
-
-/// Does `v` separate the pair by more than `gap`?
-#[derive(Clone, Copy)]
-struct Along<'a> {
-    pair: Pair<'a>,
-    v: Vec3,
-    gap: f64,
-}
-
-impl Search for Along<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> bool {
-        let (_, separation) = self.pair.support(kernel, &self.v);
-        separation - self.gap * self.v.norm() > self.pair.doubt(&self.v)
     }
 }

@@ -6,7 +6,7 @@ use super::enhanced::{Enhanced, Found, Originals, Pair};
 use super::exact::{Decision, ExactPair};
 use super::nearest::SubAlgorithm;
 use super::simd::dispatch;
-use super::simplex::Simplex;
+use super::simplex::Corners;
 use crate::math::Vec3;
 use std::str::FromStr;
 
@@ -286,7 +286,7 @@ impl<'p> Scaled<'p> {
             Method::Enhanced => dispatch(Enhanced { pair, v }),
             Method::Classical => classical(SubAlgorithm::Johnson),
             Method::SignedVolumes => classical(SubAlgorithm::SignedVolumes),
-            Method::Exact => Found::Doubt(Simplex::point(pair.vertex(0, 0))),
+            Method::Exact => Found::Doubt(Corners::NONE),
         }
     }
 
@@ -294,15 +294,15 @@ impl<'p> Scaled<'p> {
         match self.search(method) {
             Found::Apart(_) => false,
             Found::Overlap(_) => true,
-            Found::Doubt(simplex) => matches!(self.exact().decide(&simplex.pairs()), Decision::Overlap(_)),
+            Found::Doubt(corners) => matches!(self.exact().decide(corners.pairs()), Decision::Overlap(_)),
         }
     }
 
     fn verdict(&self, method: Method) -> Verdict {
         match self.search(method) {
             Found::Apart(direction) => Verdict::Separated { direction, proof: Proof::Margin },
-            Found::Overlap(simplex) => intersecting(&simplex.pairs(), Proof::Margin),
-            Found::Doubt(simplex) => match self.exact().decide(&simplex.pairs()) {
+            Found::Overlap(corners) => intersecting(corners.pairs(), Proof::Margin),
+            Found::Doubt(corners) => match self.exact().decide(corners.pairs()) {
                 Decision::Overlap(pairs) => intersecting(&pairs, Proof::Exact),
                 Decision::Apart(v) => Verdict::Separated { direction: v.direction(), proof: Proof::Exact },
             },
@@ -315,7 +315,7 @@ impl<'p> Scaled<'p> {
         match dispatch(Classical { pair: self.pair(), v, sub_algorithm, until }) {
             Found::Overlap(_) => 0.0,
             Found::Apart(_) => unreachable!("a search for the nearest point does not stop at a separation"),
-            Found::Doubt(simplex) => self.exact().squared_distance(&simplex.pairs()).0.sqrt(),
+            Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.sqrt(),
         }
     }
 

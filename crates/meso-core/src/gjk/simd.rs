@@ -5,11 +5,9 @@
 //! (fused multiply-adds, which are exact to define), so that all machines find the same vertices and the same answers.
 #![allow(unsafe_code)]
 
-use super::body::{Block, Body, INLINE_BLOCKS, LANES};
+use super::body::{Body, GROUP, Group};
 use crate::math::Vec3;
 
-/// Points per group of blocks; their index fits the low bits of a double.
-const GROUP: usize = LANES * INLINE_BLOCKS;
 /// The mantissa bits that hold the index of a point within its group.
 const INDEX: u64 = GROUP as u64 - 1;
 
@@ -18,9 +16,9 @@ const INDEX: u64 = GROUP as u64 - 1;
 /// Heights are short of the true ones by at most 2^-47 of |direction| times the size: see [`HEIGHT_ERROR`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extremes {
-    /// Index in A.
+    /// Slot in A; padding repeats the first point.
     pub(crate) a: u32,
-    /// Index in B.
+    /// Slot in B.
     pub(crate) b: u32,
     /// Largest height of a point of A.
     pub(crate) top_of_a: f64,
@@ -70,20 +68,18 @@ pub(crate) struct Portable;
 impl Kernel for Portable {
     #[inline(always)]
     fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes {
-        let (a_index, top_of_a) = portable_top(a, v);
-        let (b_index, top_of_b) = portable_top(b, &-v);
-        Extremes { a: a.unpadded(a_index), b: b.unpadded(b_index), top_of_a, bottom_of_b: -top_of_b }
+        let ((a, top_of_a), (b, top_of_b)) = (portable_top(a, v), portable_top(b, &-v));
+        Extremes { a, b, top_of_a, bottom_of_b: -top_of_b }
     }
 }
 
 fn portable_top(body: &Body, v: &Vec3) -> (u32, f64) {
     let mut best = (0, f64::NEG_INFINITY);
-    let groups = std::iter::once(&body.inline_blocks()[..]).chain(body.more_blocks().chunks_exact(INLINE_BLOCKS));
-    for (group, blocks) in groups.enumerate() {
-        for (i, key) in blocks.iter().flat_map(|block| portable_heights(block, v)).enumerate() {
-            let key = f64::from_bits((key.to_bits() & !INDEX) | i as u64);
+    for (g, group) in std::iter::once(body.first_group()).chain(body.more_groups()).enumerate() {
+        for i in 0..GROUP {
+            let key = f64::from_bits((portable_height(group, i, v).to_bits() & !INDEX) | i as u64);
             if key > best.1 {
-                best = (group * GROUP, key);
+                best = (g * GROUP, key);
             }
         }
     }
@@ -91,13 +87,13 @@ fn portable_top(body: &Body, v: &Vec3) -> (u32, f64) {
 }
 
 #[inline(always)]
-fn portable_heights(Block([x, y, z]): &Block, v: &Vec3) -> [f64; LANES] {
-    std::array::from_fn(|lane| z[lane].mul_add(v.z, y[lane].mul_add(v.y, x[lane] * v.x)))
+fn portable_height(Group([x, y, z]): &Group, i: usize, v: &Vec3) -> f64 {
+    z[i].mul_add(v.z, y[i].mul_add(v.y, x[i] * v.x))
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Block, Body, Extremes, GROUP, INDEX, INLINE_BLOCKS, Kernel, LANES, Search};
+    use super::{Body, Extremes, GROUP, Group, INDEX, Kernel, Search};
     use crate::math::Vec3;
     use std::arch::x86_64::*;
 
@@ -120,67 +116,68 @@ mod x86 {
         fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes {
             // SAFETY: this type is made only where AVX-512 was detected.
             unsafe {
-                let keys_a = keys512(a.inline_blocks(), v);
-                let keys_b = keys512(b.inline_blocks(), &-v);
-                let (mut top_a, mut top_b) = (_mm512_reduce_max_pd(keys_a), _mm512_reduce_max_pd(keys_b));
-                let (mut first_a, mut first_b) = (0, 0);
-                if !a.more_blocks().is_empty() {
-                    (first_a, top_a) = more512(a, v, keys_a);
+                let (keys_a, keys_b) = (keys512(a.first_group(), v), keys512(b.first_group(), &-v));
+                if a.more_groups().is_empty() && b.more_groups().is_empty() {
+                    let (top_a, top_b) = (_mm512_reduce_max_pd(keys_a), _mm512_reduce_max_pd(keys_b));
+                    return found((0, top_a), (0, top_b));
                 }
-                if !b.more_blocks().is_empty() {
-                    (first_b, top_b) = more512(b, &-v, keys_b);
-                }
-                found(a, b, (first_a, top_a), (first_b, top_b))
+                found(more512(a, v, keys_a), more512(b, &-v, keys_b))
             }
         }
     }
 
     #[inline(always)]
-    fn found(a: &Body, b: &Body, (first_a, top_a): (u32, f64), (first_b, top_b): (u32, f64)) -> Extremes {
-        let index = |body: &Body, first: u32, key: f64| body.unpadded(first + (key.to_bits() & INDEX) as u32);
-        Extremes { a: index(a, first_a, top_a), b: index(b, first_b, top_b), top_of_a: top_a, bottom_of_b: -top_b }
+    fn found((first_a, top_a): (u32, f64), (first_b, top_b): (u32, f64)) -> Extremes {
+        let index = |key: f64| (key.to_bits() & INDEX) as u32;
+        Extremes { a: first_a + index(top_a), b: first_b + index(top_b), top_of_a: top_a, bottom_of_b: -top_b }
     }
 
-    /// Largest key per lane of a group of four blocks.
+    /// Largest key per lane of a group.
     #[inline(always)]
-    unsafe fn keys512(blocks: &[Block; INLINE_BLOCKS], v: &Vec3) -> __m512d {
-        // SAFETY: AVX-512 is there (see `Avx512`); blocks are 64-byte aligned.
+    unsafe fn keys512(group: &Group, v: &Vec3) -> __m512d {
+        // SAFETY: AVX-512 is there (see `Avx512`).
         unsafe {
-            let (vx, vy, vz) = (_mm512_set1_pd(v.x), _mm512_set1_pd(v.y), _mm512_set1_pd(v.z));
-            let lanes = _mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0);
-            let key = |i: usize| {
-                let Block([x, y, z]) = &blocks[i];
-                let height = _mm512_mul_pd(_mm512_load_pd(x.as_ptr()), vx);
-                let height = _mm512_fmadd_pd(_mm512_load_pd(y.as_ptr()), vy, height);
-                let height = _mm512_fmadd_pd(_mm512_load_pd(z.as_ptr()), vz, height);
-                let index = _mm512_add_epi64(lanes, _mm512_set1_epi64((i * LANES) as i64));
-                // Bits of the index where the mask is set, of the height elsewhere.
-                let mask = _mm512_set1_epi64(INDEX as i64);
-                _mm512_castsi512_pd(_mm512_ternarylogic_epi64(mask, index, _mm512_castpd_si512(height), 0xCA))
-            };
-            _mm512_max_pd(_mm512_max_pd(key(0), key(1)), _mm512_max_pd(key(2), key(3)))
+            let v = [_mm512_set1_pd(v.x), _mm512_set1_pd(v.y), _mm512_set1_pd(v.z)];
+            let [k0, k1] = [eight512::<0>(group, v), eight512::<8>(group, v)];
+            let [k2, k3] = [eight512::<16>(group, v), eight512::<24>(group, v)];
+            _mm512_max_pd(_mm512_max_pd(k0, k1), _mm512_max_pd(k2, k3))
         }
     }
 
-    /// The rest of a body of more than 32 points: first index of the best group, and the best key.
+    /// Heights of the eight points from slot `I`, with their slots in the low bits. (No closures: those do not inherit
+    /// the instruction set, and every intrinsic in them becomes a call.)
+    #[inline(always)]
+    unsafe fn eight512<const I: usize>(Group([x, y, z]): &Group, [vx, vy, vz]: [__m512d; 3]) -> __m512d {
+        // SAFETY: AVX-512 is there (see `Avx512`); groups are 64-byte aligned, and I is 0, 8, 16 or 24.
+        unsafe {
+            let height = _mm512_mul_pd(_mm512_load_pd(x.as_ptr().add(I)), vx);
+            let height = _mm512_fmadd_pd(_mm512_load_pd(y.as_ptr().add(I)), vy, height);
+            let height = _mm512_fmadd_pd(_mm512_load_pd(z.as_ptr().add(I)), vz, height);
+            let index = _mm512_add_epi64(_mm512_set_epi64(7, 6, 5, 4, 3, 2, 1, 0), _mm512_set1_epi64(I as i64));
+            // Bits of the index where the mask is set, of the height elsewhere.
+            let mask = _mm512_set1_epi64(INDEX as i64);
+            _mm512_castsi512_pd(_mm512_ternarylogic_epi64::<0xCA>(mask, index, _mm512_castpd_si512(height)))
+        }
+    }
+
+    /// A body of any number of points, after its first group: first slot of the best group, and the best key.
     #[inline(never)]
     #[target_feature(enable = "avx512f,fma")]
     fn more512(body: &Body, v: &Vec3, first: __m512d) -> (u32, f64) {
         let mut best = first;
         let mut group_of_best = _mm512_setzero_si512();
-        for (group, blocks) in body.more_blocks().chunks_exact(INLINE_BLOCKS).enumerate() {
-            let blocks = blocks.try_into().expect("groups of four");
+        for (i, group) in body.more_groups().iter().enumerate() {
             // SAFETY: AVX-512 is there, this function asks for it.
-            let keys = unsafe { keys512(blocks, v) };
+            let keys = unsafe { keys512(group, v) };
             let better = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(keys, best);
             best = _mm512_mask_mov_pd(best, better, keys);
-            group_of_best = _mm512_mask_set1_epi64(group_of_best, better, group as i64 + 1);
+            group_of_best = _mm512_mask_set1_epi64(group_of_best, better, i as i64 + 1);
         }
         let top = _mm512_reduce_max_pd(best);
-        let mut groups = [0i64; LANES];
+        let mut groups = [0i64; 8];
         // SAFETY: the array holds eight integers.
         unsafe { _mm512_storeu_si512(groups.as_mut_ptr().cast(), group_of_best) };
-        let lane = (top.to_bits() & INDEX) as usize % LANES;
+        let lane = (top.to_bits() & INDEX) as usize % 8;
         (groups[lane] as u32 * GROUP as u32, top)
     }
 
@@ -192,7 +189,7 @@ mod x86 {
         #[inline(always)]
         fn extremes(self, a: &Body, b: &Body, v: &Vec3) -> Extremes {
             // SAFETY: this type is made only where AVX2 and FMA were detected.
-            unsafe { found(a, b, top256(a, v), top256(b, &-v)) }
+            unsafe { found(top256(a, v), top256(b, &-v)) }
         }
     }
 
@@ -200,36 +197,46 @@ mod x86 {
     unsafe fn top256(body: &Body, v: &Vec3) -> (u32, f64) {
         // SAFETY: AVX2 is there (see `Avx2`).
         unsafe {
-            let mut best = (0, reduce256(keys256(body.inline_blocks(), v)));
-            for (group, blocks) in body.more_blocks().chunks_exact(INLINE_BLOCKS).enumerate() {
-                let key = reduce256(keys256(blocks.try_into().expect("groups of four"), v));
+            let mut best = (0, reduce256(keys256(body.first_group(), v)));
+            for (i, group) in body.more_groups().iter().enumerate() {
+                let key = reduce256(keys256(group, v));
                 if key > best.1 {
-                    best = ((group as u32 + 1) * GROUP as u32, key);
+                    best = ((i as u32 + 1) * GROUP as u32, key);
                 }
             }
             best
         }
     }
 
-    /// Largest key per lane of a group of four blocks.
+    /// Largest key per lane of a group.
     #[inline(always)]
-    unsafe fn keys256(blocks: &[Block; INLINE_BLOCKS], v: &Vec3) -> __m256d {
-        // SAFETY: AVX2 is there (see `Avx2`); half a block is four aligned doubles.
+    unsafe fn keys256(group: &Group, v: &Vec3) -> __m256d {
+        // SAFETY: AVX2 is there (see `Avx2`).
         unsafe {
-            let (vx, vy, vz) = (_mm256_set1_pd(v.x), _mm256_set1_pd(v.y), _mm256_set1_pd(v.z));
-            let lanes = _mm256_set_epi64x(3, 2, 1, 0);
+            let v = [_mm256_set1_pd(v.x), _mm256_set1_pd(v.y), _mm256_set1_pd(v.z)];
+            let [k0, k1] = [eight256::<0>(group, v), eight256::<8>(group, v)];
+            let [k2, k3] = [eight256::<16>(group, v), eight256::<24>(group, v)];
+            _mm256_max_pd(_mm256_max_pd(k0, k1), _mm256_max_pd(k2, k3))
+        }
+    }
+
+    /// The larger keys of slots `I` to `I` + 3 and the next four.
+    #[inline(always)]
+    unsafe fn eight256<const I: usize>(group: &Group, v: [__m256d; 3]) -> __m256d {
+        // SAFETY: AVX2 is there (see `Avx2`).
+        unsafe { _mm256_max_pd(four256(group, I, v), four256(group, I + 4, v)) }
+    }
+
+    #[inline(always)]
+    unsafe fn four256(Group([x, y, z]): &Group, at: usize, [vx, vy, vz]: [__m256d; 3]) -> __m256d {
+        // SAFETY: AVX2 is there (see `Avx2`); `at` is a multiple of four below 32.
+        unsafe {
+            let height = _mm256_mul_pd(_mm256_load_pd(x.as_ptr().add(at)), vx);
+            let height = _mm256_fmadd_pd(_mm256_load_pd(y.as_ptr().add(at)), vy, height);
+            let height = _mm256_fmadd_pd(_mm256_load_pd(z.as_ptr().add(at)), vz, height);
+            let index = _mm256_add_epi64(_mm256_set_epi64x(3, 2, 1, 0), _mm256_set1_epi64x(at as i64));
             let mask = _mm256_castsi256_pd(_mm256_set1_epi64x(INDEX as i64));
-            let key = |half: usize| {
-                let Block([x, y, z]) = &blocks[half / 2];
-                let at = half % 2 * 4;
-                let height = _mm256_mul_pd(_mm256_load_pd(x.as_ptr().add(at)), vx);
-                let height = _mm256_fmadd_pd(_mm256_load_pd(y.as_ptr().add(at)), vy, height);
-                let height = _mm256_fmadd_pd(_mm256_load_pd(z.as_ptr().add(at)), vz, height);
-                let index = _mm256_castsi256_pd(_mm256_add_epi64(lanes, _mm256_set1_epi64x(half as i64 * 4)));
-                _mm256_or_pd(_mm256_andnot_pd(mask, height), index)
-            };
-            let pair = |i: usize| _mm256_max_pd(key(i), key(i + 1));
-            _mm256_max_pd(_mm256_max_pd(pair(0), pair(2)), _mm256_max_pd(pair(4), pair(6)))
+            _mm256_or_pd(_mm256_andnot_pd(mask, height), _mm256_castsi256_pd(index))
         }
     }
 

@@ -7,7 +7,7 @@ use crate::math::Vec3;
 pub(crate) struct Vertex {
     /// Position in A - B, rounded.
     pub(crate) w: Vec3,
-    /// Indices in A and in B.
+    /// Slots in A and in B.
     pub(crate) of: (u32, u32),
 }
 
@@ -23,6 +23,14 @@ impl Simplex {
     #[inline(always)]
     pub(crate) fn point(a: Vertex) -> Self {
         Self { vertices: [a; 4], len: 1 }
+    }
+
+    /// The simplex of these vertices.
+    #[inline(always)]
+    pub(crate) fn of(vertices: &[Vertex]) -> Self {
+        let mut simplex = Self::point(vertices[0]);
+        simplex.keep(vertices);
+        simplex
     }
 
     /// The vertices, newest last.
@@ -57,8 +65,26 @@ impl Simplex {
         self.vertices().iter().any(|v| v.of == of)
     }
 
-    /// The pairs of points, as a starting point for exact arithmetic.
-    pub(crate) fn pairs(&self) -> Vec<(u32, u32)> {
-        self.vertices().iter().map(|v| v.of).collect()
+    /// The pairs of points the vertices are made of; `points_of` tells points from slots.
+    #[inline(always)]
+    pub(crate) fn corners(&self, points_of: impl Fn((u32, u32)) -> (u32, u32)) -> Corners {
+        Corners { of: self.vertices.map(|v| points_of(v.of)), len: self.len }
+    }
+}
+
+/// At most four pairs of points, of A and of B.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corners {
+    of: [(u32, u32); 4],
+    len: usize,
+}
+
+impl Corners {
+    /// No pairs.
+    pub(crate) const NONE: Self = Self { of: [(0, 0); 4], len: 0 };
+
+    /// The pairs.
+    pub(crate) fn pairs(&self) -> &[(u32, u32)] {
+        &self.of[..self.len]
     }
 }
