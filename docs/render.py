@@ -45,7 +45,7 @@ def draw_solid(packing: mc.Packing, path: Path) -> None:
     plotter.enable_anti_aliasing("ssaa")
     middle = (low + high) / 2.0
     plotter.camera_position = [middle + np.array([1.9, -2.5, 1.5]) * (high - low).max(), middle, (0, 0, 1)]
-    plotter.camera.zoom(1.08)
+    plotter.camera.zoom(1.2)
     save(plotter.screenshot(None, return_img=True)[::2, ::2], path)
 
 

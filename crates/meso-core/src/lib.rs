@@ -22,3 +22,8 @@ pub mod statistics;
 pub use model::{Model, pack};
 pub use packing::{Progress, Silent};
 pub use spec::{Spec, SpecError};
+
+// The README's Rust example is tested, too.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -12,6 +12,7 @@ use pyo3::exceptions::{PyIndexError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice, PyTuple};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One aggregate at its place in the specimen.
 #[pyclass(name = "Aggregate", module = "mesocrete", frozen, eq)]
@@ -146,7 +147,30 @@ impl PyAggregates {
         Ok(Bound::new(py, self.at(self.position(index)?))?.into_any())
     }
 
+    fn __iter__(&self) -> PyAggregateIterator {
+        PyAggregateIterator { aggregates: Self(Arc::clone(&self.0)), next: AtomicUsize::new(0) }
+    }
+
     fn __repr__(&self) -> String {
         format!("<{} aggregates>", self.__len__())
+    }
+}
+
+/// Walks over a packing's aggregates, one copy at a time.
+#[pyclass(name = "_AggregateIterator", module = "mesocrete", frozen)]
+struct PyAggregateIterator {
+    aggregates: PyAggregates,
+    next: AtomicUsize,
+}
+
+#[pymethods]
+impl PyAggregateIterator {
+    fn __iter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __next__(&self) -> Option<PyAggregate> {
+        let index = self.next.fetch_add(1, Ordering::Relaxed);
+        (index < self.aggregates.__len__()).then(|| self.aggregates.at(index))
     }
 }

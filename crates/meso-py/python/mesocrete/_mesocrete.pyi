@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+__all__: list[str]
 
 _Path: TypeAlias = str | PathLike[str]
 
