@@ -28,7 +28,7 @@ fn assert_subsequence(vertices: &[Big3], points: &[Big3], name: &str) {
 }
 
 /// Every edge once in each direction; Euler's formula; every vertex used.
-fn assert_closed(hull: &Polyhedron, name: &str) {
+pub(crate) fn assert_closed(hull: &Polyhedron, name: &str) {
     let mut edges = BTreeSet::new();
     for face in hull.faces() {
         for k in 0..face.len() {
@@ -170,6 +170,36 @@ fn a_hundred_thousand_points_take_no_time_to_speak_of() {
     let disc: Vec<Vec3> = (0..20_000).map(|_| source.direction()).map(|d| Vec3::new(d.x, d.y, 0.0)).collect();
     let cone = [disc, vec![Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1e-9)]].concat();
     assert!(convex_hull(&cone).is_ok());
+}
+
+#[test]
+fn a_full_lattice_of_a_hundred_thousand_points_is_a_cube() {
+    let at = |k: usize| Vec3::new((k % 47) as f64, (k / 47 % 47) as f64, (k / 2209) as f64);
+    let hull = convex_hull(&(0..47 * 47 * 47).map(at).collect::<Vec<_>>()).unwrap();
+    assert_eq!((hull.vertices().len(), hull.faces().len(), hull.volume()), (8, 6, 46.0 * 46.0 * 46.0));
+}
+
+#[test]
+fn a_body_contains_its_vertices_and_nothing_one_ulp_off_its_faces() {
+    for cloud in solids(6).into_iter().filter(|cloud| !cloud.name.contains("sphere")) {
+        let hull = convex_hull(&cloud.points).unwrap();
+        assert!(cloud.points.iter().all(|p| hull.contains(p)), "{}", cloud.name);
+    }
+    let cube = convex_hull(&block([1.0; 3])).unwrap();
+    assert!(cube.contains(&Vec3::new(1.0, 0.3, -0.7)));
+    assert!(!cube.contains(&Vec3::new(1.0_f64.next_up(), 0.3, -0.7)));
+}
+
+#[test]
+fn centroids_of_thin_and_far_bodies_are_inside_them() {
+    for cloud in solids(24).into_iter().filter(|cloud| !cloud.name.contains("magnitudes")) {
+        let hull = convex_hull(&cloud.points).unwrap();
+        let centroid = hull.centroid();
+        // Inside, but for the rounding of its coordinates.
+        let slack = hull.vertices().iter().map(Vec3::amax).fold(0.0, f64::max) * 4.0 * f64::EPSILON;
+        let outside = hull.planes().map(|p| p.normal.dot(&centroid) - p.offset).fold(f64::NEG_INFINITY, f64::max);
+        assert!(outside <= slack, "{}: {outside:e} outside", cloud.name);
+    }
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! The inward offset against erosions to hundreds of digits.
 
 use crate::erosion::Planes;
+use crate::hull::assert_closed;
 use crate::solids::{Cloud, Source, block, coplanar, duplicates, issues, lattices, near_flat, paper, scaled};
 use meso_core::geometry::{OffsetError, Polyhedron, convex_hull, inscribed_ball, inward_offset};
+use meso_core::math::Vec3;
 
 /// How the offsets of a family came out.
 #[derive(Debug, Default)]
@@ -100,6 +102,49 @@ fn vanishing_is_decided_to_the_last_bit() {
         }
     }
     assert!(vanished > 100 && left > 100, "{vanished} vanished, {left} left");
+}
+
+#[test]
+fn cores_are_closed_and_inside_their_bodies() {
+    let mut source = Source::new(33);
+    let families = [paper(&mut source, 60), lattices(&mut source, 60), coplanar(&mut source)];
+    for cloud in families.into_iter().flatten() {
+        let body = convex_hull(&cloud.points).unwrap();
+        let radius = inscribed_ball(&body).radius;
+        let volumes = [0.1, 0.5, 0.9].map(|share| {
+            let core = inward_offset(&body, share * radius).unwrap().unwrap();
+            assert_closed(&core, &cloud.name);
+            assert!(core.vertices().iter().all(|v| body.contains(v)), "{}", cloud.name);
+            core.volume()
+        });
+        assert!(volumes[0] > volumes[1] && volumes[1] > volumes[2], "{}: {volumes:?}", cloud.name);
+        assert_eq!(inward_offset(&body, 0.0).unwrap().unwrap(), body);
+    }
+}
+
+#[test]
+fn faces_that_shrink_to_an_edge_disappear() {
+    // |x|, |y| <= 4, |z| <= 3 and 3x + 4y <= 27: moved inwards by 0.5, the chamfer touches the corner it cut off.
+    // (11/3 is no f64, so the event is met but for a rounding.)
+    let outline = [[-4.0, -4.0], [4.0, -4.0], [4.0, 3.75], [11.0 / 3.0, 4.0], [-4.0, 4.0]];
+    let points: Vec<Vec3> = outline.iter().flat_map(|[x, y]| [-3.0, 3.0].map(|z| Vec3::new(*x, *y, z))).collect();
+    let body = convex_hull(&points).unwrap();
+    for (thickness, faces) in [(0.25, 7), (0.75, 6)] {
+        assert_eq!(inward_offset(&body, thickness).unwrap().unwrap().faces().len(), faces);
+    }
+    let core = inward_offset(&body, 0.5).unwrap().unwrap();
+    assert_closed(&core, "event");
+    assert!((core.volume() / (7.0 * 7.0 * 5.0) - 1.0).abs() < 1e-14, "{}", core.volume());
+}
+
+#[test]
+fn an_octahedron_keeps_its_six_vertices() {
+    let points: Vec<Vec3> = [Vec3::x(), Vec3::y(), Vec3::z()].iter().flat_map(|axis| [*axis, -axis]).collect();
+    let turn = Source::new(34).rotation();
+    let body = convex_hull(&points.iter().map(|p| turn * p * 3.0 + Vec3::repeat(70.0)).collect::<Vec<_>>()).unwrap();
+    let core = inward_offset(&body, 0.7).unwrap().unwrap();
+    // Four planes meet in every vertex: rounding must not split them.
+    assert_eq!((core.vertices().len(), core.faces().len()), (6, 8));
 }
 
 #[test]

@@ -11,10 +11,17 @@ use num_bigint::BigInt;
 
 /// Promised relative error of the volume.
 const ACCURACY: f64 = 1e-14;
+/// Relative to the magnitudes of its products a term errs by 8 roundings, and a little for their products.
+const TERM_ERROR: f64 = 9.0 * (f64::EPSILON / 2.0);
 
 /// The volume within the triangles over `vertices`, counter-clockwise from outside, in the cube of their unit.
+///
+/// NaN where a vertex is not finite.
 pub(super) fn volume(vertices: &[Vec3], triangles: impl Iterator<Item = [u32; 3]> + Clone) -> f64 {
     let Some(&apex) = vertices.first() else { return 0.0 };
+    if vertices.iter().flatten().any(|x| !x.is_finite()) {
+        return f64::NAN;
+    }
     let corners = triangles.map(|t| t.map(|i| vertices[i as usize]));
     let (sum, error) = float_sum(&apex, corners.clone());
     if error <= 0.5 * ACCURACY * sum {
@@ -24,32 +31,47 @@ pub(super) fn volume(vertices: &[Vec3], triangles: impl Iterator<Item = [u32; 3]
     if error <= 0.5 * ACCURACY * sum { sum / 6.0 } else { exact_volume(&apex, corners) }
 }
 
-/// Six volumes and a bound of the error: 8 roundings to a term, and those of the compensated sum.
+/// Six times the volume of the tetrahedron from `apex` over a triangle, to 1e-12 unless it is nearly nothing.
+pub(super) fn six_volumes(apex: &Vec3, corners: &[Vec3; 3]) -> f64 {
+    let (term, magnitude) = float_term(apex, corners);
+    let certain = TERM_ERROR * magnitude <= 1e-12 * term.abs();
+    if certain { term } else { double_double_term(apex, corners).value() }
+}
+
+/// Six volumes and a bound of the error; the sum itself is compensated (Neumaier 1974).
 fn float_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64) {
     let (mut sum, mut compensation, mut magnitude) = (0.0, 0.0, 0.0);
-    for [a, b, c] in corners {
-        let (u, v, w) = (b - a, c - a, a - apex);
-        let [p, q] = [u.yzx().component_mul(&v.zxy()), u.zxy().component_mul(&v.yzx())];
-        let term = (p - q).dot(&w);
-        magnitude += (p.abs() + q.abs()).dot(&w.abs());
-        // Neumaier's sum.
-        let next = sum + term;
+    for triangle in corners {
+        let (term, size) = float_term(apex, &triangle);
+        magnitude += size;
+        let next: f64 = sum + term;
         compensation += if f64::abs(sum) >= f64::abs(term) { (sum - next) + term } else { (term - next) + sum };
         sum = next;
     }
-    (sum + compensation, 9.0 * (f64::EPSILON / 2.0) * magnitude)
+    (sum + compensation, TERM_ERROR * magnitude)
+}
+
+/// A term, and the sum of the magnitudes of its six products.
+fn float_term(apex: &Vec3, [a, b, c]: &[Vec3; 3]) -> (f64, f64) {
+    let (u, v, w) = (b - a, c - a, a - apex);
+    let [p, q] = [u.yzx().component_mul(&v.zxy()), u.zxy().component_mul(&v.yzx())];
+    ((p - q).dot(&w), (p.abs() + q.abs()).dot(&w.abs()))
 }
 
 fn double_double_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64) {
-    let difference = |p: &Vec3, q: &Vec3| -> Dd3 { [0, 1, 2].map(|k| Dd::difference(p[k], q[k])) };
     let (mut sum, mut magnitude, mut count) = (Dd::ZERO, 0.0, 0.0);
     for [a, b, c] in corners {
-        let (u, v, w) = (difference(&b, &a), difference(&c, &a), difference(&a, apex));
-        sum = sum + double_double::dot(&double_double::cross(&u, &v), &w);
+        sum = sum + double_double_term(apex, &[a, b, c]);
         magnitude += (b - a).abs().sum() * (c - a).abs().sum() * (a - apex).abs().sum();
         count += 1.0;
     }
     (sum.value(), (10.0 + count) * DD_EPSILON * magnitude)
+}
+
+fn double_double_term(apex: &Vec3, [a, b, c]: &[Vec3; 3]) -> Dd {
+    let difference = |p: &Vec3, q: &Vec3| -> Dd3 { [0, 1, 2].map(|k| Dd::difference(p[k], q[k])) };
+    let normal = double_double::cross(&difference(b, a), &difference(c, a));
+    double_double::dot(&normal, &difference(a, apex))
 }
 
 fn exact_volume(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]> + Clone) -> f64 {

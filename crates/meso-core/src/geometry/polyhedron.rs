@@ -2,6 +2,7 @@
 
 use super::faces::{Face, FaceList};
 use super::integrals;
+use super::predicates::orient3d;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 
 /// A closed convex polyhedron.
@@ -117,8 +118,9 @@ impl Polyhedron {
         let apex = self.vertices[0];
         let (mut volume, mut moment, mut covariance) = (0.0, Vec3::zeros(), Mat3::zeros());
         for triangle in self.triangles() {
-            let [a, b, c] = triangle.map(|i| self.vertices[i as usize] - apex);
-            let v = a.dot(&b.cross(&c)) / 6.0;
+            let corners = triangle.map(|i| self.vertices[i as usize]);
+            let v = integrals::six_volumes(&apex, &corners) / 6.0;
+            let [a, b, c] = corners.map(|p| p - apex);
             let s = a + b + c;
             volume += v;
             moment += s * (v / 4.0);
@@ -126,7 +128,16 @@ impl Polyhedron {
         }
         let mean = moment / volume;
         let central = covariance - mean * mean.transpose() * volume;
-        MassProperties { volume, centroid: apex + mean, inertia: Mat3::identity() * central.trace() - central }
+        let inertia = Mat3::identity() * central.trace() - central;
+        MassProperties { volume: self.volume, centroid: apex + mean, inertia }
+    }
+
+    /// True when the closed body has `point`; exact where the faces are plane to the last bit.
+    pub fn contains(&self, point: &Vec3) -> bool {
+        self.faces().all(|face| {
+            let [a, b, c] = [0, 1, 2].map(|k| &self.vertices[face.vertex(k) as usize]);
+            orient3d(a, b, c, point) <= 0.0
+        })
     }
 
     /// The smallest axis-aligned box around the body.

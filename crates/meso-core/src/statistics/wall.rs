@@ -73,8 +73,5 @@ fn depth(sample: &Sample, point: &Vec3) -> f64 {
 fn is_covered(sample: &Sample, point: &Vec3) -> bool {
     let mut near = Vec::new();
     sample.index.near(&Aabb { min: *point, max: *point }, &mut near);
-    near.iter().any(|&a| {
-        let mut planes = sample.aggregates[a as usize].body.planes();
-        planes.all(|plane| plane.normal.dot(point) <= plane.offset)
-    })
+    near.iter().any(|&a| sample.aggregates[a as usize].body.contains(point))
 }

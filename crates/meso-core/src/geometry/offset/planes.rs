@@ -7,6 +7,9 @@ use crate::math::Vec3;
 /// The dual points n / (n . (a - center) - thickness |n|) of the planes through three `corners` each, in 1/mm, or
 /// `None` where the centre is not certainly inside all planes.
 pub(super) fn dual_points(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64) -> Option<Vec<Vec3>> {
+    if !center.iter().all(|x| x.is_finite()) {
+        return None;
+    }
     let point = |triangle| {
         double_double_point(triangle, center, thickness).or_else(|| exact_point(triangle, center, thickness))
     };
