@@ -1,7 +1,7 @@
 //! The convex hull, proved in exact arithmetic, on everything that breaks hull codes.
 
 use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
-use crate::solids::{Source, block, coplanar, lower_dimensional, solids};
+use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
 use meso_core::geometry::{HullBuilder, HullError, Polyhedron, affine_dimension, convex_hull};
 use meso_core::math::Vec3;
 use num_bigint::BigInt;
@@ -105,6 +105,43 @@ fn small_lattice_sets_are_proved_or_flat() {
         }
     }
     assert!(flat > 200 && merged > 1500, "{flat} flat and {merged} merged sets");
+}
+
+/// Hard sets, proved; returns how many were flat.
+fn prove_hard_sets(seed: u64, sets: usize) -> usize {
+    let mut source = Source::new(seed);
+    let mut flat = 0;
+    for kind in 0..sets {
+        let cloud = hard(&mut source, kind);
+        match convex_hull(&cloud.points) {
+            Err(HullError::LowerDimensional { dimension }) => {
+                assert_eq!(exact_dimension(&exact(&cloud.points)), dimension, "{}", cloud.name);
+                flat += 1;
+            }
+            _ => drop(proved_hull(&cloud.points, &cloud.name)),
+        }
+    }
+    flat
+}
+
+/// The affine dimension, by elimination.
+fn exact_dimension(points: &[Big3]) -> u8 {
+    let arms: Vec<Big3> = points.iter().map(|p| minus(p, &points[0])).collect();
+    let Some(u) = arms.iter().find(|arm| !is_zero(arm)) else { return 0 };
+    let Some(normal) = arms.iter().map(|arm| cross(u, arm)).find(|n| !is_zero(n)) else { return 1 };
+    if arms.iter().any(|arm| dot(arm, &normal) != BigInt::ZERO) { 3 } else { 2 }
+}
+
+#[test]
+fn hard_sets_are_proved_or_flat() {
+    let flat = prove_hard_sets(5, 3000);
+    assert!((10..1000).contains(&flat), "{flat} flat sets");
+}
+
+#[test]
+#[ignore = "slow tier"]
+fn a_hundred_thousand_hard_sets_are_proved_or_flat() {
+    assert!(prove_hard_sets(6, 100_000) > 300);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::erosion::Planes;
 use crate::hull::assert_closed;
-use crate::solids::{Cloud, Source, block, coplanar, duplicates, issues, lattices, near_flat, paper, scaled};
+use crate::solids::{Cloud, Source, block, coplanar, duplicates, hard, issues, lattices, near_flat, paper, scaled};
 use meso_core::geometry::{OffsetError, Polyhedron, convex_hull, inscribed_ball, inward_offset};
 use meso_core::math::Vec3;
 
@@ -102,6 +102,35 @@ fn vanishing_is_decided_to_the_last_bit() {
         }
     }
     assert!(vanished > 100 && left > 100, "{vanished} vanished, {left} left");
+}
+
+/// Offsets of hard sets, at shares of the inradius and at its neighbours, against the reference.
+fn score_hard_sets(seed: u64, sets: usize) -> Score {
+    let mut source = Source::new(seed);
+    let mut score = Score::default();
+    for kind in (0..sets).filter(|kind| kind % 7 != 3) {
+        let cloud = hard(&mut source, kind);
+        let Some(body) = convex_hull(&cloud.points).ok().filter(|body| body.faces().len() < 20) else { continue };
+        let planes = Planes::of(&body);
+        let radius = inscribed_ball(&body).radius;
+        for thickness in [0.4 * radius, 0.99 * radius, radius.next_down(), radius, radius.next_up()] {
+            compare(&mut score, inward_offset(&body, thickness), planes.eroded_volume(thickness), &cloud.name);
+        }
+    }
+    score
+}
+
+#[test]
+fn offsets_of_hard_sets_are_right_or_refused() {
+    let score = score_hard_sets(35, 100);
+    assert!(score.worst <= 1e-9 && score.right > 30 && score.vanished > 50, "{score:?}");
+}
+
+#[test]
+#[ignore = "slow tier"]
+fn offsets_of_many_hard_sets_are_right_or_refused() {
+    let score = score_hard_sets(36, 3000);
+    assert!(score.worst <= 1e-9, "{score:?}");
 }
 
 #[test]

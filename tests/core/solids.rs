@@ -266,6 +266,45 @@ fn cylinder_plus_sphere() -> Vec<Vec3> {
         .collect()
 }
 
+/// A random set of one of the kinds that are hard to decide: lattices nudged by ulps, points nearly in planes or on
+/// lines, magnitudes from 1e-60 to 1e60, few planes, repeated and reflected points.
+pub(crate) fn hard(source: &mut Source, kind: usize) -> Cloud {
+    let n = 5 + source.below(20);
+    let mut points = source.lattice(n, 2 + kind % 4);
+    match kind % 7 {
+        0 => points.iter_mut().for_each(|p| *p = p.map(|x| nudged(source, x))),
+        1 => points.iter_mut().for_each(|p| *p = p.map(|x| nudged(source, x / 3.0 + 100.0))),
+        2 => points.iter_mut().for_each(|p| p.z = nudged(source, (p.x + 2.0 * p.y) / 7.0)),
+        3 => points.iter_mut().for_each(|p| *p = p.map(|_| wild(source))),
+        4 => {
+            let turn = source.rotation();
+            points.iter_mut().for_each(|p| *p = turn * *p);
+        }
+        5 => {
+            let center = points[0] * 2.0;
+            points.extend(points.clone().iter().map(|p| center - p));
+        }
+        _ => {
+            let along = source.direction();
+            points.iter_mut().for_each(|p| *p = along * p.x + along.yzx() * (p.y * 1e-9) + along.zxy() * (p.z * 1e-12));
+        }
+    }
+    cloud(format!("hard {kind}"), points)
+}
+
+fn nudged(source: &mut Source, x: f64) -> f64 {
+    match source.below(4) {
+        0 if x != 0.0 => x.next_up(),
+        1 if x != 0.0 => x.next_down(),
+        _ => x,
+    }
+}
+
+fn wild(source: &mut Source) -> f64 {
+    let magnitude = libm::exp10(120.0 * source.unit() - 60.0).clamp(1e-60, 1e60);
+    [0.0, magnitude, -magnitude][source.below(3)]
+}
+
 /// Sets of fewer than three dimensions, each with its dimension.
 pub(crate) fn lower_dimensional() -> Vec<(u8, Cloud)> {
     let mut source = Source::new(21);
