@@ -92,6 +92,24 @@ def test_meshio_reads_the_deck_and_its_sets(mesh, tmp_path):
     assert {"AGGREGATE", "ITZ", "MORTAR"} <= set(deck.cell_sets)
 
 
+def test_deck_options_are_those_of_the_command(mesh, tmp_path):
+    mesh.write(tmp_path / "deck.inp")
+    mesh.write(tmp_path / "geometry.inp", geometry_only=True, reduced_integration=True)
+    deck, geometry = ((tmp_path / f"{name}.inp").read_text(encoding="ascii") for name in ("deck", "geometry"))
+    assert "*MATERIAL" in deck.upper()
+    assert "*MATERIAL" not in geometry.upper()
+    assert "C3D8R" in geometry
+    with pytest.raises(ValueError, match="geometryonly is not a known key; did you mean geometry_only"):
+        mesh.write(tmp_path / "wrong.inp", geometryonly=True)
+
+
+def test_lattices_of_tetrahedra_are_meshes_too(packing):
+    mesh = packing.mesh(method="lattice", element_size=4.0)
+    assert mesh.cell_type == "tetra"
+    assert mesh.cells.shape[1] == 4
+    assert sum(mesh.volumes().values()) == pytest.approx(60.0**3, rel=1e-9)
+
+
 def test_both_readers_read_the_vtu(mesh, tmp_path):
     mesh.write(tmp_path / "mesh.vtu")
     pyvista, meshio = pytest.importorskip("pyvista"), pytest.importorskip("meshio")

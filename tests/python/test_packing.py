@@ -176,3 +176,13 @@ def test_other_wrong_arguments_are_refused():
         mc.pack(progress=3)
     with pytest.raises(TypeError):
         mc.pack({}, 3)
+
+
+def test_statistics_know_their_limits(packing):
+    statistics = packing.statistics(lines=2000, points=20_000)
+    assert statistics["fraction"] == pytest.approx(packing.fraction, rel=1e-12)
+    assert statistics == packing.statistics(lines=2000, points=20_000)
+    with pytest.raises(ValueError, match="lag_mm is -1; it must be a positive length"):
+        packing.statistics(lag_mm=-1.0)
+    with pytest.raises(ValueError, match="lagmm is not a known key"):
+        packing.statistics(lagmm=1.0)

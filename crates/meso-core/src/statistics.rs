@@ -20,6 +20,7 @@ use crate::gjk::GjkError;
 use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{ClassReport, Specimen};
+use crate::spec::SpecError;
 use index::Index;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,27 @@ impl Default for Options {
         Self { seed: 1, lines: 10_000, lag_mm: 0.5, lags: 81, points: 200_000, layer_mm: 1.0 }
     }
 }
+
+impl Options {
+    /// Names the first value that cannot be.
+    ///
+    /// # Errors
+    /// A step or layer that is no positive length; more lags than a curve needs.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        for (key, value) in [("lag_mm", self.lag_mm), ("layer_mm", self.layer_mm)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(SpecError::value(key, format!("is {value}; it must be a positive length")));
+            }
+        }
+        if self.lags > MAX_LAGS {
+            return Err(SpecError::value("lags", format!("is {}; it must be at most {MAX_LAGS}", self.lags)));
+        }
+        Ok(())
+    }
+}
+
+/// Most lags of a correlation function: every line stores one figure for each.
+const MAX_LAGS: u32 = 10_000;
 
 /// The figures of one packing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,12 @@
 //! Files for the core's readers and writers, which open none: by extension, and whole or not at all.
 
 use crate::boundary::file_error;
-use meso_core::export::{abaqus, vtu_mesh};
-use meso_core::formats::Format;
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::formats::{Format, MeshFormat};
 use meso_core::mesh::{self, Mesh, MeshOptions};
 use meso_core::{Model, saved};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
-use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -29,32 +28,27 @@ pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool) -> PyResu
     if let Some(format) = Format::from_path(path) {
         return write_whole(path, overwrite, |out| format.write(model, out));
     }
-    if extension(path) == "inp" {
+    if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let mesh = mesh::build(model, &MeshOptions::default());
-        return write_mesh(&mesh.map_err(|error| PyValueError::new_err(error.to_string()))?, path, overwrite);
+        let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite);
     }
-    let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(", ");
-    Err(unknown_format(path, &format!("{known}, .inp")))
+    Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp"]].concat()))
 }
 
-/// Writes a mesh in the format that the extension of `path` names.
+/// Writes a mesh in the format that the extension of `path` names; `deck` counts for decks.
 ///
 /// # Errors
 /// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
-pub(crate) fn write_mesh(mesh: &Mesh, path: &Path, overwrite: bool) -> PyResult<()> {
-    match extension(path).as_str() {
-        "inp" => write_whole(path, overwrite, |out| abaqus::write(mesh, &abaqus::DeckOptions::default(), out)),
-        "vtu" => write_whole(path, overwrite, |out| vtu_mesh::write(mesh, &[], out)),
-        _ => Err(unknown_format(path, ".inp, .vtu")),
+pub(crate) fn write_mesh(mesh: &Mesh, deck: &DeckOptions, path: &Path, overwrite: bool) -> PyResult<()> {
+    match MeshFormat::from_path(path) {
+        Some(format) => write_whole(path, overwrite, |out| format.write(mesh, deck, out)),
+        None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
     }
 }
 
-/// In lower case, without its dot.
-fn extension(path: &Path) -> String {
-    path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase()
-}
-
-fn unknown_format(path: &Path, known: &str) -> PyErr {
+fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
+    let known = known.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
     PyValueError::new_err(format!("{}: the extension names no format; it must be one of {known}", path.display()))
 }
 

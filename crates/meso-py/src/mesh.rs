@@ -5,10 +5,10 @@ use crate::boundary::guard;
 use crate::files;
 use crate::packing::{call_view, plain};
 use crate::run::beside_python;
-use crate::spec::spec_error;
-use crate::tree::from_python;
+use crate::spec::options;
+use meso_core::Model;
+use meso_core::export::abaqus::DeckOptions;
 use meso_core::mesh::{self, CellKind, Mesh, MeshOptions, NO_AGGREGATE, PhaseVolumes};
-use meso_core::{Model, spec};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -23,8 +23,7 @@ pub(crate) struct PyMesh(Arc<Mesh>);
 
 /// Meshes `model` with the options that Python's keywords name.
 pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
-    let value = from_python("", keywords.as_any())?;
-    let options: MeshOptions = spec::options_from_value(&value).map_err(|error| spec_error(&error))?;
+    let options: MeshOptions = options(Some(keywords))?;
     let built = beside_python(py, None, move |_| mesh::build(&model, &options))?;
     built.map(|mesh| PyMesh(Arc::new(mesh))).map_err(|error| PyValueError::new_err(error.to_string()))
 }
@@ -73,15 +72,27 @@ impl PyMesh {
 
     /// Writes the mesh, whole or not at all; the extension names the format.
     ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     `.inp` or `.vtu`.
+    /// overwrite : bool
+    ///     Whether a file that is there already is replaced.
+    /// **deck
+    ///     What an `.inp` holds beside the mesh, e.g. `geometry_only=True`, `reduced_integration=True`.
+    ///
     /// Raises
     /// ------
     /// ValueError
     ///     For an extension that names no mesh format; the message lists them.
     /// OSError
     ///     Where the file cannot be written.
-    #[pyo3(signature = (path, *, overwrite=true))]
-    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        guard(|| py.detach(|| files::write_mesh(&self.0, &path, overwrite)))
+    #[pyo3(signature = (path, *, overwrite=true, **deck))]
+    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, deck: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        guard(|| {
+            let (mesh, deck) = (Arc::clone(&self.0), options::<DeckOptions>(deck)?);
+            beside_python(py, None, move |_| files::write_mesh(&mesh, &deck, &path, overwrite))?
+        })
     }
 
     /// The mesh as a PyVista unstructured grid (needs the extra `plot`).

@@ -7,6 +7,7 @@ use crate::run::{beside_python, check_callable};
 use crate::spec::{self, PySpec};
 use crate::{arrays, files, tree};
 use meso_core::check::{Check, check};
+use meso_core::statistics::{Options, statistics};
 use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -192,6 +193,26 @@ impl PyPacking {
             let model = Arc::clone(&self.0);
             let check = beside_python(py, None, move |_| check(&model))?;
             plain(py, &Checked { sound: check.is_sound(), check })
+        })
+    }
+
+    /// Measures grading, shape, orientation, wall effect, gaps and correlation functions.
+    ///
+    /// Parameters
+    /// ----------
+    /// **options
+    ///     How much is sampled, and how finely: `seed`, `lines`, `lag_mm`, `lags`, `points`, `layer_mm`.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    #[pyo3(signature = (**options))]
+    fn statistics<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        guard(|| {
+            let (model, options) = (Arc::clone(&self.0), spec::options::<Options>(options)?);
+            options.validate().map_err(|error| spec::spec_error(&error))?;
+            let measured = beside_python(py, None, move |_| statistics(&model, &options))?;
+            plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
         })
     }
 

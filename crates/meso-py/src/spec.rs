@@ -2,10 +2,11 @@
 
 use crate::boundary::{file_error, guard};
 use crate::tree;
-use meso_core::spec::{Spec, SpecError, SpecErrorKind};
+use meso_core::spec::{self, Spec, SpecError, SpecErrorKind};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -38,6 +39,12 @@ pub(crate) fn spec_error(error: &SpecError) -> PyErr {
         SpecErrorKind::WrongType => PyTypeError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
     }
+}
+
+/// Options that are no part of a spec, from Python's keywords; what they leave out keeps its default.
+pub(crate) fn options<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
+    let value = keywords.map_or(Ok(Value::Object(Map::new())), |dict| tree::from_python("", dict.as_any()))?;
+    spec::options_from_value(&value).map_err(|error| spec_error(&error))
 }
 
 fn read(path: &Path) -> PyResult<Spec> {
