@@ -8,7 +8,26 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
-__all__: list[str]
+__all__ = [
+    "Aggregate",
+    "Aggregates",
+    "Mesh",
+    "Packing",
+    "Polyhedron",
+    "Spec",
+    "__version__",
+    "_restore_aggregate",
+    "_restore_packing",
+    "_restore_polyhedron",
+    "_restore_spec",
+    "_run_command",
+    "convex_hull",
+    "distance",
+    "intersects",
+    "intersects_many",
+    "load",
+    "pack",
+]
 
 _Path: TypeAlias = str | PathLike[str]
 
