@@ -18,6 +18,7 @@ pub mod recipes;
 pub mod saved;
 pub mod spec;
 pub mod statistics;
+mod wide;
 
 pub use model::{Model, pack};
 pub use packing::{Progress, Silent};

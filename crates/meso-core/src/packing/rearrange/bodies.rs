@@ -4,6 +4,7 @@ use super::contact::{LANES, Points, V};
 use crate::aggregate::take::Grain;
 use crate::math::{Rotation, Vec3};
 use crate::packing::{Pose, Specimen};
+use crate::wide::widest;
 use rayon::prelude::*;
 
 /// Where the vertices of a body stand in the coordinate arrays.
@@ -47,18 +48,24 @@ pub(super) struct Bodies {
     /// Vertices about the centre: x, y, z blocks of `LANES` one after the other, as taken and as turned.
     shape: Vec<f32>,
     turned: Vec<f32>,
+    /// Box of every body about its centre: lowest and highest coordinates.
+    boxes: Vec<(V, V)>,
 }
 
 impl Bodies {
-    /// The grains at `poses`, ordered along a space-filling curve.
-    pub(super) fn new(grains: &[Grain], poses: &[Pose], specimen: &Specimen) -> Self {
-        let mut order: Vec<(u64, u32)> =
-            poses.iter().enumerate().map(|(i, pose)| (morton(&pose.centre, specimen), i as u32)).collect();
-        order.sort_unstable();
-        let mut bodies =
-            Self { fixed: Vec::new(), state: Vec::new(), spans: Vec::new(), shape: Vec::new(), turned: Vec::new() };
-        for &(_, i) in &order {
-            bodies.push(i, &grains[i as usize], &poses[i as usize]);
+    /// The grains (by number) at their poses, ordered along a space-filling curve.
+    pub(super) fn new(grains: &[Grain], mut poses: Vec<(u32, Pose)>, specimen: &Specimen) -> Self {
+        poses.sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, specimen), *grain));
+        let mut bodies = Self {
+            fixed: Vec::new(),
+            state: Vec::new(),
+            spans: Vec::new(),
+            shape: Vec::new(),
+            turned: Vec::new(),
+            boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
+        };
+        for (grain, pose) in &poses {
+            bodies.push(*grain, &grains[*grain as usize], pose);
         }
         bodies.turned = bodies.shape.clone();
         bodies
@@ -110,31 +117,37 @@ impl Bodies {
         [d.x as f32, d.y as f32, d.z as f32]
     }
 
+    /// True when the boxes of two bodies are less than `limit` mm apart in every coordinate.
+    #[inline(always)]
+    pub(super) fn boxes_within(&self, i: u32, j: u32, limit: f32) -> bool {
+        let x = self.offset(i, j);
+        let ((low_i, high_i), (low_j, high_j)) = (self.boxes[i as usize], self.boxes[j as usize]);
+        (0..3).all(|k| x[k] + low_j[k] <= high_i[k] + limit && x[k] + high_j[k] >= low_i[k] - limit)
+    }
+
     /// Calls `step` on every body's state, then turns its vertices and puts it back inside `walls`.
     pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &mut State) + Sync) {
-        let Self { state, spans, shape, turned, fixed } = self;
+        let Self { state, spans, shape, turned, fixed, boxes } = self;
         let blocks = split(turned, spans);
-        state.par_iter_mut().zip(blocks).enumerate().with_min_len(256).for_each(|(body, (state, turned))| {
+        let moving = state.par_iter_mut().zip(blocks).zip(boxes).enumerate().with_min_len(256);
+        moving.for_each(|(body, ((state, turned), own_box))| {
             let before = state.centre;
             step(body as u32, state);
             let start = spans[body].start as usize;
-            let extent = turn(&shape[start..start + turned.len()], turned, &state.rotation);
-            state.centre = walls.confine(state.centre, &extent);
+            *own_box = widest(|| turn(&shape[start..start + turned.len()], turned, &state.rotation));
+            state.centre = walls.confine(state.centre, own_box);
             let moved = (state.centre - before).norm() + state.spin.norm() * f64::from(fixed[body].outer_radius);
             state.path += moved * 1.000_001;
         });
     }
 
-    /// The pose of every grain, in the order of the grains.
-    pub(super) fn poses(&self) -> Vec<Pose> {
-        let mut poses: Vec<(u32, Pose)> = self
-            .fixed
-            .iter()
-            .zip(&self.state)
-            .map(|(fixed, state)| (fixed.grain, Pose { rotation: Some(state.rotation), centre: state.centre }))
-            .collect();
-        poses.sort_unstable_by_key(|&(grain, _)| grain);
-        poses.into_iter().map(|(_, pose)| pose).collect()
+    /// The pose of every grain of `grains`; `None` for those that are not here.
+    pub(super) fn poses(&self, grains: usize) -> Vec<Option<Pose>> {
+        let mut poses = vec![None; grains];
+        for (fixed, state) in self.fixed.iter().zip(&self.state) {
+            poses[fixed.grain as usize] = Some(Pose { rotation: Some(state.rotation), centre: state.centre });
+        }
+        poses
     }
 }
 
@@ -145,8 +158,8 @@ pub(super) struct Walls {
 }
 
 impl Walls {
-    fn confine(&self, centre: Vec3, (low, high): &(Vec3, Vec3)) -> Vec3 {
-        Vec3::from_fn(|i, _| centre[i].max(self.low[i] - low[i]).min(self.high[i] - high[i]))
+    fn confine(&self, centre: Vec3, (low, high): &(V, V)) -> Vec3 {
+        Vec3::from_fn(|i, _| centre[i].max(self.low[i] - f64::from(low[i])).min(self.high[i] - f64::from(high[i])))
     }
 }
 
@@ -161,11 +174,12 @@ fn split<'a>(mut all: &'a mut [f32], spans: &[Span]) -> Vec<&'a mut [f32]> {
     blocks
 }
 
+#[inline(always)]
 /// Turns `shape` by `rotation` into `turned`; returns the box of the result.
-fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (Vec3, Vec3) {
+fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
     let len = shape.len() / 3;
     let matrix = rotation.to_rotation_matrix();
-    let (mut low, mut high) = (Vec3::zeros(), Vec3::zeros());
+    let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
     let (x, rest) = shape.split_at(len);
     let (y, z) = rest.split_at(len);
     for (row, out) in turned.chunks_exact_mut(len).enumerate() {
@@ -180,8 +194,8 @@ fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (Vec3, Vec3) 
                 most[lane] = if v > most[lane] { v } else { most[lane] };
             }
         }
-        low[row] = f64::from(least.iter().fold(f32::INFINITY, |m, &v| m.min(v)));
-        high[row] = f64::from(most.iter().fold(f32::NEG_INFINITY, |m, &v| m.max(v)));
+        low[row] = least.iter().fold(f32::INFINITY, |m, &v| m.min(v));
+        high[row] = most.iter().fold(f32::NEG_INFINITY, |m, &v| m.max(v));
     }
     (low, high)
 }

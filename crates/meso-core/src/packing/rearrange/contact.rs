@@ -93,7 +93,7 @@ const TOLERANCE: f64 = 1e-4;
 impl Contact {
     /// A first guess: only a direction.
     pub(super) fn towards(normal: V) -> Self {
-        Self { normal, ..Self::default() }
+        Self { normal, gap: f32::INFINITY, ..Self::default() }
     }
 
     /// Finds the contact anew, starting from the remembered one, whose `gap` must be current.
@@ -149,6 +149,7 @@ impl Contact {
         true
     }
 
+    #[inline(always)]
     fn settle(&mut self, simplex: &Simplex, a: &Points, b: &Points, normal: V, gap: f32) {
         (self.normal, self.gap) = (normal, gap);
         (self.on_a, self.on_b) = ([0.0; 3], [0.0; 3]);
@@ -180,6 +181,7 @@ impl Simplex {
         self.count += 1;
     }
 
+    #[inline(always)]
     fn holds(&self, i: u16, j: u16) -> bool {
         self.features[..self.count].contains(&(i, j))
     }
@@ -203,6 +205,7 @@ impl Simplex {
         v
     }
 
+    #[inline(always)]
     fn keep(&mut self, kept: &[usize], weights: &[f64]) {
         for (to, (&from, &weight)) in kept.iter().zip(weights).enumerate() {
             self.points[to] = self.points[from];
@@ -212,6 +215,7 @@ impl Simplex {
         self.count = kept.len();
     }
 
+    #[inline(always)]
     fn segment(&mut self) {
         let [a, b, ..] = self.points;
         let ab = sub(b, a);
@@ -225,11 +229,13 @@ impl Simplex {
         }
     }
 
+    #[inline(always)]
     fn triangle(&mut self) {
         let (kept, weights, count) = nearest_on_triangle([self.points[0], self.points[1], self.points[2]]);
         self.keep(&kept[..count], &weights[..count]);
     }
 
+    #[inline(always)]
     /// The nearest of the faces whose plane has the origin on the outer side.
     fn tetrahedron(&mut self) {
         let mut best: Option<([usize; 3], [f64; 3], usize, f64)> = None;
@@ -258,6 +264,7 @@ impl Simplex {
 
 /// The vertices and weights of the point of triangle `abc` nearest the origin (C. Ericson, Real-Time Collision
 /// Detection, 2005, Sec. 5.1.5).
+#[inline(always)]
 fn nearest_on_triangle([a, b, c]: [[f64; 3]; 3]) -> ([usize; 3], [f64; 3], usize) {
     let (ab, ac) = (sub(b, a), sub(c, a));
     let (d1, d2) = (-dot3(ab, a), -dot3(ac, a));
@@ -291,7 +298,8 @@ fn nearest_on_triangle([a, b, c]: [[f64; 3]; 3]) -> ([usize; 3], [f64; 3], usize
     ([0, 1, 2], [va / sum, vb / sum, vc / sum], 3)
 }
 
-fn direction_or_up(x: V) -> V {
+/// The direction of `x`, or upwards where it has none.
+pub(super) fn direction_or_up(x: V) -> V {
     let length = dot(x, x).sqrt();
     if length > 1e-6 { scale(x, 1.0 / length) } else { [0.0, 0.0, 1.0] }
 }
@@ -326,14 +334,17 @@ pub(super) fn add_scaled(a: V, b: V, s: f32) -> V {
     [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s]
 }
 
+#[inline(always)]
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+#[inline(always)]
 fn dot3(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline(always)]
 fn cross3(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

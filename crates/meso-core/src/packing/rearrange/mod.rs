@@ -19,6 +19,7 @@ use pairs::{Pair, Pairs};
 use rayon::prelude::*;
 
 use crate::math::{Rotation, Vec3};
+use crate::wide::widest;
 
 /// Random positions tried per grain before it is dropped among the others.
 const START_ATTEMPTS: u32 = 60;
@@ -28,18 +29,25 @@ const SLOP: f64 = 0.004;
 const ENOUGH: f64 = 0.2;
 /// Movement is the sum over n contacts over n^0.6: 0.5 is unstable, 1 (the mean) is slow.
 const RELAXATION: f64 = 0.6;
+/// Beyond so many contacts the movement is damped no further.
+const MOST_CONTACTS: usize = 256;
 /// Momentum is dropped when the energy rises by this factor.
 const RESTART: f64 = 1.1;
 /// No body goes farther in a sweep than this share of its radius, nor turns by more radians.
 const LONGEST_STEP: f64 = 0.25;
 /// The list of pairs is made to last about this many sweeps.
-const LIST_SWEEPS: f64 = 12.0;
+const LIST_SWEEPS: f64 = 6.0;
+/// The list reaches at most so many slops beyond a contact: a longer one costs more than making it anew.
+const MOST_SKIN: f64 = 150.0;
 /// It is jammed when the energy has not fallen by a tenth in so many sweeps.
-const PATIENCE: u32 = 400;
+const PATIENCE: u32 = 150;
 /// Pairs a thread takes at once.
 const CHUNK: usize = 1024;
 
-/// Places all grains of `task`, or says why it could not and leaves out what overlaps.
+/// A jam is relieved by leaving out the worst wedged grains, up to this share of the volume at a time.
+const RELIEF: f64 = 0.02;
+
+/// Places all grains of `task`, or as many as go, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = take_and_place::place(task, START_ATTEMPTS);
     outcome.strategy = "rearrange";
@@ -47,27 +55,43 @@ pub(super) fn place(task: &Task) -> Outcome {
         return outcome;
     }
     outcome.dead_end = StopReason::Jammed;
-    let poses = drop::fill(task, &outcome.poses);
-    let mut dynamics = Dynamics::new(task, &poses);
+    let mut dynamics = Dynamics::new(task, drop::fill(task, &outcome.poses));
     loop {
-        outcome.stop = dynamics.run(task);
-        let proved = prove::keep_apart(task, &dynamics.bodies.poses(), &mut outcome.work);
-        // Single precision took a pair for open that is not: ask for more room, and go on.
-        if proved.left_out > 0 && dynamics.ended == Ended::Open && dynamics.ask_for_more() {
+        let ended = dynamics.run(task);
+        if ended == Ended::Jammed {
+            dynamics.relieve(task);
             continue;
         }
-        outcome.poses = proved.poses;
+        let proved = prove::keep_apart(task, dynamics.bodies.poses(task.request.grains.len()), &mut outcome.work);
+        // Single precision took a pair for open that is not: ask for more room, and go on.
+        if proved.left_out > 0 && ended == Ended::Open && dynamics.ask_for_more() {
+            continue;
+        }
         outcome.work.sweeps = u64::from(dynamics.sweep);
+        if let Ended::Told(reason) = ended {
+            outcome.stop = Some(reason);
+        }
+        // Stopped early, what is left of the overlapping grains may be less than what the start had placed.
+        if volume(task, &proved.poses) > volume(task, &outcome.poses) {
+            outcome.poses = proved.poses;
+        }
         return outcome;
     }
 }
 
+fn volume(task: &Task, poses: &[Option<Pose>]) -> f64 {
+    task.request.grains.iter().zip(poses).filter(|(_, pose)| pose.is_some()).map(|(grain, _)| grain.volume).sum()
+}
+
+/// How a run of sweeps ended.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Ended {
     /// Every pair has its gap.
     Open,
-    /// No way on, or told to stop.
-    Stuck,
+    /// The overlaps do not shrink any more.
+    Jammed,
+    /// The task said stop.
+    Told(StopReason),
 }
 
 struct Dynamics {
@@ -80,7 +104,6 @@ struct Dynamics {
     enough: f64,
     momentum: f64,
     sweep: u32,
-    ended: Ended,
 }
 
 /// What one look at all pairs found.
@@ -91,8 +114,9 @@ struct Look {
 }
 
 impl Dynamics {
-    fn new(task: &Task, poses: &[Pose]) -> Self {
+    fn new(task: &Task, poses: Vec<Pose>) -> Self {
         let request = &task.request;
+        let poses = (0..).zip(poses).collect();
         let bodies = Bodies::new(request.grains, poses, request.specimen);
         let smallest = bodies.fixed.iter().map(|fixed| fixed.ball_radius).fold(f32::INFINITY, f32::min);
         let slop = SLOP * f64::from(smallest);
@@ -107,29 +131,27 @@ impl Dynamics {
             enough: ENOUGH * slop,
             momentum: momentum(request.fraction),
             sweep: 0,
-            ended: Ended::Stuck,
         }
     }
 
     /// Moves the bodies until every pair is open, nothing helps any more, or the task says stop.
-    fn run(&mut self, task: &Task) -> Option<StopReason> {
+    fn run(&mut self, task: &Task) -> Ended {
         self.bodies.advance(&self.walls, |_, _| {});
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
         loop {
             self.renew_pairs();
             let look = self.look();
             if look.open_below == 0 {
-                self.ended = Ended::Open;
-                return None;
+                return Ended::Open;
             }
             if look.energy < 0.9 * best {
                 (best, best_sweep) = (look.energy, self.sweep);
             }
             if self.sweep - best_sweep > PATIENCE {
-                return None;
+                return Ended::Jammed;
             }
             if let Some(reason) = task.stopped(0.0) {
-                return Some(reason);
+                return Ended::Told(reason);
             }
             let momentum = if look.energy > RESTART * last { 0.0 } else { self.momentum };
             last = look.energy;
@@ -138,9 +160,35 @@ impl Dynamics {
         }
     }
 
+    /// Leaves out the grains with the most overlap for their volume.
+    fn relieve(&mut self, task: &Task) {
+        let grains = task.request.grains;
+        let want = (self.least_gap + self.slop) as f32;
+        let mut worst: Vec<(f64, u32)> = (0..self.bodies.len() as u32)
+            .map(|body| {
+                let pairs = self.pairs.as_first(body).chain(self.pairs.as_second(body));
+                let energy: f64 = pairs.map(|pair| f64::from((want - pair.contact.gap).max(0.0)).powi(2)).sum();
+                let grain = self.bodies.fixed[body as usize].grain;
+                (energy / grains[grain as usize].volume, grain)
+            })
+            .collect();
+        worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
+        let mut poses = self.bodies.poses(grains.len());
+        let mut budget = RELIEF * volume(task, &poses);
+        for (_, grain) in worst {
+            poses[grain as usize] = None;
+            budget -= grains[grain as usize].volume;
+            if budget <= 0.0 {
+                break;
+            }
+        }
+        let kept = (0..).zip(poses).filter_map(|(grain, pose)| Some((grain, pose?))).collect();
+        self.bodies = Bodies::new(grains, kept, task.request.specimen);
+        self.pairs = Pairs::none();
+    }
+
     fn ask_for_more(&mut self) -> bool {
         self.enough *= 2.0;
-        self.ended = Ended::Stuck;
         self.enough < self.slop
     }
 
@@ -155,7 +203,7 @@ impl Dynamics {
             .zip(&self.bodies.fixed)
             .map(|(state, fixed)| state.velocity.norm() + state.spin.norm() * f64::from(fixed.outer_radius))
             .fold(0.0, f64::max);
-        let skin = (LIST_SWEEPS * fastest).clamp(10.0 * self.slop, 100.0 * self.slop);
+        let skin = (LIST_SWEEPS * fastest).clamp(10.0 * self.slop, MOST_SKIN * self.slop);
         self.pairs.rebuild(&self.bodies, self.least_gap + self.slop, skin);
     }
 
@@ -163,20 +211,8 @@ impl Dynamics {
     fn look(&mut self) -> Look {
         let (bodies, want) = (&self.bodies, (self.least_gap + self.slop) as f32);
         let enough = (self.least_gap + self.enough) as f32;
-        let looks: Vec<Look> = self
-            .pairs
-            .all
-            .par_chunks_mut(CHUNK)
-            .map(|pairs| {
-                let mut look = Look::default();
-                for pair in pairs {
-                    let short = update(bodies, pair, want);
-                    look.energy += f64::from(short) * f64::from(short);
-                    look.open_below += u32::from(short > want - enough);
-                }
-                look
-            })
-            .collect();
+        let looks: Vec<Look> =
+            self.pairs.all.par_chunks_mut(CHUNK).map(|pairs| widest(|| look_at(bodies, pairs, want, enough))).collect();
         looks.iter().fold(Look::default(), |sum, look| Look {
             energy: sum.energy + look.energy,
             open_below: sum.open_below + look.open_below,
@@ -186,11 +222,11 @@ impl Dynamics {
     fn step(&mut self, momentum: f64) {
         let Self { bodies, pairs, walls, least_gap, slop, .. } = self;
         let want = (*least_gap + *slop) as f32;
-        let fixed = bodies.fixed.clone();
+        let (fixed, relaxations) = (bodies.fixed.clone(), relaxations());
         bodies.advance(walls, |body, state| {
             let own = fixed[body as usize];
             let (push, twist, contacts) = pushes(pairs, &fixed, body, want);
-            let share = relaxation(contacts);
+            let share = relaxations[contacts.min(MOST_CONTACTS)];
             let far = LONGEST_STEP * f64::from(own.ball_radius);
             state.velocity = clip(state.velocity * momentum + to_vec3(push) * share, far);
             state.spin = clip(state.spin * momentum + to_vec3(twist) * share, LONGEST_STEP);
@@ -204,7 +240,19 @@ fn momentum(fraction: f64) -> f64 {
     (0.75 + (fraction - 0.5) / 0.15 * 0.2).clamp(0.7, 0.95)
 }
 
+#[inline(always)]
+fn look_at(bodies: &Bodies, pairs: &mut [Pair], want: f32, enough: f32) -> Look {
+    let mut look = Look::default();
+    for pair in pairs {
+        let short = update(bodies, pair, want);
+        look.energy += f64::from(short) * f64::from(short);
+        look.open_below += u32::from(short > want - enough);
+    }
+    look
+}
+
 /// How much of the wanted gap a pair lacks; 0 where it lacks none.
+#[inline(always)]
 fn update(bodies: &Bodies, pair: &mut Pair, want: f32) -> f32 {
     let (a, b) = (pair.a, pair.b);
     let paths = bodies.state[a as usize].path + bodies.state[b as usize].path;
@@ -212,9 +260,16 @@ fn update(bodies: &Bodies, pair: &mut Pair, want: f32) -> f32 {
         pair.contact.gap = want;
         return 0.0;
     }
+    let was_clear = pair.contact.gap >= want;
+    if was_clear && !bodies.boxes_within(a, b, want) {
+        return 0.0;
+    }
     let (p, q, x) = (bodies.points(a), bodies.points(b), bodies.offset(a, b));
-    pair.contact.gap = contact::gap_along(&p, &q, x, pair.contact.normal);
-    if pair.contact.gap < want {
+    // A pair that was in contact most likely still is: its query, started from the old features, finds the gap, too.
+    if was_clear {
+        pair.contact.gap = contact::gap_along(&p, &q, x, pair.contact.normal);
+    }
+    if !was_clear || pair.contact.gap < want {
         pair.contact.refresh(&p, &q, x);
     }
     pair.clear = f64::from(pair.contact.gap) + paths;
@@ -253,8 +308,9 @@ fn impulse(pair: &Pair, fixed: &[bodies::Fixed], want: f32) -> f32 {
     (want - pair.contact.gap) / ease
 }
 
-fn relaxation(contacts: usize) -> f64 {
-    libm::pow(contacts.max(1) as f64, -RELAXATION)
+/// Share of the summed movement that is done, by the number of contacts; one for each number up to [`MOST_CONTACTS`].
+fn relaxations() -> Vec<f64> {
+    (0..=MOST_CONTACTS).map(|contacts| libm::pow(contacts.max(1) as f64, -RELAXATION)).collect()
 }
 
 fn clip(v: Vec3, longest: f64) -> Vec3 {

@@ -1,10 +1,11 @@
 //! Which bodies may touch: pairs within a skin, by a grid, with what is known of their contact.
 
 use super::bodies::Bodies;
-use super::contact::{Contact, V, dot, gap_along, scale};
+use super::contact::{Contact, direction_or_up};
+use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
-/// Two bodies within the skin of each other, `a < b`.
+/// Two bodies within the skin of each other; `a` is of the finer level of size, or the lower number of one level.
 #[derive(Clone, Copy)]
 pub(super) struct Pair {
     pub(super) a: u32,
@@ -62,10 +63,10 @@ impl Pairs {
                 .any(|(state, path)| state.path - path > self.skin / 2.0)
     }
 
-    /// The pairs less than `reach + skin` apart, which the list stays complete for until a body has gone `skin / 2`.
-    /// What is known of a pair that was listed before is kept.
+    /// The pairs whose boxes are less than `reach + skin` apart, so that no other is within `reach` until a body has
+    /// gone `skin / 2`. What is known of a pair that was listed before is kept.
     pub(super) fn rebuild(&mut self, bodies: &Bodies, reach: f64, skin: f64) {
-        let cells = Cells::new(bodies, reach + skin);
+        let cells = Cells::new(bodies);
         let limit = (reach + skin) as f32;
         let chunks: Vec<Vec<Pair>> = (0..bodies.len().div_ceil(CHUNK))
             .into_par_iter()
@@ -76,7 +77,7 @@ impl Pairs {
                     found.clear();
                     cells.partners(bodies, a as u32, limit, &mut found);
                     found.sort_unstable();
-                    pairs.extend(found.iter().filter_map(|&b| self.pair(bodies, a as u32, b, limit)));
+                    pairs.extend(found.iter().map(|&b| self.pair(bodies, a as u32, b)));
                 }
                 pairs
             })
@@ -87,21 +88,20 @@ impl Pairs {
         self.paths_at_build = bodies.state.iter().map(|state| state.path).collect();
     }
 
-    /// The pair with its gap along the known or a first guess of the direction; `None` when that is beyond `limit`.
-    fn pair(&self, bodies: &Bodies, a: u32, b: u32, limit: f32) -> Option<Pair> {
-        let x = bodies.offset(a, b);
-        let known = (a as usize + 1 < self.firsts.len()).then(|| {
-            let (start, end) = (self.firsts[a as usize] as usize, self.firsts[a as usize + 1] as usize);
-            self.all[start..end].binary_search_by_key(&b, |pair| pair.b).ok().map(|i| self.all[start + i].contact)
-        });
-        let mut contact = known.flatten().unwrap_or_else(|| Contact::towards(unit(x)));
-        let (p, q) = (bodies.points(a), bodies.points(b));
-        contact.gap = gap_along(&p, &q, x, contact.normal);
-        if contact.gap > limit {
-            return None;
+    /// The pair as the old list knew it, or with a first guess of its direction and due for a look.
+    fn pair(&self, bodies: &Bodies, a: u32, b: u32) -> Pair {
+        let old = if a as usize + 1 < self.firsts.len() {
+            &self.all[self.firsts[a as usize] as usize..self.firsts[a as usize + 1] as usize]
+        } else {
+            &[]
+        };
+        match old.binary_search_by_key(&b, |pair| pair.b) {
+            Ok(i) => old[i],
+            Err(_) => {
+                let contact = Contact::towards(direction_or_up(bodies.offset(a, b)));
+                Pair { a, b, contact, clear: f64::NEG_INFINITY }
+            }
         }
-        let clear = f64::from(contact.gap) + bodies.state[a as usize].path + bodies.state[b as usize].path;
-        Some(Pair { a, b, contact, clear })
     }
 
     fn index(&mut self, bodies: usize) {
@@ -132,12 +132,7 @@ fn starts(keys: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
     starts
 }
 
-fn unit(x: V) -> V {
-    let length = dot(x, x).sqrt();
-    if length > 1e-6 { scale(x, 1.0 / length) } else { [0.0, 0.0, 1.0] }
-}
-
-/// Bodies by the cell of their centre, in levels of size: a level's cells are as wide as its largest bodies reach.
+/// Bodies by the cell of their centre, in levels of size, from the coarsest.
 struct Cells {
     levels: Vec<Level>,
 }
@@ -146,88 +141,94 @@ struct Level {
     origin: [f64; 3],
     cell: f64,
     counts: [i64; 3],
-    largest: f64,
+    largest: f32,
     starts: Vec<u32>,
-    members: Vec<u32>,
+    members: Vec<Member>,
+}
+
+/// What of a body decides whether it may be near: copied, so that a look at a cell reads memory in a row.
+#[derive(Clone, Copy, Default)]
+struct Member {
+    centre: [f32; 3],
+    radius: f32,
+    body: u32,
 }
 
 /// A level holds bodies down to this share of its largest radius.
-const LEVEL_SPAN: f64 = 0.6;
+const LEVEL_SPAN: f32 = 0.6;
 
 impl Cells {
-    fn new(bodies: &Bodies, reach: f64) -> Self {
-        let mut radii: Vec<f64> = bodies.fixed.iter().map(|fixed| f64::from(fixed.outer_radius)).collect();
-        radii.sort_unstable_by(f64::total_cmp);
+    fn new(bodies: &Bodies) -> Self {
+        let mut radii: Vec<f32> = bodies.fixed.iter().map(|fixed| fixed.outer_radius).collect();
+        radii.sort_unstable_by(f32::total_cmp);
         let mut levels = Vec::new();
         let mut rest = radii.as_slice();
         while let Some(&largest) = rest.last() {
             let below = rest.partition_point(|&radius| radius < LEVEL_SPAN * largest);
-            let smallest = rest[below];
-            levels.push(Level::new(bodies, smallest, largest, reach));
+            levels.push(Level::new(bodies, rest[below], largest));
             rest = &rest[..below];
         }
         Self { levels }
     }
 
-    /// Bodies after `a` whose bounding spheres come within `limit` of that of `a`.
+    /// Bodies of the level of `a` after it, and of all coarser levels, whose boxes come within `limit` of its own.
     fn partners(&self, bodies: &Bodies, a: u32, limit: f32, found: &mut Vec<u32>) {
-        let radius = bodies.fixed[a as usize].outer_radius;
-        let centre = bodies.state[a as usize].centre;
+        let (radius, centre) = (bodies.fixed[a as usize].outer_radius, &bodies.state[a as usize].centre);
+        // The members' centres are rounded; a ten-thousandth of the distance is far more than that.
+        let [x, y, z] = [centre.x as f32, centre.y as f32, centre.z as f32];
         for level in &self.levels {
-            let range = f64::from(radius) + level.largest + f64::from(limit);
-            level.visit(&centre, range, |b| {
-                let x = bodies.offset(a, b);
-                let near = radius + bodies.fixed[b as usize].outer_radius + limit;
-                if b > a && dot(x, x) <= near * near {
-                    found.push(b);
+            let own = radius >= LEVEL_SPAN * level.largest;
+            let reach = (radius + limit) * 1.000_1;
+            level.visit(centre, f64::from(reach + level.largest), |member| {
+                let [dx, dy, dz] = [member.centre[0] - x, member.centre[1] - y, member.centre[2] - z];
+                let near = dx * dx + dy * dy + dz * dz <= (reach + member.radius) * (reach + member.radius);
+                if near && (member.body > a || !own) && bodies.boxes_within(a, member.body, limit) {
+                    found.push(member.body);
                 }
             });
+            if own {
+                return;
+            }
         }
     }
 }
 
 impl Level {
-    fn new(bodies: &Bodies, smallest: f64, largest: f64, reach: f64) -> Self {
-        let members: Vec<u32> = (0..bodies.len() as u32)
-            .filter(|&body| (smallest..=largest).contains(&f64::from(bodies.fixed[body as usize].outer_radius)))
-            .collect();
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for &body in &members {
-            let centre = bodies.state[body as usize].centre;
-            for i in 0..3 {
-                low[i] = low[i].min(centre[i]);
-                high[i] = high[i].max(centre[i]);
-            }
-        }
-        let cell = 2.0 * largest + reach;
-        let counts = [0, 1, 2].map(|i| ((high[i] - low[i]) / cell) as i64 + 1);
-        let mut level = Self { origin: low, cell, counts, largest, starts: Vec::new(), members: Vec::new() };
-        let keys: Vec<u32> =
-            members.iter().map(|&body| level.flat(level.cell_of(&bodies.state[body as usize].centre))).collect();
+    fn new(bodies: &Bodies, smallest: f32, largest: f32) -> Self {
+        let radii = smallest..=largest;
+        let inside = |body: &u32| radii.contains(&bodies.fixed[*body as usize].outer_radius);
+        let centre = |body: &u32| &bodies.state[*body as usize].centre;
+        let members: Vec<u32> = (0..bodies.len() as u32).filter(inside).collect();
+        let aabb = Aabb::around(members.iter().map(centre));
+        let cell = f64::from(largest);
+        let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
+        let mut level =
+            Self { origin: aabb.min.into(), cell, counts, largest, starts: Vec::new(), members: Vec::new() };
+        let keys: Vec<u32> = members.iter().map(|body| level.flat(level.cell_of(centre(body)))).collect();
         level.starts = starts(counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = level.starts.clone();
-        level.members = vec![0; members.len()];
+        level.members = vec![Member::default(); members.len()];
         for (&body, &key) in members.iter().zip(&keys) {
-            level.members[next[key as usize] as usize] = body;
+            let centre = centre(&body).cast::<f32>().into();
+            let radius = bodies.fixed[body as usize].outer_radius;
+            level.members[next[key as usize] as usize] = Member { centre, radius, body };
             next[key as usize] += 1;
         }
         level
     }
 
-    fn visit(&self, centre: &crate::math::Vec3, range: f64, mut each: impl FnMut(u32)) {
-        let low = self.cell_of(&(centre - crate::math::Vec3::repeat(range)));
-        let high = self.cell_of(&(centre + crate::math::Vec3::repeat(range)));
+    fn visit(&self, centre: &Vec3, range: f64, mut each: impl FnMut(&Member)) {
+        let low = self.cell_of(&(centre - Vec3::repeat(range)));
+        let high = self.cell_of(&(centre + Vec3::repeat(range)));
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 let (first, last) = (self.flat([low[0], y, z]) as usize, self.flat([high[0], y, z]) as usize);
-                for &body in &self.members[self.starts[first] as usize..self.starts[last + 1] as usize] {
-                    each(body);
-                }
+                self.members[self.starts[first] as usize..self.starts[last + 1] as usize].iter().for_each(&mut each);
             }
         }
     }
 
-    fn cell_of(&self, point: &crate::math::Vec3) -> [i64; 3] {
+    fn cell_of(&self, point: &Vec3) -> [i64; 3] {
         [0, 1, 2].map(|i| (((point[i] - self.origin[i]) / self.cell) as i64).clamp(0, self.counts[i] - 1))
     }
 

@@ -17,20 +17,25 @@ pub(super) struct Proved {
 
 /// Keeps of `poses` (one per grain of the task) what is proved; of two grains in doubt the one with more doubts goes,
 /// then the smaller.
-pub(super) fn keep_apart(task: &Task, poses: &[Pose], work: &mut Work) -> Proved {
-    let poses: Vec<Pose> = poses.iter().map(|pose| Pose { centre: snap(&pose.centre), ..*pose }).collect();
-    let settled: Vec<Settled> =
-        task.request.grains.par_iter().zip(&poses).map(|(grain, pose)| Settled::new(task, grain, pose)).collect();
+pub(super) fn keep_apart(task: &Task, mut poses: Vec<Option<Pose>>, work: &mut Work) -> Proved {
+    for pose in poses.iter_mut().flatten() {
+        pose.centre = snap(&pose.centre);
+    }
+    let there: Vec<usize> = (0..poses.len()).filter(|&grain| poses[grain].is_some()).collect();
+    let settled: Vec<Settled> = there
+        .par_iter()
+        .filter_map(|&i| Some(Settled::new(task, &task.request.grains[i], poses[i].as_ref()?)))
+        .collect();
     let mut grid = Grid::new(&task.request.specimen.aabb(), 2.0 * settled[settled.len() / 2].radius);
     settled.iter().for_each(|body| grid.insert(&body.aabb));
     let looks: Vec<(Vec<u32>, Counters)> =
         (0..settled.len()).into_par_iter().map(|body| doubts(task, &grid, &settled, body)).collect();
     looks.iter().for_each(|look| work.add(&look.1));
-    let mut kept = vec![true; poses.len()];
-    drop_outside(&settled, &mut kept);
+    let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
     drop_doubtful(looks.into_iter().map(|look| look.0).collect(), &mut kept);
-    let left_out = kept.iter().filter(|kept| !**kept).count();
-    Proved { poses: poses.into_iter().zip(kept).map(|(pose, kept)| kept.then_some(pose)).collect(), left_out }
+    let outcasts = there.iter().zip(&kept).filter(|(_, kept)| !**kept);
+    let left_out = outcasts.map(|(&grain, _)| poses[grain] = None).count();
+    Proved { poses, left_out }
 }
 
 /// A grain at its final coordinates.
@@ -76,12 +81,6 @@ fn doubts(task: &Task, grid: &Grid, settled: &[Settled], body: usize) -> (Vec<u3
     });
     doubts.sort_unstable();
     (doubts, counters)
-}
-
-fn drop_outside(settled: &[Settled], kept: &mut [bool]) {
-    for (kept, body) in kept.iter_mut().zip(settled) {
-        *kept = body.inside;
-    }
 }
 
 /// Drops grains until no doubtful pair is left; grains come in descending volume.
