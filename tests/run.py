@@ -2,7 +2,7 @@
 """Runs every test of mesocrete, Rust and Python, on a machine that has cargo and Python 3.10 or newer.
 
     python3 tests/run.py            set up .venv, build the wheel, cargo test, pytest
-    python3 tests/run.py --slow     the slow tier, too (hours of random cases)
+    python3 tests/run.py --slow     with the slow tier, which takes long
 
 It needs the standard library alone, and says at the end what was skipped and why. The exit code is 0 when every stage
 passed.
@@ -19,14 +19,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
-# Programs and Python packages that some tests compare with; without them those tests skip.
+# Programs that some Rust tests compare with; without them those tests skip. pytest names its own skips.
 PEERS = {
-    "ccx": "CalculiX: the solver tests of the decks (Debian: calculix-ccx)",
-    "gmsh": "gmsh: reading our meshes, and the conforming mesher (Debian or PyPI: gmsh)",
-    "valgrind": "valgrind: instruction counts of the benchmarks (Debian: valgrind)",
-    "chromium": "chromium: opening the HTML report (Debian: chromium)",
+    "ccx": "CalculiX solving our decks (Debian: calculix-ccx)",
+    "gmsh": "gmsh reading our meshes (PyPI or Debian: gmsh)",
 }
-LIBCCD = "libccd: the reference of the collision benchmarks (Debian: libccd-dev)"
 
 
 def main() -> int:
@@ -121,9 +118,7 @@ def summarise(results: list[tuple[str, int]], seconds: float) -> int:
     """Print the closing lines; 1 where a stage failed."""
     for program, what in PEERS.items():
         if shutil.which(program) is None:
-            print(f"skipped what needs {what}")
-    if not any(Path(place, "ccd/ccd.h").exists() for place in ("/usr/include", "/usr/local/include")):
-        print(f"skipped what needs {LIBCCD}")
+            print(f"skipped, for want of {program}: {what}")
     failed = [name for name, code in results if code != 0]
     for name, code in results:
         print(f"{'ok    ' if code == 0 else 'FAILED'} {name}")

@@ -109,7 +109,7 @@ fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
 ///     Where it is no model; the message says what is wrong and where.
 #[pyfunction]
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyPacking> {
-    guard(|| Ok(PyPacking(Arc::new(py.detach(|| files::load(&path))?))))
+    guard(|| Ok(PyPacking(Arc::new(beside_python(py, None, move |_| files::load(&path))??))))
 }
 
 /// A serialisable value as Python's own types.

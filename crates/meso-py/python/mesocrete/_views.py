@@ -46,11 +46,9 @@ def plot_packing(packing: Any, *, screenshot: Any = None, **options: Any) -> Any
     low, high = packing.bounds
     box = pyvista.Box(bounds=[low[0], high[0], low[1], high[1], low[2], high[2]])
     plotter.add_mesh(box, style="wireframe", color="black")
-    return plotter.show(screenshot=screenshot) if screenshot is None else _save(plotter, screenshot)
-
-
-def _save(plotter: Any, path: Any) -> Any:
-    plotter.screenshot(path)
+    if screenshot is None:
+        return plotter.show()
+    plotter.screenshot(screenshot)
     return plotter.close()
 
 
