@@ -1,4 +1,4 @@
-"""The README's Python example runs, and its links lead somewhere."""
+"""The README's examples run as they stand, and its links lead somewhere."""
 
 import re
 from pathlib import Path
@@ -17,6 +17,17 @@ def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
         exec(compile(block, "README.md", "exec"), {})
     assert "target-reached" in capsys.readouterr().out
     assert {path.name for path in tmp_path.iterdir()} == {"model.vtu", "mesh.inp"}
+
+
+def test_the_commands_run(run, tmp_path):
+    blocks = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    lines = [line.partition("#")[0].split() for block in blocks for line in block.splitlines()]
+    commands = [words[1:] for words in lines if words[:1] == ["mesocrete"]]
+    assert len(commands) >= 4
+    for command in commands:
+        process = run(*command)
+        assert process.returncode == 0, (command, process.stderr)
+    assert {"SPEC.toml", "model.json", "mesh.inp"} <= {path.name for path in tmp_path.iterdir()}
 
 
 @pytest.mark.parametrize("page", PAGES)
