@@ -159,6 +159,19 @@ fn statistics_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
+fn absurd_options_are_bounded() {
+    let model = model(60.0, vec![ball(Vec3::repeat(30.0), 10.0)]);
+    for (lag_mm, layer_mm) in
+        [(1e-300, 1e-300), (0.0, 0.0), (-1.0, -1.0), (f64::NAN, f64::NAN), (f64::INFINITY, f64::INFINITY)]
+    {
+        let options = Options { lines: 3, points: 50, lag_mm, layer_mm, lags: u32::MAX, ..Options::default() };
+        let found = statistics(&model, &options).unwrap();
+        assert!(found.correlation.lag_mm.len() <= 10_001 && found.wall_effect.depth_mm.len() <= 1000);
+        assert!(!found.correlation.lag_mm.is_empty());
+    }
+}
+
+#[test]
 fn an_empty_packing_has_statistics_too() {
     let found = measured(40.0, Vec::new());
     assert_eq!((found.fraction, found.shapes.length_mm, found.nearest_distance_mm), (0.0, None, None));

@@ -35,7 +35,7 @@ pub struct Options {
     pub lines: u32,
     /// Step between two lags of the correlation functions, mm.
     pub lag_mm: f64,
-    /// Number of lags, from 0.
+    /// Number of lags, from 0; those that no line of the specimen has are left out, as are those beyond 10,000.
     pub lags: u32,
     /// Random points for the wall effect.
     pub points: u32,
@@ -123,6 +123,16 @@ struct Sample<'a> {
 /// The sum in list order of figures computed in parallel.
 fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sync + Send) -> f64 {
     aggregates.par_iter().map(figure).collect::<Vec<_>>().iter().sum()
+}
+
+/// Joins the figures of numbered batches in their order; only so many are held at a time.
+fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut join: impl FnMut(T)) {
+    const HELD: u32 = 512;
+    for first in (0..batches).step_by(HELD as usize) {
+        let last = batches.min(first.saturating_add(HELD));
+        let held: Vec<T> = (first..last).into_par_iter().map(&figures).collect();
+        held.into_iter().for_each(&mut join);
+    }
 }
 
 /// True when the closed specimen has `point`, with `gap` mm to its surface.

@@ -5,17 +5,19 @@
 //! the aggregates, so that the only error is that of the choice of lines. Known limits: S2(0) = L(0) = f; S2 falls at
 //! first with a quarter of the specific surface, and tends to f^2 (Torquato, Random Heterogeneous Materials, 2002).
 
-use super::{Sample, holds};
+use super::{Sample, holds, in_order};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Lines to a batch: each batch has its own random stream.
 const BATCH: u32 = 64;
 /// Halvings of the bracket of a line's end: to 1e-12 of the specimen.
 const HALVINGS: u32 = 40;
+
+/// More lags than that resolve nothing.
+const MOST_LAGS: f64 = 10_000.0;
 
 /// The correlation functions at equidistant lags.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -52,16 +54,14 @@ struct Sums {
 }
 
 pub(super) fn correlation(sample: &Sample) -> Correlation {
-    let options = sample.options;
-    let batches = options.lines.div_ceil(BATCH);
-    let all: Vec<Sums> = (0..batches).into_par_iter().map(|batch| sums(sample, batch)).collect();
-    let mut total = Sums::new(options.lags as usize);
-    all.iter().for_each(|sums| total.join(sums));
+    let (options, lags) = (sample.options, lags(sample));
+    let mut total = Sums::new(lags);
+    in_order(options.lines.div_ceil(BATCH), |batch| sums(sample, batch), |sums| total.join(&sums));
     // Lags longer than every line have no pair.
-    let lags: Vec<usize> = (0..options.lags as usize).filter(|&k| total.room[k] > 0.0).collect();
+    let lags: Vec<usize> = (0..lags).filter(|&k| total.room[k] > 0.0).collect();
     let shares = |counted: &[f64]| lags.iter().map(|&k| counted[k] / total.room[k]).collect();
     Correlation {
-        lag_mm: lags.iter().map(|&k| k as f64 * options.lag_mm).collect(),
+        lag_mm: lags.iter().map(|&k| k as f64 * lag(sample)).collect(),
         two_point: shares(&total.pairs),
         lineal_path: shares(&total.segments),
         slope_per_mm: if total.length > 0.0 { -total.chords / total.length } else { 0.0 },
@@ -70,11 +70,24 @@ pub(super) fn correlation(sample: &Sample) -> Correlation {
     }
 }
 
+/// The step between lags; 0 where the one asked for is none.
+fn lag(sample: &Sample) -> f64 {
+    let lag = sample.options.lag_mm;
+    if lag.is_finite() && lag > 0.0 { lag } else { 0.0 }
+}
+
+/// As many lags as asked, as long as the specimen has room for them; only r = 0 where there is no step.
+fn lags(sample: &Sample) -> usize {
+    let lag = lag(sample);
+    let room = if lag > 0.0 { sample.specimen.aabb().size().norm() / lag } else { 0.0 };
+    (sample.options.lags as usize).min(1 + room.min(MOST_LAGS) as usize)
+}
+
 fn sums(sample: &Sample, batch: u32) -> Sums {
     let mut stream = Stream::new(sample.options.seed, Purpose::Sample, 1, u64::from(batch));
-    let mut sums = Sums::new(sample.options.lags as usize);
+    let mut sums = Sums::new(lags(sample));
     for _ in 0..BATCH.min(sample.options.lines - batch * BATCH) {
-        sums.add(&line(sample, &mut stream), sample.options.lag_mm);
+        sums.add(&line(sample, &mut stream), lag(sample));
     }
     sums
 }

@@ -1,9 +1,8 @@
 //! The wall effect: less aggregate near a mould, since no grain's middle comes closer to it than its radius.
 
-use super::{Sample, holds};
+use super::{Sample, holds, in_order};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::math::{Aabb, Vec3};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Points to a batch: each batch has its own random stream.
@@ -27,17 +26,22 @@ type Counts = Vec<[u64; 2]>;
 
 pub(super) fn wall_effect(sample: &Sample) -> WallEffect {
     let width = layer_width(sample);
-    let batches = sample.options.points.div_ceil(BATCH);
-    let counts: Vec<Counts> = (0..batches).into_par_iter().map(|batch| count(sample, batch)).collect();
-    let layers = counts.iter().map(Vec::len).max().unwrap_or(0);
-    let sum = |layer: usize, k: usize| counts.iter().filter_map(|c| c.get(layer)).map(|c| c[k]).sum::<u64>();
+    let mut total = Counts::new();
+    in_order(sample.options.points.div_ceil(BATCH), |batch| count(sample, batch), |counts| join(&mut total, &counts));
     let mut effect = WallEffect::default();
-    for layer in (0..layers).filter(|&layer| sum(layer, 0) > 0) {
+    for (layer, [all, covered]) in total.into_iter().enumerate().filter(|(_, [all, _])| *all > 0) {
         effect.depth_mm.push((layer as f64 + 0.5) * width);
-        effect.fraction.push(sum(layer, 1) as f64 / sum(layer, 0) as f64);
-        effect.points.push(sum(layer, 0));
+        effect.fraction.push(covered as f64 / all as f64);
+        effect.points.push(all);
     }
     effect
+}
+
+fn join(total: &mut Counts, counts: &Counts) {
+    total.resize(total.len().max(counts.len()), [0; 2]);
+    for (sum, count) in total.iter_mut().zip(counts) {
+        *sum = [sum[0] + count[0], sum[1] + count[1]];
+    }
 }
 
 fn count(sample: &Sample, batch: u32) -> Counts {
