@@ -1,6 +1,10 @@
 //! The collision tests against independent references.
 
 mod answers;
+mod batches;
 mod bodies;
 mod families;
+mod invariance;
+mod oracle;
 mod reference;
+mod slow;

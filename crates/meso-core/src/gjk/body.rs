@@ -104,6 +104,12 @@ impl Body {
         self.rest.as_deref().unwrap_or(&[])
     }
 
+    /// True for a body of at most 32 points.
+    #[inline(always)]
+    pub(crate) fn is_one_group(&self) -> bool {
+        self.rest.is_none()
+    }
+
     /// The point in slot `i`.
     #[inline(always)]
     pub(crate) fn slot(&self, i: usize) -> Vec3 {

@@ -10,7 +10,7 @@ use crate::math::Vec3;
 /// Unit roundoff of f64.
 const U: f64 = f64::EPSILON / 2.0;
 /// More than all products of one sum can lose by underflow.
-const UNDERFLOW: f64 = 1e-300;
+pub(crate) const UNDERFLOW: f64 = 1e-300;
 
 /// True when the heights of all points prove that `v` separates A from B + x by more than `gap` |v|.
 ///
@@ -35,6 +35,9 @@ fn highest(p: &Vec3, v: &Vec3) -> f64 {
     let terms = p.component_mul(v);
     terms.sum() + 6.0 * U * terms.abs().sum()
 }
+
+/// Bound of a determinant's error over reach^3: see [`encloses_origin_roughly`].
+pub(crate) const ENCLOSING: f64 = 128.0 * U;
 
 /// A point of A - B and bounds of its coordinates' magnitudes, each wrong by at most u times the bound.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +84,6 @@ pub(crate) fn encloses_origin_roughly(points: &[Vec3; 4], reach: f64) -> bool {
     let [p0, p1, p2, p3] = points;
     let (c01, c23) = (p0.cross(p1), p2.cross(p3));
     let determinants = [p1.dot(&c23), -p0.dot(&c23), p3.dot(&c01), -p2.dot(&c01)];
-    let bound = 128.0 * U * reach * reach * reach + UNDERFLOW;
+    let bound = ENCLOSING * reach * reach * reach + UNDERFLOW;
     determinants.iter().all(|&d| d > bound) || determinants.iter().all(|&d| d < -bound)
 }

@@ -7,18 +7,21 @@ use crate::geometry::{Face, Polyhedron};
 use crate::math::{Mat3, Vec3};
 
 /// Room for the rounding of everything this file computes: some hundred operations on well-conditioned matrices.
-const SLACK: f64 = 1e-9;
+pub(crate) const SLACK: f64 = 1e-9;
 
 /// What a header tells of a body.
+///
+/// The first eight floats are read as they lie, eight bodies at a time, by the lockstep kernel.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Ellipsoids {
     /// S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz. In f32, and larger by what that rounds off.
     around: [f32; 6],
     /// The inner ellipsoid over the outer one, squared; 0: none known.
     inner_squared: f32,
-    pub(crate) circumradius: f64,
     /// Rounded down.
     pub(crate) inradius: f32,
+    pub(crate) circumradius: f64,
 }
 
 /// What the spheres or ellipsoids tell of a pair.
@@ -66,6 +69,14 @@ impl Ellipsoids {
     pub(crate) fn matrix(&self) -> Mat3 {
         let [xx, yy, zz, xy, xz, yz] = self.around.map(f64::from);
         Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    }
+
+    /// S, the square of the inner over the outer ellipsoid, and the inradius, as they lie in memory.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub(crate) fn floats(&self) -> [f32; 8] {
+        let [xx, yy, zz, xy, xz, yz] = self.around;
+        [xx, yy, zz, xy, xz, yz, self.inner_squared, self.inradius]
     }
 
     /// Finds how far the outer ellipsoid must shrink to lie inside every face plane.

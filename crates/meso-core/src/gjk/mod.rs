@@ -15,6 +15,7 @@
 //!
 //! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`].
 
+mod batch;
 mod body;
 mod certificate;
 mod classical;
@@ -30,8 +31,9 @@ mod simd;
 mod simplex;
 mod support;
 
+pub use batch::{Ask, clear_many, overlap_many};
 pub use body::Body;
-pub use pair::{Counters, apart, apart_counted, overlap, overlap_counted};
+pub use pair::{Counters, apart, apart_counted, overlap, overlap_counted, overlap_with};
 pub use query::{
     GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
     verdict_with,

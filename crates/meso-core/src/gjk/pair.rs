@@ -9,6 +9,7 @@ use super::enhanced::{Enhanced, Found, Pair};
 use super::exact::ExactPair;
 use super::nearest::SubAlgorithm;
 use super::portal::Portal;
+use super::query::Method;
 use super::simd::{Kernel, Search, dispatch};
 use super::simplex::Corners;
 use crate::math::Vec3;
@@ -47,6 +48,17 @@ pub fn overlap(a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
 #[inline]
 pub fn overlap_counted(a: &Body, b: &Body, b_from_a: &Vec3, counters: &mut Counters) -> bool {
     Query { a, b, x: *b_from_a, gap: 0.0, start: None }.axis(counters).is_none()
+}
+
+/// [`overlap`] by a chosen search from the first step, without the spheres and ellipsoids: for comparisons.
+pub fn overlap_with(method: Method, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
+    let query = Query { a, b, x: *b_from_a, gap: 0.0, start: None };
+    let v = if *b_from_a == Vec3::zeros() { Vec3::x() } else { *b_from_a };
+    match method.search(query.pair(), v) {
+        Found::Apart(_) => false,
+        Found::Overlap(_) => true,
+        Found::Doubt(corners) => query.decide(corners.pairs(), &mut Counters::default()).is_none(),
+    }
 }
 
 /// A unit axis from A to B along which the bodies are more than `gap` (mm) apart, or `None` when they are not.

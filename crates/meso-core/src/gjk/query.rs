@@ -100,6 +100,20 @@ impl Method {
     }
 }
 
+impl Method {
+    /// The search in floating point from direction `v`.
+    pub(crate) fn search(self, pair: Pair<'_>, v: Vec3) -> Found {
+        let until = Until::Apart(0.0);
+        let classical = |sub_algorithm| dispatch(Classical { pair, v, sub_algorithm, until });
+        match self {
+            Self::Enhanced => dispatch(Enhanced { pair, v }),
+            Self::Classical => classical(SubAlgorithm::Johnson),
+            Self::SignedVolumes => classical(SubAlgorithm::SignedVolumes),
+            Self::Exact => Found::Doubt(Corners::NONE),
+        }
+    }
+}
+
 impl FromStr for Method {
     type Err = GjkError;
 
@@ -279,15 +293,9 @@ impl<'p> Scaled<'p> {
     }
 
     fn search(&self, method: Method) -> Found {
-        let (pair, until) = (self.pair(), Until::Apart(0.0));
+        let pair = self.pair();
         let v = if self.towards_b == Vec3::zeros() { Vec3::x() } else { self.towards_b };
-        let classical = |sub_algorithm| dispatch(Classical { pair, v, sub_algorithm, until });
-        match method {
-            Method::Enhanced => dispatch(Enhanced { pair, v }),
-            Method::Classical => classical(SubAlgorithm::Johnson),
-            Method::SignedVolumes => classical(SubAlgorithm::SignedVolumes),
-            Method::Exact => Found::Doubt(Corners::NONE),
-        }
+        method.search(pair, v)
     }
 
     fn overlap(&self, method: Method) -> bool {

@@ -1,0 +1,97 @@
+//! What must not change an answer, and what a verdict's witness must show.
+
+use super::families::{self, Dice};
+use meso_core::gjk::{self, GjkError, Method, Operand, Proof, Verdict};
+use meso_core::math::Vec3;
+
+type Map = fn(&[Vec3]) -> Vec<Vec3>;
+
+/// Maps that are exact in floating point and keep every relation of two bodies.
+const MAPS: [(&str, Map); 6] = [
+    ("reversed", |s| s.iter().rev().copied().collect()),
+    ("duplicated", |s| s.iter().chain(s).copied().collect()),
+    ("axes permuted", |s| s.iter().map(|p| Vec3::new(p.z, p.x, p.y)).collect()),
+    ("reflected", |s| s.iter().map(|p| Vec3::new(-p.x, p.y, p.z)).collect()),
+    ("doubled 12 times", |s| s.iter().map(|p| p * 4096.0).collect()),
+    ("halved 20 times", |s| s.iter().map(|p| p / 1_048_576.0).collect()),
+];
+
+#[test]
+fn answers_do_not_change_under_exact_maps_and_swapping() {
+    for (name, family) in families::ALL.iter().filter(|(name, _)| !name.contains("magnitudes")) {
+        for seed in 0..60 {
+            let (a, b) = family(&mut Dice::new(1000 + seed));
+            let answer = gjk::intersects(&a, &b).unwrap();
+            assert_eq!(gjk::intersects(&b, &a).unwrap(), answer, "{name}, seed {seed}, swapped");
+            for (map_name, map) in MAPS {
+                assert_eq!(gjk::intersects(&map(&a), &map(&b)).unwrap(), answer, "{name}, seed {seed}, {map_name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_scale_with_powers_of_two_to_the_last_bit_and_swap() {
+    for (name, family) in families::ALL.iter().filter(|(name, _)| !name.contains("magnitudes")) {
+        for seed in 0..20 {
+            let (a, b) = family(&mut Dice::new(2000 + seed));
+            let d = gjk::distance(&a, &b).unwrap();
+            assert_eq!(gjk::distance(&b, &a).unwrap(), d, "{name}, seed {seed}, swapped");
+            for (factor, (_, map)) in [4096.0, 1.0 / 1_048_576.0].into_iter().zip(&MAPS[4..]) {
+                assert_eq!(gjk::distance(&map(&a), &map(&b)).unwrap(), d * factor, "{name}, seed {seed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_separating_direction_separates_and_overlap_points_belong_to_the_bodies() {
+    for (name, family) in families::ALL.iter().filter(|(name, _)| !name.contains("magnitudes")) {
+        for seed in 0..40 {
+            let (a, b) = family(&mut Dice::new(3000 + seed));
+            match gjk::verdict(&a, &b).unwrap() {
+                Verdict::Separated { direction, proof: Proof::Margin } => {
+                    let height = |p: &Vec3| (p - a[0]).dot(&direction);
+                    let top = a.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+                    let bottom = b.iter().map(height).fold(f64::INFINITY, f64::min);
+                    assert!(top < bottom, "{name}, seed {seed}: {top:e} {bottom:e}");
+                }
+                Verdict::Separated { direction, proof: Proof::Exact } => assert!(direction.norm() > 0.0),
+                Verdict::Intersecting { points, .. } => {
+                    let pairs: (Vec<Vec3>, Vec<Vec3>) = points.iter().map(|&(i, j)| (a[i], b[j])).unzip();
+                    assert!(!pairs.0.is_empty() && gjk::intersects(&pairs.0, &pairs.1).unwrap(), "{name}, seed {seed}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_body_without_points_is_named() {
+    let point = [Vec3::zeros()];
+    assert_eq!(gjk::intersects(&[], &point), Err(GjkError::Empty { body: Operand::A }));
+    assert_eq!(gjk::distance(&point, &[]), Err(GjkError::Empty { body: Operand::B }));
+    let many = gjk::intersects_many(Method::Enhanced, &point, [&point[..], &[]]);
+    assert_eq!(many.unwrap_err().to_string(), "bodies[1] has no points; a body needs at least one");
+}
+
+#[test]
+fn coordinates_beyond_the_accepted_range_are_named() {
+    let a = [Vec3::zeros()];
+    for bad in [1e61, -1e-61, f64::MIN_POSITIVE, 5e-324] {
+        let b = [Vec3::zeros(), Vec3::new(0.0, bad, 1.0)];
+        assert_eq!(gjk::intersects(&a, &b), Err(GjkError::OutOfRange { body: Operand::B, index: 1, value: bad }));
+    }
+    for bad in [f64::NAN, f64::INFINITY] {
+        assert!(matches!(gjk::distance(&[Vec3::new(bad, 0.0, 0.0)], &a), Err(GjkError::NotFinite { index: 0, .. })));
+    }
+    assert!(gjk::intersects(&[Vec3::new(-0.0, 1e60, 1e-60)], &[Vec3::new(0.0, 1e60, 1e-60)]).unwrap());
+}
+
+#[test]
+fn methods_are_known_by_their_names() {
+    for method in Method::ALL {
+        assert_eq!(method.name().parse(), Ok(method));
+    }
+    assert!("gjk".parse::<Method>().unwrap_err().to_string().contains("\"enhanced\""));
+}
