@@ -7,6 +7,7 @@ mod erosion;
 mod exact;
 mod export;
 mod gjk;
+mod grading;
 mod hull;
 mod mesh;
 mod models;

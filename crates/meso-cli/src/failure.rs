@@ -29,13 +29,17 @@ impl Failure {
         Self::Run(format!("{}: {}", path.display(), plain(error)))
     }
 
-    /// Says it on stderr; the exit code.
-    pub(crate) fn tell(&self) -> u8 {
-        let message = match self {
+    /// What is wrong, and the way out.
+    pub(crate) fn message(&self) -> &str {
+        match self {
             Self::Usage(message) | Self::Run(message) => message,
             Self::Bug => "this is a mistake in mesocrete; please report it with the command and the spec",
-        };
-        say::line(format!("error: {message}"));
+        }
+    }
+
+    /// Says it on stderr; the exit code.
+    pub(crate) fn tell(&self) -> u8 {
+        say::line(format!("error: {}", self.message()));
         if matches!(self, Self::Usage(_)) { USAGE } else { RUN }
     }
 }

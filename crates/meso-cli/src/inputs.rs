@@ -17,7 +17,16 @@ pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
         let position = error.utf8_error().valid_up_to();
         Failure::Usage(format!("{name}: byte {position} is not UTF-8; save the spec as plain text"))
     })?;
-    Spec::from_toml(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+    // Files that a spec names lie beside it.
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut open = |file: &str| read_text(&folder.join(file));
+    Spec::from_toml_with(&text, &mut open).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+}
+
+/// A sieve table; the spec's error names it.
+fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read(path, LONGEST_SPEC).map_err(|failure| io::Error::other(failure.message().to_owned()))?;
+    String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8; save it as plain text"))
 }
 
 /// Reads a saved model, `-` for standard input.

@@ -7,6 +7,7 @@ mod pairs;
 mod solid;
 
 use crate::aggregate::{Aggregate, SizeDefinition};
+use crate::geometry::sieve_size;
 use crate::math::Vec3;
 use crate::model::Model;
 use rayon::prelude::*;
@@ -69,7 +70,7 @@ pub enum Finding {
     Size {
         /// Id.
         aggregate: u32,
-        /// Longest axis, mm.
+        /// Its size by the spec's definition, mm.
         size_mm: f64,
     },
     /// The report does not say what the aggregates say.
@@ -90,7 +91,7 @@ impl fmt::Display for Finding {
             Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is no convex solid: {reason}"),
             Self::Itz { aggregate, reason } => write!(f, "aggregate {aggregate} has no sound ITZ: {reason}"),
             Self::Size { aggregate, size_mm } => {
-                write!(f, "aggregate {aggregate} is {size_mm} mm long, outside its class")
+                write!(f, "aggregate {aggregate} has the size {size_mm} mm, outside its class")
             }
             Self::Report { reason } => write!(f, "the report is wrong: {reason}"),
         }
@@ -146,11 +147,11 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
 
 /// Sizes are drawn within the class; turning an aggregate rounds its vertices by far less than 1e-6 mm.
 fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
-    if model.spec.grading.size != SizeDefinition::LongestAxis {
-        return None;
-    }
     let class = *model.spec.grading.classes().get(usize::from(aggregate.class))?;
-    let size_mm = solid::longest_axis(aggregate.body.vertices());
+    let size_mm = match model.spec.grading.size {
+        SizeDefinition::LongestAxis => solid::longest_axis(aggregate.body.vertices()),
+        SizeDefinition::Sieve => sieve_size(&aggregate.body),
+    };
     let fits = size_mm >= class.d_min_mm - 1e-6 && size_mm <= class.d_max_mm + 1e-6;
     (!fits).then_some(Finding::Size { aggregate: aggregate.id, size_mm })
 }

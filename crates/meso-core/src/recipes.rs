@@ -13,7 +13,17 @@ pub struct Recipe {
 pub const DEFAULT: &str = "paper";
 
 /// All recipes, the paper's first.
-pub const ALL: &[Recipe] = &[Recipe { name: DEFAULT, text: include_str!("recipes/paper.toml") }];
+pub const ALL: &[Recipe] = &[
+    Recipe { name: DEFAULT, text: include_str!("recipes/paper.toml") },
+    Recipe { name: "paper-rule", text: include_str!("recipes/paper-rule.toml") },
+    Recipe { name: "paper-compression", text: include_str!("recipes/paper-compression.toml") },
+    Recipe { name: "en-cube-100", text: include_str!("recipes/en-cube-100.toml") },
+    Recipe { name: "en-cube-150", text: include_str!("recipes/en-cube-150.toml") },
+    Recipe { name: "en-prism-100", text: include_str!("recipes/en-prism-100.toml") },
+    Recipe { name: "en-prism-150", text: include_str!("recipes/en-prism-150.toml") },
+    Recipe { name: "astm-cube-150", text: include_str!("recipes/astm-cube-150.toml") },
+    Recipe { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
+];
 
 impl Recipe {
     /// What it is, in a line.

@@ -5,12 +5,15 @@
 
 mod error;
 mod limits;
+mod mix;
 mod read;
+mod sieves;
 mod tree;
 mod words;
 
 pub use error::{SpecError, SpecErrorKind};
 pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
+pub use mix::Mix;
 
 use crate::aggregate::{Grading, Itz, Shape};
 use crate::packing::{Placement, Specimen};
@@ -56,10 +59,21 @@ impl Spec {
     /// # Errors
     /// Names the key, the line and the way out: syntax, unknown keys, wrong types, values that cannot be.
     pub fn from_toml(text: &str) -> Result<Self, SpecError> {
-        let tree = tree::parse_toml(text)?;
-        let spec: Self = read::read(&tree)?;
-        spec.validate().map_err(|error| error.at(&tree))?;
-        Ok(spec)
+        Self::from_toml_with(text, &mut |_| Err(std::io::Error::other("files cannot be read here")))
+    }
+
+    /// As [`Spec::from_toml`], with `open` to read the text of the sieve tables (CSV) that the spec names as
+    /// `curve = { kind = "sieves", file = "..." }`: the core opens no file.
+    ///
+    /// # Errors
+    /// As [`Spec::from_toml`], and where `open` fails.
+    pub fn from_toml_with(
+        text: &str,
+        open: &mut dyn FnMut(&str) -> std::io::Result<String>,
+    ) -> Result<Self, SpecError> {
+        let mut tree = tree::parse_toml(text)?;
+        sieves::inline(&mut tree, open)?;
+        Self::from_tree(tree)
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -67,16 +81,19 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml`], without a line.
     pub fn from_value(value: &serde_json::Value) -> Result<Self, SpecError> {
-        let spec: Self = read::read(&tree::from_json(value))?;
-        spec.validate()?;
+        Self::from_tree(tree::from_json(value))
+    }
+
+    fn from_tree(mut tree: tree::Node) -> Result<Self, SpecError> {
+        let mix = mix::take(&mut tree)?;
+        let mut spec: Self = read::read(&tree)?;
+        if spec.grading.classes_mm.is_empty() {
+            spec.grading.classes_mm = spec.grading.usual_classes();
+        }
+        if let Some(mix) = mix {
+            spec.fraction = mix.fraction(&spec.grading).map_err(|error| error.at(&tree))?;
+        }
+        spec.validate().map_err(|error| error.at(&tree))?;
         Ok(spec)
     }
-}
-
-/// Reads options that are no part of a spec (a mesh's, a deck's) from a tree of values, with a spec's errors.
-///
-/// # Errors
-/// Names the key and the way out: unknown keys and wrong types; values are for the options' own `validate`.
-pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Value) -> Result<T, SpecError> {
-    read::read(&tree::from_json(value))
 }

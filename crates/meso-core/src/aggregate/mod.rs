@@ -6,7 +6,7 @@ pub mod random;
 pub mod shape;
 pub mod take;
 
-pub use grading::{FullerForm, Grading, SizeClass, SizeDefinition};
+pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
 pub use itz::Itz;
 pub use shape::{AspectRatio, Shape};
 

@@ -1,8 +1,8 @@
 //! The *take*: enough grains of every class, each made from its own random stream (Sec. 2.1).
 
 use super::random::{Purpose, Stream};
-use super::{Grading, Itz, Shape, SizeClass};
-use crate::geometry::{HullError, Polyhedron, convex_hull};
+use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
+use crate::geometry::{HullError, Polyhedron, convex_hull, sieve_size};
 use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;
 
@@ -92,9 +92,14 @@ fn take_class(recipe: &Recipe, class: u16, limits: &SizeClass, target: f64) -> R
 
 fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
     let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
-    let length = stream.uniform(limits.d_min_mm, limits.d_max_mm);
-    let ellipsoid = recipe.shape.ellipsoid(length, stream);
-    let vertices = recipe.shape.vertices(&ellipsoid, limits.d_min_mm, stream);
+    let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
+    let mut ellipsoid = recipe.shape.ellipsoid(size, stream);
+    let mut vertices = recipe.shape.vertices(&ellipsoid, limits.d_min_mm, stream);
+    if recipe.grading.size == SizeDefinition::Sieve {
+        let scale = size / sieve_size(&convex_hull(&vertices)?);
+        ellipsoid.semi_axes *= scale;
+        vertices.iter_mut().for_each(|vertex| *vertex *= scale);
+    }
     let rotation = stream.rotation().to_rotation_matrix();
     let vertices: Vec<Vec3> = vertices.iter().map(|v| snap(&(rotation * v))).collect();
     let body = convex_hull(&vertices)?;

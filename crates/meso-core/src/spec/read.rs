@@ -71,11 +71,6 @@ impl Fault {
 }
 
 impl Node {
-    fn child(&self, name: &str) -> Option<&Self> {
-        let Value::Table(entries) = &self.value else { return None };
-        entries.iter().find(|(key, _)| key == name).map(|(_, child)| child)
-    }
-
     /// True when this value, or one inside it, is what a fault calls `found`.
     fn holds(&self, wrong: &str) -> bool {
         if let Value::Array(items) = &self.value
@@ -142,12 +137,15 @@ fn unknown_key(name: &str, known: &[&str], path: &[String]) -> String {
 
 /// The table in which the default spec has a key of this name.
 fn home_of(name: &str) -> Option<Vec<String>> {
-    let spec = serde_json::to_value(Spec::default()).ok()?;
-    let top = spec.as_object()?;
-    if top.contains_key(name) {
+    home_in(&serde_json::to_value(Spec::default()).ok()?, name)
+}
+
+fn home_in(table: &serde_json::Value, name: &str) -> Option<Vec<String>> {
+    let entries = table.as_object()?;
+    if entries.contains_key(name) {
         return Some(Vec::new());
     }
-    top.iter().find(|(_, table)| table.get(name).is_some()).map(|(table, _)| vec![table.clone()])
+    entries.iter().find_map(|(key, child)| Some([vec![key.clone()], home_in(child, name)?].concat()))
 }
 
 impl Display for Fault {

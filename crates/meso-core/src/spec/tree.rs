@@ -29,11 +29,31 @@ impl Node {
         let mut node = self;
         let mut line = None;
         for name in path.split('.') {
-            let Value::Table(entries) = &node.value else { break };
-            let Some((_, child)) = entries.iter().find(|(key, _)| key == name) else { break };
+            let Some(child) = node.child(name) else { break };
             (node, line) = (child, child.line);
         }
         line
+    }
+}
+
+impl Node {
+    /// The value of `key`, where this is a table that has it.
+    pub(super) fn child(&self, key: &str) -> Option<&Self> {
+        let Value::Table(entries) = &self.value else { return None };
+        entries.iter().find(|(name, _)| name == key).map(|(_, child)| child)
+    }
+
+    /// As [`Node::child`].
+    pub(super) fn child_mut(&mut self, key: &str) -> Option<&mut Self> {
+        let Value::Table(entries) = &mut self.value else { return None };
+        entries.iter_mut().find(|(name, _)| name == key).map(|(_, child)| child)
+    }
+
+    /// Takes `key` out of this table.
+    pub(super) fn take(&mut self, key: &str) -> Option<(String, Self)> {
+        let Value::Table(entries) = &mut self.value else { return None };
+        let place = entries.iter().position(|(name, _)| name == key)?;
+        Some(entries.remove(place))
     }
 }
 

@@ -35,11 +35,14 @@ pub(super) fn list_of(length: usize) -> String {
 pub(super) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let plain = |s: &str| s.to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
-    let (distance, best) = known.iter().map(|k| (edits(&name, &plain(k)), *k)).min()?;
     // A missing unit is the commonest slip: `side` for `side_mm`.
-    let unit_forgotten = plain(best).strip_prefix(&name).is_some_and(|rest| rest.starts_with('_'));
+    let forgot_unit = |k: &&&str| plain(k).strip_prefix(&name).is_some_and(|rest| rest.starts_with('_'));
+    if let Some(whole) = known.iter().filter(forgot_unit).min_by_key(|k| k.len()) {
+        return Some(whole);
+    }
+    let (distance, best) = known.iter().map(|k| (edits(&name, &plain(k)), *k)).min()?;
     let length = best.chars().count();
-    (unit_forgotten || distance < length && distance <= (length / 3).max(2)).then_some(best)
+    (distance < length && distance <= (length / 3).max(2)).then_some(best)
 }
 
 /// Insertions, deletions and replacements between two words (Levenshtein).
@@ -87,10 +90,10 @@ mod tests {
 
     #[test]
     fn a_slip_or_a_forgotten_unit_finds_its_key() {
-        let known = ["d_min_mm", "d_max_mm", "exponent", "classes_mm"];
+        let known = ["d_min_mm", "d_max_mm", "curve", "classes_mm"];
         assert_eq!(nearest("dmin_mm", &known), Some("d_min_mm"));
         assert_eq!(nearest("d-max", &known), Some("d_max_mm"));
-        assert_eq!(nearest("Exponent", &known), Some("exponent"));
+        assert_eq!(nearest("Curve", &known), Some("curve"));
         assert_eq!(nearest("colour", &known), None);
     }
 

@@ -1,0 +1,138 @@
+//! Grading curves of the standards, in percent by volume passing.
+//!
+//! - DIN 1045-2, lines A, B, C for 8, 16 and 32 mm: the values of betontechnische-daten.de; those for 32 mm reproduce
+//!   the D-sums and k-values of Zement-Merkblatt B 20 (352 and 5.48, 480 and 4.20, 570 and 3.30).
+//! - EN 12620, coarse d/D of category Gc 85/20: 0 to 20 % pass d, 85 to 99 % pass D, 100 % pass 2D.
+//! - ASTM C33, Table "Grading requirements for coarse aggregates", sizes 57 and 67.
+
+use serde::{Deserialize, Serialize};
+
+/// A curve of a standard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Standard {
+    /// DIN 1045-2, A8.
+    #[serde(rename = "din-1045-2-a8")]
+    DinA8,
+    /// DIN 1045-2, B8.
+    #[serde(rename = "din-1045-2-b8")]
+    DinB8,
+    /// DIN 1045-2, C8.
+    #[serde(rename = "din-1045-2-c8")]
+    DinC8,
+    /// DIN 1045-2, A16.
+    #[serde(rename = "din-1045-2-a16")]
+    DinA16,
+    /// DIN 1045-2, B16.
+    #[serde(rename = "din-1045-2-b16")]
+    DinB16,
+    /// DIN 1045-2, C16.
+    #[serde(rename = "din-1045-2-c16")]
+    DinC16,
+    /// DIN 1045-2, A32.
+    #[serde(rename = "din-1045-2-a32")]
+    DinA32,
+    /// DIN 1045-2, B32.
+    #[serde(rename = "din-1045-2-b32")]
+    DinB32,
+    /// DIN 1045-2, C32.
+    #[serde(rename = "din-1045-2-c32")]
+    DinC32,
+    /// EN 12620, 4/8.
+    #[serde(rename = "en-12620-4-8")]
+    En4To8,
+    /// EN 12620, 8/16.
+    #[serde(rename = "en-12620-8-16")]
+    En8To16,
+    /// EN 12620, 16/32.
+    #[serde(rename = "en-12620-16-32")]
+    En16To32,
+    /// ASTM C33, size 57 (25 to 4.75 mm).
+    #[serde(rename = "astm-c33-57")]
+    Astm57,
+    /// ASTM C33, size 67 (19 to 4.75 mm).
+    #[serde(rename = "astm-c33-67")]
+    Astm67,
+}
+
+/// A sieve, mm, with the least and the most that passes it, percent.
+type Row = (f64, f64, f64);
+
+/// The sieves of DIN 1045-2, mm.
+const DIN: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 31.5];
+
+impl Standard {
+    /// All of them.
+    pub const ALL: [Self; 14] = [
+        Self::DinA8,
+        Self::DinB8,
+        Self::DinC8,
+        Self::DinA16,
+        Self::DinB16,
+        Self::DinC16,
+        Self::DinA32,
+        Self::DinB32,
+        Self::DinC32,
+        Self::En4To8,
+        Self::En8To16,
+        Self::En16To32,
+        Self::Astm57,
+        Self::Astm67,
+    ];
+
+    /// Its name as engineers write it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::DinA8 => "DIN 1045-2 A8",
+            Self::DinB8 => "DIN 1045-2 B8",
+            Self::DinC8 => "DIN 1045-2 C8",
+            Self::DinA16 => "DIN 1045-2 A16",
+            Self::DinB16 => "DIN 1045-2 B16",
+            Self::DinC16 => "DIN 1045-2 C16",
+            Self::DinA32 => "DIN 1045-2 A32",
+            Self::DinB32 => "DIN 1045-2 B32",
+            Self::DinC32 => "DIN 1045-2 C32",
+            Self::En4To8 => "EN 12620 4/8, middle of Gc 85/20",
+            Self::En8To16 => "EN 12620 8/16, middle of Gc 85/20",
+            Self::En16To32 => "EN 12620 16/32, middle of Gc 85/20",
+            Self::Astm57 => "ASTM C33 size 57, middle of the band",
+            Self::Astm67 => "ASTM C33 size 67, middle of the band",
+        }
+    }
+
+    /// Sieves (mm, ascending) and the share that passes, 0 to 1; of a band the middle.
+    pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
+        self.rows().into_iter().map(|(sieve, least, most)| (sieve, (least + most) / 200.0))
+    }
+
+    /// The table as the standard has it.
+    pub fn rows(self) -> Vec<Row> {
+        match self {
+            Self::DinA8 => din(&[5, 14, 21, 36, 61, 100]),
+            Self::DinB8 => din(&[11, 26, 42, 57, 74, 100]),
+            Self::DinC8 => din(&[21, 39, 57, 71, 85, 100]),
+            Self::DinA16 => din(&[3, 8, 12, 21, 36, 60, 100]),
+            Self::DinB16 => din(&[8, 20, 32, 42, 56, 76, 100]),
+            Self::DinC16 => din(&[18, 34, 49, 62, 74, 88, 100]),
+            Self::DinA32 => din(&[2, 5, 8, 14, 23, 38, 62, 100]),
+            Self::DinB32 => din(&[8, 18, 28, 37, 47, 62, 80, 100]),
+            Self::DinC32 => din(&[15, 29, 42, 53, 65, 77, 89, 100]),
+            Self::En4To8 => en(4.0, 8.0),
+            Self::En8To16 => en(8.0, 16.0),
+            Self::En16To32 => en(16.0, 31.5),
+            Self::Astm57 => {
+                vec![(2.36, 0.0, 5.0), (4.75, 0.0, 10.0), (12.5, 25.0, 60.0), (25.0, 95.0, 100.0), (37.5, 100.0, 100.0)]
+            }
+            Self::Astm67 => {
+                vec![(2.36, 0.0, 5.0), (4.75, 0.0, 10.0), (9.5, 20.0, 55.0), (19.0, 90.0, 100.0), (25.0, 100.0, 100.0)]
+            }
+        }
+    }
+}
+
+fn din(passing: &[u8]) -> Vec<Row> {
+    DIN.iter().zip(passing).map(|(&sieve, &share)| (sieve, f64::from(share), f64::from(share))).collect()
+}
+
+fn en(small: f64, large: f64) -> Vec<Row> {
+    vec![(small, 0.0, 20.0), (large, 85.0, 99.0), (2.0 * large, 100.0, 100.0)]
+}

@@ -1,0 +1,57 @@
+//! Sieve tables from CSV files, put into the spec as if they had been written there.
+
+use super::tree::{Node, Value};
+use super::{SpecError, SpecErrorKind};
+use std::io;
+
+const KEY: &str = "grading.curve.file";
+
+/// Replaces `file` in `grading.curve` by the sieves and shares it holds; `open` reads it.
+pub(super) fn inline(tree: &mut Node, open: &mut dyn FnMut(&str) -> io::Result<String>) -> Result<(), SpecError> {
+    let Some(curve) = tree.child_mut("grading").and_then(|grading| grading.child_mut("curve")) else { return Ok(()) };
+    let Some((_, Node { value, line })) = curve.take("file") else { return Ok(()) };
+    let fail = |kind, message: String| SpecError { kind, line, ..SpecError::value(KEY, message) };
+    let Value::Text(name) = value else {
+        return Err(fail(SpecErrorKind::WrongType, "must be the name of a CSV file in quotes".to_owned()));
+    };
+    let text = open(&name).map_err(|error| fail(SpecErrorKind::Value, format!("is {name:?}: {error}")))?;
+    let rows = parse(&text).map_err(|reason| fail(SpecErrorKind::Value, format!("is {name:?}: {reason}")))?;
+    let column = |pick: fn(&(f64, f64)) -> f64| Node {
+        value: Value::Array(rows.iter().map(|row| Node { value: Value::Float(pick(row)), line }).collect()),
+        line,
+    };
+    if let Value::Table(entries) = &mut curve.value {
+        entries.push(("sieves_mm".to_owned(), column(|row| row.0)));
+        entries.push(("passing".to_owned(), column(|row| row.1)));
+    }
+    Ok(())
+}
+
+/// Two columns under the heading `sieve_mm,passing` (shares from 0 to 1) or `sieve_mm,passing_percent`; in any order of
+/// rows; lines that are empty or begin with # are passed over.
+fn parse(text: &str) -> Result<Vec<(f64, f64)>, String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let lines = text.lines().zip(1..).map(|(line, number)| (line.trim(), number));
+    let mut lines = lines.filter(|(line, _)| !line.is_empty() && !line.starts_with('#'));
+    let heading = lines.next().map(|(line, _)| line.to_lowercase().replace(' ', ""));
+    let scale = match heading.as_deref() {
+        Some("sieve_mm,passing") => 1.0,
+        Some("sieve_mm,passing_percent") => 100.0,
+        _ => {
+            return Err(
+                "its first line must be sieve_mm,passing (shares from 0 to 1) or sieve_mm,passing_percent".into()
+            );
+        }
+    };
+    let mut rows = lines.map(|(line, number)| row(line, number, scale)).collect::<Result<Vec<_>, _>>()?;
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(rows)
+}
+
+fn row(line: &str, number: usize, scale: f64) -> Result<(f64, f64), String> {
+    let numbers: Vec<f64> = line.split(',').filter_map(|field| field.trim().parse().ok()).collect();
+    match numbers[..] {
+        [sieve, share] if line.split(',').count() == 2 => Ok((sieve, share / scale)),
+        _ => Err(format!("line {number} is {line:?}; it must be two numbers with a comma between them")),
+    }
+}
