@@ -198,3 +198,36 @@ fn every_recipe_starts_a_spec_that_is_read() {
         assert_eq!(run.code, 1, "{name}: {}", run.stderr);
     }
 }
+
+#[test]
+fn a_sieve_table_lies_beside_its_spec() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("specs")).unwrap();
+    let curve = "curve = { kind = 'sieves', file = 'stone.csv' }";
+    folder.write("specs/stone.csv", "sieve_mm,passing_percent\n6,0\n9,40\n12,100\n");
+    folder.write("specs/a.toml", crate::command::SMALL.replace("classes_mm = [6, 9, 12]", curve));
+    let run = folder.run(&["pack", "specs/a.toml", "-o", "a.json", "--summary-json", "-"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let summary: Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert!((summary["classes"][0]["target_fraction"].as_f64().unwrap() - 0.12).abs() < 1e-12);
+    assert_eq!(folder.run(&["check", "a.json"]).code, 0, "the table itself is in the model");
+    std::fs::remove_file(folder.path("specs/stone.csv")).unwrap();
+    let run = folder.run(&["pack", "specs/a.toml", "-o", "b.json"]);
+    assert_eq!(run.code, 2);
+    let message = "grading.curve.file is \"stone.csv\": specs/stone.csv: No such file or directory";
+    assert!(run.stderr.contains(message), "{}", run.stderr);
+}
+
+#[test]
+fn sieve_sizes_and_standard_curves_pack_and_check() {
+    let folder = Folder::new();
+    let spec = "fraction = 0.35\nspecimen = { kind = 'box', size_mm = [60, 40, 40] }\n[grading]\n\
+                curve = { kind = 'standard', name = 'din-1045-2-b16' }\nd_min_mm = 5\nd_max_mm = 16\n\
+                size = 'sieve'\nsize_law = 'volume-uniform'\n";
+    folder.write("a.toml", spec);
+    let run = folder.run(&["pack", "a.toml", "-o", "a.json", "--strict"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("DIN 1045-2 B16, normalised, 5 to 16 mm"), "{}", run.stderr);
+    let check = folder.run(&["check", "a.json"]);
+    assert_eq!(check.code, 0, "{}", check.stdout());
+}

@@ -7,4 +7,5 @@ mod command;
 mod files;
 mod help;
 mod interrupt;
+mod report;
 mod same_bytes;

@@ -7,6 +7,7 @@ pub(crate) mod mesh;
 mod names;
 pub(crate) mod pack;
 pub(crate) mod recipes;
+pub(crate) mod report;
 mod values;
 
 use clap::{Parser, Subcommand};
@@ -38,6 +39,8 @@ pub(crate) enum Command {
     Mesh(mesh::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     Check(check::Args),
+    /// Write one page about a saved model: pictures, grading plot, statistics
+    Report(report::Args),
     /// Write a saved model in another format
     Convert(convert::Args),
     /// Write a commented SPEC.toml to start from

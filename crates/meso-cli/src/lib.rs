@@ -35,6 +35,7 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Pack(args) => commands::pack::run(&args),
         Command::Mesh(args) => commands::mesh::run(&args),
         Command::Check(args) => commands::check::run(&args),
+        Command::Report(args) => commands::report::run(&args),
         Command::Convert(args) => commands::convert::run(&args),
         Command::Init(args) => commands::init::run(&args),
         Command::Recipes => commands::recipes::run(),

@@ -14,6 +14,7 @@ pub mod math;
 pub mod mesh;
 pub mod model;
 pub mod packing;
+pub mod page;
 pub mod recipes;
 pub mod saved;
 pub mod spec;

@@ -97,3 +97,11 @@ impl Spec {
         Ok(spec)
     }
 }
+
+/// Reads options that are no part of a spec (a mesh's, a deck's) from a tree of values, with a spec's errors.
+///
+/// # Errors
+/// Names the key and the way out: unknown keys and wrong types; values are for the options' own `validate`.
+pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Value) -> Result<T, SpecError> {
+    read::read(&tree::from_json(value))
+}

@@ -51,7 +51,10 @@ fn read(path: &Path) -> PyResult<Spec> {
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
     let named = |text: String| PyValueError::new_err(format!("{}: {text}", path.display()));
     let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
-    Spec::from_toml(&text).map_err(|error| named(error.to_string()))
+    // Sieve tables that a spec names lie beside it.
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Spec::from_toml_with(&text, &mut |name| std::fs::read_to_string(folder.join(name)))
+        .map_err(|error| named(error.to_string()))
 }
 
 /// What `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].

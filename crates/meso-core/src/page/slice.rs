@@ -1,0 +1,136 @@
+//! Where a plane meets the aggregates: exact polygons as SVG.
+
+use crate::aggregate::Aggregate;
+use crate::geometry::Polyhedron;
+use crate::math::Vec3;
+use crate::model::Model;
+use std::io::{self, Write};
+
+/// The axes along the width and the height of a section across an axis, and their names.
+const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
+const NAMES: [&str; 3] = ["x", "y", "z"];
+/// Width of the widest picture, pixels.
+const WIDTH: f64 = 340.0;
+
+/// One section across `axis` at `place` mm, to scale.
+pub(super) fn figure(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+    let size = model.spec.specimen.aabb().size();
+    let (u, v) = ACROSS[axis];
+    let scale = WIDTH / size.max();
+    let (width, height) = (size[u], size[v]);
+    writeln!(
+        out,
+        "<figure><svg width=\"{:.0}\" height=\"{:.0}\" viewBox=\"0 0 {width} {height}\">",
+        width * scale,
+        height * scale
+    )?;
+    // SVG's second axis points down.
+    writeln!(out, "<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
+    section(model, axis, place, out)?;
+    let caption = format!("{} = {place} mm; {} to the right, {} upwards", NAMES[axis], NAMES[u], NAMES[v]);
+    writeln!(out, "</g></svg><figcaption>{caption}</figcaption></figure>")
+}
+
+/// The three sections half a largest aggregate below the faces at the upper ends of the axes, seen from their corner.
+pub(super) fn block(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let aabb = model.spec.specimen.aabb();
+    let depth = (model.spec.grading.d_max_mm / 2.0).min(aabb.size().min() / 4.0);
+    let cut = aabb.max - Vec3::repeat(depth);
+    // Isometric: x to the lower right, y to the lower left, z upwards (SVG's second axis points down).
+    let (cos, sin) = (0.75f64.sqrt(), 0.5);
+    let shown = [(cos, sin), (-cos, sin), (0.0, -1.0)];
+    let (left, width) = (cut.y * cos, (cut.x + cut.y) * cos);
+    let height = (cut.x + cut.y) * sin + cut.z;
+    let scale = 1.4 * WIDTH / width.max(height);
+    writeln!(
+        out,
+        "<svg width=\"{:.0}\" height=\"{:.0}\" viewBox=\"{:.4} {:.4} {width:.4} {height:.4}\">",
+        width * scale,
+        height * scale,
+        -left,
+        -cut.z
+    )?;
+    for axis in 0..3 {
+        let (u, v) = ACROSS[axis];
+        let [(a, b), (c, d), (x, y)] = [shown[u], shown[v], (shown[axis].0 * cut[axis], shown[axis].1 * cut[axis])];
+        writeln!(out, "<clipPath id=\"k{axis}\"><rect width=\"{}\" height=\"{}\"/></clipPath>", cut[u], cut[v])?;
+        writeln!(
+            out,
+            "<g transform=\"matrix({a:.6} {b:.6} {c:.6} {d:.6} {x:.6} {y:.6})\" clip-path=\"url(#k{axis})\">"
+        )?;
+        section(model, axis, cut[axis], out)?;
+        writeln!(out, "</g>")?;
+    }
+    writeln!(out, "</svg>")
+}
+
+/// Mortar, aggregates with their rims, and cores on top, in mm.
+fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+    let size = model.spec.specimen.aabb().size();
+    let (u, v) = ACROSS[axis];
+    writeln!(out, "<rect class=\"m\" width=\"{}\" height=\"{}\"/>", size[u], size[v])?;
+    model.aggregates.iter().try_for_each(|aggregate| cut(aggregate, axis, place, out))
+}
+
+fn cut(aggregate: &Aggregate, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+    let outline = polygon(&aggregate.body, axis, place);
+    if outline.len() < 3 {
+        return Ok(());
+    }
+    path("i", &outline, out)?;
+    // A body whose core has no trustworthy answer is drawn as all rim.
+    let core = aggregate.core().ok().flatten().map(|core| polygon(&core, axis, place)).unwrap_or_default();
+    if core.len() < 3 { Ok(()) } else { path(&format!("c{}", aggregate.class % 6), &core, out) }
+}
+
+fn path(class: &str, corners: &[[f64; 2]], out: &mut impl Write) -> io::Result<()> {
+    write!(out, "<path class=\"{class}\" d=\"M")?;
+    for [x, y] in corners {
+        write!(out, "{x:.2} {y:.2} ")?;
+    }
+    writeln!(out, "z\"/>")
+}
+
+/// The corners of the section of `body`, in order around it, mm.
+fn polygon(body: &Polyhedron, axis: usize, place: f64) -> Vec<[f64; 2]> {
+    let (u, v) = ACROSS[axis];
+    let mut corners = Vec::new();
+    for face in body.faces() {
+        for k in 0..face.len() {
+            let [from, to] = [k, (k + 1) % face.len()].map(|k| body.vertices()[face.vertex(k) as usize]);
+            // Every edge is passed in both directions; upwards it counts.
+            if from[axis] < place && to[axis] >= place {
+                let t = (place - from[axis]) / (to[axis] - from[axis]);
+                let point = from + (to - from) * t;
+                corners.push([point[u], point[v]]);
+            }
+        }
+    }
+    sort_around(&mut corners);
+    corners
+}
+
+fn sort_around(corners: &mut [[f64; 2]]) {
+    let count = corners.len() as f64;
+    let [x, y] = corners.iter().fold([0.0, 0.0], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
+    let angle = |c: &[f64; 2]| libm::atan2(c[1] - y, c[0] - x);
+    corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::convex_hull;
+
+    #[test]
+    fn an_octahedron_is_cut_in_a_square() {
+        let ends: Vec<Vec3> = (0..3).flat_map(|i| [Vec3::ith(i, 2.0), Vec3::ith(i, -2.0)]).collect();
+        let body = convex_hull(&ends).unwrap();
+        let corners = polygon(&body, 2, 1.0);
+        assert_eq!(corners.len(), 4);
+        let doubled_area: f64 =
+            (0..4).map(|i| corners[i][0] * corners[(i + 1) % 4][1] - corners[i][1] * corners[(i + 1) % 4][0]).sum();
+        assert!((doubled_area - 4.0).abs() < 1e-12, "{corners:?}");
+        assert!(polygon(&body, 2, 2.5).is_empty());
+    }
+}

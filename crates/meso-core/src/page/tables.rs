@@ -1,0 +1,79 @@
+//! The page's tables.
+
+use super::plot::escape;
+use crate::model::Model;
+use crate::statistics::{Distribution, Statistics};
+use std::io::{self, Write};
+
+/// What was asked and what was reached, by class.
+pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let report = &model.report;
+    writeln!(out, "<p>Asked for {}: {}.</p>", report.target_fraction, escape(&report.stop_detail))?;
+    let row = "<tr><th>class, mm<th>asked<th>reached<th>deviation<th>aggregates";
+    writeln!(out, "<table>{row}")?;
+    for class in &report.classes {
+        let deviation = if class.target_fraction > 0.0 { class.fraction / class.target_fraction - 1.0 } else { 0.0 };
+        writeln!(
+            out,
+            "<tr><td>{} to {}<td>{:.5}<td>{:.5}<td>{:+.2} %<td>{}",
+            class.d_min_mm,
+            class.d_max_mm,
+            class.target_fraction,
+            class.fraction,
+            100.0 * deviation,
+            class.aggregates
+        )?;
+    }
+    writeln!(out, "</table>")?;
+    let volume = report.specimen.volume_mm3;
+    writeln!(
+        out,
+        "<p class=\"note\">Fractions are exact volumes of the polyhedra, ITZ included, over the specimen ({}, {volume} mm\u{b3}). \
+         Placed by {}; {} aggregates found no place.</p>",
+        escape(&report.specimen.kind),
+        escape(&report.strategy),
+        report.discarded
+    )
+}
+
+/// Shapes, gaps, orientation.
+pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Result<()> {
+    let shapes = &statistics.shapes;
+    writeln!(out, "<h2>Shapes and gaps</h2>\n<table><tr><th><th>mean<th>sd<th>min<th>10 %<th>median<th>90 %<th>max")?;
+    let rows: [(&str, &Option<Distribution>); 7] = [
+        ("length, mm", &shapes.length_mm),
+        ("sieve size, mm", &shapes.sieve_size_mm),
+        ("elongation, intermediate over longest axis", &shapes.elongation),
+        ("flatness, shortest over intermediate axis", &shapes.flatness),
+        ("sphericity after Wadell", &shapes.wadell_sphericity),
+        ("sphericity after Krumbein", &shapes.krumbein_sphericity),
+        ("distance to the nearest neighbour, mm", &statistics.nearest_distance_mm),
+    ];
+    for (name, distribution) in rows {
+        let Some(d) = distribution else { continue };
+        write!(out, "<tr><td>{name}")?;
+        for value in [d.mean, d.sd, d.min, d.p10, d.median, d.p90, d.max] {
+            write!(out, "<td>{value:.4}")?;
+        }
+        writeln!(out)?;
+    }
+    let (zingg, [low, middle, high]) = (&shapes.zingg, statistics.orientation.eigenvalues);
+    writeln!(
+        out,
+        "</table>\n<p>Zingg: {} equant, {} disc, {} rod, {} blade. Eigenvalues of the orientation tensor of the longest \
+         axes: {low:.4}, {middle:.4}, {high:.4} (all 1/3 where no direction is preferred). Specific surface {:.4} \
+         mm\u{207b}\u{b9}, mean chord {:.3} mm.</p>",
+        zingg.equant,
+        zingg.disc,
+        zingg.rod,
+        zingg.blade,
+        statistics.specific_surface_per_mm,
+        statistics.correlation.mean_chord_mm
+    )
+}
+
+/// What was asked, to the letter.
+pub(super) fn spec(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let text = serde_json::to_string_pretty(&model.spec)?;
+    writeln!(out, "<details><summary>The spec</summary><pre>{}</pre></details>", escape(&text))
+}

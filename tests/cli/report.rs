@@ -1,0 +1,60 @@
+//! The page about a model: whole in itself, the same on any number of threads.
+
+use crate::command::Folder;
+
+#[test]
+fn a_report_is_one_page_that_loads_nothing() {
+    let folder = Folder::with_model();
+    let run = folder.run(&["report", "small.json", "-o", "page.html"]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, "wrote page.html\n"));
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    for foreign in ["http", "<script", "<img", "src=", "@import", "NaN", "inf\"", "Infinity"] {
+        assert!(!page.contains(foreign), "the page has {foreign:?}");
+    }
+    // Three sections, the block, three plots.
+    assert_eq!(page.matches("<svg").count(), 7);
+    assert_eq!(page.matches("<svg").count(), page.matches("</svg>").count());
+    assert_eq!(page.matches("<g ").count(), page.matches("</g>").count());
+    for part in ["Packing of ", "6 to 9", "9 to 12", "sphericity after Wadell", "lineal path", "\"seed\": 1"] {
+        assert!(page.contains(part), "the page lacks {part:?}");
+    }
+}
+
+#[test]
+fn the_sections_hold_the_specimens_fraction_of_aggregate() {
+    let folder = Folder::with_model();
+    folder.run(&["report", "small.json", "-o", "page.html"]);
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    // The outlines (class "i") of the three sections through the middle: their mean share is near the fraction, 0.3.
+    let sections: Vec<&str> =
+        page.split("<figure>").skip(1).filter_map(|part| part.split("</figure>").next()).collect();
+    let area: f64 =
+        sections.iter().flat_map(|section| section.split("class=\"i\" d=\"M").skip(1)).map(outline_area).sum();
+    let share = area / (3.0 * 40.0 * 40.0);
+    assert!((0.2..0.4).contains(&share), "{share}");
+}
+
+/// Area of the polygon whose coordinates `text` begins with.
+fn outline_area(text: &str) -> f64 {
+    let numbers: Vec<f64> = text.split('z').next().unwrap().split_whitespace().map(|n| n.parse().unwrap()).collect();
+    let corners: Vec<&[f64]> = numbers.chunks(2).collect();
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0
+}
+
+#[test]
+fn a_report_is_the_same_on_1_and_2_threads() {
+    let folder = Folder::with_model();
+    let page = |threads| folder.run(&["report", "small.json", "-o", "-", "--threads", threads]).stdout;
+    let one = page("1");
+    assert!(one.starts_with(b"<!DOCTYPE") && one == page("2"));
+}
+
+#[test]
+fn a_report_is_a_page_by_name() {
+    let folder = Folder::with_model();
+    let run = folder.run(&["report", "small.json", "-o", "page.pdf"]);
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("page.pdf: a report is a page; its name must end in .html"), "{}", run.stderr);
+}
