@@ -74,7 +74,9 @@ pub(super) fn plane_corners(body: &Polyhedron) -> Vec<[Vec3; 3]> {
     let at = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
     let doubled_area = |[a, b, c]: &[Vec3; 3]| (b - a).cross(&(c - a)).norm_squared();
     let widest = |x: [Vec3; 3], y: [Vec3; 3]| if doubled_area(&y) > doubled_area(&x) { y } else { x };
-    body.faces().filter_map(|face| face.triangles().map(at).reduce(widest)).collect()
+    let mut corners = Vec::with_capacity(body.faces().len());
+    corners.extend(body.faces().filter_map(|face| face.triangles().map(at).reduce(widest)));
+    corners
 }
 
 /// The ball and its basis by the dual simplex method in f64, or `None` where that does not settle.

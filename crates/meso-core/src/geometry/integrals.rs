@@ -1,8 +1,9 @@
 //! The volume of a closed triangulated surface to 1e-14, however thin or far away the body is.
 //!
-//! The sum of n . (a - apex) over all triangles (a, b, c), n = (b - a) x (c - a), is six times the volume. With the
-//! apex on a convex body no term is negative, so only the terms' own rounding counts: it is bounded beside the sum, and
-//! where the bound is too large the sum is taken in double-double, then in integers.
+//! The sum of n . (a - apex) over all triangles (a, b, c), n = (b - a) x (c - a), is six times the volume, for any apex.
+//! With the apex in the middle of a convex body no term is negative and n nearly along a - apex, so little cancels: the
+//! terms' rounding is bounded beside the sum, and where the bound is too large the sum is taken in double-double, then
+//! in integers.
 
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
 use super::integer;
@@ -18,17 +19,17 @@ const TERM_ERROR: f64 = 9.0 * (f64::EPSILON / 2.0);
 ///
 /// NaN where a vertex is not finite.
 pub(super) fn volume(vertices: &[Vec3], triangles: impl Iterator<Item = [u32; 3]> + Clone) -> f64 {
-    let Some(&apex) = vertices.first() else { return 0.0 };
-    if vertices.iter().flatten().any(|x| !x.is_finite()) {
+    let apex = vertices.iter().sum::<Vec3>() / vertices.len().max(1) as f64;
+    if !apex.iter().all(|x| x.is_finite()) {
         return f64::NAN;
     }
     let corners = triangles.map(|t| t.map(|i| vertices[i as usize]));
     let (sum, error) = float_sum(&apex, corners.clone());
-    if error <= 0.5 * ACCURACY * sum {
+    if error <= 0.9 * ACCURACY * sum {
         return sum / 6.0;
     }
     let (sum, error) = double_double_sum(&apex, corners.clone());
-    if error <= 0.5 * ACCURACY * sum { sum / 6.0 } else { exact_volume(&apex, corners) }
+    if error <= 0.9 * ACCURACY * sum { sum / 6.0 } else { exact_volume(&apex, corners) }
 }
 
 /// Six times the volume of the tetrahedron from `apex` over a triangle, to 1e-12 unless it is nearly nothing.

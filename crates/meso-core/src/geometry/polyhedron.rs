@@ -58,9 +58,9 @@ impl Polyhedron {
         Self { vertices, faces, volume }
     }
 
-    /// The same body with a volume that is known better than its rounded vertices tell.
-    pub(super) fn with_volume(self, volume: f64) -> Self {
-        Self { volume, ..self }
+    /// The same faces over vertices mapped by `map`, with a volume known better than the rounded vertices tell.
+    pub(super) fn mapped_to_volume(self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
+        Self { vertices: self.vertices.iter().map(map).collect(), faces: self.faces, volume }
     }
 
     /// Vertex positions, mm.

@@ -20,6 +20,7 @@ pub(super) struct Polygons {
     traced: Vec<bool>,
     keys: Vec<(u64, u32)>,
     sorted: Vec<u32>,
+    sorted_ends: Vec<u32>,
 }
 
 impl Polygons {
@@ -42,6 +43,7 @@ impl Polygons {
     pub(super) fn sort(&mut self) {
         self.keys.clear();
         self.sorted.clear();
+        self.sorted_ends.clear();
         let mut start = 0;
         for (f, &end) in (0..).zip(&self.ends) {
             let face = &mut self.corners[start..end as usize];
@@ -52,13 +54,12 @@ impl Polygons {
         }
         // A directed edge belongs to one face alone: the keys differ.
         self.keys.sort_unstable();
-        let mut ends = Vec::with_capacity(self.ends.len());
         for &(_, f) in &self.keys {
             let start = if f == 0 { 0 } else { self.ends[f as usize - 1] };
             self.sorted.extend_from_slice(&self.corners[start as usize..self.ends[f as usize] as usize]);
-            ends.push(self.sorted.len() as u32);
+            self.sorted_ends.push(self.sorted.len() as u32);
         }
-        self.ends = ends;
+        std::mem::swap(&mut self.ends, &mut self.sorted_ends);
         std::mem::swap(&mut self.corners, &mut self.sorted);
     }
 

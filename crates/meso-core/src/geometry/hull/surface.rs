@@ -95,6 +95,7 @@ impl Surface {
         let aabb = Aabb::around(points);
         let middle = (aabb.min + aabb.max) * 0.5;
         self.facets.clear();
+        self.facets.reserve(2 * n.min(1024));
         self.unused.clear();
         self.local.clear();
         self.local.extend(points.iter().map(|p| p - middle));

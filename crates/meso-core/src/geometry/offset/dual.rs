@@ -11,22 +11,31 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// Vertices closer than so many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
 
+/// Faces as loops of vertex indices, one after the other.
+#[derive(Default)]
+struct Loops {
+    corners: Vec<u32>,
+    /// One past the last corner of each face.
+    ends: Vec<u32>,
+}
+
 /// The intersection of the half-spaces y . (x - center) <= 1.
 pub(super) fn intersect(points: &[Vec3], center: &Vec3) -> Result<Polyhedron, OffsetError> {
     let scaled = normalised(points)?;
     let facets = Facets::of(&scaled.points)?;
-    let vertices: Vec<Vec3> =
-        facets.iter().map(|facet| vertex(&scaled.points, facet)).collect::<Option<_>>().ok_or_else(flat)?;
-    let faces = faces_around(&facets, points.len());
-    let (vertices, faces) = merged(&vertices, faces);
-    let local = Polyhedron::from_parts(vertices, &faces);
-    if local.faces().len() < 4 {
+    let mut vertices = Vec::with_capacity(2 * points.len());
+    for facet in facets.iter() {
+        vertices.push(vertex(&scaled.points, facet).ok_or_else(flat)?);
+    }
+    let (vertices, faces) = merged(vertices, loops_around(&facets, points.len()));
+    let local = Polyhedron::from_lists(vertices.into(), &faces.corners, &faces.ends);
+    if faces.ends.len() < 4 {
         return Err(flat());
     }
     check(&local, &(center * scaled.scale))?;
-    let placed = local.vertices().iter().map(|v| center + v / scaled.scale).collect();
     let length = 1.0 / scaled.scale;
-    Ok(Polyhedron::from_parts(placed, &faces).with_volume(local.volume() * length * length * length))
+    let volume = local.volume() * length * length * length;
+    Ok(local.mapped_to_volume(|v| center + v * length, volume))
 }
 
 fn flat() -> OffsetError {
@@ -81,63 +90,90 @@ fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
     (!lost && height.value() > 0.0).then(|| Vec3::from(normal.map(|n| (n * inverse).value())))
 }
 
-/// For every dual point the facets around it, counter-clockwise from outside; empty for points that are not extreme.
-fn faces_around(facets: &Facets, points: usize) -> Vec<Vec<u32>> {
-    // Around a point, the facet after this one starts where this one ends: its successor is this one's predecessor.
-    let mut corners: Vec<Vec<(u32, u32, u32)>> = vec![Vec::new(); points];
+/// For every dual point the loop of facets around it, counter-clockwise from outside; none for points inside.
+fn loops_around(facets: &Facets, points: usize) -> Loops {
+    let mut starts = vec![0_u32; points + 1];
+    facets.iter().flatten().for_each(|&p| starts[p as usize + 1] += 1);
+    for p in 0..points {
+        starts[p + 1] += starts[p];
+    }
+    let mut next = starts.clone();
+    // Successor and predecessor of the point in a facet, and the facet.
+    let mut around = vec![(0, 0, 0); starts[points] as usize];
     for (f, facet) in (0..).zip(facets.iter()) {
-        for k in 0..facet.len() {
+        for (k, &p) in facet.iter().enumerate() {
             let (before, after) = (facet[(k + facet.len() - 1) % facet.len()], facet[(k + 1) % facet.len()]);
-            corners[facet[k] as usize].push((after, before, f));
+            around[next[p as usize] as usize] = (after, before, f);
+            next[p as usize] += 1;
         }
     }
-    corners.into_iter().map(cycle).collect()
+    let mut loops = Loops::default();
+    for p in (0..points).filter(|&p| starts[p] < starts[p + 1]) {
+        push_loop(&mut loops, &mut around[starts[p] as usize..starts[p + 1] as usize]);
+    }
+    loops
 }
 
-fn cycle(mut corners: Vec<(u32, u32, u32)>) -> Vec<u32> {
-    corners.sort_unstable();
+/// Around a point, the facet after this one starts where this one ends: its successor is this one's predecessor.
+fn push_loop(loops: &mut Loops, around: &mut [(u32, u32, u32)]) {
+    around.sort_unstable();
     let mut current = 0;
-    (0..corners.len())
-        .map(|_| {
-            let (_, before, facet) = corners[current];
-            current = corners.partition_point(|corner| corner.0 < before);
-            facet
-        })
-        .collect()
+    for _ in 0..around.len() {
+        let (_, before, facet) = around[current];
+        loops.corners.push(facet);
+        current = around.partition_point(|corner| corner.0 < before);
+    }
+    loops.ends.push(loops.corners.len() as u32);
+}
+
+impl Loops {
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts.zip(&self.ends).map(|(&start, &end)| &self.corners[start as usize..end as usize])
+    }
 }
 
 /// Joins neighbouring vertices that rounding alone keeps apart; drops faces that lose their area by it.
-fn merged(vertices: &[Vec3], faces: Vec<Vec<u32>>) -> (Vec<Vec3>, Vec<Vec<u32>>) {
+fn merged(vertices: Vec<Vec3>, faces: Loops) -> (Vec<Vec3>, Loops) {
     let extent = vertices.iter().map(Vec3::norm).fold(0.0, f64::max);
     let mut same: Vec<u32> = (0..vertices.len() as u32).collect();
-    for face in &faces {
+    let mut any = false;
+    for face in faces.iter() {
         for (k, &v) in face.iter().enumerate() {
             let w = face[(k + 1) % face.len()];
             if (vertices[v as usize] - vertices[w as usize]).norm() <= MERGED * ROUNDING * extent {
                 let (v, w) = (root(&same, v), root(&same, w));
                 same[v.max(w) as usize] = v.min(w);
+                any = true;
             }
         }
     }
-    let mut kept = Vec::new();
+    if any { without_doubles(&vertices, &faces, &same) } else { (vertices, faces) }
+}
+
+/// The faces over the first of each set of joined vertices.
+fn without_doubles(vertices: &[Vec3], faces: &Loops, same: &[u32]) -> (Vec<Vec3>, Loops) {
+    let (mut kept, mut loops) = (Vec::new(), Loops::default());
     let mut number = vec![u32::MAX; vertices.len()];
-    let faces = faces.into_iter().map(|face| {
-        let mut face: Vec<u32> = face.into_iter().map(|v| root(&same, v)).collect();
+    for face in faces.iter() {
+        let mut face: Vec<u32> = face.iter().map(|&v| root(same, v)).collect();
         face.dedup();
         if face.len() > 1 && face.first() == face.last() {
             face.pop();
         }
-        face
-    });
-    let mut faces: Vec<Vec<u32>> = faces.filter(|face| face.len() > 2).collect();
-    for v in faces.iter_mut().flatten() {
-        if number[*v as usize] == u32::MAX {
-            number[*v as usize] = kept.len() as u32;
-            kept.push(vertices[*v as usize]);
+        if face.len() < 3 {
+            continue;
         }
-        *v = number[*v as usize];
+        for v in face {
+            if number[v as usize] == u32::MAX {
+                number[v as usize] = kept.len() as u32;
+                kept.push(vertices[v as usize]);
+            }
+            loops.corners.push(number[v as usize]);
+        }
+        loops.ends.push(loops.corners.len() as u32);
     }
-    (kept, faces)
+    (kept, loops)
 }
 
 fn root(same: &[u32], mut v: u32) -> u32 {

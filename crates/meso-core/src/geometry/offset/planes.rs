@@ -13,7 +13,11 @@ pub(super) fn dual_points(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64) 
     let point = |triangle| {
         double_double_point(triangle, center, thickness).or_else(|| exact_point(triangle, center, thickness))
     };
-    corners.iter().map(point).collect()
+    let mut points = Vec::with_capacity(corners.len());
+    for triangle in corners {
+        points.push(point(triangle)?);
+    }
+    Some(points)
 }
 
 /// `None` where double-double cannot promise the point's every bit but the last.
