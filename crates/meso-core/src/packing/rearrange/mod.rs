@@ -235,9 +235,10 @@ impl Dynamics {
     }
 }
 
-/// Momentum by density: little where grains are free, much where they wedge (measured: benches/results).
+/// Momentum by density: little where grains are free, much where they wedge. In a 80 mm cube at 0.65, 0.90 took 1280
+/// sweeps, 0.94 263, 0.95 293, 0.97 561.
 fn momentum(fraction: f64) -> f64 {
-    (0.75 + (fraction - 0.5) / 0.15 * 0.2).clamp(0.7, 0.95)
+    (0.75 + (fraction - 0.5) / 0.15 * 0.2).clamp(0.7, 0.94)
 }
 
 #[inline(always)]
