@@ -52,7 +52,7 @@ def run(command, tmp_path):
     """Runs the command in an empty folder and returns the finished process."""
 
     def run_command(*args, **options):
-        options = {"capture_output": True, "text": True, "timeout": 120, "cwd": tmp_path} | options
+        options = {"capture_output": True, "text": True, "timeout": 300, "cwd": tmp_path} | options
         return subprocess.run([command, *map(str, args)], **options)
 
     return run_command
