@@ -1,9 +1,11 @@
 //! Which bodies may touch: pairs within a skin, by a grid, with what is known of their contact.
 
 use super::bodies::Bodies;
-use super::contact::{Contact, direction_or_up};
+use super::contact::{Contact, LANES, V, direction_or_up};
 use crate::math::{Aabb, Vec3};
+use crate::wide::widest;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Two bodies within the skin of each other; `a` is of the finer level of size, or the lower number of one level.
 #[derive(Clone, Copy)]
@@ -75,7 +77,7 @@ impl Pairs {
                 let (mut pairs, mut found) = (Vec::with_capacity(CHUNK * 8), Vec::new());
                 for a in range {
                     found.clear();
-                    cells.partners(bodies, a as u32, limit, &mut found);
+                    widest(|| cells.partners(bodies, a as u32, limit, &mut found));
                     found.sort_unstable();
                     pairs.extend(found.iter().map(|&b| self.pair(bodies, a as u32, b)));
                 }
@@ -137,21 +139,19 @@ struct Cells {
     levels: Vec<Level>,
 }
 
+#[derive(Default)]
 struct Level {
     origin: [f64; 3],
     cell: f64,
     counts: [i64; 3],
     largest: f32,
     starts: Vec<u32>,
-    members: Vec<Member>,
-}
-
-/// What of a body decides whether it may be near: copied, so that a look at a cell reads memory in a row.
-#[derive(Clone, Copy, Default)]
-struct Member {
-    centre: [f32; 3],
-    radius: f32,
-    body: u32,
+    /// Bodies by cell, and copies of what decides whether they may be near, so that a look reads memory in a row.
+    members: Vec<u32>,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+    radius: Vec<f32>,
 }
 
 /// A level holds bodies down to this share of its largest radius.
@@ -172,18 +172,15 @@ impl Cells {
     }
 
     /// Bodies of the level of `a` after it, and of all coarser levels, whose boxes come within `limit` of its own.
+    #[inline(always)]
     fn partners(&self, bodies: &Bodies, a: u32, limit: f32, found: &mut Vec<u32>) {
         let (radius, centre) = (bodies.fixed[a as usize].outer_radius, &bodies.state[a as usize].centre);
-        // The members' centres are rounded; a ten-thousandth of the distance is far more than that.
-        let [x, y, z] = [centre.x as f32, centre.y as f32, centre.z as f32];
         for level in &self.levels {
             let own = radius >= LEVEL_SPAN * level.largest;
-            let reach = (radius + limit) * 1.000_1;
-            level.visit(centre, f64::from(reach + level.largest), |member| {
-                let [dx, dy, dz] = [member.centre[0] - x, member.centre[1] - y, member.centre[2] - z];
-                let near = dx * dx + dy * dy + dz * dz <= (reach + member.radius) * (reach + member.radius);
-                if near && (member.body > a || !own) && bodies.boxes_within(a, member.body, limit) {
-                    found.push(member.body);
+            // The members' centres are rounded; a ten-thousandth of the distance is far more than that.
+            level.visit(centre, (radius + limit) * 1.000_1, |body| {
+                if (body > a || !own) && bodies.boxes_within(a, body, limit) {
+                    found.push(body);
                 }
             });
             if own {
@@ -200,30 +197,53 @@ impl Level {
         let centre = |body: &u32| &bodies.state[*body as usize].centre;
         let members: Vec<u32> = (0..bodies.len() as u32).filter(inside).collect();
         let aabb = Aabb::around(members.iter().map(centre));
-        let cell = f64::from(largest);
+        let cell = 2.0 * f64::from(largest);
         let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
-        let mut level =
-            Self { origin: aabb.min.into(), cell, counts, largest, starts: Vec::new(), members: Vec::new() };
+        let mut level = Self { origin: aabb.min.into(), cell, counts, largest, ..Self::default() };
         let keys: Vec<u32> = members.iter().map(|body| level.flat(level.cell_of(centre(body)))).collect();
         level.starts = starts(counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = level.starts.clone();
-        level.members = vec![Member::default(); members.len()];
+        level.members = vec![0; members.len()];
         for (&body, &key) in members.iter().zip(&keys) {
-            let centre = centre(&body).cast::<f32>().into();
-            let radius = bodies.fixed[body as usize].outer_radius;
-            level.members[next[key as usize] as usize] = Member { centre, radius, body };
+            level.members[next[key as usize] as usize] = body;
             next[key as usize] += 1;
         }
+        let coordinates = |axis: usize| level.members.iter().map(move |body| centre(body)[axis] as f32).collect();
+        (level.x, level.y, level.z) = (coordinates(0), coordinates(1), coordinates(2));
+        level.radius = level.members.iter().map(|&body| bodies.fixed[body as usize].outer_radius).collect();
         level
     }
 
-    fn visit(&self, centre: &Vec3, range: f64, mut each: impl FnMut(&Member)) {
-        let low = self.cell_of(&(centre - Vec3::repeat(range)));
-        let high = self.cell_of(&(centre + Vec3::repeat(range)));
+    /// Calls `each` with the bodies whose bounding spheres come within `reach` of `centre`.
+    #[inline(always)]
+    fn visit(&self, centre: &Vec3, reach: f32, mut each: impl FnMut(u32)) {
+        let range = Vec3::repeat(f64::from(reach + self.largest));
+        let (low, high) = (self.cell_of(&(centre - range)), self.cell_of(&(centre + range)));
+        let at = [centre.x as f32, centre.y as f32, centre.z as f32];
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 let (first, last) = (self.flat([low[0], y, z]) as usize, self.flat([high[0], y, z]) as usize);
-                self.members[self.starts[first] as usize..self.starts[last + 1] as usize].iter().for_each(&mut each);
+                self.visit_row(self.starts[first] as usize..self.starts[last + 1] as usize, at, reach, &mut each);
+            }
+        }
+    }
+
+    /// The same among neighbouring members, several at a time.
+    #[inline(always)]
+    fn visit_row(&self, row: Range<usize>, at: V, reach: f32, each: &mut impl FnMut(u32)) {
+        for start in row.clone().step_by(LANES) {
+            let end = (start + LANES).min(row.end);
+            let mut clear = [1.0; LANES];
+            let [x, y, z, radius] = [&self.x, &self.y, &self.z, &self.radius].map(|values| &values[start..end]);
+            for lane in 0..end - start {
+                let (dx, dy, dz) = (x[lane] - at[0], y[lane] - at[1], z[lane] - at[2]);
+                let touch = reach + radius[lane];
+                clear[lane] = dx * dx + dy * dy + dz * dz - touch * touch;
+            }
+            for lane in 0..end - start {
+                if clear[lane] <= 0.0 {
+                    each(self.members[start + lane]);
+                }
             }
         }
     }
