@@ -18,9 +18,9 @@ pub(super) struct Polygons {
     /// Number of edges between two planes at a point, by point.
     degree: Vec<u32>,
     traced: Vec<bool>,
-    keys: Vec<(u64, u32)>,
+    /// Sort key, start and end of each face.
+    keys: Vec<(u64, u32, u32)>,
     sorted: Vec<u32>,
-    sorted_ends: Vec<u32>,
 }
 
 impl Polygons {
@@ -42,24 +42,21 @@ impl Polygons {
     /// Turns every face to begin with its smallest index, and sorts the faces by their first two.
     pub(super) fn sort(&mut self) {
         self.keys.clear();
-        self.sorted.clear();
-        self.sorted_ends.clear();
         let mut start = 0;
-        for (f, &end) in (0..).zip(&self.ends) {
-            let face = &mut self.corners[start..end as usize];
-            let (smallest, _) = face.iter().enumerate().min_by_key(|(_, corner)| **corner).expect("faces have corners");
-            face.rotate_left(smallest);
-            self.keys.push((u64::from(face[0]) << 32 | u64::from(face[1]), f));
-            start = end as usize;
+        for &end in &self.ends {
+            let face = &mut self.corners[start as usize..end as usize];
+            turn_to_smallest(face);
+            // A directed edge belongs to one face alone: the keys differ.
+            self.keys.push((u64::from(face[0]) << 32 | u64::from(face[1]), start, end));
+            start = end;
         }
-        // A directed edge belongs to one face alone: the keys differ.
-        self.keys.sort_unstable();
-        for &(_, f) in &self.keys {
-            let start = if f == 0 { 0 } else { self.ends[f as usize - 1] };
-            self.sorted.extend_from_slice(&self.corners[start as usize..self.ends[f as usize] as usize]);
-            self.sorted_ends.push(self.sorted.len() as u32);
+        self.keys.sort_unstable_by_key(|key| key.0);
+        self.sorted.clear();
+        self.ends.clear();
+        for &(_, start, end) in &self.keys {
+            self.sorted.extend_from_slice(&self.corners[start as usize..end as usize]);
+            self.ends.push(self.sorted.len() as u32);
         }
-        std::mem::swap(&mut self.ends, &mut self.sorted_ends);
         std::mem::swap(&mut self.corners, &mut self.sorted);
     }
 
@@ -69,8 +66,8 @@ impl Polygons {
         self.plane.extend(0..surface.facet_bound() as u32);
         let mut joined = false;
         for (f, facet) in surface.facets() {
-            for g in facet.neighbours.into_iter().filter(|&g| f < g) {
-                if surface.in_plane(points, f, opposite(surface.facet(g), facet)) {
+            for (k, &g) in facet.neighbours.iter().enumerate().filter(|(_, g)| f < **g) {
+                if surface.in_plane(points, f, beyond(facet, k, surface.facet(g))) {
                     let (f, g) = (self.find(f), self.find(g));
                     self.plane[f.max(g) as usize] = f.min(g);
                     joined = true;
@@ -155,7 +152,24 @@ impl Polygons {
     }
 }
 
-/// The vertex of `facet` that its neighbour does not have.
-fn opposite(facet: &Facet, neighbour: &Facet) -> u32 {
-    *facet.vertices.iter().find(|v| !neighbour.vertices.contains(v)).expect("facets differ")
+/// Nearly all faces are triangles; these are turned without a search.
+fn turn_to_smallest(face: &mut [u32]) {
+    if let [a, b, c] = *face {
+        let turned = if a < b && a < c {
+            [a, b, c]
+        } else if b < c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        };
+        face.copy_from_slice(&turned);
+    } else if let Some((smallest, _)) = face.iter().enumerate().min_by_key(|(_, corner)| **corner) {
+        face.rotate_left(smallest);
+    }
+}
+
+/// The vertex that `neighbour` does not share with edge `k` of `facet`: all five in exclusive or leave it alone.
+fn beyond(facet: &Facet, k: usize, neighbour: &Facet) -> u32 {
+    let [a, b, c] = neighbour.vertices;
+    a ^ b ^ c ^ facet.vertices[k] ^ facet.vertices[(k + 1) % 3]
 }

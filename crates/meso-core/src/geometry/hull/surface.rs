@@ -87,7 +87,8 @@ impl Surface {
     /// True when `point`, which must not be above facet `f`, lies in its plane.
     pub(super) fn in_plane(&self, points: &[Vec3], f: u32, point: u32) -> bool {
         let facet = self.facet(f);
-        self.height(facet, point) >= -self.error_bound && exact_height(points, facet, point) == 0.0
+        let height = facet.normal.dot(&self.local[point as usize]) - facet.offset;
+        height >= -self.error_bound && exact_height(points, facet, point) == 0.0
     }
 
     fn clear(&mut self, points: &[Vec3]) {
@@ -102,9 +103,11 @@ impl Surface {
         // In units of the box's edges X, Y, Z and of u = 2^-53: local coordinates err by u/2, their differences by 2u,
         // a normal's component (at most 2) by 12u, `normal . p` and `offset` by 29u each, their difference by 64u.
         self.error_bound = 80.0 * (f64::EPSILON / 2.0) * aabb.size().product();
-        for list in [&mut self.seen_facet, &mut self.next_waiting, &mut self.fresh_at] {
-            list.clear();
-            list.resize(n, NONE);
+        self.seen_facet.clear();
+        self.seen_facet.resize(n, NONE);
+        // Of these an entry is read only after it was written.
+        for list in [&mut self.next_waiting, &mut self.fresh_at] {
+            list.resize(n.max(list.len()), NONE);
         }
         self.order.clear();
         self.order.extend(0..n as u32);
@@ -116,25 +119,27 @@ impl Surface {
 
     /// Four points far from each other, or `None` where rounding hides whether they span a volume.
     fn far_basis(&self, points: &[Vec3]) -> Option<[u32; 4]> {
-        let farthest = |measure: &dyn Fn(&Vec3) -> f64| {
-            let mut best = (0, measure(&self.local[0]));
-            for (i, p) in self.local.iter().enumerate().skip(1) {
-                let value = measure(p);
-                if value > best.1 {
-                    best = (i, value);
-                }
-            }
-            best.0
-        };
-        let i = farthest(&|p| -p.x);
+        let i = self.farthest(|p| -p.x);
         let a = self.local[i];
-        let j = farthest(&|p| (p - a).norm_squared());
+        let j = self.farthest(|p| (p - a).norm_squared());
         let u = self.local[j] - a;
-        let k = farthest(&|p| u.cross(&(p - a)).norm_squared());
+        let k = self.farthest(|p| u.cross(&(p - a)).norm_squared());
         let normal = u.cross(&(self.local[k] - a));
-        let l = farthest(&|p| normal.dot(&(p - a)).abs());
+        let l = self.farthest(|p| normal.dot(&(p - a)).abs());
         let solid = orient3d(&points[i], &points[j], &points[k], &points[l]) != 0.0;
         solid.then_some([i, j, k, l].map(|i| i as u32))
+    }
+
+    /// The first point of the largest measure.
+    fn farthest(&self, measure: impl Fn(&Vec3) -> f64) -> usize {
+        let mut best = (0, f64::NEG_INFINITY);
+        for (i, p) in self.local.iter().enumerate() {
+            let value = measure(p);
+            if value > best.1 {
+                best = (i, value);
+            }
+        }
+        best.0
     }
 
     /// The tetrahedron over `basis`, and every other point listed under a facet it sees.
@@ -185,6 +190,7 @@ impl Surface {
         let (seen, hidden) = (self.stamp - 1, self.stamp);
         self.visible.clear();
         self.horizon.clear();
+        let at = self.local[point as usize];
         let first = self.seen_facet[point as usize];
         self.facets[first as usize].mark = seen;
         self.visible.push(first);
@@ -197,7 +203,7 @@ impl Surface {
                 if mark == seen {
                     continue;
                 }
-                if mark != hidden && self.sees(points, g, point) {
+                if mark != hidden && self.sees(points, g, point, &at) {
                     self.facets[g as usize].mark = seen;
                     self.visible.push(g);
                 } else {
@@ -250,7 +256,8 @@ impl Surface {
     /// facet's inside, the part just before that facet is outside the old hull, so the way enters the new hull through
     /// a facet the old one did not have.
     fn list(&mut self, points: &[Vec3], point: u32) {
-        let f = self.fresh.iter().copied().find(|&f| self.sees(points, f, point)).unwrap_or(NONE);
+        let at = self.local[point as usize];
+        let f = self.fresh.iter().copied().find(|&f| self.sees(points, f, point, &at)).unwrap_or(NONE);
         self.seen_facet[point as usize] = f;
         if f != NONE {
             self.next_waiting[point as usize] = self.facets[f as usize].waiting;
@@ -258,15 +265,11 @@ impl Surface {
         }
     }
 
-    /// True when `point` is strictly above facet `f`.
-    fn sees(&self, points: &[Vec3], f: u32, point: u32) -> bool {
+    /// True when `point`, `at` in local coordinates, is strictly above facet `f`.
+    fn sees(&self, points: &[Vec3], f: u32, point: u32, at: &Vec3) -> bool {
         let facet = &self.facets[f as usize];
-        let height = self.height(facet, point);
+        let height = facet.normal.dot(at) - facet.offset;
         if height.abs() > self.error_bound { height > 0.0 } else { exact_height(points, facet, point) > 0.0 }
-    }
-
-    fn height(&self, facet: &Facet, point: u32) -> f64 {
-        facet.normal.dot(&self.local[point as usize]) - facet.offset
     }
 }
 
