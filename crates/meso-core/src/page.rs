@@ -96,17 +96,23 @@ fn grading(model: &Model) -> Plot {
     }
 }
 
+/// Layers with fewer samples scatter by more than 2 %, and are left out.
+const FEWEST_POINTS: u64 = 600;
+
 fn walls(statistics: &Statistics) -> Plot {
     let wall = &statistics.wall_effect;
-    let layers = wall.depth_mm.iter().copied().zip(wall.fraction.iter().copied()).collect();
-    let deepest = wall.depth_mm.last().copied().unwrap_or(1.0);
+    let layers = wall.depth_mm.iter().zip(&wall.fraction).zip(&wall.points);
+    let sampled =
+        layers.filter(|&(_, &points)| points >= FEWEST_POINTS).map(|((&depth, &fraction), _)| (depth, fraction));
+    let layers: Vec<(f64, f64)> = sampled.collect();
+    let deepest = layers.last().map_or(1.0, |layer| layer.0);
     let mean = vec![(0.0, statistics.fraction), (deepest, statistics.fraction)];
     Plot {
         title: "Wall effect",
         x: "depth below the surface, mm",
         y: "fraction",
         log_x: false,
-        curves: vec![Curve::line("by depth", layers), Curve::line("whole specimen", mean)],
+        curves: vec![Curve::line("by depth", layers), Curve::line("mean", mean)],
     }
 }
 

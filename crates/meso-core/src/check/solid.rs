@@ -58,6 +58,12 @@ fn side(a: &Vec3, b: &Vec3, c: &Vec3, p: &Vec3) -> f64 {
     -orient3d(coord(a), coord(b), coord(c), coord(p))
 }
 
+/// The distance of the vertices' mean to the nearest face plane, mm.
+pub(super) fn depth_of_mean(body: &Polyhedron) -> f64 {
+    let mean = body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
+    body.planes().map(|plane| plane.offset - plane.normal.dot(&mean)).fold(f64::INFINITY, f64::min)
+}
+
 /// The smallest distance of the core's vertices to the planes of `body`, mm.
 pub(super) fn thinnest_shell(body: &Polyhedron, core: &Polyhedron) -> f64 {
     let inwards = body.planes().map(|plane| {
