@@ -18,7 +18,12 @@ pub(crate) enum Target {
     /// A device or pipe that is there already.
     Stream(PathBuf),
     /// A file that is made anew.
-    File(PathBuf),
+    File {
+        /// As the user typed it.
+        shown: PathBuf,
+        /// Where it lies, links followed.
+        path: PathBuf,
+    },
 }
 
 impl Target {
@@ -34,8 +39,11 @@ impl Target {
             Ok(kind) if !kind.is_file() => Ok(Self::Stream(path.to_owned())),
             Ok(_) if !force => Err(Failure::Run(format!("{} exists; --force replaces it", path.display()))),
             // A link is followed, so that it stays a link.
-            Ok(_) => path.canonicalize().map(Self::File).map_err(|error| Failure::file(path, &error)),
-            Err(_) => probe(path).map(|()| Self::File(path.to_owned())),
+            Ok(_) => {
+                let real = path.canonicalize().map_err(|error| Failure::file(path, &error))?;
+                Ok(Self::File { shown: path.to_owned(), path: real })
+            }
+            Err(_) => probe(path).map(|()| Self::File { shown: path.to_owned(), path: path.to_owned() }),
         }
     }
 
@@ -43,7 +51,7 @@ impl Target {
     pub(crate) fn file(&self) -> Option<&Path> {
         match self {
             Self::Stdout => None,
-            Self::Stream(path) | Self::File(path) => Some(path),
+            Self::Stream(path) | Self::File { shown: path, .. } => Some(path),
         }
     }
 }
@@ -83,13 +91,15 @@ pub(crate) fn distinct(targets: &[&Target], inputs: &[&Path]) -> Result<(), Fail
         let twice = match target {
             Target::Stdout => targets[..i].contains(&&Target::Stdout),
             Target::Stream(_) => false,
-            Target::File(path) => targets[..i].iter().filter_map(|t| t.file()).any(|other| real(other) == real(path)),
+            Target::File { path, .. } => {
+                targets[..i].iter().filter_map(|t| t.file()).any(|other| real(other) == real(path))
+            }
         };
         let name = target.file().map_or("standard output".to_owned(), |path| path.display().to_string());
         if twice {
             return Err(Failure::Usage(format!("{name} is asked for twice; give every output its own name")));
         }
-        if let Target::File(path) = target
+        if let Target::File { path, .. } = target
             && inputs.iter().any(|input| real(input) == real(path))
         {
             return Err(Failure::Usage(format!("{name} is the input; write to another file")));
@@ -127,8 +137,8 @@ impl Unit {
                 .open(path)
                 .and_then(|file| quiet_if_closed(stream(file, write)))
                 .map_err(|error| Failure::file(path, &error)),
-            Target::File(path) => {
-                let temporary = fill_beside(path, write).map_err(|error| Failure::file(path, &error))?;
+            Target::File { shown, path } => {
+                let temporary = fill_beside(path, write).map_err(|error| Failure::file(shown, &error))?;
                 self.complete.push(Complete { temporary, path: path.clone(), force });
                 Ok(())
             }
