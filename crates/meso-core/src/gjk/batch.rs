@@ -50,8 +50,10 @@ pub fn clear_many(asks: &[Ask<'_>], ends: &[u32]) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), asks.len(), "the attempts must cover the questions");
     let mut answers = vec![None; asks.len()];
     compare_in_lockstep(asks, &mut answers);
-    settle(asks, ends, &mut answers, |attempt, answers| closest_open(asks, attempt, answers).into_iter().collect());
-    settle(asks, ends, &mut answers, |attempt, answers| attempt.filter(|&i| answers[i].is_none()).collect());
+    settle(asks, ends, &mut answers, |attempt, answers, chosen| chosen.extend(closest_open(asks, attempt, answers)));
+    settle(asks, ends, &mut answers, |attempt, answers, chosen| {
+        chosen.extend(attempt.filter(|&i| answers[i].is_none()));
+    });
     attempts(ends).map(|mut attempt| attempt.all(|i| answers[i] == Some(false))).collect()
 }
 
@@ -59,15 +61,19 @@ fn attempts(ends: &[u32]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
     (0..ends.len()).map(|i| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize)
 }
 
-/// Answers the open questions that `choose` names in attempts that have not failed yet.
+/// Answers the open questions that `choose` adds to its list in attempts that have not failed yet.
 fn settle(
     asks: &[Ask<'_>],
     ends: &[u32],
     answers: &mut [Option<bool>],
-    choose: impl Fn(std::ops::Range<usize>, &[Option<bool>]) -> Vec<usize>,
+    choose: impl Fn(std::ops::Range<usize>, &[Option<bool>], &mut Vec<usize>),
 ) {
-    let alive = attempts(ends).filter(|attempt| !answers[attempt.clone()].contains(&Some(true)));
-    let chosen: Vec<usize> = alive.flat_map(|attempt| choose(attempt, answers)).collect();
+    let mut chosen = Vec::with_capacity(asks.len());
+    for attempt in attempts(ends) {
+        if !answers[attempt.clone()].contains(&Some(true)) {
+            choose(attempt, answers, &mut chosen);
+        }
+    }
     let part: Vec<Ask<'_>> = chosen.iter().map(|&i| asks[i]).collect();
     for (i, answer) in chosen.into_iter().zip(overlap_many(&part)) {
         answers[i] = Some(answer);

@@ -8,7 +8,7 @@ use super::certificate;
 use super::enhanced::{Found, Pair};
 use super::nearest::SubAlgorithm;
 use super::simd::{Kernel, Search};
-use super::simplex::Simplex;
+use super::simplex::{Simplex, Vertex};
 use crate::math::Vec3;
 
 /// Steps after which a search is in doubt.
@@ -96,6 +96,27 @@ impl Classical<'_> {
         if separation - gap * norm > pair.doubt(direction) {
             return Some(Found::Apart(*direction));
         }
-        (nearest.norm() + 1e-14 * pair.reach < gap).then(|| Found::Overlap(pair.corners(&simplex)))
+        // `nearest` is a projection, which a sliver can throw off: only a combination of points of A - B proves.
+        let near = nearest.norm() < gap && distance_bound(simplex.vertices()) + 1e-14 * pair.reach < gap;
+        near.then(|| Found::Overlap(pair.corners(&simplex)))
     }
+}
+
+/// A distance from the origin at which there certainly is a point of the simplex, up to the rounding of its corners.
+///
+/// Whatever the weights, as long as none is negative: a bad guess of them makes the bound larger, not wrong.
+fn distance_bound(vertices: &[Vertex]) -> f64 {
+    let weights = match vertices {
+        [a, b] => [b.w.dot(&(b.w - a.w)), a.w.dot(&(a.w - b.w)), 0.0],
+        [a, b, c] => {
+            let normal = (b.w - a.w).cross(&(c.w - a.w));
+            [(b, c), (c, a), (a, b)].map(|(p, q)| normal.dot(&p.w.cross(&q.w)))
+        }
+        _ => [1.0, 0.0, 0.0],
+    };
+    let weights = weights.map(|w| w.max(0.0));
+    let total: f64 = weights.iter().sum();
+    let point: Vec3 = vertices.iter().zip(weights).map(|(v, weight)| v.w * (weight / total)).sum();
+    // NaN (no weight at all) proves nothing: no comparison with it holds.
+    point.norm()
 }

@@ -1,8 +1,8 @@
 //! Eight pairs at a time through the ellipsoids and the portal search, on AVX-512.
 //!
 //! The same steps as [`ellipsoid`](super::super::ellipsoid) and [`portal`](super::super::portal), lane by lane. After
-//! every step the pairs that are decided leave, and the rest close ranks, so that no lane idles. Whatever is in doubt is
-//! left to the single query.
+//! every step the pairs that are decided leave, the rest close ranks, and new ones are let in, so that no lane idles.
+//! Whatever is in doubt is left to the single query.
 
 use super::super::batch::Ask;
 use super::super::body::{Body, Group};
@@ -13,10 +13,10 @@ use super::{HEIGHT_ERROR, INDEX};
 use crate::math::Vec3;
 use std::arch::x86_64::*;
 
-/// Pairs carried through the search together; their state stays in the first-level cache.
-const CROWD: usize = 128;
+/// Pairs carried through the search together: so few that their points stay in the first-level cache.
+const CROWD: usize = 32;
 /// Steps after which a pair is left to the single query.
-const MAX_STEPS: usize = 32;
+const MAX_STEPS: f64 = 32.0;
 const LANES: usize = 8;
 
 /// One number for each of eight pairs.
@@ -137,11 +137,13 @@ pub(super) fn overlap(asks: &[Ask<'_>], answers: &mut [Option<bool>]) {
         let end = (start + LANES).min(asks.len());
         let open = compare_eight(&asks[start..end], &mut answers[start..end]);
         crowd.admit(asks, start, &open);
-        if crowd.len > CROWD - LANES {
-            crowd.decide(asks, answers);
+        while crowd.len > CROWD - LANES {
+            crowd.step(asks, answers);
         }
     }
-    crowd.decide(asks, answers);
+    while crowd.len > 0 {
+        crowd.step(asks, answers);
+    }
 }
 
 /// The open pairs of eight, as a mask, and the directions to start from.
@@ -244,7 +246,9 @@ const REACH: usize = 15;
 const FOUND: usize = 16;
 /// Index of the question.
 const ASK: usize = 17;
-const COLUMNS: usize = 18;
+/// Supports so far.
+const STEP: usize = 18;
+const COLUMNS: usize = 19;
 
 /// Pairs on their way through the portal search.
 struct Crowd {
@@ -300,26 +304,21 @@ impl Crowd {
         self.columns[REACH][self.len] = ask.a.circumradius() + ask.b.circumradius() + norm1;
         self.columns[FOUND][self.len] = 0.0;
         self.columns[ASK][self.len] = index as f64;
+        self.columns[STEP][self.len] = 0.0;
         self.len += 1;
     }
 
-    /// Steps until everybody has left, or enough is enough.
+    /// One support for everybody.
     #[inline(always)]
-    fn decide(&mut self, asks: &[Ask<'_>], answers: &mut [Option<bool>]) {
-        for step in 0..MAX_STEPS {
-            if self.len == 0 {
-                return;
-            }
-            let mut staying = 0;
-            for at in (0..self.len).step_by(LANES) {
-                let filled = u8::MAX >> (LANES - (self.len - at).min(LANES));
-                let stays = self.advance(step, at, filled, asks, answers);
-                self.close_ranks(at, stays, staying);
-                staying += stays.count_ones() as usize;
-            }
-            self.len = staying;
+    fn step(&mut self, asks: &[Ask<'_>], answers: &mut [Option<bool>]) {
+        let mut staying = 0;
+        for at in (0..self.len).step_by(LANES) {
+            let filled = u8::MAX >> (LANES - (self.len - at).min(LANES));
+            let stays = self.advance(at, filled, asks, answers);
+            self.close_ranks(at, stays, staying);
+            staying += stays.count_ones() as usize;
         }
-        self.len = 0;
+        self.len = staying;
     }
 
     /// Moves the lanes of the mask from `at` to the front of the columns at `to`.
@@ -349,7 +348,7 @@ impl Crowd {
 
     /// One support for each of eight pairs, and what follows from it; returns who stays.
     #[inline(always)]
-    fn advance(&mut self, step: usize, at: usize, filled: u8, asks: &[Ask<'_>], answers: &mut [Option<bool>]) -> u8 {
+    fn advance(&mut self, at: usize, filled: u8, asks: &[Ask<'_>], answers: &mut [Option<bool>]) -> u8 {
         let supports = self.supports(at, filled, asks);
         let (direction, reach) = (self.vectors(DIRECTION, at), Eight::load(&self.columns[REACH], at));
         let norm1 = direction.x.abs() + direction.y.abs() + direction.z.abs();
@@ -363,16 +362,19 @@ impl Crowd {
             v3: self.vectors(V3, at),
             found: Eight::load(&self.columns[FOUND], at).above(Eight::all(0.5)),
         };
-        let stuck = rank.take(step, supports.w, direction);
-        let next = rank.direction(step);
-        let (inside, enclosed) = rank.encloses_origin(step, next, reach);
+        let steps = Eight::load(&self.columns[STEP], at);
+        let (first, second) = (Eight::all(0.5).above(steps), Eight::all(1.5).above(steps));
+        let stuck = rank.take([first, second & !first], supports.w, direction);
+        let next = rank.direction(first);
+        let (inside, enclosed) = rank.encloses_origin(next, reach);
         self.answer(at, apart, enclosed & filled & !reaches_not, answers);
         self.keep(DIRECTION, at, next);
         self.keep(V1, at, rank.v1);
         self.keep(V2, at, rank.v2);
         self.keep(V3, at, rank.v3);
         Eight::all(0.0).or(rank.found, Eight::all(1.0)).store(&mut self.columns[FOUND], at);
-        filled & !(reaches_not | inside | stuck)
+        (steps + Eight::all(1.0)).store(&mut self.columns[STEP], at);
+        filled & !(reaches_not | inside | stuck | steps.above(Eight::all(MAX_STEPS)))
     }
 
     #[inline(always)]
@@ -432,55 +434,43 @@ impl Crowd {
 
 impl Rank {
     /// Puts the new points where they belong; returns the lanes that make no progress.
+    ///
+    /// The first two points as they come; then discovery in the lanes without a portal and refinement in the others: see
+    /// [`portal`](super::super::portal).
     #[inline(always)]
-    fn take(&mut self, step: usize, w: Vectors, direction: Vectors) -> u8 {
-        match step {
-            0 => self.v1 = w,
-            1 => self.v2 = w,
-            _ => return self.refine(w, direction),
-        }
-        0
-    }
-
-    /// Discovery in the lanes without a portal, refinement in the others: see [`portal`](super::super::portal).
-    #[inline(always)]
-    fn refine(&mut self, w: Vectors, direction: Vectors) -> u8 {
+    fn take(&mut self, [first, second]: [u8; 2], w: Vectors, direction: Vectors) -> u8 {
+        let seeking = !(self.found | first | second);
         let zero = Eight::all(0.0);
         let across = self.v0.cross(w);
         let [e1, e2, e3] = [self.v1.dot(across), self.v2.dot(across), self.v3.dot(across)];
         let stuck = self.found & !(w - self.v1).dot(direction).above(zero);
         // Discovery: outside of the plane v0 v3 v1, of v0 v2 v3, or found.
-        let outside31 = !self.found & e1.above(zero);
-        let outside23 = !self.found & !outside31 & zero.above(e2);
-        let just_found = !self.found & !outside31 & !outside23;
+        let outside31 = seeking & e1.above(zero);
+        let outside23 = seeking & !outside31 & zero.above(e2);
+        let just_found = seeking & !outside31 & !outside23;
         // Refinement: with the opposite signs, since it crosses the other way round.
         let leaves3 = self.found & zero.above(e1) & !zero.above(e2);
         let leaves1 = self.found & !leaves3 & zero.above(e2) & !zero.above(e3);
         let leaves2 = self.found & !leaves3 & !leaves1;
-        self.v1 = self.v1.or(outside23 | leaves1, w);
-        self.v2 = self.v2.or(outside31 | leaves2, w);
+        self.v1 = self.v1.or(first | outside23 | leaves1, w);
+        self.v2 = self.v2.or(second | outside31 | leaves2, w);
         self.v3 = self.v3.or(just_found | leaves3, w);
         self.found |= just_found;
         stuck
     }
 
+    /// Perpendicular to the plane of v0, v1 and the origin; then to that of v0, v1, v2; or outward from the portal.
     #[inline(always)]
-    fn direction(&self, step: usize) -> Vectors {
-        if step == 0 {
-            return self.v1.cross(self.v0);
-        }
+    fn direction(&self, first: u8) -> Vectors {
         let from = self.v0.or(self.found, self.v1);
-        let first = self.v1.or(self.found, self.v2) - from;
-        let second = self.v2.or(self.found, self.v3) - from;
-        first.cross(second)
+        let one = (self.v1.or(self.found, self.v2) - from).or(first, self.v1);
+        let other = (self.v2.or(self.found, self.v3) - from).or(first, self.v0);
+        one.cross(other)
     }
 
     /// The lanes whose portal lies beyond the origin, and those of them where that is proved.
     #[inline(always)]
-    fn encloses_origin(&self, step: usize, outward: Vectors, reach: Eight) -> (u8, u8) {
-        if step < 2 || self.found == 0 {
-            return (0, 0);
-        }
+    fn encloses_origin(&self, outward: Vectors, reach: Eight) -> (u8, u8) {
         let height = outward.dot(self.v1);
         let inside = self.found & height.above(Eight::all(0.0));
         if inside == 0 {

@@ -116,3 +116,48 @@ pub(crate) fn compare_in_lockstep(asks: &[Ask<'_>], answers: &mut [Option<bool>]
         unsafe { lockstep::compare(asks, answers) };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Extremes, Kernel, Portable, Search, dispatch};
+    use crate::gjk::body::Body;
+    use crate::math::Vec3;
+
+    /// The extremes by whatever kernel is dispatched to.
+    struct Ask<'a>(&'a Body, &'a Body, Vec3);
+
+    impl Search for Ask<'_> {
+        type Output = Extremes;
+        #[inline(always)]
+        fn run<K: Kernel>(self, kernel: K) -> Extremes {
+            kernel.extremes(self.0, self.1, &self.2)
+        }
+    }
+
+    /// A scattered body of `n` points, the same on every machine.
+    fn body(n: u32) -> Body {
+        let scatter = |i: u32, k: u32| {
+            f64::from(i.wrapping_mul(7919).wrapping_add(k * 104_729).wrapping_mul(2_654_435) % 2001) / 1000.0 - 1.0
+        };
+        Body::bare(
+            (0..n).map(|i| Vec3::new(scatter(i, 1), scatter(i, 2), scatter(i, 3))).collect::<Vec<_>>().into_iter(),
+        )
+    }
+
+    #[test]
+    fn every_kernel_finds_the_same_slots_and_heights() {
+        for n in [1, 4, 25, 31, 32, 33, 64, 100, 1000] {
+            let (a, b) = (body(n), body(n + 3));
+            for v in [Vec3::x(), -Vec3::y(), Vec3::new(0.3, -0.7, 0.2), Vec3::new(-1e-9, 1e3, 0.5)] {
+                let expected = Portable.extremes(&a, &b, &v);
+                assert_eq!(dispatch(Ask(&a, &b, v)), expected, "{n} points along {v:?}");
+                #[cfg(target_arch = "x86_64")]
+                if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+                    // SAFETY: both features were detected.
+                    let found = unsafe { super::x86::on_avx2(Ask(&a, &b, v)) };
+                    assert_eq!(found, expected, "AVX2, {n} points along {v:?}");
+                }
+            }
+        }
+    }
+}
