@@ -1,0 +1,29 @@
+//! Results: CSV and SVG files beside the benches.
+
+use std::path::PathBuf;
+
+/// Writes a file under `benches/results/`.
+pub fn save(name: &str, text: &str) {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
+    std::fs::create_dir_all(&folder)
+        .and_then(|()| std::fs::write(folder.join(name), text))
+        .expect("benches/results can be written");
+}
+
+/// Rows of a CSV file.
+pub struct Table(String);
+
+impl Table {
+    pub fn new(header: &str) -> Self {
+        Self(format!("{header}\n"))
+    }
+
+    pub fn row(&mut self, cells: &[String]) {
+        self.0 += &cells.join(",");
+        self.0.push('\n');
+    }
+
+    pub fn save(&self, name: &str) {
+        save(name, &self.0);
+    }
+}

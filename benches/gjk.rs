@@ -1,0 +1,228 @@
+//! Run time of collision tests: `cargo bench -p meso-core --bench gjk`.
+//!
+//! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing, single and batched. Medians of
+//! processor time in one run, contestants taking turns; CSV and SVG files go to `benches/results/`.
+#![allow(clippy::print_stdout, missing_docs, reason = "a bench reports on stdout; criterion makes its group public")]
+
+mod collision;
+
+use collision::bodies::Grain;
+use collision::ccd::Ccd;
+use collision::clock::{Contestant, compare};
+use collision::literal::{self, Outcome};
+use collision::pairs::{self, Query, Stream};
+use collision::plot::{Line, Plot};
+use collision::table::{Table, save};
+use criterion::{Criterion, criterion_group};
+use meso_core::gjk::{self, Ask, Counters, Method};
+use nalgebra::Isometry3;
+use parry3d_f64::query;
+
+const CHUNK: usize = 500;
+const ROUNDS: usize = 9;
+
+/// How one pair is asked.
+type AskOne<'a> = Box<dyn Fn(&Query, &Grain, &Grain) -> bool + 'a>;
+
+fn mesocrete<'a>() -> AskOne<'a> {
+    Box::new(|q, a, b| gjk::overlap(&a.body, &b.body, &q.x))
+}
+
+fn method<'a>(method: Method) -> AskOne<'a> {
+    Box::new(move |q, a, b| gjk::overlap_with(method, &a.body, &b.body, &q.x))
+}
+
+fn parry<'a>() -> AskOne<'a> {
+    Box::new(|q, a, b| {
+        let at = Isometry3::translation(q.x.x, q.x.y, q.x.z);
+        query::intersection_test(&Isometry3::identity(), &a.parry, &at, &b.parry).expect("supported")
+    })
+}
+
+fn as_printed<'a>() -> AskOne<'a> {
+    Box::new(|q, a, b| literal::gjk_intersect(&a.points, &b.points, &q.x) == Outcome::Overlap)
+}
+
+/// The peers that are there, and the two forms of mesocrete.
+fn everybody<'a>(ccd: Option<&'a Ccd>) -> Vec<(String, AskOne<'a>)> {
+    let mut all: Vec<(String, AskOne<'a>)> = vec![
+        ("mesocrete".into(), mesocrete()),
+        ("enhanced".into(), method(Method::Enhanced)),
+        ("classical, Johnson".into(), method(Method::Classical)),
+        ("classical, signed volumes".into(), method(Method::SignedVolumes)),
+        ("as printed".into(), as_printed()),
+        ("parry".into(), parry()),
+    ];
+    if let Some(ccd) = ccd {
+        all.push(("libccd MPR".into(), Box::new(move |q, a, b| ccd.mpr(&a.points, &b.points, &q.x))));
+        all.push(("libccd GJK".into(), Box::new(move |q, a, b| ccd.gjk(&a.points, &b.points, &q.x))));
+    }
+    all
+}
+
+/// Every contestant over slices of `queries`; the batched form, which holds them as it wants them, first.
+fn contestants<'a>(grains: &'a [Grain], queries: &'a [Query], ccd: Option<&'a Ccd>) -> Vec<Contestant<'a, Query>> {
+    let asks = asks(grains, queries);
+    let batched = move |part: &[Query]| {
+        let first = (part.as_ptr().addr() - queries.as_ptr().addr()) / size_of::<Query>();
+        gjk::overlap_many(&asks[first..first + part.len()]).into_iter().filter(|&hit| hit).count()
+    };
+    let mut all: Vec<Contestant<'a, Query>> = vec![("mesocrete, batched".into(), Box::new(batched))];
+    for (name, ask) in everybody(ccd) {
+        let run = move |queries: &[Query]| {
+            queries.iter().filter(|q| ask(q, &grains[q.a as usize], &grains[q.b as usize])).count()
+        };
+        all.push((name, Box::new(run)));
+    }
+    all
+}
+
+fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<Ask<'a>> {
+    let ask = |q: &Query| Ask { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
+    queries.iter().map(ask).collect()
+}
+
+/// The pair sets of a packing: ns per query of everybody, and the ratios the project asks for.
+fn pair_sets(ccd: Option<&Ccd>) {
+    let grains = pairs::grains(4000);
+    let mut table = Table::new("pairs,contestant,ns_per_query,yes");
+    let sets = [
+        ("intersecting", pairs::intersecting(&grains)),
+        ("separated", pairs::separated(&grains)),
+        ("near touch", pairs::near_touch(&grains)),
+    ];
+    for (name, queries) in &sets {
+        report(name, &grains, queries, ccd, &mut table);
+    }
+    let stream = pairs::placement_stream(100.0, 0.40, 20_000);
+    report("placement stream", &stream.grains, &stream.queries[..stream.queries.len().min(20_000)], ccd, &mut table);
+    attempts(&stream, ccd, &mut table);
+    table.save("gjk_pairs.csv");
+}
+
+fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Table) {
+    let mut counters = Counters::default();
+    for q in queries {
+        gjk::overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
+    }
+    println!(
+        "\n{name}: {} pairs, {} after the spheres, {} after the ellipsoids, {} exact",
+        counters.pairs, counters.after_spheres, counters.after_ellipsoids, counters.exact_calls
+    );
+    let all = contestants(grains, queries, ccd);
+    let times = compare(&all, queries, CHUNK, ROUNDS);
+    for ((contestant, run), time) in all.iter().zip(&times) {
+        let yes = run(queries);
+        println!("  {contestant:28} {:8.1} ns   {yes} overlap", time * 1e9);
+        table.row(&[name.into(), contestant.replace(',', ""), format!("{:.1}", time * 1e9), yes.to_string()]);
+    }
+    let time = |name: &str| all.iter().position(|c| c.0 == name).map(|i| times[i]);
+    for peer in ["libccd MPR", "parry"].iter().filter_map(|peer| time(peer).map(|t| (peer, t))) {
+        println!("  against {}: single {:.1} x, batched {:.1} x", peer.0, peer.1 / times[1], peer.1 / times[0]);
+    }
+}
+
+/// Whole placement attempts: the peers stop at the first overlap, in the grid's order.
+fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Table) {
+    let ranges: Vec<[u32; 2]> =
+        (0..stream.ends.len()).map(|i| [if i == 0 { 0 } else { stream.ends[i - 1] }, stream.ends[i]]).collect();
+    let clear_one = |ask: &AskOne<'_>, range: &[u32; 2]| {
+        let queries = &stream.queries[range[0] as usize..range[1] as usize];
+        !queries.iter().any(|q| ask(q, &stream.grains[q.a as usize], &stream.grains[q.b as usize]))
+    };
+    let asks = asks(&stream.grains, &stream.queries);
+    let grouped = |ranges: &[[u32; 2]]| {
+        let clear = |group: &[[u32; 2]]| {
+            let (first, end) = (group[0][0], group[group.len() - 1][1]);
+            let ends: Vec<u32> = group.iter().map(|r| r[1] - first).collect();
+            gjk::clear_many(&asks[first as usize..end as usize], &ends).into_iter().filter(|&c| c).count()
+        };
+        ranges.chunks(64).map(clear).sum()
+    };
+    let mut all: Vec<Contestant<'_, [u32; 2]>> = vec![("mesocrete, batched".into(), Box::new(grouped))];
+    for (name, ask) in
+        everybody(ccd).into_iter().filter(|(name, _)| ["mesocrete", "parry", "libccd MPR"].contains(&name.as_str()))
+    {
+        all.push((name, Box::new(move |ranges| ranges.iter().filter(|r| clear_one(&ask, r)).count())));
+    }
+    let times = compare(&all, &ranges, CHUNK, ROUNDS);
+    println!("\nper placement attempt, {:.1} neighbours:", stream.queries.len() as f64 / ranges.len() as f64);
+    for ((name, run), time) in all.iter().zip(&times) {
+        println!("  {name:28} {:8.1} ns   {:.1} x the batched   {} clear", time * 1e9, time / times[0], run(&ranges));
+        table.row(&["attempt".into(), name.replace(',', ""), format!("{:.1}", time * 1e9), run(&ranges).to_string()]);
+    }
+}
+
+/// The paper's Fig. 4: one of three polyhedra against N intersecting ones.
+fn figure_4(ccd: Option<&Ccd>) {
+    let grains = pairs::grains(22_000);
+    let mut table = Table::new("initial,n,contestant,ms");
+    let mut lines: Vec<Line> = Vec::new();
+    for initial in 0..3 {
+        let queries = pairs::intersecting_with(&grains, initial);
+        let all = contestants(&grains, &queries, ccd);
+        let mut at_22_000 = Vec::new();
+        for n in [500, 2_000, 5_000, 10_000, 16_000, 22_000] {
+            at_22_000 = compare(&all, &queries[..n], CHUNK, 3);
+            for ((name, _), time) in all.iter().zip(&at_22_000) {
+                table.row(&[
+                    (initial + 1).to_string(),
+                    n.to_string(),
+                    name.replace(',', ""),
+                    format!("{:.4}", time * n as f64 * 1e3),
+                ]);
+                if initial == 0 {
+                    match lines.iter_mut().find(|line| line.0 == *name) {
+                        Some(line) => line.1.push((n as f64, time * n as f64 * 1e3)),
+                        None => lines.push((name.clone(), vec![(n as f64, time * n as f64 * 1e3)])),
+                    }
+                }
+            }
+        }
+        println!("\nFig. 4, initial polyhedron {}, 22,000 intersecting pairs:", initial + 1);
+        for ((name, _), time) in all.iter().zip(&at_22_000) {
+            println!("  {name:28} {:8.2} ms", time * 22_000.0 * 1e3);
+        }
+        let [enhanced, johnson, volumes] = [2, 3, 4].map(|i| at_22_000[i]);
+        println!(
+            "  enhanced over classical: {:.2} x with Johnson, {:.2} x with signed volumes",
+            johnson / enhanced,
+            volumes / enhanced
+        );
+    }
+    table.save("gjk_fig4.csv");
+    let plot = Plot {
+        title: "One polyhedron against N intersecting ones",
+        x: "N",
+        y: "ms, one thread",
+        log_x: false,
+        log_y: true,
+        lines: &lines,
+    };
+    save("gjk_fig4.svg", &plot.svg());
+}
+
+/// The variants under criterion, for comparison with earlier runs on the same machine.
+fn variants(criterion: &mut Criterion) {
+    let grains = pairs::grains(1000);
+    let queries = pairs::intersecting(&grains);
+    let mut group = criterion.benchmark_group("1000 intersecting pairs");
+    group
+        .sample_size(20)
+        .measurement_time(std::time::Duration::from_secs(1))
+        .warm_up_time(std::time::Duration::from_millis(300));
+    for (name, run) in contestants(&grains, &queries, None) {
+        group.bench_function(&name, |bencher| bencher.iter(|| run(&queries)));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, variants);
+
+fn main() {
+    let ccd = Ccd::load().inspect_err(|reason| println!("{reason}")).ok();
+    pair_sets(ccd.as_ref());
+    figure_4(ccd.as_ref());
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+}
