@@ -1,7 +1,7 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
-#[path = "../bad_specs.rs"]
 mod bad_specs;
+mod calculix;
 mod check;
 mod erosion;
 mod exact;
@@ -10,6 +10,7 @@ mod gjk;
 mod grading;
 mod hull;
 mod mesh;
+mod mesh_itz;
 mod models;
 mod offset;
 mod packing;

@@ -33,7 +33,7 @@ fn voxels(aggregates: &[Aggregate], specimen: &Specimen, options: MeshOptions) -
     mesh::build_parts(aggregates, specimen, &options).unwrap()
 }
 
-fn deck(mesh: &Mesh, options: &abaqus::DeckOptions) -> String {
+pub(crate) fn deck(mesh: &Mesh, options: &abaqus::DeckOptions) -> String {
     let mut out = Vec::new();
     abaqus::write(mesh, options, &mut out).unwrap();
     String::from_utf8(out).unwrap()

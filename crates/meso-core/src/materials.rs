@@ -1,7 +1,8 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
 //! The defaults are illustrative, in the middle of what mesoscale studies of concrete use; they are nobody's measured
-//! concrete, and the method paper's own Table 3 is not available.
+//! concrete, and the method paper's own Table 3 is not available. The ITZ's strength as 0.5 to 0.9 of the mortar's is the
+//! paper's range (Sec. 3.1).
 
 use crate::mesh::Phase;
 use serde::{Deserialize, Serialize};
@@ -10,12 +11,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Materials {
-    /// Aggregate cores.
+    /// Aggregate cores, which stay elastic.
     pub aggregate: Elastic,
     /// Interfacial transition zone.
     pub itz: Elastic,
     /// Mortar.
     pub mortar: Elastic,
+    /// Strength of the mortar.
+    pub mortar_strength: Strength,
+    /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
+    pub itz_strength_ratio: f64,
+    /// Thickness that gives a cohesive ITZ its stiffness E / t, mm; the real zone is 0.01 to 0.05 mm thick.
+    pub cohesive_thickness_mm: f64,
+    /// Yield surface and flow of the damaged plasticity.
+    pub plasticity: Plasticity,
 }
 
 /// Isotropic linear elasticity.
@@ -30,12 +39,74 @@ pub struct Elastic {
     pub density_t_per_mm3: f64,
 }
 
+/// What the uniaxial curves are made of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Strength {
+    /// Compressive strength, MPa.
+    pub compressive_mpa: f64,
+    /// Strain at the compressive strength.
+    pub peak_strain: f64,
+    /// Tensile strength, MPa.
+    pub tensile_mpa: f64,
+    /// Fracture energy in tension, N/mm.
+    pub fracture_energy_n_per_mm: f64,
+    /// Energy of crushing beyond the peak, N/mm.
+    pub crushing_energy_n_per_mm: f64,
+}
+
+/// Parameters of `*CONCRETE DAMAGED PLASTICITY`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Plasticity {
+    /// Dilation angle, degrees.
+    pub dilation_angle_deg: f64,
+    /// Eccentricity of the flow potential.
+    pub eccentricity: f64,
+    /// Biaxial over uniaxial compressive strength.
+    pub biaxial_ratio: f64,
+    /// Ratio of the second invariants on the tensile and the compressive meridian, K_c.
+    pub meridian_ratio: f64,
+    /// Viscosity parameter, s (without effect in Abaqus/Explicit).
+    pub viscosity_s: f64,
+}
+
 impl Default for Materials {
     fn default() -> Self {
         Self {
             aggregate: Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 },
             itz: Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 },
             mortar: Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 },
+            mortar_strength: Strength::default(),
+            itz_strength_ratio: 0.7,
+            cohesive_thickness_mm: 0.03,
+            plasticity: Plasticity::default(),
+        }
+    }
+}
+
+impl Default for Strength {
+    /// 40 MPa mortar; the crushing energy is a hundred times the fracture energy.
+    fn default() -> Self {
+        Self {
+            compressive_mpa: 40.0,
+            peak_strain: 0.0022,
+            tensile_mpa: 3.0,
+            fracture_energy_n_per_mm: 0.06,
+            crushing_energy_n_per_mm: 6.0,
+        }
+    }
+}
+
+impl Default for Plasticity {
+    /// The values of Abaqus' own verification problems but for the dilation angle, usually 30 to 38 for concrete.
+    fn default() -> Self {
+        Self {
+            dilation_angle_deg: 30.0,
+            eccentricity: 0.1,
+            biaxial_ratio: 1.16,
+            meridian_ratio: 0.6667,
+            viscosity_s: 0.0005,
         }
     }
 }
@@ -55,6 +126,22 @@ impl Materials {
             Phase::Mortar => &self.mortar,
             Phase::Itz => &self.itz,
             Phase::Aggregate => &self.aggregate,
+        }
+    }
+
+    /// The strength of `phase`; aggregates stay elastic and have none.
+    pub fn strength(&self, phase: Phase) -> Option<Strength> {
+        let (mortar, ratio) = (self.mortar_strength, self.itz_strength_ratio);
+        match phase {
+            Phase::Aggregate => None,
+            Phase::Mortar => Some(mortar),
+            Phase::Itz => Some(Strength {
+                compressive_mpa: ratio * mortar.compressive_mpa,
+                tensile_mpa: ratio * mortar.tensile_mpa,
+                fracture_energy_n_per_mm: ratio * mortar.fracture_energy_n_per_mm,
+                crushing_energy_n_per_mm: ratio * mortar.crushing_energy_n_per_mm,
+                ..mortar
+            }),
         }
     }
 }

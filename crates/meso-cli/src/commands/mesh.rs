@@ -5,8 +5,9 @@ use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::{inputs, say, threads};
 use meso_core::Model;
-use meso_core::export::abaqus::DeckOptions;
+use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::formats::MeshFormat;
+use meso_core::materials::Materials;
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes};
 use std::path::{Path, PathBuf};
 
@@ -42,6 +43,18 @@ pub(crate) struct Args {
     /// Only nodes, elements, sets and surfaces, for *INCLUDE
     #[arg(long)]
     geometry_only: bool,
+    #[arg(long, default_value = "none", value_parser = names::parse::<Analysis>)]
+    #[arg(help = format!("What a deck computes: {}", names::list::<Analysis>()))]
+    analysis: Analysis,
+    /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
+    #[arg(long, value_name = "E", value_parser = values::number)]
+    strain: Option<f64>,
+    /// Friction between plates and specimen in compression
+    #[arg(long, value_name = "MU", default_value_t = Loading::default().friction, value_parser = values::number)]
+    friction: f64,
+    /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
     /// Number of threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<u16>,
@@ -56,9 +69,10 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args.force)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
+    let materials = materials(args.materials.as_deref())?;
     let model = inputs::model(&args.model)?;
     let mesh = threads::with(args.threads, || build(&model, &args.options()))??;
-    let deck = args.deck();
+    let deck = args.deck(materials);
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.force, |out| format.write(&mesh, &deck, out))?;
@@ -85,13 +99,32 @@ impl Args {
         }
     }
 
-    fn deck(&self) -> DeckOptions {
+    fn deck(&self, materials: Materials) -> DeckOptions {
         DeckOptions {
+            analysis: self.analysis,
+            strain: self.strain,
+            loading: Loading { friction: self.friction, ..Loading::default() },
+            materials,
             geometry_only: self.geometry_only,
             reduced_integration: self.reduced_integration,
             ..DeckOptions::default()
         }
     }
+}
+
+/// A file that holds material values.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialsFile {
+    materials: Materials,
+}
+
+fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
+    let Some(path) = path else { return Ok(Materials::default()) };
+    let text = std::fs::read_to_string(path).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    let file: MaterialsFile =
+        toml::from_str(&text).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    Ok(file.materials)
 }
 
 fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
@@ -129,4 +162,26 @@ pub(super) fn describe(mesh: &Mesh, model: &Model) {
         share(volumes.itz),
         share(volumes.mortar)
     ));
+    notes(mesh);
+}
+
+/// What the builder had to decide: gaps closed, layers thinned.
+fn notes(mesh: &Mesh) {
+    let notes = &mesh.notes;
+    if notes.closed_gaps > 0 {
+        say::line(format!(
+            "closed {} places where {} pairs of aggregates come closer than the lattice can show (widest {:.2} mm); \
+             a smaller --element-size-mm or a larger min_gap_mm keeps mortar there",
+            say::count(notes.closed_gaps),
+            say::count(notes.closed_gap_pairs),
+            notes.widest_closed_gap_mm
+        ));
+    }
+    if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
+        say::line(format!(
+            "the ITZ is thinner than asked in {} aggregates and at {} nodes",
+            say::count(notes.thinned_itz_aggregates),
+            say::count(notes.thinned_itz_nodes)
+        ));
+    }
 }

@@ -2,11 +2,15 @@
 //!
 //! [`build`] is the one way in; the methods are siblings, one file each. A mesh knows nothing of file formats.
 
+mod cohesive;
 mod error;
 mod grains;
+mod interface;
 mod lattice;
+mod layer;
 mod options;
 pub mod quality;
+mod separate;
 mod sweep;
 mod volumes;
 mod voxel;
@@ -19,6 +23,8 @@ use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::Specimen;
+use lattice::Tetrahedra;
+use serde::Serialize;
 
 /// The material a cell is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -88,6 +94,27 @@ pub struct Mesh {
     pub phase: Vec<Phase>,
     /// Id of the aggregate every cell belongs to; `u32::MAX` in the mortar.
     pub aggregate: Vec<u32>,
+    /// Zero-thickness cohesive elements: the aggregate side's face, then the nodes over it (6 or 8 in all).
+    pub cohesive: Vec<u32>,
+    /// Id of the aggregate below every cohesive element.
+    pub cohesive_aggregate: Vec<u32>,
+    /// What the builder had to decide.
+    pub notes: Notes,
+}
+
+/// What a builder had to decide, and how often: nothing is bridged or thinned in silence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Notes {
+    /// Nodes and lattice edges at which a gap between two aggregates, thinner than the lattice can show, was closed.
+    pub closed_gaps: usize,
+    /// Pairs of aggregates with such a gap.
+    pub closed_gap_pairs: usize,
+    /// The widest gap closed, mm.
+    pub widest_closed_gap_mm: f64,
+    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
+    pub thinned_itz_aggregates: usize,
+    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
+    pub thinned_itz_nodes: usize,
 }
 
 /// [`Mesh::aggregate`] of a cell that belongs to none.
@@ -99,7 +126,12 @@ impl Mesh {
         self.cells.chunks_exact(self.kind.nodes())
     }
 
-    /// Number of cells.
+    /// The cohesive elements' nodes, one slice per element.
+    pub fn cohesive(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())
+    }
+
+    /// Number of cells, cohesive elements apart.
     pub fn cell_count(&self) -> usize {
         self.phase.len()
     }
@@ -119,23 +151,41 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
 /// As [`build`].
 pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
-    match options.method {
-        Method::Voxel => Ok(voxel::build(aggregates, specimen, options)),
-        Method::Lattice if options.fit == Fit::Plain => Ok(lattice::plain(aggregates, specimen, options)),
-        Method::Lattice => Ok(fitted(aggregates, specimen, options)),
+    let mut mesh = match (options.method, options.fit) {
+        (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
+        (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
+        (Method::Lattice, Fit::Fitted) => fitted(aggregates, specimen, options),
+    };
+    if options.itz == ItzForm::Cohesive {
+        cohesive::add(&mut mesh);
     }
+    Ok(mesh)
 }
 
 fn fitted(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
-    let tetrahedra = lattice::fitted(aggregates, specimen, options.element_size_mm);
-    let phase = tetrahedra.grain.iter().map(|&g| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::Aggregate });
+    let (tetrahedra, notes) = lattice::fitted(aggregates, specimen, options.element_size_mm);
+    let mut mesh = of_tetrahedra(tetrahedra, aggregates, notes);
+    if options.itz == ItzForm::Solid {
+        let thinned = layer::add(&mut mesh, aggregates, |a| a.itz_thickness_mm);
+        mesh.notes.thinned_itz_aggregates = thinned.aggregates;
+        mesh.notes.thinned_itz_nodes = thinned.nodes;
+    }
+    mesh
+}
+
+/// Tetrahedra as a mesh of aggregates and mortar.
+fn of_tetrahedra(tetrahedra: Tetrahedra, aggregates: &[Aggregate], notes: Notes) -> Mesh {
+    let phase = |&g: &u32| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::Aggregate };
     let id = |&g: &u32| if g == NO_AGGREGATE { g } else { aggregates[g as usize].id };
     Mesh {
         kind: CellKind::Tetrahedron,
-        phase: phase.collect(),
+        phase: tetrahedra.grain.iter().map(phase).collect(),
         aggregate: tetrahedra.grain.iter().map(id).collect(),
         points: tetrahedra.points,
         cells: tetrahedra.cells.into_flattened(),
+        cohesive: Vec::new(),
+        cohesive_aggregate: Vec::new(),
+        notes,
     }
 }
 
@@ -143,6 +193,6 @@ fn fitted(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) 
 fn shell_thickness(aggregate: &Aggregate, options: &MeshOptions) -> f64 {
     match options.itz {
         ItzForm::Solid => aggregate.itz_thickness_mm,
-        ItzForm::None => 0.0,
+        ItzForm::Cohesive | ItzForm::None => 0.0,
     }
 }

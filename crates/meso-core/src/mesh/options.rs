@@ -49,6 +49,8 @@ pub enum Fit {
 pub enum ItzForm {
     /// A layer of solid elements.
     Solid,
+    /// Zero-thickness cohesive elements between the aggregates and what they meet.
+    Cohesive,
     /// Not at all: aggregates bonded to the mortar.
     None,
 }

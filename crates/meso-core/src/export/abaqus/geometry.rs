@@ -54,7 +54,21 @@ fn elements(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -
             }
         }
     }
-    Ok(())
+    cohesive(lines, mesh)
+}
+
+/// Cohesive elements are numbered after the cells; they are the set ITZ.
+fn cohesive(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
+    if mesh.cohesive.is_empty() {
+        return Ok(());
+    }
+    let kind = match mesh.kind {
+        CellKind::Tetrahedron => "COH3D6",
+        CellKind::Hexahedron => "COH3D8",
+    };
+    lines.line(format!("*ELEMENT, TYPE={kind}, ELSET=ITZ"))?;
+    let first = mesh.cell_count() as u64 + 1;
+    (first..).zip(mesh.cohesive()).try_for_each(|(number, nodes)| lines.element(number, nodes))
 }
 
 /// The phases that have elements: an empty set would be an error to Abaqus.

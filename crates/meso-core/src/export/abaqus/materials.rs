@@ -1,25 +1,105 @@
 //! Materials under the names of the phases, and the sections that give them to the element sets.
 
+use super::damage::{self, Row};
 use super::geometry::present;
 use super::lines::Lines;
-use crate::materials::Materials;
-use crate::mesh::{Mesh, Phase};
+use super::{Analysis, DeckOptions};
+use crate::materials::{Elastic, Materials, Strength};
+use crate::mesh::{Mesh, Phase, PhaseVolumes};
 use std::io::{self, Write};
 
-/// Density, elasticity and section of every phase the mesh has.
-pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, materials: &Materials) -> io::Result<()> {
+/// Material and section of every phase the mesh has, and of the cohesive elements.
+pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+    let materials = &options.materials;
     lines.line("** Material values are illustrative unless they were given: MPa, tonne/mm3")?;
     for phase in present(mesh) {
-        let elastic = materials.elastic(phase);
-        lines.line(format!("*MATERIAL, NAME={}", phase.name()))?;
-        lines.line("*DENSITY")?;
-        lines.line(format!("{:e},", elastic.density_t_per_mm3))?;
-        lines.line("*ELASTIC")?;
-        lines.line(format!("{}, {}", elastic.youngs_modulus_mpa, elastic.poisson_ratio))?;
+        elastic(lines, phase.name(), materials.elastic(phase))?;
+        if let (true, Some(strength)) = (options.analysis.damages(), materials.strength(phase)) {
+            plasticity(lines, materials, phase, &strength, crack_band(mesh, phase))?;
+        }
     }
-    present(mesh).try_for_each(|phase| section(lines, phase))
+    if !mesh.cohesive.is_empty() {
+        cohesive(lines, materials)?;
+    }
+    for phase in present(mesh) {
+        lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", phase.name()))?;
+    }
+    if mesh.cohesive.is_empty() {
+        return Ok(());
+    }
+    lines.line("*COHESIVE SECTION, ELSET=ITZ, MATERIAL=ITZ, RESPONSE=TRACTION SEPARATION")?;
+    // A constitutive thickness of 1: separations are strains, and the density is per area.
+    lines.line("1.0,")
 }
 
-fn section(lines: &mut Lines<impl Write>, phase: Phase) -> io::Result<()> {
-    lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", phase.name()))
+fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::Result<()> {
+    lines.line(format!("*MATERIAL, NAME={name}"))?;
+    lines.line("*DENSITY")?;
+    lines.line(format!("{:e},", elastic.density_t_per_mm3))?;
+    lines.line("*ELASTIC")?;
+    lines.line(format!("{:?}, {:?}", elastic.youngs_modulus_mpa, elastic.poisson_ratio))
+}
+
+/// Cube root of the phase's mean element volume, mm: Abaqus' own characteristic length.
+fn crack_band(mesh: &Mesh, phase: Phase) -> f64 {
+    let volumes = PhaseVolumes::of_mesh(mesh);
+    let volume = match phase {
+        Phase::Mortar => volumes.mortar,
+        Phase::Itz => volumes.itz,
+        Phase::Aggregate => volumes.aggregate,
+    };
+    libm::cbrt(volume / mesh.phase.iter().filter(|p| **p == phase).count() as f64)
+}
+
+fn plasticity(
+    lines: &mut Lines<impl Write>,
+    materials: &Materials,
+    phase: Phase,
+    strength: &Strength,
+    width: f64,
+) -> io::Result<()> {
+    let (elastic, p) = (materials.elastic(phase), &materials.plasticity);
+    let [angle, e, ratio, kc, viscosity] =
+        [p.dilation_angle_deg, p.eccentricity, p.biaxial_ratio, p.meridian_ratio, p.viscosity_s];
+    lines.line("*CONCRETE DAMAGED PLASTICITY")?;
+    lines.line(format!("{angle:?}, {e:?}, {ratio:?}, {kc:?}, {viscosity:?}"))?;
+    let (compression, tension) = (damage::compression(elastic, strength, width), damage::tension(strength));
+    lines.line("*CONCRETE COMPRESSION HARDENING")?;
+    curve(lines, &compression, |row| row.stress)?;
+    lines.line("*CONCRETE TENSION STIFFENING, TYPE=DISPLACEMENT")?;
+    curve(lines, &tension, |row| row.stress)?;
+    lines.line("*CONCRETE COMPRESSION DAMAGE")?;
+    curve(lines, &compression, |row| row.damage)?;
+    lines.line("*CONCRETE TENSION DAMAGE, TYPE=DISPLACEMENT")?;
+    curve(lines, &tension, |row| row.damage)
+}
+
+fn curve(lines: &mut Lines<impl Write>, rows: &[Row], value: impl Fn(&Row) -> f64) -> io::Result<()> {
+    rows.iter().try_for_each(|row| lines.line(format!("{:.6e}, {:.6e}", value(row), row.inelastic)))
+}
+
+/// Traction-separation: stiffness E / t and G / t, quadratic stress criterion, linear softening by the fracture energy.
+fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials) -> io::Result<()> {
+    let (itz, t) = (&materials.itz, materials.cohesive_thickness_mm);
+    let normal = itz.youngs_modulus_mpa / t;
+    let shear = normal / (2.0 * (1.0 + itz.poisson_ratio));
+    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    // Cohesion of a Mohr-Coulomb material, sqrt(f_c f_t) / 2.
+    let cohesion = (strength.compressive_mpa * strength.tensile_mpa).sqrt() / 2.0;
+    lines.line("*MATERIAL, NAME=ITZ")?;
+    lines.line("*DENSITY")?;
+    lines.line(format!("{:e},", itz.density_t_per_mm3 * t))?;
+    lines.line("*ELASTIC, TYPE=TRACTION")?;
+    lines.line(format!("{normal:.6e}, {shear:.6e}, {shear:.6e}"))?;
+    lines.line("*DAMAGE INITIATION, CRITERION=QUADS")?;
+    lines.line(format!("{:.6e}, {cohesion:.6e}, {cohesion:.6e}", strength.tensile_mpa))?;
+    lines.line("*DAMAGE EVOLUTION, TYPE=ENERGY")?;
+    lines.line(format!("{:.6e},", strength.fracture_energy_n_per_mm))
+}
+
+impl Analysis {
+    /// Whether mortar and ITZ get strength and damage.
+    fn damages(self) -> bool {
+        matches!(self, Self::Compression | Self::Tension)
+    }
 }

@@ -12,7 +12,7 @@ mod star;
 mod surface;
 
 use super::grains::{Grain, Locator};
-use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
+use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Notes, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -46,7 +46,16 @@ pub(super) fn plain(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
     let located: Vec<(Phase, u32)> =
         cells.par_iter().map(|cell| locate(&grains, &locator, &centroid(cell, &points))).collect();
     let (phase, aggregate) = located.into_iter().unzip();
-    Mesh { points, kind: CellKind::Tetrahedron, cells: cells.into_flattened(), phase, aggregate }
+    Mesh {
+        points,
+        kind: CellKind::Tetrahedron,
+        cells: cells.into_flattened(),
+        phase,
+        aggregate,
+        cohesive: Vec::new(),
+        cohesive_aggregate: Vec::new(),
+        notes: Notes::default(),
+    }
 }
 
 fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
@@ -58,17 +67,18 @@ fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
 }
 
 /// The fitted lattice: grains and mortar.
-pub(super) fn fitted(aggregates: &[Aggregate], specimen: &Specimen, element_size: f64) -> Tetrahedra {
+pub(super) fn fitted(aggregates: &[Aggregate], specimen: &Specimen, element_size: f64) -> (Tetrahedra, Notes) {
     let domain = specimen.aabb();
     let grains = Grain::all(aggregates, |_| 0.0);
     let bcc = Bcc::new(domain, element_size);
     let locator = Locator::new(&grains, &domain);
     let mut field = snap::Field::new(&bcc, &grains);
     field.snap();
+    let notes = field.notes();
     let mut mesh = cut::Cutter::new(&field, &locator).cells();
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
     fit::fit(&mut mesh, &surfaces, &domain, element_size);
-    mesh
+    (mesh, notes)
 }
 
 pub(super) fn centroid(cell: &[u32; 4], points: &[Vec3]) -> Vec3 {

@@ -5,6 +5,7 @@
 
 use super::bcc::{Bcc, EdgeKind};
 use crate::math::Vec3;
+use crate::mesh::Notes;
 use crate::mesh::grains::Grain;
 use crate::mesh::sweep::{Label, PointGrid, Sweep};
 use rayon::prelude::*;
@@ -33,7 +34,7 @@ pub(super) struct Field<'a> {
     pub(super) label: Vec<u32>,
     /// The grains on whose surface a moved node lies, then [`MORTAR`]; all [`MORTAR`] for a node that was not moved.
     pub(super) on: Vec<[u32; 3]>,
-    /// Pairs of grains whose gap was closed at a node, with the gap's width, mm.
+    /// Pairs of grains whose gap was closed, at a node or on an edge, with the gap's width, mm.
     pub(super) closed: Vec<(u32, u32, f64)>,
 }
 
@@ -68,8 +69,46 @@ impl<'a> Field<'a> {
             let changes: Vec<Change> = touched.par_iter().flat_map_iter(|&node| self.second_look(node)).collect();
             touched = self.apply(changes);
             if touched.is_empty() {
-                return;
+                break;
             }
+        }
+        self.count_joining_edges();
+    }
+
+    /// The edges left between two grains: their one cut closes the gap between its two crossings.
+    fn count_joining_edges(&mut self) {
+        let nodes = 0..self.points.len() as u32;
+        let joining: Vec<(u32, u32, f64)> =
+            nodes.into_par_iter().flat_map_iter(|node| self.joining_edges(node)).collect();
+        self.closed.extend(joining);
+    }
+
+    fn joining_edges(&self, node: u32) -> Vec<(u32, u32, f64)> {
+        let mut gaps = Vec::new();
+        if self.inside(node).is_none() {
+            return gaps;
+        }
+        self.bcc.neighbours(node, |other| {
+            if other > node && self.inside(other).is_some() && !self.compatible(node, other) {
+                let pair = [self.label[node as usize], self.label[other as usize]];
+                let gap = 1.0 - self.exit(node, other) - self.exit(other, node);
+                let length = (self.points[node as usize] - self.points[other as usize]).norm();
+                gaps.push((pair[0].min(pair[1]), pair[0].max(pair[1]), gap * length));
+            }
+        });
+        gaps
+    }
+
+    /// The gaps that were closed.
+    pub(super) fn notes(&self) -> Notes {
+        let mut pairs: Vec<(u32, u32)> = self.closed.iter().map(|gap| (gap.0, gap.1)).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        Notes {
+            closed_gaps: self.closed.len(),
+            closed_gap_pairs: pairs.len(),
+            widest_closed_gap_mm: self.closed.iter().fold(0.0, |widest, gap| gap.2.max(widest)),
+            ..Notes::default()
         }
     }
 

@@ -27,7 +27,7 @@ impl Surface {
         }
         Self {
             planes: body.planes().collect(),
-            edges: edges.into_iter().map(|edge| edge.map(|i| at(i))).collect(),
+            edges: edges.into_iter().map(|edge| edge.map(at)).collect(),
             corners: body.vertices().to_vec(),
             slack: 1e-9 * body.aabb().size().max(),
         }
@@ -59,8 +59,12 @@ impl Surface {
             _ => return None,
         };
         let place = x + step;
-        let inside = self.planes.iter().all(|p| p.normal.dot(&place) <= p.offset + self.slack);
-        (inside && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+        (self.holds(&place) && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+    }
+
+    /// Whether `x` lies in the closed grain.
+    pub(super) fn holds(&self, x: &Vec3) -> bool {
+        self.planes.iter().all(|p| p.normal.dot(x) <= p.offset + self.slack)
     }
 
     fn is_on(&self, plane: &Plane, x: &Vec3) -> bool {
