@@ -1,5 +1,6 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+#[path = "../bad_specs.rs"]
 mod bad_specs;
 mod calculix;
 mod check;
