@@ -1,9 +1,10 @@
 //! Packing: what is delivered is what was asked, proved apart, and the same on any number of threads.
 
 use meso_core::aggregate::Aggregate;
-use meso_core::packing::{Silent, Specimen, StopReason, Strategy};
+use meso_core::packing::{Progress, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, gjk, pack};
 use parry3d_f64::shape::ConvexPolyhedron;
+use std::sync::atomic::{AtomicI32, Ordering};
 
 fn small(fraction: f64) -> Spec {
     Spec { fraction, specimen: Specimen::Cube { side_mm: 70.0 }, ..Spec::default() }
@@ -123,6 +124,31 @@ fn a_packing_that_cannot_be_ends_with_what_fits_and_says_so() {
     assert_eq!(model.report.stop_reason, StopReason::Jammed);
     assert!(model.report.fraction > 0.3, "{}", model.report.fraction);
     assert_apart(&model);
+}
+
+/// Says stop after so many questions.
+struct StopAfter(AtomicI32);
+
+impl Progress for StopAfter {
+    fn update(&self, _: f64, _: f64) -> bool {
+        self.0.fetch_sub(1, Ordering::Relaxed) > 0
+    }
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn an_interrupted_run_keeps_a_sound_packing() {
+    // In the take; among the random positions; among the sweeps.
+    for (questions, least) in [(1, 0.0), (12, 0.0), (60, 0.2)] {
+        let model = pack(&small(0.6), &StopAfter(AtomicI32::new(questions))).unwrap();
+        assert_eq!(model.report.stop_reason, StopReason::Interrupted, "after {questions} questions");
+        assert!((least..0.6).contains(&model.report.fraction), "{} after {questions}", model.report.fraction);
+        for (a, b) in near_pairs(&model.aggregates) {
+            assert!(!gjk::intersects(a.body.vertices(), b.body.vertices()).unwrap());
+        }
+    }
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub struct Model {
 pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
     let start = progress.seconds();
-    let grains = take_grains(spec)?;
+    let grains = take_grains(spec, progress)?;
     let taken = progress.seconds();
     let request = Request {
         specimen: &spec.specimen,
@@ -44,8 +44,9 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     Ok(Model { spec: spec.clone(), aggregates, report })
 }
 
-fn take_grains(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
-    let recipe = Recipe { grading: &spec.grading, shape: &spec.shape, itz: &spec.itz, seed: spec.seed };
+fn take_grains(spec: &Spec, progress: &dyn Progress) -> Result<Vec<Grain>, SpecError> {
+    let go_on = || progress.update(0.0, spec.fraction);
+    let recipe = Recipe { grading: &spec.grading, shape: &spec.shape, itz: &spec.itz, seed: spec.seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
     take(&recipe, spec.fraction * spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))
 }

@@ -44,7 +44,7 @@ pub fn snap(v: &Vec3) -> Vec3 {
 }
 
 /// What the take needs of a spec.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Recipe<'a> {
     /// Sizes.
     pub grading: &'a Grading,
@@ -54,6 +54,8 @@ pub struct Recipe<'a> {
     pub itz: &'a Itz,
     /// Seed of all streams.
     pub seed: u64,
+    /// Asked now and then; `false` ends the take with the grains it has.
+    pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
 /// Makes grains of every class until each class holds `volume * share * (1 + surplus)` mm3, as nearly as whole grains
@@ -76,6 +78,9 @@ const CHUNK: u32 = 256;
 fn take_class(recipe: &Recipe, class: u16, limits: &SizeClass, target: f64) -> Result<Vec<Grain>, HullError> {
     let (mut grains, mut volume) = (Vec::new(), 0.0);
     for start in (0..).step_by(CHUNK as usize) {
+        if !(recipe.go_on)() {
+            return Ok(grains);
+        }
         let chunk: Vec<Grain> =
             (start..start + CHUNK).into_par_iter().map(|i| make(recipe, class, limits, i)).collect::<Result<_, _>>()?;
         for grain in chunk {

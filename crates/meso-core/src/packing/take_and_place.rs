@@ -26,6 +26,11 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
         dead_end: StopReason::AttemptsExhausted,
         strategy: "take-and-place",
     };
+    // A stop during the take has left grains out; nothing placed of them would be what was asked.
+    outcome.stop = task.stopped(0.0);
+    if outcome.stop.is_some() {
+        return outcome;
+    }
     let order: Vec<usize> = (0..task.request.grains.len()).collect();
     for batch in order.chunks(BATCH) {
         let scouted: Vec<Search> = batch
