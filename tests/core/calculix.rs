@@ -81,7 +81,8 @@ fn calculix_finds_moduli_between_the_hashin_shtrikman_bounds_that_agree() {
     let model = packed();
     let mut moduli = Vec::new();
     for method in [Method::Voxel, Method::Lattice] {
-        let options = MeshOptions { method, itz: ItzForm::None, ..Default::default() };
+        // At 2 mm, a quarter of the smallest grain, the staircase of voxels is 3.3 % stiffer than the fitted lattice.
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 1.6, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         let Some(modulus) = modulus(&mesh, 1600.0) else { return };
         let [low, high] = hashin_shtrikman(&PhaseVolumes::of_mesh(&mesh), &Materials::default());

@@ -153,13 +153,13 @@ mod tests {
 
     #[test]
     fn a_regular_tetrahedron_has_the_known_angle_and_ratio_one() {
-        let p = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from);
+        let p = [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from);
         let q = tetrahedron(p);
         assert!((q.min_dihedral_deg - 70.528_779_365_509_31).abs() < 1e-9, "{q:?}");
         assert!((q.max_dihedral_deg - q.min_dihedral_deg).abs() < 1e-9);
         assert!((q.radius_ratio - 1.0).abs() < 1e-12);
-        assert!((q.volume_mm3.abs() - 8.0 / 3.0).abs() < 1e-12);
-        assert!((q.shortest_altitude_mm.abs() - 4.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+        assert!((q.volume_mm3 - 8.0 / 3.0).abs() < 1e-12);
+        assert!((q.shortest_altitude_mm - 4.0 / 3.0_f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]
