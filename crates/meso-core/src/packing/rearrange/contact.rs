@@ -143,6 +143,10 @@ impl Contact {
             simplex.push(a, b, i as u16, j as u16, far);
             v = simplex.nearest();
         }
+        // The last support may have closed a tetrahedron around the origin.
+        if simplex.count == 4 {
+            return false;
+        }
         let inverse = 1.0 / (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-12);
         let n = [(-v[0] * inverse) as f32, (-v[1] * inverse) as f32, (-v[2] * inverse) as f32];
         self.settle(&simplex, a, b, n, gap_along(a, b, x, n));
@@ -153,7 +157,7 @@ impl Contact {
     fn settle(&mut self, simplex: &Simplex, a: &Points, b: &Points, normal: V, gap: f32) {
         (self.normal, self.gap) = (normal, gap);
         (self.on_a, self.on_b) = ([0.0; 3], [0.0; 3]);
-        self.count = simplex.count as u8;
+        self.count = simplex.count.min(self.features.len()) as u8;
         for k in 0..simplex.count.min(3) {
             let ((i, j), weight) = (simplex.features[k], simplex.weights[k] as f32);
             self.features[k] = (i, j);
