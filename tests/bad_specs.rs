@@ -157,6 +157,12 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("grading = []", "grading", "it must be a table"),
     // shape
     ("[shape]\nvertices = [3, 3]", "shape.vertices", "is [3, 3]; the accepted range is 6"),
+    ("[shape]\nkind = 'library'", "shape.library", "is missing; name a folder"),
+    ("[shape]\nlibrary = 3", "shape.library", "must be the name of a folder"),
+    ("[shape]\nlibrary = 'stones'", "shape.library", "files cannot be read here"),
+    ("[shape]\nkind = 'library'\ngrains = [[[0, 0, 0]]]", "shape.grains", "span 0 dimension"),
+    ("[shape]\nkind = 'round'", "shape.kind", "did you mean \"rounded\"?"),
+    ("[shape]\nkind = 'crushed'\nvertices = [6, 8]", "shape.vertices", "the accepted range is 8 to 1000"),
     ("[shape]\nvertices = [4, 8]", "shape.vertices", "is [4, 8];"),
     ("[shape]\nvertices = [30, 20]", "shape.vertices", "the fewest come first"),
     ("[shape]\nvertices = [20, 1000000000]", "shape.vertices", "to 1000"),
@@ -195,7 +201,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ),
     ("[shape]\nflatness = { law = 'constant', valeu = 1 }", "shape.flatness.valeu", "did you mean value?"),
     ("[shape]\nflatness = 0.7", "shape.flatness", "it must be a table"),
-    ("[shape]\nroundness = 1", "shape.roundness", "the keys here are vertices, elongation, flatness"),
+    ("[shape]\nroundness = 1", "shape.roundness", "the keys here are kind, vertices, elongation, flatness"),
     // itz
     ("[itz]\nthickness_mm = [-0.1, 0.5]", "itz.thickness_mm", "is -0.1;"),
     ("[itz]\nthickness_mm = [0.5, 0.1]", "itz.thickness_mm", "the lower limit comes first"),

@@ -1,5 +1,6 @@
 //! Curves, classes, size laws, mix designs, recipes.
 
+use crate::folder::Folder;
 use meso_core::aggregate::{Curve, Form, Grading, SizeLaw, Standard};
 use meso_core::recipes;
 use meso_core::spec::Spec;
@@ -127,12 +128,7 @@ fn a_mix_design_gives_the_fraction_that_is_coarse() {
 #[test]
 fn a_sieve_table_is_read_from_a_file_that_the_caller_opens() {
     let text = "[grading]\ncurve = { kind = 'sieves', file = 'stone.csv' }\nd_min_mm = 4\nd_max_mm = 16\n";
-    let read = |csv: &'static str| {
-        Spec::from_toml_with(text, &mut |name| {
-            assert_eq!(name, "stone.csv");
-            Ok(csv.to_owned())
-        })
-    };
+    let read = |csv: &'static str| Spec::from_toml_with(text, &mut Folder(&[("stone.csv", csv.as_bytes())]));
     let spec = read("# from the quarry\r\nsieve_mm, passing_percent\r\n16, 100\r\n4, 10\r\n\r\n8, 45\r\n").unwrap();
     let expected = Curve::Sieves { sieves_mm: vec![4.0, 8.0, 16.0], passing: vec![0.1, 0.45, 1.0] };
     assert_eq!(spec.grading.curve, expected);

@@ -1,11 +1,14 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
+use meso_core::spec::Files;
 use meso_core::{Model, Spec, saved};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+/// Longest file a spec may name, bytes.
+const LONGEST_INPUT: u64 = 256 << 20;
 /// Longest spec that is read, bytes; a sieve table of a million rows is shorter.
 const LONGEST_SPEC: u64 = 32 << 20;
 
@@ -19,14 +22,22 @@ pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
     })?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut open = |file: &str| read_text(&folder.join(file));
-    Spec::from_toml_with(&text, &mut open).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+    Spec::from_toml_with(&text, &mut Beside(folder)).map_err(|error| Failure::Usage(format!("{name}: {error}")))
 }
 
-/// A sieve table; the spec's error names it.
-fn read_text(path: &Path) -> io::Result<String> {
-    let bytes = read(path, LONGEST_SPEC).map_err(|failure| io::Error::other(failure.message().to_owned()))?;
-    String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8; save it as plain text"))
+/// The files in and below a folder, for a spec that lies in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<'a>(pub &'a Path);
+
+impl Files for Beside<'_> {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        read(&self.0.join(name), LONGEST_INPUT).map_err(|failure| io::Error::other(failure.message().to_owned()))
+    }
+
+    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
+        let entries = std::fs::read_dir(self.0.join(folder))?;
+        entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
+    }
 }
 
 /// Reads a saved model, `-` for standard input.

@@ -12,6 +12,8 @@ mod progress;
 mod say;
 mod threads;
 
+pub use inputs::Beside;
+
 use clap::Parser;
 use commands::{Cli, Command};
 use failure::Failure;

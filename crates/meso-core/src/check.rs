@@ -8,7 +8,7 @@ mod solid;
 
 use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::geometry::sieve_size;
-use crate::math::Vec3;
+use crate::math::{Vec3, longest_distance};
 use crate::model::Model;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -156,7 +156,7 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
 fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
     let class = *model.spec.grading.classes().get(usize::from(aggregate.class))?;
     let size_mm = match model.spec.grading.size {
-        SizeDefinition::LongestAxis => solid::longest_axis(aggregate.body.vertices()),
+        SizeDefinition::LongestAxis => longest_distance(aggregate.body.vertices()),
         SizeDefinition::Sieve => sieve_size(&aggregate.body),
     };
     let fits = size_mm >= class.d_min_mm - 1e-6 && size_mm <= class.d_max_mm + 1e-6;

@@ -9,6 +9,7 @@ pub mod export;
 pub mod formats;
 pub mod geometry;
 pub mod gjk;
+pub mod import;
 pub mod materials;
 pub mod math;
 pub mod mesh;

@@ -47,3 +47,9 @@ impl Aabb {
         (0..3).all(|i| self.min[i] <= other.max[i] && other.min[i] <= self.max[i])
     }
 }
+
+/// The longest distance between two of the points, mm.
+pub fn longest_distance(points: &[Vec3]) -> f64 {
+    let squares = points.iter().enumerate().flat_map(|(i, p)| points[i..].iter().map(move |q| (p - q).norm_squared()));
+    squares.fold(0.0, f64::max).sqrt()
+}

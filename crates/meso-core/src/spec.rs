@@ -4,6 +4,8 @@
 //! [`limits`] (values that cannot be). Every error names the key, the value and the way out.
 
 mod error;
+mod files;
+mod library;
 mod limits;
 mod mix;
 mod read;
@@ -12,6 +14,7 @@ mod tree;
 mod words;
 
 pub use error::{SpecError, SpecErrorKind};
+pub use files::{Files, NoFiles};
 pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
 pub use mix::Mix;
 
@@ -59,21 +62,16 @@ impl Spec {
     /// # Errors
     /// Names the key, the line and the way out: syntax, unknown keys, wrong types, values that cannot be.
     pub fn from_toml(text: &str) -> Result<Self, SpecError> {
-        Self::from_toml_with(text, &mut |_| Err(std::io::Error::other("files cannot be read here")))
+        Self::from_toml_with(text, &mut NoFiles)
     }
 
-    /// As [`Spec::from_toml`], with `open` to read the text of the sieve tables (CSV) that the spec names as
-    /// `curve = { kind = "sieves", file = "..." }`: the core opens no file.
+    /// As [`Spec::from_toml`], with `files` to read what the spec names: a sieve table (CSV) as
+    /// `curve = { kind = "sieves", file = "..." }`, grains (STL, JSON, a folder of these) as `shape.library`.
     ///
     /// # Errors
-    /// As [`Spec::from_toml`], and where `open` fails.
-    pub fn from_toml_with(
-        text: &str,
-        open: &mut dyn FnMut(&str) -> std::io::Result<String>,
-    ) -> Result<Self, SpecError> {
-        let mut tree = tree::parse_toml(text)?;
-        sieves::inline(&mut tree, open)?;
-        Self::from_tree(tree)
+    /// As [`Spec::from_toml`], and where `files` fail.
+    pub fn from_toml_with(text: &str, files: &mut dyn Files) -> Result<Self, SpecError> {
+        Self::from_tree(tree::parse_toml(text)?, files)
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -81,14 +79,28 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml`], without a line.
     pub fn from_value(value: &serde_json::Value) -> Result<Self, SpecError> {
-        Self::from_tree(tree::from_json(value))
+        Self::from_value_with(value, &mut NoFiles)
     }
 
-    fn from_tree(mut tree: tree::Node) -> Result<Self, SpecError> {
+    /// As [`Spec::from_value`], with `files` as for [`Spec::from_toml_with`].
+    ///
+    /// # Errors
+    /// As [`Spec::from_toml_with`], without a line.
+    pub fn from_value_with(value: &serde_json::Value, files: &mut dyn Files) -> Result<Self, SpecError> {
+        Self::from_tree(tree::from_json(value), files)
+    }
+
+    fn from_tree(mut tree: tree::Node, files: &mut dyn Files) -> Result<Self, SpecError> {
+        sieves::inline(&mut tree, files)?;
+        library::inline(&mut tree, files)?;
+        let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
         let mix = mix::take(&mut tree)?;
         let mut spec: Self = read::read(&tree)?;
         if spec.grading.classes_mm.is_empty() {
             spec.grading.classes_mm = spec.grading.usual_classes();
+        }
+        if !vertices_given {
+            spec.shape.vertices = spec.shape.kind.usual_vertices();
         }
         if let Some(mix) = mix {
             spec.fraction = mix.fraction(&spec.grading).map_err(|error| error.at(&tree))?;

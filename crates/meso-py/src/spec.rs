@@ -2,6 +2,7 @@
 
 use crate::boundary::{file_error, guard};
 use crate::tree;
+use meso_cli::Beside;
 use meso_core::spec::{self, Spec, SpecError, SpecErrorKind};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -28,9 +29,9 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, PartialEq)]
 pub(crate) struct PySpec(pub(crate) Spec);
 
-/// A spec from a dict-like tree.
+/// A spec from a dict-like tree; files that it names are looked for in the working directory.
 fn from_value(value: &Value) -> PyResult<Spec> {
-    Spec::from_value(value).map_err(|error| spec_error(&error))
+    Spec::from_value_with(value, &mut Beside(Path::new(""))).map_err(|error| spec_error(&error))
 }
 
 /// The exception of a spec that cannot be.
@@ -51,10 +52,9 @@ fn read(path: &Path) -> PyResult<Spec> {
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
     let named = |text: String| PyValueError::new_err(format!("{}: {text}", path.display()));
     let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
-    // Sieve tables that a spec names lie beside it.
+    // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_with(&text, &mut |name| std::fs::read_to_string(folder.join(name)))
-        .map_err(|error| named(error.to_string()))
+    Spec::from_toml_with(&text, &mut Beside(folder)).map_err(|error| named(error.to_string()))
 }
 
 /// What `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].

@@ -1,14 +1,18 @@
 //! Aggregates before they have a place: grading, shape, ITZ, and the *take* that makes a batch of them.
 
+mod aspect_ratio;
 pub mod grading;
 pub mod itz;
+mod library;
 pub mod random;
 pub mod shape;
 pub mod take;
 
+pub use aspect_ratio::AspectRatio;
 pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
 pub use itz::Itz;
-pub use shape::{AspectRatio, Shape};
+pub use library::Template;
+pub use shape::{Outline, Shape, ShapeKind};
 
 use crate::geometry::{OffsetError, Polyhedron, inward_offset};
 

@@ -61,6 +61,13 @@ impl Stream {
         Vec3::from_fn(|i, _| self.uniform(low[i], high[i]))
     }
 
+    /// A unit vector uniform over the sphere.
+    pub fn direction(&mut self) -> Vec3 {
+        let (z, angle) = (self.uniform(-1.0, 1.0), TAU * self.unit());
+        let radius = (1.0 - z * z).sqrt();
+        Vec3::new(radius * libm::cos(angle), radius * libm::sin(angle), z)
+    }
+
     /// A rotation uniform over all orientations (K. Shoemake, Uniform random rotations, Graphics Gems III, 1992).
     pub fn rotation(&mut self) -> Rotation {
         let (u, alpha, beta) = (self.unit(), TAU * self.unit(), TAU * self.unit());

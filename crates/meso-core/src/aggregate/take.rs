@@ -17,9 +17,9 @@ pub struct Grain {
     pub itz_thickness_mm: f64,
     /// True when the drawn thickness was too much for the grain and was limited.
     pub itz_limited: bool,
-    /// Outer surface about the ellipsoid's centre, mm, on the [`snap`] lattice.
+    /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
     pub body: Polyhedron,
-    /// Semi-axes of the ellipsoid that holds the vertices, mm.
+    /// Semi-axes of the ellipsoid the vertices lie on or near, mm.
     pub semi_axes: Vec3,
     /// Columns: the directions of the semi-axes.
     pub rotation: Mat3,
@@ -98,15 +98,14 @@ fn take_class(recipe: &Recipe, class: u16, limits: &SizeClass, target: f64) -> R
 fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
     let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
     let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
-    let mut ellipsoid = recipe.shape.ellipsoid(size, stream);
-    let mut vertices = recipe.shape.vertices(&ellipsoid, limits.d_min_mm, stream);
+    let mut outline = recipe.shape.outline(size, limits.d_min_mm, stream);
     if recipe.grading.size == SizeDefinition::Sieve {
-        let scale = size / sieve_size(&convex_hull(&vertices)?);
-        ellipsoid.semi_axes *= scale;
-        vertices.iter_mut().for_each(|vertex| *vertex *= scale);
+        let scale = size / sieve_size(&convex_hull(&outline.vertices)?);
+        outline.semi_axes *= scale;
+        outline.vertices.iter_mut().for_each(|vertex| *vertex *= scale);
     }
     let rotation = stream.rotation().to_rotation_matrix();
-    let vertices: Vec<Vec3> = vertices.iter().map(|v| snap(&(rotation * v))).collect();
+    let vertices: Vec<Vec3> = outline.vertices.iter().map(|v| snap(&(rotation * v))).collect();
     let body = convex_hull(&vertices)?;
     let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
     let drawn = stream.uniform(recipe.itz.thickness_mm[0], recipe.itz.thickness_mm[1]);
@@ -115,7 +114,7 @@ fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<G
         index,
         itz_thickness_mm: drawn.min(ITZ_LIMIT * inner_radius),
         itz_limited: drawn > ITZ_LIMIT * inner_radius,
-        semi_axes: ellipsoid.semi_axes,
+        semi_axes: outline.semi_axes,
         rotation: rotation.into_inner(),
         volume: body.volume(),
         outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),

@@ -72,10 +72,3 @@ pub(super) fn thinnest_shell(body: &Polyhedron, core: &Polyhedron) -> f64 {
     });
     inwards.fold(f64::INFINITY, f64::min)
 }
-
-/// The longest distance between two vertices, mm.
-pub(super) fn longest_axis(vertices: &[Vec3]) -> f64 {
-    let squares =
-        vertices.iter().enumerate().flat_map(|(i, a)| vertices[..i].iter().map(move |b| (a - b).norm_squared()));
-    squares.fold(0.0, f64::max).sqrt()
-}

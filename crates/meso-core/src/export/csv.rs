@@ -1,7 +1,7 @@
 //! One row per aggregate, for spreadsheets and pandas.
 
 use crate::aggregate::Aggregate;
-use crate::math::Vec3;
+use crate::math::longest_distance;
 use std::f64::consts::PI;
 use std::io::{self, BufWriter, Write};
 
@@ -22,7 +22,7 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
     for aggregate in aggregates {
         let Aggregate { id, class, itz_thickness_mm, body } = aggregate;
         let (mass, area) = (body.mass_properties(), body.area());
-        let size = longest_axis(body.vertices());
+        let size = longest_distance(body.vertices());
         let sphericity = libm::cbrt(PI) * libm::cbrt(6.0 * mass.volume).powi(2) / area;
         let [x, y, z] = mass.centroid.into();
         let (vertices, faces) = (body.vertices().len(), body.faces().len());
@@ -33,11 +33,4 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
         )?;
     }
     out.flush()
-}
-
-/// The longest distance between two vertices, mm.
-fn longest_axis(vertices: &[Vec3]) -> f64 {
-    let squares =
-        vertices.iter().enumerate().flat_map(|(i, a)| vertices[..i].iter().map(move |b| (a - b).norm_squared()));
-    squares.fold(0.0, f64::max).sqrt()
 }

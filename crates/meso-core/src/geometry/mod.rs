@@ -11,6 +11,7 @@ pub mod offset;
 mod polyhedron;
 mod predicates;
 mod sieve;
+mod triangle_mesh;
 
 pub use faces::Face;
 pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull};
@@ -19,3 +20,4 @@ pub use offset::{OffsetError, inward_offset};
 pub use polyhedron::{MassProperties, Plane, Polyhedron};
 pub use predicates::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub use sieve::{principal_axes, sieve_size};
+pub use triangle_mesh::{SurfaceError, TriangleMesh};

@@ -2,7 +2,7 @@
 
 use super::words::number;
 use super::{Spec, SpecError};
-use crate::aggregate::{AspectRatio, Curve, Grading, Itz, Shape};
+use crate::aggregate::{AspectRatio, Curve, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
@@ -11,9 +11,6 @@ pub const MIN_LENGTH_MM: f64 = 1e-3;
 pub const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
 pub const MAX_AGGREGATES: f64 = 1e7;
-
-/// Volume of the hull of 20 to 30 random vertices over its ellipsoid's is 0.55 to 0.65; the mean serves the estimate.
-const HULL_OVER_ELLIPSOID: f64 = 0.6;
 
 type Checked = Result<(), SpecError>;
 
@@ -35,14 +32,14 @@ impl Spec {
 
     /// How many aggregates the spec asks for, roughly: mean sizes and aspect ratios.
     pub fn estimated_aggregates(&self) -> f64 {
-        let mean_shape = mean(&self.shape.elongation).powi(2) * mean(&self.shape.flatness) * HULL_OVER_ELLIPSOID;
+        let mean_shape = mean_volume(&self.shape);
         let volume = self.fraction * self.specimen.volume();
         let classes = self.grading.classes().into_iter();
         classes
             .map(|class| {
                 let (low, high) = (class.d_min_mm, class.d_max_mm);
                 let mean_cube = self.grading.size_law.mean_cube(low, high);
-                volume * class.share / (std::f64::consts::PI / 6.0 * mean_cube * mean_shape)
+                volume * class.share / (mean_cube * mean_shape)
             })
             .sum()
     }
@@ -169,17 +166,31 @@ fn ascending(key: &str, what: &str, values: &[f64]) -> Checked {
 
 fn shape(shape: &Shape) -> Checked {
     let [fewest, most] = shape.vertices;
-    // Six vertices lie on the ellipsoid's axes (Sec. 2.1).
-    if fewest < 6 || most > 1000 {
-        let message = format!("is [{fewest}, {most}]; the accepted range is 6 (the ends of the three axes) to 1000");
+    let least = shape.kind.fewest_vertices();
+    if fewest < least || most > 1000 {
+        let message = format!("is [{fewest}, {most}]; the accepted range is {least} to 1000 for grains of this kind");
         return Err(SpecError::value("shape.vertices", message));
     }
     if fewest > most {
         let message = format!("is [{fewest}, {most}]; the fewest come first");
         return Err(SpecError::value("shape.vertices", message));
     }
+    library(shape)?;
     aspect_ratio("shape.elongation", &shape.elongation)?;
     aspect_ratio("shape.flatness", &shape.flatness)
+}
+
+/// Grains belong to a library, and a library has some.
+fn library(shape: &Shape) -> Checked {
+    match (shape.kind, shape.grains.len()) {
+        (ShapeKind::Library, 0) => {
+            let message =
+                "is missing; name a folder of STL files, an STL or a JSON file (or give the vertices as grains)";
+            Err(SpecError::value("shape.library", message))
+        }
+        (ShapeKind::Library, _) | (_, 0) => Ok(()),
+        _ => Err(SpecError::value("shape.grains", "counts only for kind = \"library\"; leave out one of the two")),
+    }
 }
 
 fn aspect_ratio(key: &str, law: &AspectRatio) -> Checked {
@@ -203,6 +214,15 @@ fn aspect_ratio(key: &str, law: &AspectRatio) -> Checked {
             within(&format!("{key}.sd"), sd, 0.0, 10.0 * (max - min))
         }
     }
+}
+
+/// Volume of a grain whose longest axis is 1 long, roughly.
+fn mean_volume(shape: &Shape) -> f64 {
+    if shape.kind == ShapeKind::Library {
+        return shape.grains.iter().map(Template::relative_volume).sum::<f64>() / shape.grains.len() as f64;
+    }
+    let ellipsoid = mean(&shape.elongation).powi(2) * mean(&shape.flatness) * std::f64::consts::PI / 6.0;
+    ellipsoid * shape.kind.mean_hull_over_ellipsoid()
 }
 
 fn mean(law: &AspectRatio) -> f64 {

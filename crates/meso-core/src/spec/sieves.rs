@@ -1,20 +1,20 @@
 //! Sieve tables from CSV files, put into the spec as if they had been written there.
 
+use super::files::{Files, read_text};
 use super::tree::{Node, Value};
 use super::{SpecError, SpecErrorKind};
-use std::io;
 
 const KEY: &str = "grading.curve.file";
 
-/// Replaces `file` in `grading.curve` by the sieves and shares it holds; `open` reads it.
-pub(super) fn inline(tree: &mut Node, open: &mut dyn FnMut(&str) -> io::Result<String>) -> Result<(), SpecError> {
+/// Replaces `file` in `grading.curve` by the sieves and shares it holds.
+pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecError> {
     let Some(curve) = tree.child_mut("grading").and_then(|grading| grading.child_mut("curve")) else { return Ok(()) };
     let Some((_, Node { value, line })) = curve.take("file") else { return Ok(()) };
     let fail = |kind, message: String| SpecError { kind, line, ..SpecError::value(KEY, message) };
     let Value::Text(name) = value else {
         return Err(fail(SpecErrorKind::WrongType, "must be the name of a CSV file in quotes".to_owned()));
     };
-    let text = open(&name).map_err(|error| fail(SpecErrorKind::Value, format!("is {name:?}: {error}")))?;
+    let text = read_text(files, &name).map_err(|error| fail(SpecErrorKind::Value, format!("is {name:?}: {error}")))?;
     let rows = parse(&text).map_err(|reason| fail(SpecErrorKind::Value, format!("is {name:?}: {reason}")))?;
     let column = |pick: fn(&(f64, f64)) -> f64| Node {
         value: Value::Array(rows.iter().map(|row| Node { value: Value::Float(pick(row)), line }).collect()),

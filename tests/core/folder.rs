@@ -1,0 +1,19 @@
+//! A folder in memory, for specs that name files.
+
+use meso_core::spec::Files;
+use std::io;
+
+/// Names with their folder, and bytes.
+pub(crate) struct Folder<'a>(pub(crate) &'a [(&'a str, &'a [u8])]);
+
+impl Files for Folder<'_> {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        let file = self.0.iter().find(|file| file.0 == name);
+        file.map(|file| file.1.to_vec()).ok_or_else(|| io::Error::other("there is no such file"))
+    }
+
+    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
+        let inside = format!("{}/", folder.trim_end_matches('/'));
+        Ok(self.0.iter().filter_map(|file| Some(file.0.strip_prefix(&inside)?.to_owned())).collect())
+    }
+}
