@@ -159,7 +159,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[shape]\nvertices = [3, 3]", "shape.vertices", "is [3, 3]; the accepted range is 6"),
     ("[shape]\nkind = 'library'", "shape.library", "is missing; name a folder"),
     ("[shape]\nlibrary = 3", "shape.library", "must be the name of a folder"),
-    ("[shape]\nlibrary = 'stones'", "shape.library", "files cannot be read here"),
+    ("[shape]\nlibrary = 'stones'", "shape.library", "is \"stones\": "),
     ("[shape]\nkind = 'library'\ngrains = [[[0, 0, 0]]]", "shape.grains", "span 0 dimension"),
     ("[shape]\nkind = 'round'", "shape.kind", "did you mean \"rounded\"?"),
     ("[shape]\nkind = 'crushed'\nvertices = [6, 8]", "shape.vertices", "the accepted range is 8 to 1000"),
