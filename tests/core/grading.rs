@@ -66,6 +66,13 @@ fn a_sieve_table_is_met_on_its_sieves_and_linear_in_log_d_between() {
 }
 
 #[test]
+fn what_gbt_14685_retains_is_turned_into_what_passes() {
+    let rows = Standard::Gb5To20.rows();
+    assert_eq!(rows[2], (9.5, 20.0, 60.0), "40 to 80 % are retained on 9.5 mm");
+    assert_eq!(rows[4], (26.5, 100.0, 100.0), "nothing is retained on 26.5 mm");
+}
+
+#[test]
 fn every_standard_curve_rises_to_1() {
     for standard in Standard::ALL {
         let points: Vec<_> = standard.points().collect();

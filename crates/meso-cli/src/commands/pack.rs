@@ -62,6 +62,7 @@ enum Content {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let spec = args.spec()?;
     let plan = args.plan()?;
+    warn_of_reach(&spec);
     let watch = Watch::start(args.quiet);
     let model = threads::with(args.threads, || meso_core::pack(&spec, &watch))?;
     watch.finish();
@@ -112,6 +113,22 @@ impl Args {
         outputs::distinct(&all, &self.spec.as_deref().into_iter().collect::<Vec<_>>())?;
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force })
     }
+}
+
+/// Says so before the work where the target is more than the strategy has ever reached.
+fn warn_of_reach(spec: &Spec) {
+    let (target, reach) = (spec.fraction, spec.placement.reach());
+    if target <= reach {
+        return;
+    }
+    let way_out = match spec.placement.chosen() {
+        Strategy::TakeAndPlace => "give more --attempts, or take --strategy rearrange",
+        _ => "take a lower fraction or a wider grading",
+    };
+    say::line(format!(
+        "warning: {target} is more than this strategy has been seen to reach, {reach} in the paper's specimen; it may end \
+         short of it: {way_out}"
+    ));
 }
 
 fn content(path: &Path) -> Result<Content, Failure> {

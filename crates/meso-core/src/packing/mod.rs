@@ -2,6 +2,7 @@
 
 mod grid;
 mod place;
+mod reach;
 mod rearrange;
 mod report;
 mod specimen;

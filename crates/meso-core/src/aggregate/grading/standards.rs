@@ -4,6 +4,8 @@
 //!   the D-sums and k-values of Zement-Merkblatt B 20 (352 and 5.48, 480 and 4.20, 570 and 3.30).
 //! - EN 12620, coarse d/D of category Gc 85/20: 0 to 20 % pass d, 85 to 99 % pass D, 100 % pass 2D.
 //! - ASTM C33, Table "Grading requirements for coarse aggregates", sizes 57 and 67.
+//! - GB/T 14685-2011, pebble and crushed stone, continuous gradings (those of JGJ 52-2006, Table 3.2.1-2, too), which
+//!   give shares retained; turned into shares passing here.
 
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +54,21 @@ pub enum Standard {
     /// ASTM C33, size 67 (19 to 4.75 mm).
     #[serde(rename = "astm-c33-67")]
     Astm67,
+    /// GB/T 14685, continuous 5-16 mm.
+    #[serde(rename = "gbt-14685-5-16")]
+    Gb5To16,
+    /// GB/T 14685, continuous 5-20 mm.
+    #[serde(rename = "gbt-14685-5-20")]
+    Gb5To20,
+    /// GB/T 14685, continuous 5-25 mm.
+    #[serde(rename = "gbt-14685-5-25")]
+    Gb5To25,
+    /// GB/T 14685, continuous 5-31.5 mm.
+    #[serde(rename = "gbt-14685-5-31.5")]
+    Gb5To31,
+    /// GB/T 14685, continuous 5-40 mm.
+    #[serde(rename = "gbt-14685-5-40")]
+    Gb5To40,
 }
 
 /// A sieve, mm, with the least and the most that passes it, percent.
@@ -62,7 +79,7 @@ const DIN: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 31.5];
 
 impl Standard {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 19] = [
         Self::DinA8,
         Self::DinB8,
         Self::DinC8,
@@ -77,6 +94,11 @@ impl Standard {
         Self::En16To32,
         Self::Astm57,
         Self::Astm67,
+        Self::Gb5To16,
+        Self::Gb5To20,
+        Self::Gb5To25,
+        Self::Gb5To31,
+        Self::Gb5To40,
     ];
 
     /// Its name as engineers write it.
@@ -96,6 +118,11 @@ impl Standard {
             Self::En16To32 => "EN 12620 16/32, middle of Gc 85/20",
             Self::Astm57 => "ASTM C33 size 57, middle of the band",
             Self::Astm67 => "ASTM C33 size 67, middle of the band",
+            Self::Gb5To16 => "GB/T 14685 continuous 5-16 mm, middle of the band",
+            Self::Gb5To20 => "GB/T 14685 continuous 5-20 mm, middle of the band",
+            Self::Gb5To25 => "GB/T 14685 continuous 5-25 mm, middle of the band",
+            Self::Gb5To31 => "GB/T 14685 continuous 5-31.5 mm, middle of the band",
+            Self::Gb5To40 => "GB/T 14685 continuous 5-40 mm, middle of the band",
         }
     }
 
@@ -125,6 +152,42 @@ impl Standard {
             Self::Astm67 => {
                 vec![(2.36, 0.0, 5.0), (4.75, 0.0, 10.0), (9.5, 20.0, 55.0), (19.0, 90.0, 100.0), (25.0, 100.0, 100.0)]
             }
+            Self::Gb5To16 => retained(&[
+                (2.36, 95.0, 100.0),
+                (4.75, 85.0, 100.0),
+                (9.5, 30.0, 60.0),
+                (16.0, 0.0, 10.0),
+                (19.0, 0.0, 0.0),
+            ]),
+            Self::Gb5To20 => retained(&[
+                (2.36, 95.0, 100.0),
+                (4.75, 90.0, 100.0),
+                (9.5, 40.0, 80.0),
+                (19.0, 0.0, 10.0),
+                (26.5, 0.0, 0.0),
+            ]),
+            Self::Gb5To25 => retained(&[
+                (2.36, 95.0, 100.0),
+                (4.75, 90.0, 100.0),
+                (16.0, 30.0, 70.0),
+                (26.5, 0.0, 5.0),
+                (31.5, 0.0, 0.0),
+            ]),
+            Self::Gb5To31 => retained(&[
+                (2.36, 95.0, 100.0),
+                (4.75, 90.0, 100.0),
+                (9.5, 70.0, 90.0),
+                (19.0, 15.0, 45.0),
+                (31.5, 0.0, 5.0),
+                (37.5, 0.0, 0.0),
+            ]),
+            Self::Gb5To40 => retained(&[
+                (4.75, 95.0, 100.0),
+                (9.5, 70.0, 90.0),
+                (19.0, 30.0, 65.0),
+                (37.5, 0.0, 5.0),
+                (53.0, 0.0, 0.0),
+            ]),
         }
     }
 }
@@ -135,4 +198,9 @@ fn din(passing: &[u8]) -> Vec<Row> {
 
 fn en(small: f64, large: f64) -> Vec<Row> {
     vec![(small, 0.0, 20.0), (large, 85.0, 99.0), (2.0 * large, 100.0, 100.0)]
+}
+
+/// From the least and the most that each sieve retains, itself and the wider ones together.
+fn retained(rows: &[Row]) -> Vec<Row> {
+    rows.iter().map(|&(sieve, least, most)| (sieve, 100.0 - most, 100.0 - least)).collect()
 }
