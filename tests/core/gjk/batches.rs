@@ -2,7 +2,9 @@
 
 use super::families::Dice;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{Ask, Body, apart, clear_many, overlap, overlap_many};
+use meso_core::gjk::{
+    Ask, Body, Counters, Method, apart, clear_many, clear_many_counted, overlap, overlap_many, overlap_with,
+};
 use meso_core::math::{Mat3, Vec3};
 
 /// Bodies of every kind: with and without bounds, solid and flat, small and large.
@@ -37,6 +39,8 @@ fn many_answers_are_the_single_ones() {
     let asks = questions(&mut dice, &bodies, 20_011);
     let single: Vec<bool> = asks.iter().map(|q| overlap(q.a, q.b, &q.b_from_a)).collect();
     assert_eq!(overlap_many(&asks), single);
+    let searched = asks.iter().map(|q| overlap_with(Method::Enhanced, q.a, q.b, &q.b_from_a));
+    assert!(searched.eq(single.iter().copied()), "the headers tell otherwise than the search");
     let hits = single.iter().filter(|&&hit| hit).count();
     assert!((6_000..14_000).contains(&hits), "{hits} of 20011 overlap");
     for (ask, hit) in asks.iter().zip(single).take(3000) {
@@ -53,10 +57,30 @@ fn an_attempt_is_clear_when_all_its_pairs_are_apart() {
     while *ends.last().unwrap() < 5_000 {
         ends.push((ends.last().unwrap() + dice.below(5) as u32).min(5_000));
     }
-    let mut start = 0;
-    for (i, clear) in clear_many(&asks, &ends).into_iter().enumerate() {
-        let attempt = &asks[start..ends[i] as usize];
-        assert_eq!(clear, attempt.iter().all(|q| !overlap(q.a, q.b, &q.b_from_a)), "attempt {i}");
-        start = ends[i] as usize;
+    for gap in [0.0, 0.3] {
+        let mut start = 0;
+        let mut clear_ones = 0;
+        let mut counters = Counters::default();
+        for (i, clear) in clear_many_counted(&asks, &ends, gap, &mut counters).into_iter().enumerate() {
+            let attempt = &asks[start..ends[i] as usize];
+            let truth = attempt.iter().all(|q| apart(q.a, q.b, &q.b_from_a, gap, None).is_some());
+            assert_eq!(clear, truth, "attempt {i}, gap {gap}");
+            clear_ones += usize::from(clear && !attempt.is_empty());
+            start = ends[i] as usize;
+        }
+        assert_eq!(counters.pairs, 5_000);
+        assert!(counters.after_spheres < 5_000 && counters.after_ellipsoids < counters.after_spheres, "{counters:?}");
+        assert!(counters.gjk_calls < counters.after_ellipsoids && counters.exact_calls < 10, "{counters:?}");
+        assert!((200..2000).contains(&clear_ones), "{clear_ones} of {} are clear", ends.len());
     }
+}
+
+#[test]
+fn a_gap_is_exceeded_or_not_to_the_last_bit() {
+    let cube = [-1.0, 1.0].map(|x| [-1.0, 1.0].map(|y| [-1.0, 1.0].map(|z| Vec3::new(x, y, z))));
+    let points: Vec<Vec3> = cube.into_iter().flatten().flatten().collect();
+    let body = Body::new(&points).with_inside_of(&convex_hull(&points).unwrap());
+    let ask = |x: f64| Ask { a: &body, b: &body, b_from_a: Vec3::new(0.1, x, -0.2) };
+    let asks = [ask(2.25), ask(2.25 + 4.0 * f64::EPSILON), ask(2.0), ask(9.0), ask(0.0)];
+    assert_eq!(clear_many(&asks, &[1, 2, 3, 4, 5], 0.25), [false, true, false, true, false]);
 }

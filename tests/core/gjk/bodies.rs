@@ -1,7 +1,8 @@
 //! The form for packing: bodies in their own frames and a displacement between them.
 
 use super::families::Dice;
-use meso_core::gjk::{self, Body, Counters, Support, apart, apart_counted, overlap};
+use meso_core::geometry::convex_hull;
+use meso_core::gjk::{self, Ask, Body, Counters, Support, apart, apart_counted, clear_many, overlap, overlap_many};
 use meso_core::math::{Mat3, Vec3};
 
 /// Two bodies on ellipsoids and a displacement at which they may or may not overlap.
@@ -55,6 +56,25 @@ fn an_axis_is_found_exactly_when_the_distance_exceeds_the_gap() {
             }
         }
     }
+}
+
+#[test]
+fn a_body_that_does_not_hold_its_frames_origin_is_not_taken_to() {
+    let cube = |at: f64| -> Vec<Vec3> {
+        let corners = (0..8).map(|i| Vec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)));
+        corners.map(|p| p - Vec3::repeat(0.5) + at * Vec3::x()).collect()
+    };
+    let (left, right, middle) = (Body::new(&cube(-5.0)), Body::new(&cube(5.0)), cube(0.0));
+    let middle = Body::new(&middle).with_inside_of(&convex_hull(&middle).unwrap());
+    assert_eq!((left.inradius(), middle.inradius() > 0.4), (0.0, true));
+    let zero = Vec3::zeros();
+    for (a, b) in [(&left, &right), (&right, &middle), (&middle, &left)] {
+        assert!(!overlap(a, b, &zero));
+        assert!(!overlap(a, b, &Vec3::new(0.1, 0.0, 0.0)));
+        assert_eq!(overlap_many(&[Ask { a, b, b_from_a: zero }]), [false]);
+        assert_eq!(clear_many(&[Ask { a, b, b_from_a: zero }], &[1], 3.0), [true]);
+    }
+    assert!(overlap(&left, &right, &Vec3::new(-9.5, 0.0, 0.0)));
 }
 
 #[test]

@@ -124,7 +124,7 @@ impl Body {
 
     /// Radius of a sphere about the frame's origin that lies in the body, mm; 0 where none is known.
     pub fn inradius(&self) -> f64 {
-        f64::from(self.bounds.inradius)
+        f64::from(self.bounds.inradius).max(0.0)
     }
 }
 

@@ -32,6 +32,14 @@ pub(crate) struct Classical<'a> {
     pub(crate) until: Until,
 }
 
+impl<'a> Classical<'a> {
+    /// Are the bodies more than `gap` apart?
+    #[inline(always)]
+    pub(crate) fn beyond(pair: Pair<'a>, v: Vec3, gap: f64) -> Self {
+        Self { pair, v, sub_algorithm: SubAlgorithm::SignedVolumes, until: Until::Apart(gap) }
+    }
+}
+
 impl Search for Classical<'_> {
     type Output = Found;
 

@@ -19,7 +19,7 @@ pub(crate) struct Ellipsoids {
     around: [f32; 6],
     /// The inner ellipsoid over the outer one, squared; 0: none known.
     inner_squared: f32,
-    /// Rounded down.
+    /// Rounded down; NaN where the frame's origin is not known to lie inside.
     pub(crate) inradius: f32,
     pub(crate) circumradius: f64,
 }
@@ -38,7 +38,7 @@ pub(crate) enum Known {
 impl Ellipsoids {
     /// Knows nothing: NaN fails every comparison below.
     pub(crate) fn unknown() -> Self {
-        Self { around: [f32::NAN; 6], inner_squared: 0.0, circumradius: f64::INFINITY, inradius: 0.0 }
+        Self { around: [f32::NAN; 6], inner_squared: 0.0, circumradius: f64::INFINITY, inradius: f32::NAN }
     }
 
     /// Second moments of the points about the origin, mm2.
@@ -71,12 +71,11 @@ impl Ellipsoids {
         Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// S, the square of the inner over the outer ellipsoid, and the inradius, as they lie in memory.
+    /// S, the square of the inner over the outer ellipsoid, and the inradius: eight floats, as they lie in memory.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
-    pub(crate) fn floats(&self) -> [f32; 8] {
-        let [xx, yy, zz, xy, xz, yz] = self.around;
-        [xx, yy, zz, xy, xz, yz, self.inner_squared, self.inradius]
+    pub(crate) fn floats(&self) -> *const f32 {
+        std::ptr::from_ref(self).cast()
     }
 
     /// Finds how far the outer ellipsoid must shrink to lie inside every face plane.
@@ -109,10 +108,10 @@ impl Ellipsoids {
             return Some(Known::Apart(*x));
         }
         let inside = f64::from(self.inradius) + f64::from(other.inradius);
-        (gap == 0.0 && distance2 < inside * inside * (1.0 - SLACK)).then_some(Known::Overlap)
+        (distance2 < inside * inside * (1.0 - SLACK)).then_some(Known::Overlap)
     }
 
-    /// What the ellipsoids tell: apart by more than `gap`, overlapping, or neither.
+    /// What the ellipsoids tell: apart by more than `gap` (at least 0), overlapping, or neither.
     #[inline(always)]
     pub(crate) fn compare_axis(&self, other: &Self, x: &Vec3, gap: f64) -> Known {
         let (n, determinant) = self.axis(other, x);
@@ -124,8 +123,8 @@ impl Ellipsoids {
         }
         // The axis is n / determinant: so the inner ellipsoids' common point is told without dividing.
         let square = determinant * determinant;
-        let common = q_a <= f64::from(self.inner_squared) * square && q_b <= f64::from(other.inner_squared) * square;
-        if gap == 0.0 && common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { *x }) }
+        let common = q_a < f64::from(self.inner_squared) * square && q_b < f64::from(other.inner_squared) * square;
+        if common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { *x }) }
     }
 
     /// (S_a + S_b)^-1 x times the determinant, by the adjugate, and the determinant; NaN where nothing is known.

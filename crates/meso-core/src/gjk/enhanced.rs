@@ -147,7 +147,7 @@ impl Search for Enhanced<'_> {
 }
 
 #[inline(always)]
-pub(crate) fn apart_or_doubt(pair: &Pair<'_>, v: &Vec3, separation: f64, simplex: Simplex) -> Found {
+fn apart_or_doubt(pair: &Pair<'_>, v: &Vec3, separation: f64, simplex: Simplex) -> Found {
     if separation > pair.doubt(v) || certificate::separates(pair.a, pair.b, &pair.x, v, 0.0) {
         return Found::Apart(*v);
     }

@@ -31,7 +31,7 @@ mod simd;
 mod simplex;
 mod support;
 
-pub use batch::{Ask, clear_many, overlap_many};
+pub use batch::{Ask, clear_many, clear_many_counted, overlap_many};
 pub use body::Body;
 pub use pair::{Counters, apart, apart_counted, overlap, overlap_counted, overlap_with};
 pub use query::{

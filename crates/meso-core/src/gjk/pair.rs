@@ -3,15 +3,13 @@
 //! Bounding spheres, then ellipsoids (two cache lines, no vertex), then GJK with certificates, then exact arithmetic.
 
 use super::body::Body;
-use super::classical::{Classical, Until};
+use super::classical::Classical;
 use super::ellipsoid::Known;
 use super::enhanced::{Enhanced, Found, Pair};
 use super::exact::ExactPair;
-use super::nearest::SubAlgorithm;
 use super::portal::Portal;
 use super::query::Method;
 use super::simd::{Kernel, Search, dispatch};
-use super::simplex::Corners;
 use crate::math::Vec3;
 
 /// How many pairs each stage was left with.
@@ -47,12 +45,12 @@ pub fn overlap(a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
 /// [`overlap`], counting what it took.
 #[inline]
 pub fn overlap_counted(a: &Body, b: &Body, b_from_a: &Vec3, counters: &mut Counters) -> bool {
-    Query { a, b, x: *b_from_a, gap: 0.0, start: None }.axis(counters).is_none()
+    !Query { a, b, x: *b_from_a, gap: 0.0 }.apart(counters)
 }
 
 /// [`overlap`] by a chosen search from the first step, without the spheres and ellipsoids: for comparisons.
 pub fn overlap_with(method: Method, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
-    let query = Query { a, b, x: *b_from_a, gap: 0.0, start: None };
+    let query = Query { a, b, x: *b_from_a, gap: 0.0 };
     let v = if *b_from_a == Vec3::zeros() { Vec3::x() } else { *b_from_a };
     match method.search(query.pair(), v) {
         Found::Apart(_) => false,
@@ -61,7 +59,7 @@ pub fn overlap_with(method: Method, a: &Body, b: &Body, b_from_a: &Vec3) -> bool
     }
 }
 
-/// A unit axis from A to B along which the bodies are more than `gap` (mm) apart, or `None` when they are not.
+/// A unit axis from A to B along which the bodies are more than `gap` (mm, at least 0) apart, or `None` when they are not.
 ///
 /// `Some` exactly when the distance of the bodies is more than `gap`, for the points and the displacement as given. The
 /// support gap along the axis is then proved to be more than `gap`, unless the two differ by less than about 1e-14 of
@@ -91,40 +89,37 @@ pub fn apart_counted(
     start: Option<Vec3>,
     counters: &mut Counters,
 ) -> Option<Vec3> {
-    Query { a, b, x: *b_from_a, gap, start }.axis(counters).map(|v| v.normalize())
+    Query { a, b, x: *b_from_a, gap }.axis(start, counters).map(|v| v.normalize())
 }
 
 /// Are the bodies more than `gap` apart?
 #[derive(Clone, Copy)]
-struct Query<'a> {
-    a: &'a Body,
-    b: &'a Body,
-    x: Vec3,
-    gap: f64,
-    start: Option<Vec3>,
+pub(crate) struct Query<'a> {
+    pub(crate) a: &'a Body,
+    pub(crate) b: &'a Body,
+    pub(crate) x: Vec3,
+    pub(crate) gap: f64,
 }
 
 /// How far a query had to go.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Stage {
+pub(crate) enum Stage {
     Spheres,
     Ellipsoids,
     Start,
     Gjk,
 }
 
-impl From<Known> for Found {
-    #[inline(always)]
-    fn from(known: Known) -> Self {
-        match known {
-            Known::Apart(v) => Self::Apart(v),
-            Known::Overlap => Self::Overlap(Corners::NONE),
-            Known::Nothing(_) => Self::Doubt(Corners::NONE),
-        }
-    }
-}
-
 impl Counters {
+    /// Adds what others have counted.
+    pub fn add(&mut self, other: &Self) {
+        self.pairs += other.pairs;
+        self.after_spheres += other.after_spheres;
+        self.after_ellipsoids += other.after_ellipsoids;
+        self.gjk_calls += other.gjk_calls;
+        self.exact_calls += other.exact_calls;
+    }
+
     #[inline(always)]
     fn count(&mut self, stage: Stage) {
         self.pairs += 1;
@@ -134,56 +129,88 @@ impl Counters {
     }
 }
 
-impl Search for Query<'_> {
-    type Output = (Stage, Found);
-
-    /// Every stage in one function for each instruction set: calls between them would cost as much as they do.
+impl<'a> Query<'a> {
+    /// The answer alone; the headers are looked at in the caller's own code, where they cost least.
     #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> (Stage, Found) {
-        let (a, b) = (&self.a.bounds, &self.b.bounds);
-        if let Some(known) = a.compare_spheres(b, &self.x, self.gap) {
-            return (Stage::Spheres, known.into());
-        }
-        let known = a.compare_axis(b, &self.x, self.gap);
-        let Known::Nothing(v) = known else { return (Stage::Ellipsoids, known.into()) };
-        let pair = self.pair();
-        if let Some(axis) = self.start {
-            let (_, separation) = pair.support(kernel, &axis);
-            if separation - self.gap * axis.norm() > pair.doubt(&axis) {
-                return (Stage::Start, Found::Apart(axis));
+    pub(crate) fn apart(&self, counters: &mut Counters) -> bool {
+        let (stage, known) = self.glance();
+        match known {
+            Known::Apart(_) | Known::Overlap => {
+                counters.count(stage);
+                matches!(known, Known::Apart(_))
+            }
+            Known::Nothing(v) => {
+                counters.count(Stage::Gjk);
+                self.settle(&v, counters)
             }
         }
-        let v = if v == Vec3::zeros() { Vec3::x() } else { v };
-        let found = if self.gap != 0.0 {
-            let (sub_algorithm, until) = (SubAlgorithm::SignedVolumes, Until::Apart(self.gap));
-            Classical { pair, v, sub_algorithm, until }.run(kernel)
-        } else if a.inradius > 0.0 && b.inradius > 0.0 {
-            Portal { pair, v }.run(kernel)
-        } else {
-            Enhanced { pair, v }.run(kernel)
-        };
-        (Stage::Gjk, found)
     }
-}
 
-impl<'a> Query<'a> {
+    /// The answer by a search from direction `v`, whatever it takes.
+    #[inline(never)]
+    pub(crate) fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
+        match self.search(v) {
+            Found::Apart(_) => true,
+            Found::Overlap(_) => false,
+            Found::Doubt(corners) => self.decide(corners.pairs(), counters).is_some(),
+        }
+    }
+
+    /// The axis, not of unit length.
+    fn axis(&self, start: Option<Vec3>, counters: &mut Counters) -> Option<Vec3> {
+        let (stage, known) = self.glance();
+        let v = match known {
+            Known::Nothing(v) => v,
+            Known::Apart(v) => {
+                counters.count(stage);
+                return Some(v);
+            }
+            Known::Overlap => {
+                counters.count(stage);
+                return None;
+            }
+        };
+        if let Some(axis) = start.filter(|&axis| dispatch(Axis { query: *self, axis })) {
+            counters.count(Stage::Start);
+            return Some(axis);
+        }
+        counters.count(Stage::Gjk);
+        match self.search(&v) {
+            Found::Apart(v) => Some(v),
+            Found::Overlap(_) => None,
+            Found::Doubt(corners) => self.decide(corners.pairs(), counters),
+        }
+    }
+
+    /// What the headers tell: one cache line each, no vertex.
+    #[inline(always)]
+    pub(crate) fn glance(&self) -> (Stage, Known) {
+        let (a, b) = (&self.a.bounds, &self.b.bounds);
+        match a.compare_spheres(b, &self.x, self.gap) {
+            Some(known) => (Stage::Spheres, known),
+            None => (Stage::Ellipsoids, a.compare_axis(b, &self.x, self.gap)),
+        }
+    }
+
+    /// The search in floating point from direction `v`.
+    #[inline(always)]
+    fn search(&self, v: &Vec3) -> Found {
+        let (pair, gap) = (self.pair(), self.gap);
+        let v = if *v == Vec3::zeros() { Vec3::x() } else { *v };
+        if self.a.bounds.inradius > 0.0 && self.b.bounds.inradius > 0.0 {
+            dispatch(Portal { pair, v, gap })
+        } else if gap == 0.0 {
+            dispatch(Enhanced { pair, v })
+        } else {
+            dispatch(Classical::beyond(pair, v, gap))
+        }
+    }
+
     #[inline(always)]
     fn pair(&self) -> Pair<'a> {
         let norm1 = self.x.x.abs() + self.x.y.abs() + self.x.z.abs();
         let reach = self.a.circumradius() + self.b.circumradius() + norm1;
         Pair { a: self.a, b: self.b, x: self.x, reach, originals: None }
-    }
-
-    /// The axis, not of unit length.
-    #[inline(always)]
-    fn axis(&self, counters: &mut Counters) -> Option<Vec3> {
-        let (stage, found) = dispatch(*self);
-        counters.count(stage);
-        match found {
-            Found::Apart(v) => Some(v),
-            Found::Overlap(_) => None,
-            Found::Doubt(corners) => self.decide(corners.pairs(), counters),
-        }
     }
 
     #[cold]
@@ -196,5 +223,23 @@ impl<'a> Query<'a> {
         }
         let (distance2, direction) = exact.squared_distance(start);
         distance2.exceeds(self.gap).then(|| direction.direction())
+    }
+}
+
+/// Does this axis prove the bodies of the query apart?
+#[derive(Clone, Copy)]
+struct Axis<'a> {
+    query: Query<'a>,
+    axis: Vec3,
+}
+
+impl Search for Axis<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<K: Kernel>(self, kernel: K) -> bool {
+        let pair = self.query.pair();
+        let (_, separation) = pair.support(kernel, &self.axis);
+        separation - self.query.gap * self.axis.norm() > pair.doubt(&self.axis)
     }
 }

@@ -6,9 +6,16 @@
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
+mod eight;
+#[cfg(target_arch = "x86_64")]
+mod glance;
+#[cfg(target_arch = "x86_64")]
 mod lockstep;
+mod open;
 #[cfg(target_arch = "x86_64")]
 mod x86;
+
+pub(crate) use open::Open;
 
 use super::batch::Ask;
 use super::body::{Body, GROUP, Group};
@@ -97,24 +104,41 @@ fn portable_height(Group([x, y, z]): &Group, i: usize, v: &Vec3) -> f64 {
     z[i].mul_add(v.z, y[i].mul_add(v.y, x[i] * v.x))
 }
 
-/// Answers as many of the questions as it can, eight at a time; `None` is left where a single query must decide.
+/// What headers alone tell of each pair, eight at a time: `Some(true)` for an overlap, or a gap that is not exceeded.
 ///
-/// On machines without AVX-512 that is everywhere.
-pub(crate) fn overlap_in_lockstep(asks: &[Ask<'_>], answers: &mut [Option<bool>]) {
+/// What they leave open is listed for [`search_in_lockstep`]. Returns how many pairs the inscribed spheres decided, or
+/// `None`, with nothing done, on a machine without AVX-512.
+pub(crate) fn glance_in_lockstep(
+    asks: &[Ask<'_>],
+    gap: f64,
+    answers: &mut [Option<bool>],
+    open: &mut Open,
+) -> Option<u64> {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("fma") {
         // SAFETY: both features were detected.
-        unsafe { lockstep::overlap(asks, answers) };
+        return Some(unsafe { glance::glance(asks, gap, answers, open) });
     }
+    let _ = (asks, gap, answers, open);
+    None
 }
 
-/// What headers alone tell of each pair, eight at a time: `Some(true)` for an overlap; the rest as above.
-pub(crate) fn compare_in_lockstep(asks: &[Ask<'_>], answers: &mut [Option<bool>]) {
+/// Searches the `chosen` entries of `open`, eight at a time; `None` is left where a single query must decide.
+///
+/// On a machine without AVX-512 that is everywhere.
+pub(crate) fn search_in_lockstep(
+    asks: &[Ask<'_>],
+    gap: f64,
+    open: &Open,
+    chosen: &[u32],
+    answers: &mut [Option<bool>],
+) {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("fma") {
         // SAFETY: both features were detected.
-        unsafe { lockstep::compare(asks, answers) };
+        unsafe { lockstep::search(asks, gap, open, chosen, answers) };
     }
+    let _ = (asks, gap, open, chosen, answers);
 }
 
 #[cfg(test)]
