@@ -71,7 +71,7 @@ fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
 
 /// A packing of 40 mm with grains of 8 to 16 mm, at 35 %.
 fn packed() -> Model {
-    let mut spec = Spec { fraction: 0.35, specimen: Specimen::Cube { side_mm: 40.0 }, ..Default::default() };
+    let mut spec = Spec { fraction: 0.35, specimen: Specimen::cube(40.0), ..Default::default() };
     spec.grading = Grading { d_min_mm: 8.0, d_max_mm: 16.0, classes_mm: vec![8.0, 16.0], ..spec.grading };
     meso_core::pack(&spec, &Silent).unwrap()
 }

@@ -26,7 +26,7 @@ pub(crate) fn turned_blocks() -> (Vec<Aggregate>, Specimen) {
         let turn = Rotation::from_euler_angles(f64::from(id) * 0.7, f64::from(id) * 1.3, f64::from(id) * 2.1);
         aggregate(id, block(half.map(|h| -h), half).rotated(&turn).translated(&centre), 0.5)
     };
-    ((0..64).map(at).collect(), Specimen::Cube { side_mm: 40.0 })
+    ((0..64).map(at).collect(), Specimen::cube(40.0))
 }
 
 fn voxels(aggregates: &[Aggregate], specimen: &Specimen, options: MeshOptions) -> Mesh {
@@ -42,7 +42,7 @@ pub(crate) fn deck(mesh: &Mesh, options: &abaqus::DeckOptions) -> String {
 #[test]
 fn an_aligned_block_is_meshed_exactly() {
     let grains = [aggregate(0, block([2.0; 3], [8.0; 3]), 1.0)];
-    let specimen = Specimen::Cube { side_mm: 10.0 };
+    let specimen = Specimen::cube(10.0);
     let mesh = voxels(&grains, &specimen, MeshOptions { element_size_mm: 1.0, ..Default::default() });
     let volumes = PhaseVolumes::of_mesh(&mesh);
     assert_eq!((volumes.aggregate, volumes.itz, volumes.mortar), (64.0, 216.0 - 64.0, 1000.0 - 216.0));
@@ -87,7 +87,7 @@ fn sub_samples_outvote_the_centre() {
     let grains = [aggregate(0, block([0.0; 3], [0.6, 0.6, 1.0]), 0.0)];
     let phase = |subsamples| {
         let options = MeshOptions { element_size_mm: 1.0, subsamples, ..Default::default() };
-        voxels(&grains, &Specimen::Cube { side_mm: 1.0 }, options).phase
+        voxels(&grains, &Specimen::cube(1.0), options).phase
     };
     assert_eq!(phase(1), [Phase::Aggregate]);
     assert_eq!(phase(8), [Phase::Mortar]);
@@ -105,11 +105,8 @@ fn meshes_are_identical_at_one_and_eight_threads() {
 
 #[test]
 fn an_element_size_beyond_the_specimen_is_named() {
-    let error = mesh::build_parts(
-        &[],
-        &Specimen::Cube { side_mm: 10.0 },
-        &MeshOptions { element_size_mm: 20.0, ..Default::default() },
-    );
+    let error =
+        mesh::build_parts(&[], &Specimen::cube(10.0), &MeshOptions { element_size_mm: 20.0, ..Default::default() });
     let text = error.unwrap_err().to_string();
     assert_eq!(text, "mesh.element_size_mm is 20; it must lie within 0.006666666666666667 and 10 mm for this specimen");
 }
@@ -117,11 +114,7 @@ fn an_element_size_beyond_the_specimen_is_named() {
 /// Two voxels of 1 mm side by side, the second one aggregate.
 fn two_voxels() -> Mesh {
     let grains = [aggregate(0, block([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]), 0.0)];
-    voxels(
-        &grains,
-        &Specimen::Box { size_mm: [2.0, 1.0, 1.0] },
-        MeshOptions { element_size_mm: 1.0, ..Default::default() },
-    )
+    voxels(&grains, &Specimen::cuboid([2.0, 1.0, 1.0]), MeshOptions { element_size_mm: 1.0, ..Default::default() })
 }
 
 #[test]

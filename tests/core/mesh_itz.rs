@@ -50,7 +50,7 @@ fn cohesive_elements_close_every_interface_with_their_normal_out_of_the_aggregat
 fn two_voxels_apart() -> Mesh {
     let grains = [aggregate(0, block([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]), 0.1)];
     let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::Cohesive, ..Default::default() };
-    mesh::build_parts(&grains, &Specimen::Box { size_mm: [2.0, 1.0, 1.0] }, &options).unwrap()
+    mesh::build_parts(&grains, &Specimen::cuboid([2.0, 1.0, 1.0]), &options).unwrap()
 }
 
 #[test]

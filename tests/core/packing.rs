@@ -7,7 +7,7 @@ use parry3d_f64::shape::ConvexPolyhedron;
 use std::sync::atomic::{AtomicI32, Ordering};
 
 fn small(fraction: f64) -> Spec {
-    Spec { fraction, specimen: Specimen::Cube { side_mm: 70.0 }, ..Spec::default() }
+    Spec { fraction, specimen: Specimen::cube(70.0), ..Spec::default() }
 }
 
 fn packed(spec: &Spec) -> Model {
@@ -120,7 +120,7 @@ fn grains_keep_the_least_gap_asked_for() {
 
 #[test]
 fn a_packing_that_cannot_be_ends_with_what_fits_and_says_so() {
-    let model = packed(&Spec { specimen: Specimen::Cube { side_mm: 45.0 }, ..small(0.80) });
+    let model = packed(&Spec { specimen: Specimen::cube(45.0), ..small(0.80) });
     assert_eq!(model.report.stop_reason, StopReason::Jammed);
     assert!(model.report.fraction > 0.3, "{}", model.report.fraction);
     assert_apart(&model);

@@ -10,11 +10,11 @@ use meso_core::{Model, Silent, Spec, pack};
 
 /// A model of a cube that holds `bodies`.
 fn model(side_mm: f64, bodies: Vec<Polyhedron>) -> Model {
-    let mut spec = Spec { fraction: 0.05, specimen: Specimen::Cube { side_mm: 40.0 }, ..Spec::default() };
+    let mut spec = Spec { fraction: 0.05, specimen: Specimen::cube(40.0), ..Spec::default() };
     spec.grading.d_max_mm = 10.0;
     spec.grading.classes_mm = vec![5.0, 10.0];
     let mut model = pack(&spec, &Silent).unwrap();
-    model.spec.specimen = Specimen::Cube { side_mm };
+    model.spec.specimen = Specimen::cube(side_mm);
     model.aggregates =
         (0..).zip(bodies).map(|(id, body)| Aggregate { id, class: 0, itz_thickness_mm: 0.0, body }).collect();
     model
@@ -79,7 +79,7 @@ fn correlations_of_balls_follow_the_closed_forms() {
 
 #[test]
 fn far_points_of_a_real_packing_are_independent() {
-    let mut spec = Spec { fraction: 0.35, specimen: Specimen::Cube { side_mm: 100.0 }, ..Spec::default() };
+    let mut spec = Spec { fraction: 0.35, specimen: Specimen::cube(100.0), ..Spec::default() };
     spec.grading.classes_mm = vec![5.0, 10.0];
     spec.grading.d_max_mm = 10.0;
     let found = statistics(&pack(&spec, &Silent).unwrap(), &Options::default()).unwrap();

@@ -8,10 +8,13 @@ mod solid;
 
 use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::geometry::sieve_size;
-use crate::math::{Vec3, longest_distance};
+use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
+use crate::packing::Room;
+use pairs::Placed;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt;
 
 /// What a check looked at and found.
@@ -98,6 +101,16 @@ impl fmt::Display for Finding {
     }
 }
 
+impl Finding {
+    /// The two aggregates that it is about.
+    fn pair(&self) -> Option<(u32, u32)> {
+        match *self {
+            Self::Overlap { a, b } | Self::Gap { a, b, .. } => Some((a, b)),
+            _ => None,
+        }
+    }
+}
+
 impl Check {
     /// True when nothing was found.
     pub fn is_sound(&self) -> bool {
@@ -107,28 +120,62 @@ impl Check {
 
 /// Checks every promise of `model`.
 pub fn check(model: &Model) -> Check {
-    let bodies: Vec<&[Vec3]> = model.aggregates.iter().map(|a| a.body.vertices()).collect();
-    let (pairs_tested, mut findings) = pairs::check(&bodies, model.spec.placement.min_gap_mm);
-    findings.par_extend(model.aggregates.par_iter().flat_map_iter(|aggregate| single(model, aggregate)));
+    let room = model.spec.specimen.room();
+    let placed = placed(model, room.aabb());
+    let (pairs_tested, mut findings) = pairs::check(&placed, model.aggregates.len(), model.spec.placement.min_gap_mm);
+    findings.par_extend(model.aggregates.par_iter().flat_map_iter(|aggregate| single(model, &*room, aggregate)));
     // Summed in the order of the aggregates, whatever the threads.
     let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
-    let fraction = volumes.iter().sum::<f64>() / model.spec.specimen.volume();
+    let fraction = volumes.iter().sum::<f64>() / room.volume();
     findings.extend(report(model, fraction));
     Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings }
 }
 
+/// The aggregates, then their images that one of them may meet.
+fn placed(model: &Model, domain: Aabb) -> Vec<Placed<'_>> {
+    let own = (0..).zip(&model.aggregates);
+    let mut placed: Vec<Placed> =
+        own.map(|(body, a)| Placed { body, vertices: Cow::Borrowed(a.body.vertices()) }).collect();
+    let period = model.spec.specimen.period();
+    if period.is_none() {
+        return placed;
+    }
+    let (mut reached, gap) = (domain, Vec3::repeat(model.spec.placement.min_gap_mm));
+    model.aggregates.iter().flat_map(|a| a.body.vertices()).for_each(|v| reached.include(v));
+    // An aggregate far off is a finding of its own; its images would be without number.
+    let most = domain.size();
+    let reached = Aabb { min: reached.min.sup(&(domain.min - most)), max: reached.max.inf(&(domain.max + most)) };
+    let reached = Aabb { min: reached.min - gap, max: reached.max + gap };
+    for (id, aggregate) in (0..).zip(&model.aggregates) {
+        let shifts = period.shifts(&aggregate.body.aabb(), &reached).into_iter().filter(|s| *s != Vec3::zeros());
+        placed.extend(shifts.map(|shift| {
+            let vertices = aggregate.body.vertices().iter().map(|v| v + shift).collect();
+            Placed { body: id, vertices: Cow::Owned(vertices) }
+        }));
+    }
+    placed
+}
+
 /// What concerns one aggregate alone.
-fn single(model: &Model, aggregate: &Aggregate) -> Vec<Finding> {
+fn single(model: &Model, room: &dyn Room, aggregate: &Aggregate) -> Vec<Finding> {
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
     // The offset of what is no convex solid means nothing.
     let itz = if convex.is_none() { itz(aggregate) } else { None };
-    [convex, itz, outside(model, aggregate), size(model, aggregate)].into_iter().flatten().collect()
+    [convex, itz, outside(model, room, aggregate), size(model, aggregate)].into_iter().flatten().collect()
 }
 
-fn outside(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
-    let inside = model.spec.specimen.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm);
-    (!inside).then_some(Finding::Outside { aggregate: aggregate.id })
+fn outside(model: &Model, room: &dyn Room, aggregate: &Aggregate) -> Option<Finding> {
+    let inside = room.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm);
+    let (period, middle) = (model.spec.specimen.period(), aggregate.body.aabb());
+    let middle = (middle.min + middle.max) / 2.0;
+    // In directions that repeat themselves the aggregate is there once, near the box. Which point of it lies in the box
+    // is the placement's choice, so half of its length is left to it.
+    let slack = aggregate.body.aabb().size() / 2.0;
+    let box_size = room.aabb().size();
+    let near =
+        (0..3).all(|i| period.along(i).is_none() || (middle[i] >= -slack[i] && middle[i] <= box_size[i] + slack[i]));
+    (!(inside && near)).then_some(Finding::Outside { aggregate: aggregate.id })
 }
 
 /// A point deeper than the shell is thick proves a core; only where the mean of the vertices is none, the core is made.

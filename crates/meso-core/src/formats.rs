@@ -4,6 +4,7 @@ use crate::export::abaqus::{self, DeckOptions};
 use crate::export::{csv, stl, vtu, vtu_mesh};
 use crate::mesh::Mesh;
 use crate::model::Model;
+use crate::packing::Images;
 use crate::saved;
 use std::io::{self, Write};
 use std::path::Path;
@@ -51,14 +52,26 @@ impl Format {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Writes `model` to `out` in this format.
+    /// Writes `model` to `out` in this format, every aggregate once.
     ///
     /// # Errors
     /// Those of `out`; what the format cannot hold.
     pub fn write(self, model: &Model, out: impl Write) -> io::Result<()> {
+        self.write_images(model, Images::None, out)
+    }
+
+    /// As [`Format::write`], with the images of aggregates that cross a face of a periodic specimen, where the format holds
+    /// surfaces (`.vtu`, `.stl`).
+    ///
+    /// # Errors
+    /// Those of `out`; what the format cannot hold.
+    pub fn write_images(self, model: &Model, images: Images, out: impl Write) -> io::Result<()> {
+        let shown = || images.of(&model.aggregates, &model.spec.specimen);
         match self {
             Self::Json => saved::write(model, out),
+            Self::Vtu if images != Images::None => vtu::write(&shown(), out),
             Self::Vtu => vtu::write(&model.aggregates, out),
+            Self::Stl if images != Images::None => stl::write(&shown(), out),
             Self::Stl => stl::write(&model.aggregates, out),
             Self::Csv => csv::write(&model.aggregates, out),
         }

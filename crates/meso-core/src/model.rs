@@ -26,6 +26,10 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
     let start = progress.seconds();
     let grains = take_grains(spec, progress)?;
+    let longest = grains.iter().map(|grain| 2.0 * grain.outer_radius).fold(0.0, f64::max);
+    if let Some(error) = spec.meets_own_image(longest) {
+        return Err(error);
+    }
     let taken = progress.seconds();
     let request = Request {
         specimen: &spec.specimen,

@@ -21,8 +21,12 @@ pub const ALL: &[Recipe] = &[
     Recipe { name: "en-cube-150", text: include_str!("recipes/en-cube-150.toml") },
     Recipe { name: "en-prism-100", text: include_str!("recipes/en-prism-100.toml") },
     Recipe { name: "en-prism-150", text: include_str!("recipes/en-prism-150.toml") },
+    Recipe { name: "en-cylinder-100", text: include_str!("recipes/en-cylinder-100.toml") },
+    Recipe { name: "en-cylinder-150", text: include_str!("recipes/en-cylinder-150.toml") },
     Recipe { name: "astm-cube-150", text: include_str!("recipes/astm-cube-150.toml") },
     Recipe { name: "gb-cube-150", text: include_str!("recipes/gb-cube-150.toml") },
+    Recipe { name: "astm-cylinder-100", text: include_str!("recipes/astm-cylinder-100.toml") },
+    Recipe { name: "astm-cylinder-150", text: include_str!("recipes/astm-cylinder-150.toml") },
     Recipe { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
 ];
 

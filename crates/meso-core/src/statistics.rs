@@ -17,9 +17,8 @@ pub use wall::WallEffect;
 
 use crate::aggregate::Aggregate;
 use crate::gjk::GjkError;
-use crate::math::Vec3;
 use crate::model::Model;
-use crate::packing::{ClassReport, Specimen};
+use crate::packing::{ClassReport, Room, images_near};
 use crate::spec::SpecError;
 use index::Index;
 use rayon::prelude::*;
@@ -96,17 +95,20 @@ pub struct Statistics {
 /// # Errors
 /// A loaded model may hold coordinates beyond what the exact distance accepts.
 pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkError> {
-    let (specimen, aggregates) = (&model.spec.specimen, model.aggregates.as_slice());
-    let index = Index::new(aggregates, &specimen.aabb());
-    let sample = Sample { specimen, aggregates, index: &index, options };
+    let (room, aggregates) = (model.spec.specimen.room(), model.aggregates.as_slice());
+    // Where the specimen repeats itself, points, lines and neighbours may meet images, too: an aggregate reaches half its
+    // length out of the box, and a neighbour is hardly farther than one length.
+    let images = images_near(aggregates, &model.spec.specimen, 2.0 * model.spec.grading.d_max_mm);
+    let index = Index::new(&images, &room.aabb());
+    let sample = Sample { room: &*room, aggregates: &images, index: &index, options };
     Ok(Statistics {
-        fraction: ordered_sum(aggregates, |a| a.body.volume()) / specimen.volume(),
-        specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / specimen.volume(),
+        fraction: ordered_sum(aggregates, |a| a.body.volume()) / room.volume(),
+        specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / room.volume(),
         classes: model.report.classes.clone(),
         shapes: Shapes::of(aggregates),
         orientation: Orientation::of(aggregates),
         wall_effect: wall::wall_effect(&sample),
-        nearest_distance_mm: nearest::nearest_distances(aggregates, &index)?,
+        nearest_distance_mm: nearest::nearest_distances(&images, aggregates.len(), &index)?,
         correlation: correlation::correlation(&sample),
     })
 }
@@ -114,7 +116,7 @@ pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkErr
 /// What sampling needs.
 #[derive(Clone, Copy)]
 struct Sample<'a> {
-    specimen: &'a Specimen,
+    room: &'a dyn Room,
     aggregates: &'a [Aggregate],
     index: &'a Index,
     options: &'a Options,
@@ -133,9 +135,4 @@ fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut
         let held: Vec<T> = (first..last).into_par_iter().map(&figures).collect();
         held.into_iter().for_each(&mut join);
     }
-}
-
-/// True when the closed specimen has `point`, with `gap` mm to its surface.
-fn holds(specimen: &Specimen, point: &Vec3, gap: f64) -> bool {
-    specimen.holds(std::slice::from_ref(point), &Vec3::zeros(), gap)
 }

@@ -4,35 +4,49 @@ use super::Finding;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// A body or an image of one, by the number of the body.
+pub(super) struct Placed<'a> {
+    pub(super) body: u32,
+    pub(super) vertices: Cow<'a, [Vec3]>,
+}
 
 /// The number of pairs put to the exact test, and the pairs that share a point or are nearer than `gap` mm.
-pub(super) fn check(bodies: &[&[Vec3]], gap: f64) -> (u64, Vec<Finding>) {
-    let boxes: Vec<Aabb> = bodies.par_iter().map(|body| grown(&Aabb::around(*body), gap / 2.0)).collect();
+///
+/// `all` begins with the bodies themselves, in their order; images follow. Every body meets those after it and their
+/// images, and images of its own.
+pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Finding>) {
+    let boxes: Vec<Aabb> = all.par_iter().map(|it| grown(&Aabb::around(&*it.vertices), gap / 2.0)).collect();
     let buckets = Buckets::new(&boxes);
     let answers: Vec<(u64, Vec<Finding>)> =
-        (0..bodies.len()).into_par_iter().map(|a| check_one(a, bodies, &boxes, &buckets, gap)).collect();
+        (0..bodies).into_par_iter().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
     let tested = answers.iter().map(|answer| answer.0).sum();
     (tested, answers.into_iter().flat_map(|answer| answer.1).collect())
 }
 
-fn check_one(a: usize, bodies: &[&[Vec3]], boxes: &[Aabb], buckets: &Buckets, gap: f64) -> (u64, Vec<Finding>) {
-    let mut others: Vec<usize> = buckets.near(&boxes[a]).filter(|&b| b > a && boxes[a].intersects(&boxes[b])).collect();
+fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f64) -> (u64, Vec<Finding>) {
+    let is_due = |b: usize| b > a && all[b].body as usize >= a && boxes[a].intersects(&boxes[b]);
+    let mut others: Vec<usize> = buckets.near(&boxes[a]).filter(|&b| is_due(b)).collect();
     others.sort_unstable();
-    let findings = others.iter().filter_map(|&b| verdict(a, b, bodies, gap)).collect();
+    let mut findings: Vec<Finding> = others.iter().filter_map(|&b| verdict(&all[a], &all[b], gap)).collect();
+    // Two bodies may meet in several images; each pair is named once.
+    findings.sort_by_key(Finding::pair);
+    findings.dedup_by_key(|finding| finding.pair());
     (others.len() as u64, findings)
 }
 
-fn verdict(a: usize, b: usize, bodies: &[&[Vec3]], gap: f64) -> Option<Finding> {
-    let (ids, (p, q)) = ((a as u32, b as u32), (bodies[a], bodies[b]));
+fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
+    let (p, q) = (&*a.vertices, &*b.vertices);
     // What cannot be asked (coordinates beyond the accepted magnitudes) is not proved apart.
     if gjk::intersects(p, q).unwrap_or(true) {
-        return Some(Finding::Overlap { a: ids.0, b: ids.1 });
+        return Some(Finding::Overlap { a: a.body, b: b.body });
     }
     if gap == 0.0 {
         return None;
     }
     let distance_mm = gjk::distance(p, q).unwrap_or(0.0);
-    (distance_mm < gap).then_some(Finding::Gap { a: ids.0, b: ids.1, distance_mm })
+    (distance_mm < gap).then_some(Finding::Gap { a: a.body, b: b.body, distance_mm })
 }
 
 /// The box with `margin` on every side, and a little more for what rounding takes.

@@ -1,5 +1,6 @@
 //! Convex bodies: polyhedra, their hulls, offsets and the ellipsoids they are cut from.
 
+mod clip;
 mod double_double;
 pub mod ellipsoid;
 mod faces;
@@ -13,11 +14,13 @@ mod predicates;
 mod sieve;
 mod triangle_mesh;
 
+pub use clip::clipped;
 pub use faces::Face;
 pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull};
 pub use inradius::{Ball, inscribed_ball};
 pub use offset::{OffsetError, inward_offset};
 pub use polyhedron::{MassProperties, Plane, Polyhedron};
+pub(crate) use predicates::orient3d;
 pub use predicates::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub use sieve::{principal_axes, sieve_size};
 pub use triangle_mesh::{SurfaceError, TriangleMesh};

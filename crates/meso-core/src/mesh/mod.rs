@@ -2,6 +2,7 @@
 //!
 //! [`build`] is the one way in; the methods are siblings, one file each. A mesh knows nothing of file formats.
 
+mod clip;
 mod cohesive;
 mod error;
 mod grains;
@@ -22,7 +23,7 @@ pub use volumes::PhaseVolumes;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::model::Model;
-use crate::packing::Specimen;
+use crate::packing::{Specimen, images_near};
 use lattice::Tetrahedra;
 use serde::Serialize;
 
@@ -151,11 +152,16 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
 /// As [`build`].
 pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
+    let room = specimen.room();
+    // Where the specimen repeats itself, what crosses a face comes in again on the other side.
+    let images = images_near(aggregates, specimen, 0.0);
+    let aggregates = images.as_slice();
     let mut mesh = match (options.method, options.fit) {
         (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
         (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
         (Method::Lattice, Fit::Fitted) => fitted(aggregates, specimen, options),
     };
+    clip::clip(&mut mesh, &*room);
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
     }

@@ -1,6 +1,7 @@
 //! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
 
 mod grid;
+mod images;
 mod place;
 mod reach;
 mod rearrange;
@@ -8,9 +9,11 @@ mod report;
 mod specimen;
 mod take_and_place;
 
+pub use images::Images;
+pub(crate) use images::near as images_near;
 pub use place::place;
 pub use report::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::Specimen;
+pub use specimen::{Period, Periodic, Room, Specimen, Surface};
 
 use crate::aggregate::Grading;
 use crate::aggregate::take::{Grain, snap};

@@ -1,13 +1,20 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
-use super::{DEFAULT_ATTEMPTS, Outcome, Placement, Request, StopReason, Strategy, rearrange, take_and_place};
+use super::{
+    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Request, Room, StopReason, Strategy, rearrange, take_and_place,
+};
 use crate::aggregate::take::Grain;
 use crate::gjk;
+use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
 /// A request, and what every strategy derives from it.
 pub(super) struct Task<'a> {
     pub(super) request: Request<'a>,
+    /// The specimen's room, its volume in mm3, and how it repeats itself.
+    pub(super) room: Box<dyn Room>,
+    pub(super) volume: f64,
+    pub(super) period: Period,
     /// Volume each class may take, mm3; a grain that would pass it by more than half of itself is left out. Without
     /// bound where no surplus was taken.
     pub(super) class_targets: Vec<f64>,
@@ -40,21 +47,48 @@ pub fn place(request: &Request) -> Outcome {
 
 impl<'a> Task<'a> {
     fn new(request: &Request<'a>) -> Self {
-        let volume = request.fraction * request.specimen.volume();
-        let limit = request.placement.time_limit_s;
+        let room = request.specimen.room();
+        let (volume, period) = (room.volume(), request.specimen.period());
+        let (wanted, limit) = (request.fraction * volume, request.placement.time_limit_s);
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
         Self {
             request: *request,
-            class_targets: request.grading.classes().iter().map(|class| class.share * volume * bound).collect(),
+            room,
+            volume,
+            period,
+            class_targets: request.grading.classes().iter().map(|class| class.share * wanted * bound).collect(),
             deadline: limit.map_or(f64::INFINITY, |limit| request.progress.seconds() + limit),
             bodies: request.grains.par_iter().map(collider).collect(),
         }
     }
 
+    /// Where the centre of a grain may be, so that its box `local` about that centre keeps its distance to the walls of
+    /// the specimen's bounding box.
+    pub(super) fn reach(&self, local: &Aabb) -> Aabb {
+        let (aabb, gap) = (self.room.aabb(), Vec3::repeat(self.request.placement.wall_gap_mm));
+        let mut reach = Aabb { min: aabb.min - local.min + gap, max: aabb.max - local.max - gap };
+        for axis in (0..3).filter(|axis| self.period.along(*axis).is_some()) {
+            (reach.min[axis], reach.max[axis]) = (aabb.min[axis], aabb.max[axis]);
+        }
+        reach
+    }
+
+    /// What a grain with its centre in the specimen's box may reach, with its gap: the box where there are walls, more
+    /// where there are none.
+    pub(super) fn domain(&self) -> Aabb {
+        let mut domain = self.room.aabb();
+        let largest = self.request.grains.iter().map(|grain| grain.outer_radius).fold(0.0, f64::max);
+        let margin = (largest + self.request.placement.min_gap_mm) * (1.0 + 1e-9);
+        for axis in (0..3).filter(|axis| self.period.along(*axis).is_some()) {
+            domain.min[axis] -= margin;
+            domain.max[axis] += margin;
+        }
+        domain
+    }
+
     /// Reports `volume` mm3 placed; the reason to stop now, if there is one.
     pub(super) fn stopped(&self, volume: f64) -> Option<StopReason> {
-        let total = self.request.specimen.volume();
-        if !self.request.progress.update(volume / total, self.request.fraction) {
+        if !self.request.progress.update(volume / self.volume, self.request.fraction) {
             return Some(StopReason::Interrupted);
         }
         (self.request.progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit)

@@ -123,7 +123,9 @@ const REACHED: f64 = 0.002;
 pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) -> Report {
     let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
     let classes = class_reports(request, aggregates, specimen.volume_mm3);
-    let short: Vec<&ClassReport> = classes.iter().filter(|class| class.is_short()).collect();
+    let largest = largest_shares(request, specimen.volume_mm3);
+    let is_short = |(class, largest): &(&ClassReport, &f64)| class.is_short(**largest);
+    let short: Vec<&ClassReport> = classes.iter().zip(&largest).filter(is_short).map(|(class, _)| class).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -149,10 +151,20 @@ pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) ->
 }
 
 impl ClassReport {
-    fn is_short(&self) -> bool {
-        let mean = self.fraction / self.aggregates.max(1) as f64;
-        self.target_fraction - self.fraction > (REACHED * self.target_fraction).max(mean)
+    /// `largest` is the share of the specimen that the class's largest grain takes.
+    fn is_short(&self, largest: f64) -> bool {
+        self.target_fraction - self.fraction > (REACHED * self.target_fraction).max(largest)
     }
+}
+
+/// The share of the specimen's volume that the largest grain of each class takes.
+fn largest_shares(request: &Request, volume: f64) -> Vec<f64> {
+    let mut largest = vec![0.0f64; request.grading.classes().len()];
+    for grain in request.grains {
+        let share = &mut largest[usize::from(grain.class)];
+        *share = share.max(grain.volume / volume);
+    }
+    largest
 }
 
 fn class_reports(request: &Request, aggregates: &[Aggregate], volume: f64) -> Vec<ClassReport> {

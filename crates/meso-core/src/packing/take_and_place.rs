@@ -91,11 +91,11 @@ impl Search {
         self.found = None;
         let grain = &scene.task.request.grains[self.grain];
         let aabb = grain.body.aabb();
-        let room = scene.task.request.specimen.room_for(&aabb, scene.task.request.placement.wall_gap_mm);
+        let reach = scene.task.reach(&aabb);
         while self.attempts_left > 0 && self.found.is_none() {
             self.attempts_left -= 1;
             self.candidates += 1;
-            let centre = snap(&self.stream.point(&room.min, &room.max));
+            let centre = scene.task.period.wrap(&snap(&self.stream.point(&reach.min, &reach.max)));
             if scene.free(self.grain, &aabb, &centre, &mut self.counters) {
                 self.found = Some(centre);
             }
@@ -106,8 +106,10 @@ impl Search {
 /// What is placed so far.
 struct Scene<'a> {
     task: &'a Task<'a>,
-    /// Grain and centre of every placed body.
+    /// Grain and centre of every placed body, and of its images that a grain in the box may meet.
     placed: Vec<(u32, Vec3)>,
+    /// What a grain with its centre in the specimen's box may reach.
+    domain: Aabb,
     grid: Grid,
     /// Volume placed of every class, mm3.
     class_volume: Vec<f64>,
@@ -117,19 +119,24 @@ impl<'a> Scene<'a> {
     fn new(task: &'a Task<'a>) -> Self {
         let middle =
             task.request.grains.get(task.request.grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
+        let domain = task.domain();
         Self {
             task,
             placed: Vec::new(),
-            grid: Grid::new(&task.request.specimen.aabb(), middle),
+            grid: Grid::new(&domain, middle),
+            domain,
             class_volume: vec![0.0; task.class_targets.len()],
         }
     }
 
     fn insert(&mut self, grain: usize, centre: Vec3) {
         let body = &self.task.request.grains[grain];
-        let aabb = body.body.aabb();
-        self.grid.insert(&Aabb { min: aabb.min + centre, max: aabb.max + centre });
-        self.placed.push((grain as u32, centre));
+        let local = body.body.aabb();
+        let aabb = Aabb { min: local.min + centre, max: local.max + centre };
+        for shift in self.task.period.shifts(&aabb, &self.domain) {
+            self.grid.insert(&Aabb { min: aabb.min + shift, max: aabb.max + shift });
+            self.placed.push((grain as u32, centre + shift));
+        }
         self.class_volume[usize::from(body.class)] += body.volume;
     }
 
@@ -148,9 +155,7 @@ impl<'a> Scene<'a> {
             let reach = body.inner_radius + self.task.request.grains[other as usize].inner_radius;
             (other_centre - centre).norm_squared() < reach * reach
         });
-        if clearly_hit
-            || !self.task.request.specimen.holds(body.body.vertices(), centre, self.task.request.placement.wall_gap_mm)
-        {
+        if clearly_hit || !self.task.room.holds(body.body.vertices(), centre, self.task.request.placement.wall_gap_mm) {
             return false;
         }
         let gap = Vec3::repeat(self.task.request.placement.min_gap_mm);

@@ -4,6 +4,8 @@ use crate::aggregate::Aggregate;
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::model::Model;
+use crate::packing::{Images, Surface};
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// The axes along the width and the height of a section across an axis, and their names.
@@ -66,10 +68,10 @@ pub(super) fn block(model: &Model, out: &mut impl Write) -> io::Result<()> {
 
 /// Mortar, aggregates with their rims, and cores on top, in mm.
 fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
-    let size = model.spec.specimen.aabb().size();
-    let (u, v) = ACROSS[axis];
-    writeln!(out, "<rect class=\"m\" width=\"{}\" height=\"{}\"/>", size[u], size[v])?;
-    model.aggregates.iter().try_for_each(|aggregate| cut(aggregate, axis, place, out))
+    let mortar = outlines(&model.spec.specimen.room().surface(), axis, place);
+    mortar.iter().try_for_each(|outline| path("m", outline, out))?;
+    let shown = Images::Whole.of(&model.aggregates, &model.spec.specimen);
+    shown.iter().try_for_each(|aggregate| cut(aggregate, axis, place, out))
 }
 
 fn cut(aggregate: &Aggregate, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
@@ -110,6 +112,37 @@ fn polygon(body: &Polyhedron, axis: usize, place: f64) -> Vec<[f64; 2]> {
     corners
 }
 
+/// The closed lines in which a plane meets the specimen's surface, mm.
+///
+/// Every face that the plane crosses leads from the edge on which its boundary rises through the plane to the edge on
+/// which it falls back, and there on to its neighbour.
+fn outlines(surface: &Surface, axis: usize, place: f64) -> Vec<Vec<[f64; 2]>> {
+    let (u, v) = ACROSS[axis];
+    let height = |i: u32| surface.points[i as usize][axis] - place;
+    let mut next = BTreeMap::new();
+    for face in &surface.faces {
+        let edges = || (0..face.len()).map(|k| (face[k], face[(k + 1) % face.len()]));
+        let rises = edges().find(|&(a, b)| height(a) < 0.0 && height(b) >= 0.0);
+        let falls = edges().find(|&(a, b)| height(a) >= 0.0 && height(b) < 0.0);
+        if let (Some(rise), Some((a, b))) = (rises, falls) {
+            next.insert(rise, (b, a));
+        }
+    }
+    let mut outlines = Vec::new();
+    while let Some((mut edge, mut following)) = next.pop_first() {
+        let mut outline = Vec::new();
+        loop {
+            let [from, to] = [edge.0, edge.1].map(|i| surface.points[i as usize]);
+            let point = from + (to - from) * ((place - from[axis]) / (to[axis] - from[axis]));
+            outline.push([point[u], point[v]]);
+            let Some(after) = next.remove(&following) else { break };
+            (edge, following) = (following, after);
+        }
+        outlines.push(outline);
+    }
+    outlines
+}
+
 fn sort_around(corners: &mut [[f64; 2]]) {
     let count = corners.len() as f64;
     let [x, y] = corners.iter().fold([0.0, 0.0], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
@@ -121,6 +154,19 @@ fn sort_around(corners: &mut [[f64; 2]]) {
 mod tests {
     use super::*;
     use crate::geometry::convex_hull;
+    use crate::packing::Specimen;
+
+    #[test]
+    fn a_cylinder_is_outlined_by_a_rectangle_and_by_a_circle() {
+        let surface = Specimen::Cylinder { diameter_mm: 10.0, height_mm: 20.0 }.room().surface();
+        let across = outlines(&surface, 2, 5.0);
+        assert_eq!((across.len(), across[0].len()), (1, 128));
+        assert!(across[0].iter().all(|[x, y]| ((x - 5.0).hypot(y - 5.0) - 5.0).abs() < 1e-12));
+        let along = outlines(&surface, 0, 5.0);
+        assert_eq!(along.len(), 1);
+        let spread = |k: usize| along[0].iter().map(|c| c[k]).fold(f64::NEG_INFINITY, f64::max);
+        assert!((spread(0) - 10.0).abs() < 1e-12 && (spread(1) - 20.0).abs() < 1e-12);
+    }
 
     #[test]
     fn an_octahedron_is_cut_in_a_square() {

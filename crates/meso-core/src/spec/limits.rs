@@ -30,6 +30,19 @@ impl Spec {
         count(self)
     }
 
+    /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own image.
+    pub(crate) fn meets_own_image(&self, longest: f64) -> Option<SpecError> {
+        let (period, gap) = (self.specimen.period(), self.placement.min_gap_mm);
+        let length = (0..3).filter_map(|axis| period.along(axis)).find(|length| longest + gap >= *length)?;
+        let message = format!(
+            "makes aggregates up to {} long, and the specimen repeats itself after {}: they would meet their own images; \
+             take smaller aggregates or a larger specimen",
+            number(longest),
+            number(length)
+        );
+        Some(SpecError::value("grading.d_max_mm", message))
+    }
+
     /// How many aggregates the spec asks for, roughly: mean sizes and aspect ratios.
     pub fn estimated_aggregates(&self) -> f64 {
         let mean_shape = mean_volume(&self.shape);
@@ -61,10 +74,28 @@ fn fraction(value: f64) -> Checked {
 }
 
 fn specimen(specimen: &Specimen) -> Checked {
-    match *specimen {
-        Specimen::Cube { side_mm } => length("specimen.side_mm", side_mm),
-        Specimen::Box { size_mm } => size_mm.into_iter().try_for_each(|edge| length("specimen.size_mm", edge)),
+    let lengths =
+        |named: &[(&str, f64)]| named.iter().try_for_each(|(key, mm)| length(&format!("specimen.{key}"), *mm));
+    match specimen {
+        Specimen::Cube { side_mm, .. } => lengths(&[("side_mm", *side_mm)]),
+        Specimen::Box { size_mm, .. } => size_mm.iter().try_for_each(|edge| length("specimen.size_mm", *edge)),
+        &Specimen::Prism { length_mm, width_mm, depth_mm } => {
+            lengths(&[("length_mm", length_mm), ("width_mm", width_mm), ("depth_mm", depth_mm)])
+        }
+        &Specimen::Cylinder { diameter_mm, height_mm } => {
+            lengths(&[("diameter_mm", diameter_mm), ("height_mm", height_mm)])
+        }
+        Specimen::Sphere { diameter_mm } => lengths(&[("diameter_mm", *diameter_mm)]),
+        Specimen::Polyhedron { vertices_mm } => polyhedron(specimen, vertices_mm),
     }
+}
+
+/// Points within reach whose hull has a volume.
+fn polyhedron(specimen: &Specimen, vertices: &[[f64; 3]]) -> Checked {
+    const KEY: &str = "specimen.vertices_mm";
+    vertices.iter().flatten().try_for_each(|x| within(KEY, *x, -MAX_LENGTH_MM, MAX_LENGTH_MM))?;
+    let room = specimen.build().map_err(|error| SpecError::value(KEY, format!("encloses nothing: {error}")))?;
+    room.aabb().size().iter().try_for_each(|edge| length(KEY, *edge))
 }
 
 fn grading(grading: &Grading) -> Checked {
@@ -265,16 +296,18 @@ fn placement(placement: &Placement) -> Checked {
     placement.time_limit_s.map_or(Ok(()), |seconds| within("placement.time_limit_s", seconds, 1e-3, 1e9))
 }
 
-/// The largest aggregate fits, with its distance to the walls.
+/// The largest aggregate fits, with its distance to the walls and to its own images.
 fn room(spec: &Spec) -> Checked {
-    let narrowest = spec.specimen.aabb().size().min();
-    let gap = spec.placement.wall_gap_mm;
+    let (room, period) = (spec.specimen.room(), spec.specimen.period());
+    let (narrowest, gap) = (room.width(), spec.placement.wall_gap_mm);
     let inner = narrowest - 2.0 * gap;
     if inner <= 0.0 {
         let message =
             format!("is {} but the specimen is only {} wide; the walls leave no room", number(gap), number(narrowest));
         return Err(SpecError::value("placement.wall_gap_mm", message));
     }
+    let shortest = (0..3).filter_map(|axis| period.along(axis)).fold(f64::INFINITY, f64::min);
+    let narrowest = narrowest.min(shortest);
     if spec.placement.min_gap_mm >= narrowest {
         let gap = number(spec.placement.min_gap_mm);
         let message = format!("is {gap} but the specimen is only {} wide; the gap must be smaller", number(narrowest));
@@ -288,7 +321,7 @@ fn room(spec: &Spec) -> Checked {
         );
         return Err(SpecError::value("grading.d_max_mm", message));
     }
-    Ok(())
+    spec.meets_own_image(spec.grading.d_max_mm).map_or(Ok(()), Err)
 }
 
 fn count(spec: &Spec) -> Checked {

@@ -5,7 +5,7 @@
 //! the aggregates, so that the only error is that of the choice of lines. Known limits: S2(0) = L(0) = f; S2 falls at
 //! first with a quarter of the specific surface, and tends to f^2 (Torquato, Random Heterogeneous Materials, 2002).
 
-use super::{Sample, holds, in_order};
+use super::{Sample, in_order};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
@@ -79,7 +79,7 @@ fn lag(sample: &Sample) -> f64 {
 /// As many lags as asked, as long as the specimen has room for them; only r = 0 where there is no step.
 fn lags(sample: &Sample) -> usize {
     let lag = lag(sample);
-    let room = if lag > 0.0 { sample.specimen.aabb().size().norm() / lag } else { 0.0 };
+    let room = if lag > 0.0 { sample.room.aabb().size().norm() / lag } else { 0.0 };
     (sample.options.lags as usize).min(1 + room.min(MOST_LAGS) as usize)
 }
 
@@ -142,10 +142,10 @@ impl Line {
 
 /// A line in a random direction through a random point of the specimen (which must be convex to be crossed once).
 fn line(sample: &Sample, stream: &mut Stream) -> Line {
-    let room = sample.specimen.aabb();
+    let room = sample.room.aabb();
     let point = loop {
         let point = stream.point(&room.min, &room.max);
-        if holds(sample.specimen, &point, 0.0) {
+        if sample.room.depth(&point) >= 0.0 {
             break point;
         }
     };
@@ -165,10 +165,10 @@ fn line(sample: &Sample, stream: &mut Stream) -> Line {
 
 /// How far the specimen reaches from a point of it.
 fn reach(sample: &Sample, point: &Vec3, direction: &Vec3) -> f64 {
-    let (mut low, mut high) = (0.0, sample.specimen.aabb().size().norm());
+    let (mut low, mut high) = (0.0, sample.room.aabb().size().norm());
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        *(if holds(sample.specimen, &(point + direction * middle), 0.0) { &mut low } else { &mut high }) = middle;
+        *(if sample.room.depth(&(point + direction * middle)) >= 0.0 { &mut low } else { &mut high }) = middle;
     }
     high
 }

@@ -7,12 +7,16 @@ use crate::gjk::{self, GjkError};
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
-/// Distances from every aggregate to the nearest other one, mm; `None` for fewer than two aggregates.
-pub(super) fn nearest_distances(aggregates: &[Aggregate], index: &Index) -> Result<Option<Distribution>, GjkError> {
+/// Distances from each of the first `count` aggregates to the nearest other one, mm; `None` where there is no other.
+pub(super) fn nearest_distances(
+    aggregates: &[Aggregate],
+    count: usize,
+    index: &Index,
+) -> Result<Option<Distribution>, GjkError> {
     if aggregates.len() < 2 {
         return Ok(None);
     }
-    let distances = (0..aggregates.len() as u32).into_par_iter().map(|a| nearest(aggregates, index, a));
+    let distances = (0..count as u32).into_par_iter().map(|a| nearest(aggregates, index, a));
     Ok(Distribution::of(distances.collect::<Result<Vec<_>, _>>()?))
 }
 

@@ -1,14 +1,12 @@
 //! The wall effect: less aggregate near a mould, since no grain's middle comes closer to it than its radius.
 
-use super::{Sample, holds, in_order};
+use super::{Sample, in_order};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::math::{Aabb, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Points to a batch: each batch has its own random stream.
 const BATCH: u32 = 4096;
-/// Halvings of the depth's bracket: to 1e-12 of the specimen.
-const HALVINGS: u32 = 40;
 
 /// Aggregate fraction by layers parallel to the surface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,11 +44,12 @@ fn join(total: &mut Counts, counts: &Counts) {
 
 fn count(sample: &Sample, batch: u32) -> Counts {
     let mut stream = Stream::new(sample.options.seed, Purpose::Sample, 0, u64::from(batch));
-    let (room, width, mut counts) = (sample.specimen.aabb(), layer_width(sample), Counts::new());
+    let (room, width, mut counts) = (sample.room.aabb(), layer_width(sample), Counts::new());
     let points = BATCH.min(sample.options.points - batch * BATCH);
     for point in (0..points).map(|_| stream.point(&room.min, &room.max)) {
-        if holds(sample.specimen, &point, 0.0) {
-            let layer = (depth(sample, &point) / width) as usize;
+        let depth = sample.room.depth(&point);
+        if depth >= 0.0 && depth.is_finite() {
+            let layer = (depth / width) as usize;
             counts.resize(counts.len().max(layer + 1), [0; 2]);
             counts[layer][0] += 1;
             counts[layer][1] += u64::from(is_covered(sample, &point));
@@ -61,17 +60,7 @@ fn count(sample: &Sample, batch: u32) -> Counts {
 
 /// As asked, but never so thin that the layers do not fit into memory.
 fn layer_width(sample: &Sample) -> f64 {
-    (1e-3 * sample.specimen.aabb().size().max()).max(sample.options.layer_mm)
-}
-
-/// Distance from a point of the specimen to its surface, mm.
-fn depth(sample: &Sample, point: &Vec3) -> f64 {
-    let (mut low, mut high) = (0.0, sample.specimen.aabb().size().max());
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        *(if holds(sample.specimen, point, middle) { &mut low } else { &mut high }) = middle;
-    }
-    low
+    (1e-3 * sample.room.aabb().size().max()).max(sample.options.layer_mm)
 }
 
 fn is_covered(sample: &Sample, point: &Vec3) -> bool {

@@ -2,8 +2,9 @@
 
 use super::contact::{LANES, Points, V};
 use crate::aggregate::take::Grain;
-use crate::math::{Rotation, Vec3};
-use crate::packing::{Pose, Specimen};
+use crate::math::{Aabb, Rotation, Vec3};
+use crate::packing::place::Task;
+use crate::packing::{Period, Pose, Room};
 use crate::wide::widest;
 use rayon::prelude::*;
 
@@ -45,6 +46,7 @@ const MASS_EXPONENT: f64 = 0.7;
 
 /// All bodies.
 pub(super) struct Bodies {
+    period: Period,
     pub(super) fixed: Vec<Fixed>,
     pub(super) state: Vec<State>,
     spans: Vec<Span>,
@@ -57,9 +59,10 @@ pub(super) struct Bodies {
 
 impl Bodies {
     /// The grains (by number) at their poses, ordered along a space-filling curve.
-    pub(super) fn new(grains: &[Grain], mut poses: Vec<(u32, Pose)>, specimen: &Specimen) -> Self {
-        poses.sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, specimen), *grain));
+    pub(super) fn new(grains: &[Grain], mut poses: Vec<(u32, Pose)>, domain: &Aabb, period: Period) -> Self {
+        poses.sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, domain), *grain));
         let mut bodies = Self {
+            period,
             fixed: Vec::new(),
             state: Vec::new(),
             spans: Vec::new(),
@@ -113,10 +116,10 @@ impl Bodies {
         Points { x: &all[..len], y: &all[len..2 * len], z: &all[2 * len..] }
     }
 
-    /// Centre of `j` seen from the centre of `i`.
+    /// Centre of the nearest image of `j` seen from the centre of `i`.
     #[inline(always)]
     pub(super) fn offset(&self, i: u32, j: u32) -> V {
-        let d = self.state[j as usize].centre - self.state[i as usize].centre;
+        let d = self.period.nearest(&(self.state[j as usize].centre - self.state[i as usize].centre));
         [d.x as f32, d.y as f32, d.z as f32]
     }
 
@@ -130,7 +133,7 @@ impl Bodies {
 
     /// Calls `step` on every body's state, then turns its vertices and puts it back inside `walls`.
     pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &mut State) + Sync) {
-        let Self { state, spans, shape, turned, fixed, boxes } = self;
+        let Self { state, spans, shape, turned, fixed, boxes, .. } = self;
         let blocks = split(turned, spans);
         let moving = state.par_iter_mut().zip(blocks).zip(boxes).enumerate().with_min_len(256);
         moving.for_each(|(body, ((state, turned), own_box))| {
@@ -138,10 +141,32 @@ impl Bodies {
             step(body as u32, state);
             let start = spans[body].start as usize;
             *own_box = widest(|| turn(&shape[start..start + turned.len()], turned, &state.rotation));
-            state.centre = walls.confine(state.centre, own_box);
+            state.centre = walls.confine(state.centre, own_box, turned, f64::from(fixed[body].outer_radius));
             let moved = (state.centre - before).norm() + state.spin.norm() * f64::from(fixed[body].outer_radius);
             state.path += moved * 1.000_001;
         });
+    }
+
+    /// `bodies` with their centres, and with the images whose centres lie within `margin` mm of the box.
+    pub(super) fn with_images(&self, bodies: impl Iterator<Item = u32>, margin: f64) -> Vec<(u32, Vec3)> {
+        let placed = bodies.map(|body| (body, self.state[body as usize].centre));
+        if self.period.is_none() {
+            return placed.collect();
+        }
+        let box_size = Vec3::from_fn(|i, _| self.period.along(i).unwrap_or(0.0));
+        let domain = Aabb { min: Vec3::repeat(-margin), max: box_size.add_scalar(margin) };
+        let images = placed.flat_map(|(body, centre)| {
+            let shifts = self.period.shifts(&Aabb { min: centre, max: centre }, &domain);
+            shifts.into_iter().map(move |shift| (body, centre + shift))
+        });
+        images.collect()
+    }
+
+    /// Brings the centres back into a box that repeats itself.
+    pub(super) fn wrap(&mut self) {
+        if !self.period.is_none() {
+            self.state.iter_mut().for_each(|state| state.centre = self.period.wrap(&state.centre));
+        }
     }
 
     /// The pose of every grain of `grains`; `None` for those that are not here.
@@ -154,14 +179,53 @@ impl Bodies {
     }
 }
 
-/// The box bodies stay in, walls already moved inwards by the gap asked for.
-pub(super) struct Walls {
-    pub(super) low: Vec3,
-    pub(super) high: Vec3,
+/// The room bodies stay in.
+pub(super) struct Walls<'a> {
+    room: &'a dyn Room,
+    /// The least distance to its surface, mm.
+    gap: f64,
+    /// The walls of its bounding box, already moved inwards by that; infinitely far where it has none.
+    low: Vec3,
+    high: Vec3,
 }
 
-impl Walls {
-    fn confine(&self, centre: Vec3, (low, high): &(V, V)) -> Vec3 {
+/// Steps in which a body is brought back inside walls that are no box; it is looked at again in the next sweep.
+const MOST_STEPS: usize = 20;
+
+impl<'a> Walls<'a> {
+    pub(super) fn new(task: &'a Task, gap: f64) -> Self {
+        let aabb = task.room.aabb();
+        let wall =
+            |axis: usize, place: f64, beyond: f64| if task.period.along(axis).is_some() { beyond } else { place };
+        Self {
+            room: &*task.room,
+            gap,
+            low: Vec3::from_fn(|i, _| wall(i, aabb.min[i] + gap, f64::NEG_INFINITY)),
+            high: Vec3::from_fn(|i, _| wall(i, aabb.max[i] - gap, f64::INFINITY)),
+        }
+    }
+
+    /// The centre of a body, of its box and `turned` vertices about it, moved inside.
+    fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> Vec3 {
+        let mut centre = self.boxed_in(centre, own_box);
+        if self.room.is_box() || self.room.depth(&centre) >= radius + self.gap {
+            return centre;
+        }
+        let (x, yz) = turned.split_at(turned.len() / 3);
+        let (y, z) = yz.split_at(x.len());
+        let point = |i: usize| Vec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
+        let body: Vec<Vec3> = (0..x.len()).map(point).collect();
+        for _ in 0..MOST_STEPS {
+            let inside = self.boxed_in(self.room.confine(&body, &centre, self.gap), own_box);
+            if inside == centre {
+                break;
+            }
+            centre = inside;
+        }
+        centre
+    }
+
+    fn boxed_in(&self, centre: Vec3, (low, high): &(V, V)) -> Vec3 {
         Vec3::from_fn(|i, _| centre[i].max(self.low[i] - f64::from(low[i])).min(self.high[i] - f64::from(high[i])))
     }
 }
@@ -204,8 +268,7 @@ fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
 }
 
 /// Position along the Morton curve over the specimen's box, 21 bits a coordinate.
-fn morton(point: &Vec3, specimen: &Specimen) -> u64 {
-    let aabb = specimen.aabb();
+fn morton(point: &Vec3, aabb: &Aabb) -> u64 {
     let size = aabb.size().max();
     (0..3).fold(0, |code, i| {
         code | spread_bits((((point[i] - aabb.min[i]) / size).clamp(0.0, 1.0) * 2_097_151.0) as u64) << i

@@ -8,11 +8,14 @@ use crate::packing::place::Task;
 
 /// Random points looked at per dropped grain.
 const LOOKS: usize = 12;
+/// Draws per look until a point lies deep enough in a specimen that does not fill its box.
+const DRAWS: usize = 100;
 
 /// The given poses, and for every grain without one the random position that leaves it most room among those before it.
 pub(super) fn fill(task: &Task, poses: &[Option<Pose>]) -> Vec<Pose> {
     let middle = task.request.grains.get(task.request.grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
-    let mut ground = Ground { grid: Grid::new(&task.request.specimen.aabb(), middle), balls: Vec::new() };
+    let domain = task.domain();
+    let mut ground = Ground { task, domain, grid: Grid::new(&domain, middle), balls: Vec::new() };
     for (grain, pose) in poses.iter().enumerate() {
         if let Some(pose) = pose {
             ground.insert(ball_radius(task, grain), pose.centre);
@@ -21,7 +24,7 @@ pub(super) fn fill(task: &Task, poses: &[Option<Pose>]) -> Vec<Pose> {
     let mut filled = Vec::with_capacity(poses.len());
     for (grain, pose) in poses.iter().enumerate() {
         filled.push(pose.unwrap_or_else(|| {
-            let centre = ground.roomiest(task, grain);
+            let centre = ground.roomiest(grain);
             ground.insert(ball_radius(task, grain), centre);
             Pose::at(centre)
         }));
@@ -35,28 +38,46 @@ fn ball_radius(task: &Task, grain: usize) -> f64 {
 }
 
 /// What lies there already, as balls of the same volume.
-struct Ground {
+struct Ground<'a> {
+    task: &'a Task<'a>,
+    domain: Aabb,
     grid: Grid,
     balls: Vec<(f64, Vec3)>,
 }
 
-impl Ground {
+impl Ground<'_> {
     fn insert(&mut self, radius: f64, centre: Vec3) {
         let half = Vec3::repeat(radius);
-        self.grid.insert(&Aabb { min: centre - half, max: centre + half });
-        self.balls.push((radius, centre));
+        let aabb = Aabb { min: centre - half, max: centre + half };
+        for shift in self.task.period.shifts(&aabb, &self.domain) {
+            self.grid.insert(&Aabb { min: aabb.min + shift, max: aabb.max + shift });
+            self.balls.push((radius, centre + shift));
+        }
     }
 
-    fn roomiest(&self, task: &Task, grain: usize) -> Vec3 {
-        let body = &task.request.grains[grain];
-        let mut stream = Stream::new(task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
-        let room = task.request.specimen.room_for(&body.body.aabb(), task.request.placement.wall_gap_mm);
-        let radius = ball_radius(task, grain);
+    fn roomiest(&self, grain: usize) -> Vec3 {
+        let body = &self.task.request.grains[grain];
+        let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
+        let reach = self.task.reach(&body.body.aabb());
+        let radius = ball_radius(self.task, grain);
         let looks = (0..LOOKS).map(|_| {
-            let centre = stream.point(&room.min, &room.max);
+            let centre = self.inner_point(&mut stream, &reach, body.inner_radius);
             (self.clearance(radius, &centre), centre)
         });
-        looks.fold((f64::NEG_INFINITY, room.min), |best, look| if look.0 > best.0 { look } else { best }).1
+        looks.fold((f64::NEG_INFINITY, reach.min), |best, look| if look.0 > best.0 { look } else { best }).1
+    }
+
+    /// A random point of `reach`, `depth` mm inside the walls where a few draws find one.
+    fn inner_point(&self, stream: &mut Stream, reach: &Aabb, depth: f64) -> Vec3 {
+        let mut point = stream.point(&reach.min, &reach.max);
+        let depth = depth + self.task.request.placement.wall_gap_mm;
+        for _ in 0..DRAWS {
+            if self.task.room.is_box() || self.task.room.depth(&point) >= depth {
+                break;
+            }
+            point = stream.point(&reach.min, &reach.max);
+        }
+        point
     }
 
     /// Distance of the ball to the nearest other; negative where it overlaps one.

@@ -94,10 +94,10 @@ enum Ended {
     Told(StopReason),
 }
 
-struct Dynamics {
+struct Dynamics<'a> {
     bodies: Bodies,
     pairs: Pairs,
-    walls: Walls,
+    walls: Walls<'a>,
     /// mm.
     least_gap: f64,
     slop: f64,
@@ -113,19 +113,17 @@ struct Look {
     open_below: u32,
 }
 
-impl Dynamics {
-    fn new(task: &Task, poses: Vec<Pose>) -> Self {
+impl<'a> Dynamics<'a> {
+    fn new(task: &'a Task, poses: Vec<Pose>) -> Self {
         let request = &task.request;
         let poses = (0..).zip(poses).collect();
-        let bodies = Bodies::new(request.grains, poses, request.specimen);
+        let bodies = Bodies::new(request.grains, poses, &task.room.aabb(), task.period);
         let smallest = bodies.fixed.iter().map(|fixed| fixed.ball_radius).fold(f32::INFINITY, f32::min);
         let slop = SLOP * f64::from(smallest);
-        let aabb = request.specimen.aabb();
-        let inset = Vec3::repeat(request.placement.wall_gap_mm + 0.01 * slop);
         Self {
             bodies,
             pairs: Pairs::none(),
-            walls: Walls { low: aabb.min + inset, high: aabb.max - inset },
+            walls: Walls::new(task, request.placement.wall_gap_mm + 0.01 * slop),
             least_gap: request.placement.min_gap_mm,
             slop,
             enough: ENOUGH * slop,
@@ -183,7 +181,7 @@ impl Dynamics {
             }
         }
         let kept = (0..).zip(poses).filter_map(|(grain, pose)| Some((grain, pose?))).collect();
-        self.bodies = Bodies::new(grains, kept, task.request.specimen);
+        self.bodies = Bodies::new(grains, kept, &task.room.aabb(), task.period);
         self.pairs = Pairs::none();
     }
 
@@ -196,6 +194,7 @@ impl Dynamics {
         if !self.pairs.stale(&self.bodies) {
             return;
         }
+        self.bodies.wrap();
         let fastest = self
             .bodies
             .state

@@ -68,8 +68,8 @@ impl Pairs {
     /// The pairs whose boxes are less than `reach + skin` apart, so that no other is within `reach` until a body has
     /// gone `skin / 2`. What is known of a pair that was listed before is kept.
     pub(super) fn rebuild(&mut self, bodies: &Bodies, reach: f64, skin: f64) {
-        let cells = Cells::new(bodies);
         let limit = (reach + skin) as f32;
+        let cells = Cells::new(bodies, limit);
         let chunks: Vec<Vec<Pair>> = (0..bodies.len().div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -79,6 +79,8 @@ impl Pairs {
                     found.clear();
                     widest(|| cells.partners(bodies, a as u32, limit, &mut found));
                     found.sort_unstable();
+                    // A partner may be found in several images.
+                    found.dedup();
                     pairs.extend(found.iter().map(|&b| self.pair(bodies, a as u32, b)));
                 }
                 pairs
@@ -158,14 +160,14 @@ struct Level {
 const LEVEL_SPAN: f32 = 0.6;
 
 impl Cells {
-    fn new(bodies: &Bodies) -> Self {
+    fn new(bodies: &Bodies, limit: f32) -> Self {
         let mut radii: Vec<f32> = bodies.fixed.iter().map(|fixed| fixed.outer_radius).collect();
         radii.sort_unstable_by(f32::total_cmp);
         let mut levels = Vec::new();
         let mut rest = radii.as_slice();
         while let Some(&largest) = rest.last() {
             let below = rest.partition_point(|&radius| radius < LEVEL_SPAN * largest);
-            levels.push(Level::new(bodies, rest[below], largest));
+            levels.push(Level::new(bodies, rest[below], largest, limit));
             rest = &rest[..below];
         }
         Self { levels }
@@ -191,25 +193,29 @@ impl Cells {
 }
 
 impl Level {
-    fn new(bodies: &Bodies, smallest: f32, largest: f32) -> Self {
+    /// The bodies of these radii, with their images that a body of no larger radius may come within `limit` of.
+    fn new(bodies: &Bodies, smallest: f32, largest: f32, limit: f32) -> Self {
         let radii = smallest..=largest;
         let inside = |body: &u32| radii.contains(&bodies.fixed[*body as usize].outer_radius);
-        let centre = |body: &u32| &bodies.state[*body as usize].centre;
-        let members: Vec<u32> = (0..bodies.len() as u32).filter(inside).collect();
-        let aabb = Aabb::around(members.iter().map(centre));
+        let margin = f64::from(2.0 * largest + limit) * 1.000_1;
+        let members = (0..bodies.len() as u32).filter(inside);
+        let placed: Vec<(u32, Vec3)> = bodies.with_images(members, margin);
+        let aabb = Aabb::around(placed.iter().map(|(_, centre)| centre));
         let cell = 2.0 * f64::from(largest);
         let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
         let mut level = Self { origin: aabb.min.into(), cell, counts, largest, ..Self::default() };
-        let keys: Vec<u32> = members.iter().map(|body| level.flat(level.cell_of(centre(body)))).collect();
+        let keys: Vec<u32> = placed.iter().map(|(_, centre)| level.flat(level.cell_of(centre))).collect();
         level.starts = starts(counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = level.starts.clone();
-        level.members = vec![0; members.len()];
-        for (&body, &key) in members.iter().zip(&keys) {
-            level.members[next[key as usize] as usize] = body;
+        let mut order = vec![0; placed.len()];
+        for (item, &key) in (0..).zip(&keys) {
+            order[next[key as usize] as usize] = item;
             next[key as usize] += 1;
         }
-        let coordinates = |axis: usize| level.members.iter().map(move |body| centre(body)[axis] as f32).collect();
+        let coordinates =
+            |axis: usize| order.iter().map(|&item: &u32| placed[item as usize].1[axis] as f32).collect::<Vec<f32>>();
         (level.x, level.y, level.z) = (coordinates(0), coordinates(1), coordinates(2));
+        level.members = order.iter().map(|&item| placed[item as usize].0).collect();
         level.radius = level.members.iter().map(|&body| bodies.fixed[body as usize].outer_radius).collect();
         level
     }

@@ -19,17 +19,15 @@ pub(super) struct Proved {
 /// then the smaller.
 pub(super) fn keep_apart(task: &Task, mut poses: Vec<Option<Pose>>, work: &mut Work) -> Proved {
     for pose in poses.iter_mut().flatten() {
-        pose.centre = snap(&pose.centre);
+        pose.centre = task.period.wrap(&snap(&pose.centre));
     }
     let there: Vec<usize> = (0..poses.len()).filter(|&grain| poses[grain].is_some()).collect();
     let settled: Vec<Settled> = there
         .par_iter()
         .filter_map(|&i| Some(Settled::new(task, &task.request.grains[i], poses[i].as_ref()?)))
         .collect();
-    let mut grid = Grid::new(&task.request.specimen.aabb(), 2.0 * settled[settled.len() / 2].radius);
-    settled.iter().for_each(|body| grid.insert(&body.aabb));
-    let looks: Vec<(Vec<u32>, Counters)> =
-        (0..settled.len()).into_par_iter().map(|body| doubts(task, &grid, &settled, body)).collect();
+    let scene = Scene::new(task, &settled);
+    let looks: Vec<(Vec<u32>, Counters)> = (0..settled.len()).into_par_iter().map(|body| scene.doubts(body)).collect();
     looks.iter().for_each(|look| work.add(&look.1));
     let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
     drop_doubtful(looks.into_iter().map(|look| look.0).collect(), &mut kept);
@@ -58,29 +56,65 @@ impl Settled {
             centre: pose.centre,
             aabb: Aabb { min: local.min + pose.centre - half_gap, max: local.max + pose.centre + half_gap },
             radius: grain.outer_radius,
-            inside: task.request.specimen.holds(&vertices, &pose.centre, *wall_gap_mm),
+            inside: task.room.holds(&vertices, &pose.centre, *wall_gap_mm),
         }
+    }
+
+    /// True when the boxes meet, with `other` moved by `shift`.
+    fn meets(&self, other: &Self, shift: &Vec3) -> bool {
+        self.aabb.intersects(&Aabb { min: other.aabb.min + shift, max: other.aabb.max + shift })
     }
 }
 
-/// The bodies before `body` that it is not proved apart from, and what it took.
-fn doubts(task: &Task, grid: &Grid, settled: &[Settled], body: usize) -> (Vec<u32>, Counters) {
-    let own = &settled[body];
-    let (mut doubts, mut counters) = (Vec::new(), Counters::default());
-    grid.all_near(&own.aabb, |other| {
-        let it = &settled[other as usize];
-        if (other as usize) < body && own.aabb.intersects(&it.aabb) {
-            let offset = it.centre - own.centre;
-            if gjk::apart_counted(&own.body, &it.body, &offset, task.request.placement.min_gap_mm, None, &mut counters)
-                .is_none()
-            {
-                doubts.push(other);
+/// All bodies and their images.
+struct Scene<'a> {
+    task: &'a Task<'a>,
+    settled: &'a [Settled],
+    /// Number of the body and displacement of every item of the grid.
+    images: Vec<(u32, Vec3)>,
+    grid: Grid,
+}
+
+impl<'a> Scene<'a> {
+    fn new(task: &'a Task<'a>, settled: &'a [Settled]) -> Self {
+        let domain = task.domain();
+        let mut scene = Self {
+            task,
+            settled,
+            images: Vec::new(),
+            grid: Grid::new(&domain, 2.0 * settled[settled.len() / 2].radius),
+        };
+        for (number, body) in (0..).zip(settled) {
+            for shift in task.period.shifts(&body.aabb, &domain) {
+                scene.grid.insert(&Aabb { min: body.aabb.min + shift, max: body.aabb.max + shift });
+                scene.images.push((number, shift));
             }
         }
-        true
-    });
-    doubts.sort_unstable();
-    (doubts, counters)
+        scene
+    }
+
+    /// The bodies before `body`, or it itself, with an image that it is not proved apart from, and what it took.
+    fn doubts(&self, body: usize) -> (Vec<u32>, Counters) {
+        let own = &self.settled[body];
+        let (mut doubts, mut counters) = (Vec::new(), Counters::default());
+        self.grid.all_near(&own.aabb, |item| {
+            let (other, shift) = self.images[item as usize];
+            let it = &self.settled[other as usize];
+            let is_other = (other as usize) < body || (other as usize == body && shift != Vec3::zeros());
+            if is_other && own.meets(it, &shift) && !self.apart(own, it, &shift, &mut counters) {
+                doubts.push(other);
+            }
+            true
+        });
+        doubts.sort_unstable();
+        doubts.dedup();
+        (doubts, counters)
+    }
+
+    fn apart(&self, a: &Settled, b: &Settled, shift: &Vec3, counters: &mut Counters) -> bool {
+        let (offset, gap) = (b.centre + shift - a.centre, self.task.request.placement.min_gap_mm);
+        gjk::apart_counted(&a.body, &b.body, &offset, gap, None, counters).is_some()
+    }
 }
 
 /// Drops grains until no doubtful pair is left; grains come in descending volume.

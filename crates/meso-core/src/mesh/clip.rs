@@ -1,0 +1,39 @@
+//! Mortar outside a specimen that does not fill its bounding box is left out: cells whose centroid is outside.
+//!
+//! The surface that is left is one of whole cells: as far as half an element from the specimen's own.
+
+use super::{Mesh, NO_AGGREGATE};
+use crate::math::Vec3;
+use crate::packing::Room;
+use rayon::prelude::*;
+
+/// Keeps the aggregates' cells and the mortar's inside `room`, and the nodes they have.
+pub(super) fn clip(mesh: &mut Mesh, room: &dyn Room) {
+    if room.is_box() {
+        return;
+    }
+    let (nodes, points) = (mesh.kind.nodes(), &mesh.points);
+    let centroid = |cell: &[u32]| cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / nodes as f64;
+    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || room.depth(&centroid(cell)) >= 0.0;
+    let inside: Vec<bool> = mesh.cells.par_chunks_exact(nodes).zip(&mesh.aggregate).map(keep).collect();
+    let mut kept = inside.iter().flat_map(|inside| std::iter::repeat_n(*inside, nodes));
+    mesh.cells.retain(|_| kept.next().unwrap_or(true));
+    let mut kept = inside.iter();
+    mesh.phase.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = inside.iter();
+    mesh.aggregate.retain(|_| *kept.next().unwrap_or(&true));
+    drop_lone_nodes(mesh);
+}
+
+/// Leaves out the nodes without cells and numbers the others anew, in their order.
+fn drop_lone_nodes(mesh: &mut Mesh) {
+    const LONE: u32 = u32::MAX;
+    let mut number = vec![LONE; mesh.points.len()];
+    mesh.cells.iter().for_each(|&node| number[node as usize] = 0);
+    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != LONE)) {
+        *number = count;
+    }
+    let mut old = number.iter();
+    mesh.points.retain(|_| *old.next().unwrap_or(&LONE) != LONE);
+    mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+}

@@ -1,0 +1,69 @@
+//! The images of aggregates in specimens that repeat themselves: whole, or cut at the faces.
+
+use super::{Period, Specimen};
+use crate::aggregate::Aggregate;
+use crate::geometry::clipped;
+use crate::math::{Aabb, Vec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// How aggregates that cross a face of a periodic specimen are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Images {
+    /// Each aggregate once, whole, with its middle in the specimen.
+    #[default]
+    None,
+    /// Every image that reaches into the specimen, whole.
+    Whole,
+    /// Every image that reaches into the specimen, cut at its faces: opposite faces match.
+    Cut,
+}
+
+impl Images {
+    /// The aggregates as asked for; images keep the id of their aggregate. Without periods, the aggregates themselves.
+    pub fn of(self, aggregates: &[Aggregate], specimen: &Specimen) -> Vec<Aggregate> {
+        let (period, domain) = (specimen.period(), open_at_walls(specimen));
+        if self == Self::None || period.is_none() {
+            return aggregates.to_vec();
+        }
+        aggregates.par_iter().map(|aggregate| self.of_one(aggregate, &period, &domain)).collect::<Vec<_>>().concat()
+    }
+
+    fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
+        let image = |shift: Vec3| {
+            // Cut before it is moved: so the parts on both sides of a face have the same corners there.
+            let part = clipped(&aggregate.body, &Aabb { min: domain.min - shift, max: domain.max - shift })?;
+            let body = if self == Self::Cut { part } else { aggregate.body.clone() };
+            Some(Aggregate { body: body.translated(&shift), ..aggregate.clone() })
+        };
+        period.shifts(&aggregate.body.aabb(), domain).into_iter().filter_map(image).collect()
+    }
+}
+
+/// The specimen's box, without bounds where it has walls: what lies inside them is not cut there.
+fn open_at_walls(specimen: &Specimen) -> Aabb {
+    let (aabb, period) = (specimen.aabb(), specimen.period());
+    let side = |axis: usize, place: f64, beyond: f64| if period.along(axis).is_some() { place } else { beyond };
+    Aabb {
+        min: Vec3::from_fn(|i, _| side(i, aabb.min[i], f64::NEG_INFINITY)),
+        max: Vec3::from_fn(|i, _| side(i, aabb.max[i], f64::INFINITY)),
+    }
+}
+
+/// The aggregates, then their images whose boxes come within `margin` mm of the specimen's, whole: what a point, a line
+/// or an aggregate in the specimen may meet.
+pub(crate) fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -> Vec<Aggregate> {
+    let (period, domain) = (specimen.period(), open_at_walls(specimen));
+    if period.is_none() {
+        return aggregates.to_vec();
+    }
+    let margin = Vec3::repeat(margin);
+    let domain = Aabb { min: domain.min - margin, max: domain.max + margin };
+    let images = |aggregate: &Aggregate| -> Vec<Aggregate> {
+        let shifts = period.shifts(&aggregate.body.aabb(), &domain).into_iter().filter(|shift| *shift != Vec3::zeros());
+        shifts.map(|shift| Aggregate { body: aggregate.body.translated(&shift), ..aggregate.clone() }).collect()
+    };
+    let images = aggregates.par_iter().map(images).collect::<Vec<_>>().concat();
+    [aggregates, &images].concat()
+}

@@ -1,0 +1,137 @@
+//! Specimens: grains lie wholly inside each of them, by formulas of our own, and volumes are exact.
+
+use meso_core::check::{Finding, check};
+use meso_core::geometry::convex_hull;
+use meso_core::math::Vec3;
+use meso_core::mesh::{self, Fit, MeshOptions, Method};
+use meso_core::packing::{Silent, Specimen, StopReason, Strategy};
+use meso_core::{Model, Spec, pack};
+use std::f64::consts::PI;
+
+/// Packs `specimen` by `strategy`; the fraction is what it reaches easily.
+fn packed(specimen: Specimen, strategy: Strategy, wall_gap_mm: f64) -> Model {
+    let fraction = if strategy == Strategy::TakeAndPlace { 0.3 } else { 0.5 };
+    let mut spec = Spec { fraction, specimen, ..Spec::default() };
+    spec.placement.strategy = strategy;
+    spec.placement.wall_gap_mm = wall_gap_mm;
+    pack(&spec, &Silent).unwrap()
+}
+
+fn vertices(model: &Model) -> impl Iterator<Item = &Vec3> {
+    model.aggregates.iter().flat_map(|aggregate| aggregate.body.vertices())
+}
+
+/// Packs by both strategies, with and without a gap to the walls; `depth` must be at least the gap for every vertex.
+fn assert_inside(specimen: &Specimen, depth: impl Fn(&Vec3) -> f64) {
+    for (strategy, gap) in [(Strategy::TakeAndPlace, 0.0), (Strategy::Rearrange, 0.0), (Strategy::Rearrange, 1.0)] {
+        let model = packed(specimen.clone(), strategy, gap);
+        assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
+        assert_eq!(check(&model).findings, []);
+        let shallowest = vertices(&model).map(&depth).fold(f64::INFINITY, f64::min);
+        assert!(shallowest >= gap, "{strategy:?} left a vertex at {shallowest}, the gap is {gap}");
+        assert!(shallowest < gap + 1.0, "no grain came near the wall: {shallowest}");
+    }
+}
+
+#[test]
+fn grains_lie_inside_a_cylinder() {
+    let specimen = Specimen::Cylinder { diameter_mm: 60.0, height_mm: 70.0 };
+    assert!((specimen.volume() - PI * 900.0 * 70.0).abs() < 1e-9);
+    assert_inside(&specimen, |v| {
+        let arm = (v.x - 30.0).hypot(v.y - 30.0);
+        (30.0 - arm).min(v.z).min(70.0 - v.z)
+    });
+}
+
+#[test]
+fn grains_lie_inside_a_sphere() {
+    let specimen = Specimen::Sphere { diameter_mm: 75.0 };
+    assert!((specimen.volume() - PI / 6.0 * 75.0f64.powi(3)).abs() < 1e-9);
+    assert_inside(&specimen, |v| 37.5 - (v - Vec3::repeat(37.5)).norm());
+}
+
+#[test]
+fn grains_lie_inside_a_prism() {
+    let specimen = Specimen::Prism { length_mm: 90.0, width_mm: 40.0, depth_mm: 50.0 };
+    assert_eq!((specimen.volume(), specimen.aabb().max), (180_000.0, Vec3::new(90.0, 40.0, 50.0)));
+    assert_inside(&specimen, |v| v.min().min(90.0 - v.x).min(40.0 - v.y).min(50.0 - v.z));
+}
+
+/// A frustum: a square of 80 mm below, one of 50 mm above, 60 mm high; away from the origin in the spec.
+fn frustum() -> Specimen {
+    let square = |half: f64, z: f64| [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
+    Specimen::Polyhedron { vertices_mm: [square(40.0, 7.0), square(25.0, 67.0)].concat() }
+}
+
+#[test]
+fn grains_lie_inside_a_convex_polyhedron_that_begins_at_the_origin() {
+    let specimen = frustum();
+    assert_eq!(specimen.aabb().min, Vec3::zeros());
+    let exact = 60.0 / 3.0 * (80.0 * 80.0 + 80.0 * 50.0 + 50.0 * 50.0);
+    assert!((specimen.volume() - exact).abs() < 1e-9);
+    // The sides lean inwards by 15 mm on 60.
+    let slope = (1.0 + 0.25f64.powi(2)).sqrt();
+    let side = |x: f64, z: f64| (40.0 - (x - 40.0).abs() - 0.25 * z) / slope;
+    assert_inside(&specimen, |v| side(v.x, v.z).min(side(v.y, v.z)).min(v.z).min(60.0 - v.z) + 1e-12);
+}
+
+#[test]
+fn a_vertex_outside_a_curved_or_leaning_wall_is_found() {
+    let mut model = packed(Specimen::Cylinder { diameter_mm: 60.0, height_mm: 70.0 }, Strategy::Rearrange, 0.0);
+    let outermost = |v: &Vec3| (v.x - 30.0).hypot(v.y - 30.0);
+    let farthest = |body: &meso_core::geometry::Polyhedron| body.vertices().iter().map(outermost).fold(0.0, f64::max);
+    let aggregates = &mut model.aggregates;
+    let near =
+        (0..aggregates.len()).max_by(|&a, &b| farthest(&aggregates[a].body).total_cmp(&farthest(&aggregates[b].body)));
+    let near = near.unwrap();
+    let outwards = aggregates[near].body.centroid() - Vec3::new(30.0, 30.0, 35.0);
+    let step = Vec3::new(outwards.x, outwards.y, 0.0).normalize() * 1.5;
+    aggregates[near].body = aggregates[near].body.translated(&step);
+    assert!(check(&model).findings.contains(&Finding::Outside { aggregate: near as u32 }));
+}
+
+#[test]
+fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
+    let model = packed(Specimen::Cylinder { diameter_mm: 60.0, height_mm: 40.0 }, Strategy::Rearrange, 0.0);
+    for (method, fit) in [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain), (Method::Lattice, Fit::Fitted)] {
+        let mesh = mesh::build(&model, &MeshOptions { method, fit, ..Default::default() }).unwrap();
+        let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
+        let exact = model.spec.specimen.volume();
+        assert!((volume / exact - 1.0).abs() < 0.02, "{method:?} {fit:?}: {volume} of {exact}");
+        for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == mesh::NO_AGGREGATE).map(|(cell, _)| cell)
+        {
+            let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / cell.len() as f64;
+            assert!((centre.x - 30.0).hypot(centre.y - 30.0) <= 30.0 + 1e-9);
+        }
+        let mut used = vec![false; mesh.points.len()];
+        mesh.cells.iter().for_each(|&node| used[node as usize] = true);
+        assert!(used.iter().all(|used| *used), "no node is left without cells");
+    }
+}
+
+#[test]
+fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
+    let rooms = [
+        Specimen::cuboid([30.0, 40.0, 50.0]),
+        Specimen::Cylinder { diameter_mm: 60.0, height_mm: 70.0 },
+        Specimen::Sphere { diameter_mm: 75.0 },
+        frustum(),
+    ];
+    for specimen in rooms {
+        let (room, surface) = (specimen.room(), specimen.room().surface());
+        let six: f64 = surface
+            .triangles()
+            .map(|t| t.map(|i| surface.points[i as usize]))
+            .map(|[a, b, c]| a.dot(&b.cross(&c)))
+            .sum();
+        assert!((six / 6.0 / room.volume() - 1.0).abs() < 2e-3, "{}: {}", specimen.kind(), six / 6.0);
+        let mut edges: Vec<(u32, u32)> = Vec::new();
+        for face in &surface.faces {
+            edges.extend((0..face.len()).map(|k| (face[k], face[(k + 1) % face.len()])));
+        }
+        edges.sort_unstable();
+        assert!(edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok()), "{} is open", specimen.kind());
+        assert_eq!(room.depth(&(room.aabb().max * 2.0)).is_sign_negative(), true);
+        assert!(room.depth(&convex_hull(&surface.points).unwrap().centroid()) > 10.0);
+    }
+}
