@@ -1,13 +1,13 @@
 //! The formats that hold aggregates: what stands in them.
 
 use crate::models::two_boxes;
-use meso_core::formats::Format;
+use meso_core::formats::{Format, Surfaces};
 use std::io::{self, Write};
 use std::path::Path;
 
 fn written(format: Format) -> Vec<u8> {
     let mut bytes = Vec::new();
-    format.write(&two_boxes(), &mut bytes).unwrap();
+    format.write(&two_boxes(), Surfaces::default(), &mut bytes).unwrap();
     bytes
 }
 
@@ -100,9 +100,9 @@ fn a_writer_that_fails_anywhere_is_reported() {
     for format in Format::ALL {
         let length = written(format).len();
         for room in (0..length).step_by(11) {
-            let error = format.write(&two_boxes(), FullDisk { room }).unwrap_err();
+            let error = format.write(&two_boxes(), Surfaces::default(), FullDisk { room }).unwrap_err();
             assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{format:?} after {room} bytes");
         }
-        assert!(format.write(&two_boxes(), FullDisk { room: length }).is_ok());
+        assert!(format.write(&two_boxes(), Surfaces::default(), FullDisk { room: length }).is_ok());
     }
 }

@@ -2,7 +2,7 @@
 
 use meso_core::aggregate::Aggregate;
 use meso_core::check::{Finding, check};
-use meso_core::formats::Format;
+use meso_core::formats::{Format, Surfaces};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Fit, MeshOptions, Method};
@@ -161,7 +161,7 @@ fn surfaces_are_written_with_images_and_models_without() {
     let model = packed(periodic(40.0, [true; 3]), Strategy::TakeAndPlace, 0.3);
     let size = |format: Format, images| {
         let mut out = Vec::new();
-        format.write_images(&model, images, &mut out).unwrap();
+        format.write(&model, Surfaces { images, ..Default::default() }, &mut out).unwrap();
         out.len()
     };
     assert!(size(Format::Stl, Images::Whole) > size(Format::Stl, Images::None));

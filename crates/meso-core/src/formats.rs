@@ -1,13 +1,24 @@
 //! What a packing and a mesh can be written as: the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
-use crate::export::{csv, stl, vtu, vtu_mesh};
+use crate::export::vtk::Encoding;
+use crate::export::{csv, msh, stl, vtu, vtu_mesh};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::packing::Images;
 use crate::saved;
+use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
+
+/// How the aggregates' surfaces are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surfaces {
+    /// What is shown of aggregates that cross a face of a periodic specimen.
+    pub images: Images,
+    /// Of a `.vtu`.
+    pub encoding: Encoding,
+}
 
 /// A format that holds the aggregates themselves; meshes have their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,27 +63,19 @@ impl Format {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Writes `model` to `out` in this format, every aggregate once.
+    /// Writes `model` to `out` in this format; `surfaces` counts where the format holds surfaces (`.vtu`, `.stl`).
     ///
     /// # Errors
     /// Those of `out`; what the format cannot hold.
-    pub fn write(self, model: &Model, out: impl Write) -> io::Result<()> {
-        self.write_images(model, Images::None, out)
-    }
-
-    /// As [`Format::write`], with the images of aggregates that cross a face of a periodic specimen, where the format holds
-    /// surfaces (`.vtu`, `.stl`).
-    ///
-    /// # Errors
-    /// Those of `out`; what the format cannot hold.
-    pub fn write_images(self, model: &Model, images: Images, out: impl Write) -> io::Result<()> {
-        let shown = || images.of(&model.aggregates, &model.spec.specimen);
+    pub fn write(self, model: &Model, surfaces: Surfaces, out: impl Write) -> io::Result<()> {
+        let shown = || match surfaces.images {
+            Images::None => Cow::Borrowed(&model.aggregates[..]),
+            images => Cow::Owned(images.of(&model.aggregates, &model.spec.specimen)),
+        };
         match self {
             Self::Json => saved::write(model, out),
-            Self::Vtu if images != Images::None => vtu::write(&shown(), out),
-            Self::Vtu => vtu::write(&model.aggregates, out),
-            Self::Stl if images != Images::None => stl::write(&shown(), out),
-            Self::Stl => stl::write(&model.aggregates, out),
+            Self::Vtu => vtu::write(&shown(), surfaces.encoding, out),
+            Self::Stl => stl::write(&shown(), out),
             Self::Csv => csv::write(&model.aggregates, out),
         }
     }
@@ -83,19 +86,22 @@ impl Format {
 pub enum MeshFormat {
     /// Abaqus and CalculiX.
     Inp,
-    /// Cells with phase and aggregate id.
+    /// Cells with phase, aggregate id and quality: ParaView, PyVista, meshio.
     Vtu,
+    /// gmsh 4.1, with physical groups.
+    Msh,
 }
 
 impl MeshFormat {
     /// All formats, the deck first.
-    pub const ALL: [Self; 2] = [Self::Inp, Self::Vtu];
+    pub const ALL: [Self; 3] = [Self::Inp, Self::Vtu, Self::Msh];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Inp => "inp",
             Self::Vtu => "vtu",
+            Self::Msh => "msh",
         }
     }
 
@@ -105,14 +111,15 @@ impl MeshFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Writes `mesh` to `out` in this format; `deck` counts for decks.
+    /// Writes `mesh` to `out` in this format; `deck` counts for decks, `encoding` for `.vtu`.
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn write(self, mesh: &Mesh, deck: &DeckOptions, out: impl Write) -> io::Result<()> {
+    pub fn write(self, mesh: &Mesh, deck: &DeckOptions, encoding: Encoding, out: impl Write) -> io::Result<()> {
         match self {
             Self::Inp => abaqus::write(mesh, deck, out),
-            Self::Vtu => vtu_mesh::write(mesh, &[], out),
+            Self::Vtu => vtu_mesh::write(mesh, encoding, out),
+            Self::Msh => msh::write(mesh, out),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::boundary::file_error;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::{Format, MeshFormat};
+use meso_core::export::vtk::Encoding;
+use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::{self, Mesh, MeshOptions};
 use meso_core::{Model, saved};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
@@ -24,14 +25,14 @@ pub(crate) fn load(path: &Path) -> PyResult<Model> {
 ///
 /// # Errors
 /// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
-pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool) -> PyResult<()> {
+pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool, surfaces: Surfaces) -> PyResult<()> {
     if let Some(format) = Format::from_path(path) {
-        return write_whole(path, overwrite, |out| format.write(model, out));
+        return write_whole(path, overwrite, |out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let mesh = mesh::build(model, &MeshOptions::default());
         let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite);
+        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding);
     }
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp"]].concat()))
 }
@@ -40,9 +41,15 @@ pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool) -> PyResu
 ///
 /// # Errors
 /// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
-pub(crate) fn write_mesh(mesh: &Mesh, deck: &DeckOptions, path: &Path, overwrite: bool) -> PyResult<()> {
+pub(crate) fn write_mesh(
+    mesh: &Mesh,
+    deck: &DeckOptions,
+    path: &Path,
+    overwrite: bool,
+    encoding: Encoding,
+) -> PyResult<()> {
     match MeshFormat::from_path(path) {
-        Some(format) => write_whole(path, overwrite, |out| format.write(mesh, deck, out)),
+        Some(format) => write_whole(path, overwrite, |out| format.write(mesh, deck, encoding, out)),
         None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
     }
 }

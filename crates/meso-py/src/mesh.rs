@@ -8,6 +8,7 @@ use crate::run::beside_python;
 use crate::spec::options;
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
+use meso_core::export::vtk::Encoding;
 use meso_core::mesh::{self, CellKind, Mesh, MeshOptions, NO_AGGREGATE, PhaseVolumes};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -75,9 +76,11 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// path : path
-    ///     `.inp` or `.vtu`.
+    ///     `.inp`, `.vtu`, `.msh`, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
     /// overwrite : bool
     ///     Whether a file that is there already is replaced.
+    /// compress : bool
+    ///     Whether what a `.vtu` holds is compressed.
     /// **deck
     ///     What an `.inp` holds beside the mesh, e.g. `geometry_only=True`, `reduced_integration=True`.
     ///
@@ -87,11 +90,24 @@ impl PyMesh {
     ///     For an extension that names no mesh format; the message lists them.
     /// OSError
     ///     Where the file cannot be written.
-    #[pyo3(signature = (path, *, overwrite=true, **deck))]
-    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, deck: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+    #[pyo3(signature = (path, *, overwrite=true, compress=false, **deck))]
+    fn write(
+        slf: &Bound<'_, Self>,
+        path: PathBuf,
+        overwrite: bool,
+        compress: bool,
+        deck: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("xdmf")) {
+            let options = PyDict::new(slf.py());
+            options.set_item("path", path)?;
+            options.set_item("overwrite", overwrite)?;
+            return call_view("write_xdmf", slf, Some(&options)).map(drop);
+        }
         guard(|| {
-            let (mesh, deck) = (Arc::clone(&self.0), options::<DeckOptions>(deck)?);
-            beside_python(py, None, move |_| files::write_mesh(&mesh, &deck, &path, overwrite))?
+            let (mesh, deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
+            let encoding = Encoding::compressed(compress);
+            beside_python(slf.py(), None, move |_| files::write_mesh(&mesh, &deck, &path, overwrite, encoding))?
         })
     }
 

@@ -7,6 +7,8 @@ use crate::run::{beside_python, check_callable};
 use crate::spec::{self, PySpec};
 use crate::{arrays, files, tree};
 use meso_core::check::{Check, check};
+use meso_core::export::vtk::Encoding;
+use meso_core::formats::Surfaces;
 use meso_core::statistics::{Options, statistics};
 use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
@@ -168,7 +170,7 @@ impl PyPacking {
     /// Writes the packing, whole or not at all; the extension names the format.
     ///
     /// `.json` is the saved model, `.vtu` and `.stl` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus
-    /// deck of the default mesh (`mesh()` has the options).
+    /// deck of the default mesh (`mesh()` has the options). `compress` packs what a `.vtu` holds.
     ///
     /// Raises
     /// ------
@@ -176,10 +178,11 @@ impl PyPacking {
     ///     For an extension that names no format; the message lists them.
     /// OSError
     ///     Where the file cannot be written, or exists and `overwrite` is False.
-    #[pyo3(signature = (path, *, overwrite=true))]
-    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+    #[pyo3(signature = (path, *, overwrite=true, compress=false))]
+    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, compress: bool) -> PyResult<()> {
         let model = Arc::clone(&self.0);
-        guard(|| beside_python(py, None, move |_| files::write_model(&model, &path, overwrite))?)
+        let surfaces = Surfaces { encoding: Encoding::compressed(compress), ..Surfaces::default() };
+        guard(|| beside_python(py, None, move |_| files::write_model(&model, &path, overwrite, surfaces))?)
     }
 
     /// Proves, independently of how it was packed, that nothing overlaps and everything lies inside.

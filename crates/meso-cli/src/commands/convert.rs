@@ -4,7 +4,8 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
 use crate::say;
-use meso_core::formats::Format;
+use meso_core::export::vtk::Encoding;
+use meso_core::formats::{Format, Surfaces};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -17,6 +18,9 @@ pub(crate) struct Args {
     /// Format of what goes to standard output: json, vtu, stl, csv
     #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_name)]
     format: Format,
+    /// Compress what a .vtu holds (zlib)
+    #[arg(long)]
+    compress: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
@@ -33,9 +37,10 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
     let model = inputs::model(&args.model)?;
+    let surfaces = Surfaces { encoding: Encoding::compressed(args.compress), ..Surfaces::default() };
     let mut unit = Unit::default();
     for (target, format) in &plan {
-        unit.fill(target, args.force, |out| format.write(&model, out))?;
+        unit.fill(target, args.force, |out| format.write(&model, surfaces, out))?;
     }
     unit.commit()?;
     if !args.quiet {

@@ -6,6 +6,7 @@ use crate::outputs::{self, Target, Unit};
 use crate::{inputs, say, threads};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
+use meso_core::export::vtk::Encoding;
 use meso_core::formats::MeshFormat;
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A saved model (.json); `-` is standard input
     model: PathBuf,
-    /// File to write, its format by the extension: .inp, .vtu; `-` is standard output (.inp). May be repeated
+    /// File to write, its format by the extension: .inp, .vtu, .msh; `-` is standard output (.inp). May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
     #[arg(long, default_value = "voxel", value_parser = names::parse::<Method>)]
@@ -58,6 +59,9 @@ pub(crate) struct Args {
     /// Number of threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<u16>,
+    /// Compress what a .vtu holds (zlib)
+    #[arg(long)]
+    compress: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
@@ -73,9 +77,10 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let mesh = threads::with(args.threads, || build(&model, &args.options()))??;
     let deck = args.deck(materials);
+    let encoding = Encoding::compressed(args.compress);
     let mut unit = Unit::default();
     for (target, format) in &plan {
-        unit.fill(target, args.force, |out| format.write(&mesh, &deck, out))?;
+        unit.fill(target, args.force, |out| format.write(&mesh, &deck, encoding, out))?;
     }
     unit.commit()?;
     if !args.quiet {

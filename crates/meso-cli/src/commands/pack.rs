@@ -6,7 +6,8 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, say, threads};
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::{Format, MeshFormat};
+use meso_core::export::vtk::Encoding;
+use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::packing::{Report, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv, .inp; `-` writes the .json to standard output.
+    /// File to write, its format by the extension: .json, .vtu, .stl, .csv, .inp, .msh; `-` writes the .json to standard output.
     /// May be repeated; absent: model.json, model.vtu, model.inp
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
@@ -41,6 +42,9 @@ pub(crate) struct Args {
     /// Exit with 3 when the target is not reached
     #[arg(long)]
     strict: bool,
+    /// Compress what a .vtu holds (zlib)
+    #[arg(long)]
+    compress: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
@@ -111,7 +115,8 @@ impl Args {
         let summary = self.summary_json.as_ref().map(target).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().collect::<Vec<_>>())?;
-        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force })
+        let surfaces = Surfaces { encoding: Encoding::compressed(self.compress), ..Surfaces::default() };
+        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force, surfaces })
     }
 }
 
@@ -147,6 +152,7 @@ struct Plan {
     outputs: Vec<(Target, Content)>,
     summary: Option<Target>,
     force: bool,
+    surfaces: Surfaces,
 }
 
 impl Plan {
@@ -166,8 +172,10 @@ impl Plan {
         let start = watch.elapsed();
         for (target, content) in &self.outputs {
             unit.fill(target, self.force, |out| match (content, mesh) {
-                (Content::Packing(format), _) => format.write(model, out),
-                (Content::Mesh(format), Some(mesh)) => format.write(mesh, &DeckOptions::default(), out),
+                (Content::Packing(format), _) => format.write(model, self.surfaces, out),
+                (Content::Mesh(format), Some(mesh)) => {
+                    format.write(mesh, &DeckOptions::default(), self.surfaces.encoding, out)
+                }
                 (Content::Mesh(_), None) => Ok(()),
             })?;
         }

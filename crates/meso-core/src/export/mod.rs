@@ -2,6 +2,8 @@
 
 pub mod abaqus;
 pub mod csv;
+pub mod msh;
 pub mod stl;
+pub mod vtk;
 pub mod vtu;
 pub mod vtu_mesh;

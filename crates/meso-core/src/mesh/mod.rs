@@ -12,6 +12,7 @@ mod layer;
 mod options;
 pub mod quality;
 mod separate;
+pub mod sides;
 mod sweep;
 mod volumes;
 mod voxel;

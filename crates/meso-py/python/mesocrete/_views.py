@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import os
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -87,3 +90,20 @@ def mesh_to_meshio(mesh: Any) -> Any:
     sets = {name.upper(): [np.flatnonzero(phase == value)] for value, name in enumerate(_PHASES)}
     data = {"phase": [phase], "aggregate": [mesh.aggregate]}
     return meshio.Mesh(mesh.points, [(mesh.cell_type, mesh.cells)], cell_data=data, cell_sets=sets)
+
+
+def write_xdmf(mesh: Any, path: Any, *, overwrite: bool) -> None:
+    """Write the mesh as XDMF with its arrays in an HDF5 file beside it, both whole or none."""
+    _need("h5py", "mesh")
+    path = Path(path)
+    heavy = path.with_suffix(".h5")
+    for file in (path, heavy):
+        if file.exists() and not overwrite:
+            raise FileExistsError(f"{file} exists; overwrite=True replaces it")
+    with tempfile.TemporaryDirectory(prefix=".mesocrete-", dir=path.parent) as folder:
+        # The light file names the heavy one, so both are made under their own names.
+        grid = mesh_to_meshio(mesh)
+        grid.cell_sets = {}
+        _need("meshio", "mesh").xdmf.write(Path(folder) / path.name, grid)
+        os.replace(Path(folder) / heavy.name, heavy)
+        os.replace(Path(folder) / path.name, path)

@@ -3,10 +3,10 @@
 //! ZMIN is held and ZMAX moved along z, all other directions free: the reaction over the area is the mean stress, and
 //! over the strain it is the effective modulus. Three pinned displacements take the rigid motions that are left.
 
-use super::geometry::Sides;
 use super::lines::Lines;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
+use crate::mesh::sides::Sides;
 use std::io::{self, Write};
 
 /// The step: displacement of ZMAX by -`strain` times the height, reactions of both planes.

@@ -3,11 +3,11 @@
 //! Compression: two rigid plates with friction, the lower one held, the upper one moved down along a smooth step.
 //! Tension: the same loading of two rigid bodies that hold the nodes of ZMIN and ZMAX, as glued platens do.
 
-use super::geometry::Sides;
 use super::lines::Lines;
 use super::{Analysis, DeckOptions};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
+use crate::mesh::sides::Sides;
 use std::io::{self, Write};
 
 /// The plates reach beyond the specimen by this share of its width, so that its sides can bulge.

@@ -2,19 +2,9 @@
 
 use super::DeckOptions;
 use super::lines::Lines;
-use crate::math::{Aabb, Vec3};
+use crate::mesh::sides::{SIDES, Sides};
 use crate::mesh::{CellKind, Mesh, Phase};
 use std::io::{self, Write};
-
-/// The bounding planes: axis, whether it is the upper one, and the name of its node set.
-const SIDES: [(usize, bool, &str); 6] = [
-    (0, false, "XMIN"),
-    (0, true, "XMAX"),
-    (1, false, "YMIN"),
-    (1, true, "YMAX"),
-    (2, false, "ZMIN"),
-    (2, true, "ZMAX"),
-];
 
 pub(super) fn heading(lines: &mut Lines<impl Write>, text: &[String]) -> io::Result<()> {
     lines.line("*HEADING")?;
@@ -76,29 +66,6 @@ pub(super) fn present(mesh: &Mesh) -> impl Iterator<Item = Phase> {
     Phase::ALL.into_iter().filter(|phase| mesh.phase.contains(phase))
 }
 
-/// For every node a bit per bounding plane it lies on, in the order of [`SIDES`].
-pub(super) struct Sides(Vec<u8>);
-
-impl Sides {
-    pub(super) fn of(points: &[Vec3]) -> Self {
-        let aabb = Aabb::around(points);
-        let slack = 1e-9 * aabb.size().max();
-        let on = |x: f64, axis: usize, upper: bool| {
-            let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
-            u8::from((x - plane).abs() <= slack)
-        };
-        let bits = |p: &Vec3| {
-            SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | on(p[axis], axis, upper) << i)
-        };
-        Self(points.iter().map(bits).collect())
-    }
-
-    /// The nodes on bounding plane `bit` of [`SIDES`], ascending.
-    pub(super) fn members(&self, bit: usize) -> impl Iterator<Item = u32> {
-        (0..).zip(&self.0).filter(move |(_, on)| **on >> bit & 1 == 1).map(|(node, _)| node)
-    }
-}
-
 fn node_sets(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {
     for (bit, (_, _, name)) in SIDES.iter().enumerate() {
         lines.line(format!("*NSET, NSET={name}"))?;
@@ -109,19 +76,10 @@ fn node_sets(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {
 
 /// The element faces on each bounding plane.
 fn surfaces(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
-    let mut members: [Vec<(u64, usize)>; 6] = Default::default();
-    for (number, cell) in (1..).zip(mesh.cells()) {
-        if cell.iter().all(|&node| sides.0[node as usize] == 0) {
-            continue;
-        }
-        for (face, nodes) in mesh.kind.faces().iter().enumerate() {
-            let on = nodes.iter().fold(u8::MAX, |on, &i| on & sides.0[cell[i] as usize]);
-            (0..6).filter(|bit| on >> bit & 1 == 1).for_each(|bit| members[bit].push((number, face)));
-        }
-    }
+    let members = sides.faces(mesh);
     for ((_, _, name), faces) in SIDES.iter().zip(&members).filter(|(_, faces)| !faces.is_empty()) {
         lines.line(format!("*SURFACE, TYPE=ELEMENT, NAME=S_{name}"))?;
-        faces.iter().try_for_each(|&(number, face)| lines.face(number, face))?;
+        faces.iter().try_for_each(|&(cell, face)| lines.face(u64::from(cell) + 1, face))?;
     }
     Ok(())
 }

@@ -1,4 +1,6 @@
-//! Abaqus input decks (`.inp`): flat, streamed, read by Abaqus, CalculiX, meshio and gmsh.
+//! Abaqus input decks (`.inp`): flat, streamed, read by Abaqus, CalculiX and meshio.
+//!
+//! gmsh writes such decks but has no reader for them (none in 4.15); [`msh`](super::msh) is for gmsh.
 //!
 //! Element sets, node sets, surfaces and materials have the names AGGREGATE, ITZ, MORTAR, XMIN to ZMAX and S_XMIN to
 //! S_ZMAX. Node and element numbers are the mesh's indices plus 1. The rules kept throughout: keyword lines under 80
@@ -13,6 +15,7 @@ mod materials;
 
 use crate::materials::Materials;
 use crate::mesh::Mesh;
+use crate::mesh::sides::Sides;
 use lines::Lines;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -80,7 +83,7 @@ impl Default for Loading {
 pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
     let mut lines = Lines::new(out);
     geometry::heading(&mut lines, &options.heading)?;
-    let sides = geometry::Sides::of(&mesh.points);
+    let sides = Sides::of(&mesh.points);
     geometry::write(&mut lines, mesh, &sides, options)?;
     if !options.geometry_only {
         materials::write(&mut lines, mesh, options)?;
