@@ -53,6 +53,7 @@ fn float_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64
 }
 
 /// A term, and the sum of the magnitudes of its six products.
+#[inline(always)]
 fn float_term(apex: &Vec3, [a, b, c]: &[Vec3; 3]) -> (f64, f64) {
     let (u, v, w) = (b - a, c - a, a - apex);
     let [p, q] = [u.yzx().component_mul(&v.zxy()), u.zxy().component_mul(&v.yzx())];

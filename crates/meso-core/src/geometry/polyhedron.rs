@@ -49,7 +49,18 @@ impl Polyhedron {
 
     /// As [`Polyhedron::from_parts`], from the corners of all faces and where each face ends.
     pub(super) fn from_lists(vertices: Box<[Vec3]>, corners: &[u32], ends: &[u32]) -> Self {
-        Self::with_faces(vertices, FaceList::new(corners, ends))
+        // The lists are read faster than the narrow indices they are stored as: a tenth of a grain's hull.
+        let starts = std::iter::once(&0).chain(ends);
+        let triangles = starts.zip(ends).flat_map(|(&start, &end)| {
+            let face = &corners[start as usize..end as usize];
+            face.windows(2).skip(1).map(|edge| [face[0], edge[0], edge[1]])
+        });
+        let volume = if ends.len() * 3 == corners.len() {
+            integrals::volume(&vertices, corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]))
+        } else {
+            integrals::volume(&vertices, triangles)
+        };
+        Self { vertices, faces: FaceList::new(corners, ends), volume }
     }
 
     fn with_faces(vertices: Box<[Vec3]>, faces: FaceList) -> Self {
