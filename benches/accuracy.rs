@@ -98,12 +98,15 @@ fn mapped(pair: (Vec<Vec3>, Vec<Vec3>), f: impl Fn(&Vec3) -> Vec3) -> (Vec<Vec3>
     (pair.0.iter().map(&f).collect(), pair.1.iter().map(&f).collect())
 }
 
+/// Makes a pair for a value on an axis.
+type MakePair = Box<dyn Fn(&mut Dice, f64) -> (Vec<Vec3>, Vec<Vec3>)>;
+
 /// One question: an axis with its values, and how a value makes pairs.
 struct Question<'a> {
     name: &'a str,
     axis: &'a str,
     values: Vec<f64>,
-    pair: Box<dyn Fn(&mut Dice, f64) -> (Vec<Vec3>, Vec<Vec3>)>,
+    pair: MakePair,
 }
 
 fn questions() -> Vec<Question<'static>> {
@@ -246,6 +249,65 @@ fn distance_errors(value: f64, cases: &[Case], table: &mut Table) {
     table.row(&[format!("{value:e}"), "mesocrete".into(), String::new(), format!("{time:.0}")]);
 }
 
+/// A named way to make pairs.
+type Family = (&'static str, fn(&mut Dice) -> (Vec<Vec3>, Vec<Vec3>));
+
+/// The pairs on which the printed algorithms are counted.
+const FAMILIES: [Family; 4] = [
+    ("20 to 30 vertices, gap or depth 1e-9 to 1e-1", |dice| {
+        let gap = libm::pow(10.0, dice.between(-9.0, -1.0)) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
+        let n = 20 + dice.below(11);
+        at_gap(dice, n, gap)
+    }),
+    ("small integers", |dice| {
+        let b = integers(dice, 3);
+        let by = Vec3::from_fn(|_, _| dice.below(11) as f64 - 5.0);
+        (integers(dice, 3), b.iter().map(|p| p + by).collect())
+    }),
+    ("the same in tenths", |dice| {
+        let (a, b) = FAMILIES[1].1(dice);
+        mapped((a, b), |p| p * 0.1)
+    }),
+    ("small integers, touching in a vertex", |dice| {
+        let (a, b) = (integers(dice, 3), integers(dice, 3));
+        let v = Vec3::new(1.0, 0.3, -0.2) + Vec3::from_fn(|_, _| dice.below(9) as f64 - 4.0);
+        let highest = |s: &[Vec3], v: &Vec3| *s.iter().max_by(|p, q| p.dot(v).total_cmp(&q.dot(v))).expect("points");
+        let by = highest(&a, &v) - highest(&b, &-v);
+        (a, b.iter().map(|p| p + by).collect())
+    }),
+];
+
+/// Four to nine points with coordinates up to `largest`.
+fn integers(dice: &mut Dice, largest: usize) -> Vec<Vec3> {
+    let n = 4 + dice.below(6);
+    (0..n).map(|_| Vec3::from_fn(|_, _| dice.below(2 * largest + 1) as f64 - largest as f64)).collect()
+}
+
+/// How often the paper's algorithms, as printed, go round for ever or answer wrongly.
+fn as_printed() {
+    const PAIRS: usize = 20_000;
+    let mut table = Table::new("pairs,count,overlapping,endless,missed_overlaps,false_overlaps");
+    for (name, pair) in FAMILIES {
+        let mut dice = Dice::new(3883);
+        // Overlapping, endless, missed, made up.
+        let mut counts = [0; 4];
+        for _ in 0..PAIRS {
+            let (a, b) = pair(&mut dice);
+            let truth = gjk::intersects(&a, &b).expect("in range");
+            let said = literal::gjk_intersect(&a, &b, &Vec3::zeros());
+            counts[0] += usize::from(truth);
+            counts[1] += usize::from(said == Outcome::Endless);
+            counts[2] += usize::from(truth && said == Outcome::Apart);
+            counts[3] += usize::from(!truth && said == Outcome::Overlap);
+        }
+        println!("as printed, {name}: of {PAIRS} overlapping, endless, missed, made up {counts:?}");
+        let mut row = vec![name.replace(',', ""), PAIRS.to_string()];
+        row.extend(counts.map(|count| count.to_string()));
+        table.row(&row);
+    }
+    table.save("accuracy_as_printed.csv");
+}
+
 fn main() {
     let ccd = Ccd::load().inspect_err(|reason| println!("{reason}")).ok();
     // parry's hull builder panics on some flat bodies; that is its answer, not ours to print.
@@ -253,4 +315,5 @@ fn main() {
     for question in questions() {
         answer(&question, ccd.as_ref());
     }
+    as_printed();
 }
