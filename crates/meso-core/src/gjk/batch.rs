@@ -79,7 +79,7 @@ pub fn clear_many_counted(asks: &[Ask<'_>], ends: &[u32], gap: f64, counters: &m
         work.search(asks, gap);
         counters.add(&work.counters);
         // All that is open still belongs to an attempt that has failed.
-        let clear = |attempt: Range<usize>| work.answers[attempt].iter().all(|&answer| answer == Some(false));
+        let clear = |attempt: Range<usize>| !any(&work.answers[attempt], |answer| answer != Some(false));
         attempts(ends).map(clear).collect()
     })
 }
@@ -159,7 +159,7 @@ impl Work {
                 closest = if open.closeness(at) < open.closeness(closest) { at } else { closest };
                 at += 1;
             }
-            if at > start && !touches_any(&self.answers[attempt]) {
+            if at > start && !any(&self.answers[attempt], |answer| answer == Some(true)) {
                 self.chosen.push(closest as u32);
                 self.begun.push(start as u32..at as u32);
             }
@@ -178,8 +178,9 @@ impl Work {
 }
 
 /// Without a branch for each: nobody could foretell them.
-fn touches_any(answers: &[Option<bool>]) -> bool {
-    answers.iter().fold(false, |any, answer| any | (*answer == Some(true)))
+#[inline(always)]
+fn any(answers: &[Option<bool>], is_so: impl Fn(Option<bool>) -> bool) -> bool {
+    answers.iter().fold(false, |any, &answer| any | is_so(answer))
 }
 
 #[cfg(test)]
