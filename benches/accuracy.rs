@@ -110,8 +110,9 @@ struct Question<'a> {
 }
 
 fn questions() -> Vec<Question<'static>> {
-    let decades =
-        |from: i32, to: i32, step: usize| (from..=to).step_by(step).map(|e| libm::pow(10.0, f64::from(e))).collect();
+    let decades = |from: i32, to: i32, step: usize| {
+        (from..=to).step_by(step).map(|e| format!("1e{e}").parse().expect("a number")).collect()
+    };
     // Around touching: gaps and depths of 1e-4 to 1e-10 of the size.
     let near = |dice: &mut Dice, n: usize| {
         let gap = libm::pow(10.0, dice.between(-10.0, -4.0)) * if dice.below(2) == 0 { 1.0 } else { -1.0 };

@@ -1,14 +1,17 @@
 //! Hulls and offsets of the paper's aggregates, against parry3d's hull.
 //!
-//! Contestants take turns on the same batches, and the median batch counts: only the ratios within one run mean
-//! anything. Writes benches/results/hull.csv.
+//! Contestants take turns on the same batches, and the median batch counts, in processor time of the thread: only the
+//! ratios within one run mean anything. Writes benches/results/hull.csv.
+
+#[path = "collision/clock.rs"]
+#[allow(dead_code, unreachable_pub, reason = "each bench uses its part")]
+mod clock;
 
 use meso_core::aggregate::random::{Purpose, Stream};
 use meso_core::geometry::{HullBuilder, Polyhedron, convex_hull, inscribed_ball, inward_offset};
 use meso_core::math::Vec3;
 use std::fmt::Write as _;
 use std::hint::black_box;
-use std::time::Instant;
 
 const GRAINS: usize = 1000;
 const ROUNDS: usize = 15;
@@ -34,9 +37,9 @@ fn compare(contestants: &mut [Contestant]) -> Vec<f64> {
     let mut seconds = vec![Vec::new(); contestants.len()];
     for _ in 0..ROUNDS {
         for ((_, run), seconds) in contestants.iter_mut().zip(&mut seconds) {
-            let start = Instant::now();
+            let start = clock::seconds();
             run();
-            seconds.push(start.elapsed().as_secs_f64());
+            seconds.push(clock::seconds() - start);
         }
     }
     let median = |mut s: Vec<f64>| {

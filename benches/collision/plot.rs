@@ -94,18 +94,29 @@ impl Axis {
         (scale(v.max(self.low)) - scale(self.low)) / (scale(self.high) - scale(self.low))
     }
 
+    /// Four to ten round numbers.
     fn ticks(&self) -> Vec<f64> {
         if !self.log {
-            let step = libm::pow(10.0, libm::floor(libm::log10((self.high - self.low) / 2.0)));
-            return (0..=20).map(|i| i as f64 * step).filter(|v| *v >= self.low && *v <= self.high).collect();
+            let decade = libm::pow(10.0, libm::floor(libm::log10(self.high - self.low)));
+            let few = [0.2, 0.5, 1.0].map(|m| m * decade).into_iter();
+            let step = few.rev().find(|step| (self.high - self.low) / step >= 4.0).unwrap_or(0.1 * decade);
+            return (0..=50).map(|i| i as f64 * step).filter(|v| *v <= self.high).collect();
         }
         let decades = libm::floor(libm::log10(self.low)) as i32..=libm::ceil(libm::log10(self.high)) as i32;
-        let every = 1 + decades.clone().count() / 10;
-        let inside = decades.map(|d| libm::pow(10.0, f64::from(d))).filter(|v| (self.low..=self.high).contains(v));
-        inside.step_by(every).collect()
+        let count = decades.clone().count();
+        // Over few decades 2 and 5 have lines, too.
+        let multiples: &[u32] = if count <= 4 { &[1, 2, 5] } else { &[1] };
+        let all = decades.step_by(1 + count / 10).flat_map(|d| multiples.iter().map(move |m| format!("{m}e{d}")));
+        let numbers = all.map(|text| text.parse::<f64>().expect("a number"));
+        numbers.filter(|v| (self.low..=self.high).contains(v)).collect()
     }
 }
 
 fn label(v: f64) -> String {
-    if v == 0.0 || (0.01..100_000.0).contains(&v.abs()) { format!("{v}") } else { format!("{v:.0e}") }
+    if v == 0.0 || (0.01..100_000.0).contains(&v.abs()) {
+        // Without the last digits of 0.1 + 0.2.
+        format!("{v:.6}").trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{v:.0e}")
+    }
 }
