@@ -19,7 +19,6 @@ pub(super) fn glance(asks: &[Ask<'_>], gap: f64, answers: &mut [Option<bool>], o
 }
 
 /// Returns the lanes that the inscribed spheres decide.
-
 #[inline(always)]
 fn glance_at_eight(first: usize, asks: &[Ask<'_>], gap: f64, answers: &mut [Option<bool>], open: &mut Open) -> u8 {
     let lanes: [&Ask<'_>; LANES] = std::array::from_fn(|l| &asks[l.min(asks.len() - 1)]);
