@@ -48,6 +48,46 @@ fn many_answers_are_the_single_ones() {
     }
 }
 
+/// Pairs at 1e-16 to 1e-2 of their size from touching, on either side.
+fn near_touch<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<Ask<'a>> {
+    let mut one = || {
+        let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len() as u64) as usize]);
+        let v = dice.direction();
+        let (mut inside, mut outside) = (0.0, 1.01 * (a.circumradius() + b.circumradius()));
+        for _ in 0..60 {
+            let middle = 0.5 * (inside + outside);
+            *(if overlap(a, b, &(v * middle)) { &mut inside } else { &mut outside }) = middle;
+        }
+        let off = dice.decade(-16.0, -2.0) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
+        Ask { a, b, b_from_a: v * (inside * (1.0 + off)) }
+    };
+    (0..n).map(|_| one()).collect()
+}
+
+fn assert_every_form_is_exact(seed: u64, n: usize) {
+    let mut dice = Dice::new(seed);
+    let bodies = bodies(&mut dice);
+    let asks = near_touch(&mut dice, &bodies, n);
+    let many = overlap_many(&asks);
+    for (i, (q, many)) in asks.iter().zip(&many).enumerate() {
+        let exact = overlap_with(Method::Exact, q.a, q.b, &q.b_from_a);
+        assert_eq!((overlap(q.a, q.b, &q.b_from_a), *many), (exact, exact), "pair {i} of seed {seed}");
+    }
+    let hits = many.iter().filter(|&&hit| hit).count();
+    assert!((3 * n / 10..7 * n / 10).contains(&hits), "{hits} of {n} overlap");
+}
+
+#[test]
+fn near_touching_bodies_get_the_exact_answer_in_every_form() {
+    assert_every_form_is_exact(9, 3_000);
+}
+
+#[test]
+#[ignore = "slow tier: 10^6 pairs of bodies against exact arithmetic"]
+fn a_million_near_touching_bodies_get_the_exact_answer_in_every_form() {
+    (100..200).for_each(|seed| assert_every_form_is_exact(seed, 10_000));
+}
+
 #[test]
 fn an_attempt_is_clear_when_all_its_pairs_are_apart() {
     let mut dice = Dice::new(8);
