@@ -4,6 +4,7 @@ mod bad_input;
 #[path = "../bad_specs.rs"]
 mod bad_specs;
 mod command;
+mod conforming;
 mod files;
 mod help;
 mod interrupt;

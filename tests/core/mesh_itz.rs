@@ -3,8 +3,9 @@
 use crate::mesh::{aggregate, block, deck, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
+use meso_core::packing::{Periodic, Specimen};
+use meso_core::{Silent, Spec};
 
 fn lattice(itz: ItzForm) -> Mesh {
     let (grains, specimen) = turned_blocks();
@@ -18,6 +19,23 @@ fn a_solid_layer_has_the_volume_of_the_offset_shell() {
     let exact = PhaseVolumes::exact(&grains, &specimen, |a| a.itz_thickness_mm).unwrap();
     let itz = PhaseVolumes::of_mesh(&lattice(ItzForm::Solid)).itz;
     assert!((itz / exact.itz - 1.0).abs() < 0.05, "{itz} {}", exact.itz);
+}
+
+#[test]
+fn a_solid_layer_in_a_dense_packing_turns_no_cell_over() {
+    let spec = Spec { fraction: 0.5, specimen: Specimen::cube(40.0), ..Default::default() };
+    let model = meso_core::pack(&spec, &Silent).unwrap();
+    for element_size_mm in [3.0, 2.0] {
+        let options = MeshOptions { method: Method::Lattice, element_size_mm, ..Default::default() };
+        let mesh = mesh::build(&model, &options).unwrap();
+        assert!(mesh.notes.closed_gaps > 100, "gaps that close are what turned cells over");
+        assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+        let volumes = PhaseVolumes::of_mesh(&mesh);
+        assert!((volumes.total() / 64_000.0 - 1.0).abs() < 1e-9);
+        let exact = PhaseVolumes::exact(&model.aggregates, &spec.specimen, |a| a.itz_thickness_mm).unwrap();
+        assert!((volumes.itz / exact.itz - 1.0).abs() < 0.12, "{} {}", volumes.itz, exact.itz);
+        assert!(mesh.notes.pinched_itz_nodes * 20 < mesh.points.len(), "{:?}", mesh.notes);
+    }
 }
 
 #[test]
@@ -67,4 +85,13 @@ fn a_tension_deck_holds_both_ends() {
     let text = deck(&two_voxels_apart(), &DeckOptions { analysis: Analysis::Tension, ..Default::default() });
     assert!(text.contains("PIN NSET=ZMIN") && text.contains("PIN NSET=ZMAX") && !text.contains("R3D4"));
     assert!(text.contains("REF_TOP, 3, 3, 1.000000000e-3"));
+}
+
+#[test]
+fn a_layer_that_would_leave_the_faces_of_a_periodic_box_is_refused() {
+    let (grains, _) = turned_blocks();
+    let specimen = Specimen::Cube { side_mm: 40.0, periodic: Periodic([true; 3]) };
+    let options = MeshOptions { method: Method::Lattice, ..Default::default() };
+    let error = mesh::build_parts(&grains, &specimen, &options).unwrap_err().to_string();
+    assert!(error.starts_with("mesh.itz is solid; ") && error.contains("cohesive"), "{error}");
 }

@@ -5,6 +5,7 @@
 
 mod commands;
 mod failure;
+pub mod gmsh;
 mod inputs;
 mod interrupt;
 mod outputs;

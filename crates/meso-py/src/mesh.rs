@@ -6,12 +6,13 @@ use crate::files;
 use crate::packing::{call_view, plain};
 use crate::run::beside_python;
 use crate::spec::options;
+use meso_cli::gmsh::Gmsh;
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
-use meso_core::mesh::{self, CellKind, Mesh, MeshOptions, NO_AGGREGATE, PhaseVolumes};
+use meso_core::mesh::{self, CellKind, Mesh, MeshError, MeshOptions, NO_AGGREGATE, PhaseVolumes};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -25,8 +26,22 @@ pub(crate) struct PyMesh(Arc<Mesh>);
 /// Meshes `model` with the options that Python's keywords name.
 pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
     let options: MeshOptions = options(Some(keywords))?;
-    let built = beside_python(py, None, move |_| mesh::build(&model, &options))?;
-    built.map(|mesh| PyMesh(Arc::new(mesh))).map_err(|error| PyValueError::new_err(error.to_string()))
+    let gmsh = gmsh(py)?;
+    let built = beside_python(py, None, move |_| mesh::build_with(&model, &options, &|surfaces| gmsh.run(surfaces)))?;
+    built.map(|mesh| PyMesh(Arc::new(mesh))).map_err(|error| match error {
+        MeshError::Gmsh(_) | MeshError::Flat { .. } => PyRuntimeError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    })
+}
+
+/// gmsh for conforming meshes: this Python's module, else the program. It runs in a process of its own either way.
+fn gmsh(py: Python<'_>) -> PyResult<Gmsh> {
+    let found = py.import("importlib.util")?.call_method1("find_spec", ("gmsh",))?;
+    let python: Option<PathBuf> = py.import("sys")?.getattr("executable")?.extract()?;
+    Ok(match python {
+        Some(python) if !found.is_none() => Gmsh::python_module(python),
+        _ => Gmsh::program("gmsh"),
+    })
 }
 
 #[pymethods]

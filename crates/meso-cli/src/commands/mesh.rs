@@ -2,6 +2,7 @@
 
 use super::{names, values};
 use crate::failure::Failure;
+use crate::gmsh::Gmsh;
 use crate::outputs::{self, Target, Unit};
 use crate::{inputs, say, threads};
 use meso_core::Model;
@@ -9,7 +10,7 @@ use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::MeshFormat;
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes};
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method, PhaseVolumes};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -56,6 +57,9 @@ pub(crate) struct Args {
     /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
+    /// The program gmsh, for --method conforming
+    #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
+    gmsh: PathBuf,
     /// Number of threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = values::threads)]
     threads: Option<u16>,
@@ -75,7 +79,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
     let materials = materials(args.materials.as_deref())?;
     let model = inputs::model(&args.model)?;
-    let mesh = threads::with(args.threads, || build(&model, &args.options()))??;
+    let mesh = threads::with(args.threads, || build(&model, &args.options(), &args.gmsh))??;
     let deck = args.deck(materials);
     let encoding = Encoding::compressed(args.compress);
     let mut unit = Unit::default();
@@ -143,8 +147,12 @@ fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
 }
 
 /// Meshes; options that cannot be are wrong usage.
-pub(super) fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, Failure> {
-    mesh::build(model, options).map_err(|error| Failure::Usage(flag_names(&error.to_string())))
+pub(super) fn build(model: &Model, options: &MeshOptions, gmsh: &Path) -> Result<Mesh, Failure> {
+    let gmsh = Gmsh::program(gmsh);
+    mesh::build_with(model, options, &|surfaces| gmsh.run(surfaces)).map_err(|error| match error {
+        MeshError::Option { .. } => Failure::Usage(flag_names(&error.to_string())),
+        _ => Failure::Run(error.to_string()),
+    })
 }
 
 /// The core speaks of `mesh.element_size_mm`, the user typed `--element-size-mm`.
@@ -184,9 +192,10 @@ fn notes(mesh: &Mesh) {
     }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
         say::line(format!(
-            "the ITZ is thinner than asked in {} aggregates and at {} nodes",
+            "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of them it has no thickness",
             say::count(notes.thinned_itz_aggregates),
-            say::count(notes.thinned_itz_nodes)
+            say::count(notes.thinned_itz_nodes),
+            say::count(notes.pinched_itz_nodes)
         ));
     }
 }

@@ -163,7 +163,7 @@ impl Plan {
     /// The default mesh, where an output needs one.
     fn mesh(&self, model: &Model) -> Result<Option<Mesh>, Failure> {
         let wanted = self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)));
-        wanted.then(|| mesh::build(model, &MeshOptions::default())).transpose()
+        wanted.then(|| mesh::build(model, &MeshOptions::default(), Path::new("gmsh"))).transpose()
     }
 
     /// Writes all files; the summary last, since it tells how long the others took.

@@ -13,6 +13,39 @@ pub enum MeshError {
         /// What is accepted.
         accepted: String,
     },
+    /// Cells came out flat or turned over: there the grains' gaps and corners are too fine for the elements.
+    #[error(
+        "the mesh would have {cells} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
+         element_size_mm or method",
+        at[0], at[1], at[2]
+    )]
+    Flat {
+        /// How many.
+        cells: usize,
+        /// A node of the first one, mm.
+        at: [f64; 3],
+    },
+    /// A conforming mesh was asked for where gmsh cannot run.
+    #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
+    NeedsGmsh,
+    /// gmsh could not be run, or did not do what it was asked.
+    #[error("{0}")]
+    Gmsh(String),
+    /// Two aggregates, or one and the specimen's surface, are too close for a conforming mesh.
+    #[error(
+        "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with {} = 0.05 or more, \
+         or mesh by the method lattice",
+        other.map_or("the specimen's surface".to_owned(), |id| format!("aggregate {id}")),
+        if other.is_some() { "min_gap_mm" } else { "wall_gap_mm" }
+    )]
+    NearTouching {
+        /// The gap, mm.
+        gap_mm: f64,
+        /// An aggregate's id.
+        aggregate: u32,
+        /// The other's id; `None` for the specimen's surface.
+        other: Option<u32>,
+    },
 }
 
 impl MeshError {

@@ -4,6 +4,7 @@
 
 mod clip;
 mod cohesive;
+pub mod conforming;
 mod error;
 mod grains;
 mod interface;
@@ -117,6 +118,8 @@ pub struct Notes {
     pub thinned_itz_aggregates: usize,
     /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
     pub thinned_itz_nodes: usize,
+    /// Of these, the nodes where the layer has no thickness at all.
+    pub pinched_itz_nodes: usize,
 }
 
 /// [`Mesh::aggregate`] of a cell that belongs to none.
@@ -139,7 +142,10 @@ impl Mesh {
     }
 }
 
-/// Meshes a packed specimen.
+/// What runs gmsh: its output, MSH 4.1 in binary, for the input that [`conforming::Surfaces::write`] gives.
+pub type Gmsh<'a> = &'a dyn Fn(&conforming::Surfaces) -> Result<Vec<u8>, MeshError>;
+
+/// Meshes a packed specimen by a method of our own.
 ///
 /// # Errors
 /// Options that cannot be met are named before any work starts; see [`MeshError`].
@@ -147,11 +153,28 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
     build_parts(&model.aggregates, &model.spec.specimen, options)
 }
 
+/// Meshes a packed specimen; `gmsh` runs gmsh where the method is conforming.
+///
+/// # Errors
+/// As [`build`], and those of `gmsh`.
+pub fn build_with(model: &Model, options: &MeshOptions, gmsh: Gmsh) -> Result<Mesh, MeshError> {
+    assemble(&model.aggregates, &model.spec.specimen, options, gmsh)
+}
+
 /// Meshes `aggregates`, which must be disjoint and inside `specimen`.
 ///
 /// # Errors
 /// As [`build`].
 pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Mesh, MeshError> {
+    assemble(aggregates, specimen, options, &|_| Err(MeshError::NeedsGmsh))
+}
+
+fn assemble(
+    aggregates: &[Aggregate],
+    specimen: &Specimen,
+    options: &MeshOptions,
+    gmsh: Gmsh,
+) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
     let room = specimen.room();
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
@@ -160,22 +183,31 @@ pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &Mesh
     let mut mesh = match (options.method, options.fit) {
         (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
         (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
-        (Method::Lattice, Fit::Fitted) => fitted(aggregates, specimen, options),
+        (Method::Lattice, Fit::Fitted) => {
+            let (tetrahedra, notes) = lattice::fitted(aggregates, specimen, options.element_size_mm);
+            with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, options)
+        }
+        (Method::Conforming, _) => {
+            let surfaces = conforming::Surfaces::new(aggregates, specimen, options)?;
+            let output = gmsh(&surfaces)?;
+            with_layer(surfaces.mesh(&output)?, aggregates, options)
+        }
     };
     clip::clip(&mut mesh, &*room);
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
     }
+    volumes::all_positive(&mesh)?;
     Ok(mesh)
 }
 
-fn fitted(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
-    let (tetrahedra, notes) = lattice::fitted(aggregates, specimen, options.element_size_mm);
-    let mut mesh = of_tetrahedra(tetrahedra, aggregates, notes);
+/// Tetrahedra of aggregates and mortar with the solid ITZ, where it is asked for.
+fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], options: &MeshOptions) -> Mesh {
     if options.itz == ItzForm::Solid {
         let thinned = layer::add(&mut mesh, aggregates, |a| a.itz_thickness_mm);
         mesh.notes.thinned_itz_aggregates = thinned.aggregates;
         mesh.notes.thinned_itz_nodes = thinned.nodes;
+        mesh.notes.pinched_itz_nodes = thinned.pinched;
     }
     mesh
 }

@@ -31,6 +31,8 @@ pub enum Method {
     Voxel,
     /// Body-centred cubic tetrahedra, fitted to the grains or plain.
     Lattice,
+    /// Tetrahedra between the exact facets, by gmsh.
+    Conforming,
 }
 
 /// What a lattice does at the grains' surfaces.
@@ -82,6 +84,16 @@ impl MeshOptions {
         if !(self.element_size_mm >= low && self.element_size_mm <= high) {
             let accepted = format!("it must lie within {low} and {high} mm for this specimen");
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
+        }
+        let walled = specimen.periodic().is_none();
+        if self.method == Method::Conforming && !(walled && specimen.room().is_box()) {
+            let accepted = "it fills boxes with walls; this specimen takes voxel or lattice";
+            return Err(MeshError::option("method", "conforming", accepted));
+        }
+        // The layer would take nodes of cut grains off the box's faces.
+        if (self.method, self.fit, self.itz) == (Method::Lattice, Fit::Fitted, ItzForm::Solid) && !walled {
+            let accepted = "a fitted lattice of a periodic box takes cohesive or none; voxels take solid";
+            return Err(MeshError::option("itz", "solid", accepted));
         }
         if !(1..=8).contains(&self.subsamples) {
             return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));

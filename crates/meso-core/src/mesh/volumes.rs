@@ -1,10 +1,11 @@
 //! How much of the specimen each phase fills: in the mesh, and exactly.
 
-use super::{CellKind, Mesh};
+use super::{CellKind, Mesh, MeshError};
 use crate::aggregate::Aggregate;
 use crate::geometry::OffsetError;
 use crate::math::Vec3;
 use crate::packing::Specimen;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Volume of every phase, mm3.
@@ -50,6 +51,17 @@ impl PhaseVolumes {
     /// Sum of the phases, mm3.
     pub fn total(&self) -> f64 {
         self.aggregate + self.itz + self.mortar
+    }
+}
+
+/// Refuses a mesh with a cell of no positive volume: no solver takes it.
+pub(super) fn all_positive(mesh: &Mesh) -> Result<(), MeshError> {
+    let cells = mesh.cells.par_chunks_exact(mesh.kind.nodes());
+    let solid = |cell: &&[u32]| cell_volume(mesh.kind, cell, &mesh.points) > 0.0;
+    let flat: Vec<&[u32]> = cells.filter(|cell| !solid(cell)).collect();
+    match flat.first() {
+        None => Ok(()),
+        Some(first) => Err(MeshError::Flat { cells: flat.len(), at: mesh.points[first[0] as usize].into() }),
     }
 }
 

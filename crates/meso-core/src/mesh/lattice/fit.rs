@@ -42,7 +42,6 @@ pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], domain: &Aabb, si
     let stars = Stars::new(mesh, &active);
     let colours = patches(mesh, &active, domain, size * PATCH);
     for round in 0..ROUNDS {
-        claim(mesh, &roles, surfaces);
         for step in [slide, smooth] {
             for patches in &colours {
                 let view = &*mesh;
@@ -69,22 +68,6 @@ pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], domain: &Aabb, si
             }
         }
     }
-    claim(mesh, &roles, surfaces);
-}
-
-/// Gives mortar tetrahedra whose nodes all lie on one grain to it: it is convex, so they are inside.
-fn claim(mesh: &mut Tetrahedra, roles: &[Role], surfaces: &[Surface]) {
-    let points = &mesh.points;
-    mesh.cells.par_iter().zip(&mut mesh.grain).filter(|(_, grain)| **grain == NO_AGGREGATE).for_each(
-        |(cell, grain)| {
-            if let Role::Surface(g) = roles[cell[0] as usize]
-                && cell.iter().all(|&node| roles[node as usize] == Role::Surface(g))
-                && cell.iter().all(|&node| surfaces[g as usize].holds(&points[node as usize]))
-            {
-                *grain = g;
-            }
-        },
-    );
 }
 
 /// The place on the grain's edges and corners near the node that gains the most volume.

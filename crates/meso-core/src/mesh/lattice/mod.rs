@@ -86,7 +86,7 @@ pub(super) fn centroid(cell: &[u32; 4], points: &[Vec3]) -> Vec3 {
 }
 
 /// The same nodes in the order of positive volume.
-pub(super) fn oriented(cell: [u32; 4], points: &[Vec3]) -> [u32; 4] {
+pub(crate) fn oriented(cell: [u32; 4], points: &[Vec3]) -> [u32; 4] {
     let [a, b, c, d] = cell;
     let p = |node: u32| points[node as usize] - points[a as usize];
     if p(b).cross(&p(c)).dot(&p(d)) < 0.0 { [a, c, b, d] } else { cell }

@@ -1,0 +1,148 @@
+//! The surface of a polyhedron as triangles of a given size, every facet kept exactly.
+//!
+//! The facets' fans are refined by bisecting the longest edge of all, which keeps every angle above half the smallest one
+//! of the fan (Rosenberg and Stenger 1975), then edges within a facet are flipped to Delaunay's.
+
+use crate::geometry::Polyhedron;
+use crate::math::Vec3;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+/// Edges longer than this share of the element size are bisected: the mean edge then is about the size.
+const LONGEST: f64 = 4.0 / 3.0;
+/// Passes of flips; Delaunay's state is usually reached in three.
+const PASSES: usize = 10;
+
+/// A closed surface of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Triangles {
+    pub(super) points: Vec<Vec3>,
+    /// Counter-clockwise from outside.
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// The facets of `body` with edges of about `size` mm.
+pub(super) fn facets(body: &Polyhedron, size: f64) -> Triangles {
+    let mut surface = Refinement::new(body);
+    surface.bisect(LONGEST * size);
+    for _ in 0..PASSES {
+        if surface.flip() == 0 {
+            break;
+        }
+    }
+    Triangles { points: surface.points, triangles: surface.triangles.into_iter().map(|t| t.0).collect() }
+}
+
+/// A surface in the making.
+struct Refinement {
+    points: Vec<Vec3>,
+    /// With their facets.
+    triangles: Vec<([u32; 3], u32)>,
+    /// The triangle on the left of every directed edge. Looked up, never walked through: its order is no one's.
+    left: HashMap<(u32, u32), u32>,
+}
+
+impl Refinement {
+    fn new(body: &Polyhedron) -> Self {
+        let mut surface = Self { points: body.vertices().to_vec(), triangles: Vec::new(), left: HashMap::new() };
+        for (facet, face) in (0..).zip(body.faces()) {
+            for triangle in face.triangles() {
+                let index = surface.triangles.len();
+                surface.triangles.push((triangle, facet));
+                surface.enter(index);
+            }
+        }
+        surface
+    }
+
+    fn enter(&mut self, index: usize) {
+        let [a, b, c] = self.triangles[index].0;
+        for edge in [(a, b), (b, c), (c, a)] {
+            self.left.insert(edge, index as u32);
+        }
+    }
+
+    fn squared(&self, a: u32, b: u32) -> f64 {
+        (self.points[a as usize] - self.points[b as usize]).norm_squared()
+    }
+
+    /// Bisects the longest edge until none is longer than `limit`; of equal ones the one with the lowest nodes.
+    fn bisect(&mut self, limit: f64) {
+        // Squares of lengths are positive: their bits are in their order.
+        let entry = |s: &Self, a: u32, b: u32| (s.squared(a, b).to_bits(), Reverse((a.min(b), a.max(b))));
+        let corners = self.triangles.iter().flat_map(|&([a, b, c], _)| [(a, b), (b, c), (c, a)]);
+        let mut heap: BinaryHeap<_> = corners.filter(|(a, b)| a < b).map(|(a, b)| entry(self, a, b)).collect();
+        while let Some((bits, Reverse((a, b)))) = heap.pop() {
+            if f64::from_bits(bits) <= limit * limit {
+                break;
+            }
+            for (u, v) in self.split(a, b) {
+                heap.push(entry(self, u, v));
+            }
+        }
+    }
+
+    /// Bisects an edge with its two triangles; returns the new edges.
+    fn split(&mut self, a: u32, b: u32) -> Vec<(u32, u32)> {
+        let middle = self.points.len() as u32;
+        self.points.push((self.points[a as usize] + self.points[b as usize]) / 2.0);
+        let mut edges = vec![(a, middle), (b, middle)];
+        for (u, v) in [(a, b), (b, a)] {
+            let index = self.left.remove(&(u, v)).expect("a closed surface has both sides") as usize;
+            let (nodes, facet) = self.triangles[index];
+            let apex = third(nodes, u, v);
+            self.triangles[index].0 = [u, middle, apex];
+            self.triangles.push(([middle, v, apex], facet));
+            self.enter(index);
+            self.enter(self.triangles.len() - 1);
+            edges.push((middle, apex));
+        }
+        edges
+    }
+
+    /// Flips edges within facets whose opposite angles sum to more than 180 degrees; returns their number.
+    fn flip(&mut self) -> usize {
+        let mut flips = 0;
+        for index in 0..self.triangles.len() {
+            for corner in 0..3 {
+                let nodes = self.triangles[index].0;
+                flips += usize::from(self.flip_edge(nodes[corner], nodes[(corner + 1) % 3]));
+            }
+        }
+        flips
+    }
+
+    fn flip_edge(&mut self, a: u32, b: u32) -> bool {
+        let [here, there] = [(a, b), (b, a)].map(|edge| self.left[&edge] as usize);
+        let facet = self.triangles[here].1;
+        if self.triangles[there].1 != facet {
+            return false;
+        }
+        let (c, d) = (third(self.triangles[here].0, a, b), third(self.triangles[there].0, b, a));
+        if !self.angles_exceed_a_straight(c, d, a, b) {
+            return false;
+        }
+        self.left.remove(&(a, b));
+        self.left.remove(&(b, a));
+        self.triangles[here].0 = [a, d, c];
+        self.triangles[there].0 = [d, b, c];
+        self.enter(here);
+        self.enter(there);
+        true
+    }
+
+    /// Whether the angles at c and d over the edge ab sum to more than 180 degrees: sin(c + d) < 0.
+    fn angles_exceed_a_straight(&self, c: u32, d: u32, a: u32, b: u32) -> bool {
+        let opening = |apex: u32| {
+            let [u, v] = [a, b].map(|end| self.points[end as usize] - self.points[apex as usize]);
+            (u.cross(&v).norm(), u.dot(&v))
+        };
+        let ((c_sine, c_cosine), (d_sine, d_cosine)) = (opening(c), opening(d));
+        let scale = (c_sine.abs() + c_cosine.abs()) * (d_sine.abs() + d_cosine.abs());
+        c_sine * d_cosine + c_cosine * d_sine < -1e-9 * scale
+    }
+}
+
+fn third(nodes: [u32; 3], a: u32, b: u32) -> u32 {
+    *nodes.iter().find(|node| **node != a && **node != b).expect("a triangle has three nodes")
+}

@@ -1,0 +1,47 @@
+//! Aggregates too close to each other or to the specimen's surface for a conforming mesh, found before gmsh starts.
+
+use crate::aggregate::Aggregate;
+use crate::gjk;
+use crate::math::{Aabb, Vec3};
+use crate::mesh::MeshError;
+use rayon::prelude::*;
+
+/// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
+pub(super) const NARROWEST_MM: f64 = 1e-3;
+
+/// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body.
+pub(super) fn refuse_near_touching(aggregates: &[Aggregate], domain: &Aabb) -> Result<(), MeshError> {
+    let boxes: Vec<Aabb> = aggregates.iter().map(|a| a.body.aabb()).collect();
+    let mut order: Vec<usize> = (0..aggregates.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].min.x.total_cmp(&boxes[b].min.x));
+    let after = |place: usize| {
+        let (order, boxes) = (&order, &boxes);
+        let first = order[place];
+        let reach = boxes[first].max.x + NARROWEST_MM;
+        let ahead = order[place + 1..].iter().take_while(move |&&b| boxes[b].min.x <= reach);
+        ahead.filter(move |&&b| near(&boxes[first], &boxes[b])).map(move |&b| (first, b))
+    };
+    let gap = |(a, b): (usize, usize)| {
+        let bodies = [a, b].map(|i| aggregates[i].body.vertices());
+        // Bodies that no distance can be told of are as good as touching.
+        (gjk::distance(bodies[0], bodies[1]).unwrap_or(0.0), aggregates[a].id, Some(aggregates[b].id))
+    };
+    let pairs = (0..order.len()).into_par_iter().flat_map_iter(after).map(gap);
+    let walls = aggregates.par_iter().zip(&boxes).map(|(a, body)| (wall_gap(body, domain), a.id, None));
+    let closest = pairs.chain(walls).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    match closest {
+        Some((gap_mm, aggregate, other)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn near(a: &Aabb, b: &Aabb) -> bool {
+    (0..3).all(|i| a.min[i] <= b.max[i] + NARROWEST_MM && b.min[i] <= a.max[i] + NARROWEST_MM)
+}
+
+fn wall_gap(body: &Aabb, domain: &Aabb) -> f64 {
+    let gaps: [Vec3; 2] = [body.min - domain.min, domain.max - body.max];
+    gaps.iter().map(Vec3::min).fold(f64::INFINITY, f64::min)
+}

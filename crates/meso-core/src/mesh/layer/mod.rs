@@ -1,0 +1,121 @@
+//! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every aggregate.
+//!
+//! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of an aggregate's cells shrink towards
+//! its centroid ([`shrink`]; [`turned`] where a face looks the wrong way), and between each interface triangle and its
+//! image stands a prism, cut into three tetrahedra. Flat cells on the surface that would turn over go to the layer before
+//! ([`peel`]). Where any other cell would, its nodes go less far, at last not at all ([`settle`]); a rail of no length takes
+//! just one of the three tetrahedra of each prism with it, so neighbours still match.
+
+mod peel;
+mod settle;
+mod shrink;
+mod steepest;
+mod turned;
+
+use super::interface::{self, InterfaceFace};
+use super::separate::{Copies, separate};
+use super::{Mesh, NO_AGGREGATE, Phase};
+use crate::aggregate::Aggregate;
+use crate::math::Vec3;
+use rayon::prelude::*;
+use settle::{Ways, settle};
+use shrink::Shrink;
+use std::collections::HashMap;
+
+/// What a layer had to do without.
+pub(super) struct Thinned {
+    /// Aggregates too small for their thickness.
+    pub(super) aggregates: usize,
+    /// Interface nodes that stopped short of their image.
+    pub(super) nodes: usize,
+    /// Of these, the ones that did not move: there the layer has no thickness.
+    pub(super) pinched: usize,
+}
+
+/// A tetrahedron of the layer; it holds both ends of one rail.
+#[derive(Clone, Copy)]
+struct LayerCell {
+    nodes: [u32; 4],
+    /// The copy that the aggregate's cells have for the rail's outer end.
+    rail: [u32; 2],
+    aggregate: u32,
+    /// Area of the interface triangle, mm2.
+    area: f64,
+}
+
+/// Splits a layer of `thickness(aggregate)` mm off the inside of every aggregate.
+///
+/// Every cell of `mesh` must have a positive volume; then every cell has one afterwards, too.
+pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(&Aggregate) -> f64) -> Thinned {
+    let shrinks: HashMap<u32, Shrink> =
+        aggregates.iter().filter(|a| thickness(a) > 0.0).map(|a| (a.id, Shrink::new(a, thickness(a)))).collect();
+    let peeled = peel::peel(mesh, &shrinks);
+    let mut faces = interface::faces(mesh);
+    faces.retain(|face| shrinks.contains_key(&mesh.aggregate[face.cell as usize]));
+    let copies = separate(mesh, &faces, false);
+    let owner = owners(mesh);
+    let layer: Vec<LayerCell> = faces.par_iter().flat_map_iter(|face| prism(mesh, face, &copies)).collect();
+    let image = |(point, id): (&Vec3, &u32)| shrinks.get(id).map_or(*point, |shrink| shrink.apply(point));
+    let mut images: Vec<Vec3> = mesh.points.par_iter().zip(&owner).map(image).collect();
+    turned::turn(mesh, &faces, &copies, &shrinks, &mut images);
+    let ways = settle(mesh, &images, &layer);
+    let thinner = |a: &&Aggregate| shrinks.get(&a.id).is_some_and(|s| s.thickness < thickness(a));
+    let thinned = Thinned {
+        aggregates: aggregates.iter().filter(thinner).count(),
+        nodes: copies.iter().filter(|(.., copy)| ways.is_short(*copy)).count(),
+        pinched: copies.iter().filter(|(.., copy)| ways.is_pinched(*copy)).count(),
+    };
+    mesh.points.par_iter_mut().zip(&images).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
+    append(mesh, &layer, &copies, &ways);
+    peeled.into_iter().for_each(|(cell, aggregate)| mesh.aggregate[cell as usize] = aggregate);
+    thinned
+}
+
+/// Adds the layer's cells, and takes back the copies that did not move, with the cells on their rails.
+fn append(mesh: &mut Mesh, layer: &[LayerCell], copies: &Copies, ways: &Ways) {
+    for cell in layer.iter().filter(|cell| !ways.is_pinched(cell.rail[0])) {
+        mesh.cells.extend(cell.nodes);
+        mesh.phase.push(Phase::Itz);
+        mesh.aggregate.push(cell.aggregate);
+    }
+    let mut number: Vec<u32> = (0..mesh.points.len() as u32).collect();
+    let mut next = (mesh.points.len() - copies.iter().len()) as u32;
+    for (_, node, copy) in copies.iter() {
+        if ways.is_pinched(copy) {
+            number[copy as usize] = node;
+        } else {
+            mesh.points[next as usize] = mesh.points[copy as usize];
+            number[copy as usize] = next;
+            next += 1;
+        }
+    }
+    mesh.points.truncate(next as usize);
+    mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+}
+
+/// The aggregate whose cells a node has, [`NO_AGGREGATE`] for nodes of the mortar and of interfaces.
+fn owners(mesh: &Mesh) -> Vec<u32> {
+    let mut owner = vec![NO_AGGREGATE; mesh.points.len()];
+    for (cell, &aggregate) in mesh.cells().zip(&mesh.aggregate).filter(|(_, aggregate)| **aggregate != NO_AGGREGATE) {
+        cell.iter().for_each(|&node| owner[node as usize] = aggregate);
+    }
+    owner
+}
+
+/// The prism between an interface triangle and its image; diagonals start at the lowest node, so neighbours match.
+fn prism(mesh: &Mesh, face: &InterfaceFace, copies: &Copies) -> [LayerCell; 3] {
+    let aggregate = mesh.aggregate[face.cell as usize];
+    let [a, b, c, _] = face.nodes;
+    let p = |node: u32| mesh.points[node as usize];
+    let area = (p(b) - p(a)).cross(&(p(c) - p(a))).norm() / 2.0;
+    let mut rails = [a, b, c].map(|node| [copies.of(aggregate, node), node]);
+    let turns = [(a, b), (b, c), (a, c)].iter().filter(|(first, second)| first > second).count();
+    rails.sort_unstable_by_key(|rail| rail[1]);
+    let [[a, d], [b, e], [c, f]] = rails;
+    [([a, b, c, f], rails[2]), ([a, e, b, f], rails[1]), ([a, d, e, f], rails[0])].map(|(nodes, rail)| {
+        let [i, j, k, l] = nodes;
+        // Positive when the rails are in an even order, since the face is counter-clockwise from outside.
+        let nodes = if turns % 2 == 0 { nodes } else { [j, i, k, l] };
+        LayerCell { nodes, rail, aggregate, area }
+    })
+}
