@@ -110,6 +110,31 @@ def test_lattices_of_tetrahedra_are_meshes_too(packing):
     assert sum(mesh.volumes().values()) == pytest.approx(60.0**3, rel=1e-9)
 
 
+def test_cohesive_elements_notes_and_quality_are_there(packing):
+    mesh = packing.mesh(method="lattice", element_size=4.0, itz="cohesive")
+    bottom, top = mesh.cohesive[:, :3], mesh.cohesive[:, 3:]
+    assert len(bottom) > 100
+    assert (bottom != top).all()
+    assert np.array_equal(mesh.points[bottom], mesh.points[top])
+    assert mesh.notes["pinched_itz_nodes"] == 0
+    assert mesh.notes.keys() >= {"closed_gaps", "closed_gap_pairs", "widest_closed_gap_mm", "thinned_itz_nodes"}
+    quality = mesh.quality()
+    assert quality["cells"] == len(mesh)
+    assert quality["inverted"] == 0
+    assert sum(quality["dihedral_histogram"]) == len(mesh)
+    worst, cell = quality["min_dihedral_deg"]
+    assert list(mesh.bad_cells(np.nextafter(worst, 180.0))) == [cell]
+    assert len(mesh.bad_cells(0.0)) == 0
+
+
+def test_conforming_meshes_keep_the_volume_to_the_last_digits():
+    pytest.importorskip("gmsh")
+    spec = {"fraction": 0.2, "specimen": {"kind": "cube", "side_mm": 30.0}}
+    packing = mc.pack({**spec, "placement": {"min_gap_mm": 0.1, "wall_gap_mm": 0.1}})
+    mesh = packing.mesh(method="conforming", element_size=4.0, itz="none")
+    assert mesh.volumes()["aggregate"] / 30.0**3 == pytest.approx(packing.fraction, rel=1e-10)
+
+
 def test_both_readers_read_the_vtu(mesh, tmp_path):
     mesh.write(tmp_path / "mesh.vtu")
     pyvista, meshio = pytest.importorskip("pyvista"), pytest.importorskip("meshio")

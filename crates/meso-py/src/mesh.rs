@@ -10,7 +10,8 @@ use meso_cli::gmsh::Gmsh;
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
-use meso_core::mesh::{self, CellKind, Mesh, MeshError, MeshOptions, NO_AGGREGATE, PhaseVolumes};
+use meso_core::materials::Materials;
+use meso_core::mesh::{self, CellKind, Mesh, MeshError, MeshOptions, NO_AGGREGATE, PhaseVolumes, quality};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -84,6 +85,33 @@ impl PyMesh {
     fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let volumes = py.detach(|| PhaseVolumes::of_mesh(&self.0));
         plain(py, &volumes)
+    }
+
+    /// Zero-thickness cohesive elements, the aggregate side's face and then the nodes over it, counter-clockwise seen from
+    /// outside the aggregate: ndarray, shape (k, 6 or 8), int64; a copy. Empty unless `itz="cohesive"`.
+    #[getter]
+    fn cohesive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        arrays::from_indices(py, self.0.cohesive.iter().copied(), 2 * self.0.kind.faces()[0].len())
+    }
+
+    /// What the builder had to decide, and how often: gaps closed, ITZ thinned; a dict.
+    #[getter]
+    fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        plain(py, &self.0.notes)
+    }
+
+    /// The worst cells, a histogram of smallest dihedral angles, and the stable time step that the default materials allow: a dict.
+    ///
+    /// Pairs are (value, index of the cell).
+    fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let report = py.detach(|| quality::report(&self.0, &quality::cells(&self.0), &Materials::default()));
+        plain(py, &report)
+    }
+
+    /// The cells whose smallest dihedral angle lies below `degrees`, as indices: ndarray, int64.
+    fn bad_cells<'py>(&self, py: Python<'py>, degrees: f64) -> Bound<'py, PyArray1<i64>> {
+        let bad = py.detach(|| quality::bad_cells(&quality::cells(&self.0), degrees));
+        PyArray1::from_vec(py, bad.into_iter().map(|cell| cell as i64).collect())
     }
 
     /// Writes the mesh, whole or not at all; the extension names the format.

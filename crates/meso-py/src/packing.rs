@@ -27,7 +27,7 @@ struct Checked {
     check: Check,
 }
 
-type Surfaces<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
+type SurfaceArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>);
 
 /// A packed specimen.
 #[pyclass(name = "Packing", module = "mesocrete", frozen)]
@@ -271,7 +271,7 @@ impl PyPacking {
     }
 
     /// Points, faces in VTK's padded form, and the aggregate of every face, for `to_pyvista`.
-    fn _surfaces<'py>(&self, py: Python<'py>) -> PyResult<Surfaces<'py>> {
+    fn _surfaces<'py>(&self, py: Python<'py>) -> PyResult<SurfaceArrays<'py>> {
         let (mut points, mut faces, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for aggregate in &self.0.aggregates {
             let first = points.len() as i64;

@@ -10,7 +10,7 @@ use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::MeshFormat;
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method, PhaseVolumes};
+use meso_core::mesh::{self, CellKind, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method, PhaseVolumes, quality};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -176,6 +176,27 @@ pub(super) fn describe(mesh: &Mesh, model: &Model) {
         share(volumes.mortar)
     ));
     notes(mesh);
+    if mesh.kind == CellKind::Tetrahedron {
+        angles(mesh);
+    }
+}
+
+/// Cells below this are named, degrees.
+const BAD_DEG: f64 = 8.0;
+/// The first few of them.
+const NAMED: usize = 5;
+
+/// The worst dihedral angle, and the elements to look at.
+fn angles(mesh: &Mesh) {
+    let cells = quality::cells(mesh);
+    let worst = cells.iter().fold(f64::INFINITY, |worst, cell| cell.min_dihedral_deg.min(worst));
+    let bad = quality::bad_cells(&cells, BAD_DEG);
+    let named: Vec<String> = bad.iter().take(NAMED).map(|cell| (cell + 1).to_string()).collect();
+    let which = if bad.is_empty() { String::new() } else { format!(" (elements {}, ...)", named.join(", ")) };
+    say::line(format!(
+        "smallest dihedral angle {worst:.2} degrees; {} elements below {BAD_DEG}{which}",
+        say::count(bad.len())
+    ));
 }
 
 /// What the builder had to decide: gaps closed, layers thinned.
