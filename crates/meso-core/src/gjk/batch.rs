@@ -57,6 +57,14 @@ pub fn overlap_many(asks: &[Ask<'_>]) -> Vec<bool> {
 /// Headers first, for all; then, attempt by attempt, the pair that seems closest; then what is left. Most attempts of a
 /// dense packing fail, most of them without a look at a vertex.
 ///
+/// ```
+/// use meso_core::{gjk::{Ask, Body, clear_many}, math::Vec3};
+/// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+/// let ask = |x: f64| Ask { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
+/// // Two places for one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.
+/// assert_eq!(clear_many(&[ask(4.0), ask(4.0), ask(2.5)], &[1, 3], 0.6), [true, false]);
+/// ```
+///
 /// # Panics
 /// When `ends` does not ascend to the number of `asks`.
 pub fn clear_many(asks: &[Ask<'_>], ends: &[u32], gap: f64) -> Vec<bool> {

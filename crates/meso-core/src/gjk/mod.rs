@@ -13,7 +13,8 @@
 //! # Ok::<(), gjk::GjkError>(())
 //! ```
 //!
-//! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`].
+//! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`]; for many at once,
+//! [`overlap_many`]; for one body against its neighbours, at one place or at many, [`clear_many`].
 
 mod batch;
 mod body;
