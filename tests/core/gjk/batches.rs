@@ -83,9 +83,9 @@ fn near_touching_bodies_get_the_exact_answer_in_every_form() {
 }
 
 #[test]
-#[ignore = "slow tier: 10^6 pairs of bodies against exact arithmetic"]
-fn a_million_near_touching_bodies_get_the_exact_answer_in_every_form() {
-    (100..200).for_each(|seed| assert_every_form_is_exact(seed, 10_000));
+#[ignore = "slow tier: 10^5 pairs of bodies against exact arithmetic"]
+fn a_hundred_thousand_near_touching_bodies_get_the_exact_answer_in_every_form() {
+    (100..110).for_each(|seed| assert_every_form_is_exact(seed, 10_000));
 }
 
 #[test]
