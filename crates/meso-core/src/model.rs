@@ -3,7 +3,7 @@
 use crate::aggregate::Aggregate;
 use crate::aggregate::take::{Grain, Recipe, take};
 use crate::geometry::HullError;
-use crate::packing::{self, Outcome, Progress, Report, Request, Seconds, Strategy};
+use crate::packing::{self, Pose, Progress, Report, Request, Seconds, Strategy};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 
@@ -31,21 +31,26 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
         return Err(error);
     }
     let taken = progress.seconds();
-    let request = Request {
+    let mut outcome = packing::place(&request(spec, &grains, progress));
+    outcome.note(&grains, spec.grading.classes().len());
+    // Every grain is freed as it settles: there is no moment with all of both.
+    let aggregates = settle(grains, &outcome.poses)?;
+    let placed = progress.seconds();
+    let mut report = packing::report(&request(spec, &[], progress), &aggregates, &outcome);
+    report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
+    Ok(Model { spec: spec.clone(), aggregates, report })
+}
+
+fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress) -> Request<'a> {
+    Request {
         specimen: &spec.specimen,
         fraction: spec.fraction,
         grading: &spec.grading,
-        grains: &grains,
+        grains,
         seed: spec.seed,
         placement: &spec.placement,
         progress,
-    };
-    let outcome = packing::place(&request);
-    let aggregates = settle(&grains, &outcome)?;
-    let placed = progress.seconds();
-    let mut report = packing::report(&request, &aggregates, &outcome);
-    report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
-    Ok(Model { spec: spec.clone(), aggregates, report })
+    }
 }
 
 fn take_grains(spec: &Spec, progress: &dyn Progress) -> Result<Vec<Grain>, SpecError> {
@@ -60,14 +65,17 @@ fn flat_shape(error: &HullError) -> SpecError {
 }
 
 /// The placed grains in the specimen's frame.
-fn settle(grains: &[Grain], outcome: &Outcome) -> Result<Vec<Aggregate>, SpecError> {
-    let placed: Vec<_> = grains.iter().zip(&outcome.poses).filter_map(|(g, pose)| Some((g, pose.as_ref()?))).collect();
-    placed
-        .par_iter()
-        .enumerate()
-        .map(|(id, (grain, pose))| {
+fn settle(grains: Vec<Grain>, poses: &[Option<Pose>]) -> Result<Vec<Aggregate>, SpecError> {
+    let settled: Vec<Option<Aggregate>> = grains
+        .into_par_iter()
+        .zip(poses)
+        .map(|(grain, pose)| {
+            let Some(pose) = pose else { return Ok(None) };
             let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
-            Ok(Aggregate { id: id as u32, class: grain.class, itz_thickness_mm: grain.itz_thickness_mm, body })
+            Ok(Some(Aggregate { id: 0, class: grain.class, itz_thickness_mm: grain.itz_thickness_mm, body }))
         })
-        .collect()
+        .collect::<Result<_, _>>()?;
+    let mut aggregates: Vec<Aggregate> = settled.into_iter().flatten().collect();
+    (0..).zip(&mut aggregates).for_each(|(id, aggregate)| aggregate.id = id);
+    Ok(aggregates)
 }

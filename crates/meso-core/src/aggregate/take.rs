@@ -31,6 +31,13 @@ pub struct Grain {
     pub inner_radius: f64,
 }
 
+impl Grain {
+    /// Radius of the ball of the same volume, mm.
+    pub fn ball_radius(&self) -> f64 {
+        libm::cbrt(self.volume * 0.75 / std::f64::consts::PI)
+    }
+}
+
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
 pub const ITZ_LIMIT: f64 = 0.5;
 
@@ -68,6 +75,7 @@ pub fn take(recipe: &Recipe, volume: f64, surplus: f64) -> Result<Vec<Grain>, Hu
     for (class, limits) in recipe.grading.classes().iter().enumerate() {
         grains.append(&mut take_class(recipe, class as u16, limits, volume * limits.share * (1.0 + surplus))?);
     }
+    grains.shrink_to_fit();
     grains.sort_by(|p, q| q.volume.total_cmp(&p.volume).then((p.class, p.index).cmp(&(q.class, q.index))));
     Ok(grains)
 }

@@ -154,4 +154,22 @@ pub struct Outcome {
     pub dead_end: StopReason,
     /// The strategy's name.
     pub strategy: &'static str,
+    /// Placed grains whose drawn ITZ was thinner than asked, by their number among the placed.
+    pub itz_limited: Vec<u32>,
+    /// Volume of the largest grain taken of each class, mm3.
+    pub largest_mm3: Vec<f64>,
+}
+
+impl Outcome {
+    /// Notes of the `grains` what the report needs of them when they are gone.
+    pub fn note(&mut self, grains: &[Grain], classes: usize) {
+        self.largest_mm3 = vec![0.0; classes];
+        for grain in grains {
+            let largest = &mut self.largest_mm3[usize::from(grain.class)];
+            *largest = grain.volume.max(*largest);
+        }
+        let placed = grains.iter().zip(&self.poses).filter(|(_, pose)| pose.is_some());
+        let limited = (0..).zip(placed).filter(|(_, (grain, _))| grain.itz_limited);
+        self.itz_limited = limited.map(|(id, _)| id).collect();
+    }
 }

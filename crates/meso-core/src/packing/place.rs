@@ -3,10 +3,7 @@
 use super::{
     DEFAULT_ATTEMPTS, Outcome, Period, Placement, Request, Room, StopReason, Strategy, rearrange, take_and_place,
 };
-use crate::aggregate::take::Grain;
-use crate::gjk;
 use crate::math::{Aabb, Vec3};
-use rayon::prelude::*;
 
 /// A request, and what every strategy derives from it.
 pub(super) struct Task<'a> {
@@ -20,13 +17,11 @@ pub(super) struct Task<'a> {
     pub(super) class_targets: Vec<f64>,
     /// `progress.seconds()` at which to stop.
     deadline: f64,
-    /// The grains in the form collision works on.
-    pub(super) bodies: Vec<gjk::Body>,
 }
 
 impl Placement {
     /// The strategy that `Auto` stands for: take-and-place where a number of attempts is given, since only it has one;
-    /// else rearrangement, which begins with take-and-place and is done when that leaves nothing over.
+    /// else rearrangement, which reaches beyond it at any fraction, in less time.
     pub fn chosen(&self) -> Strategy {
         match self.strategy {
             Strategy::Auto if self.attempts.is_some() => Strategy::TakeAndPlace,
@@ -58,7 +53,6 @@ impl<'a> Task<'a> {
             period,
             class_targets: request.grading.classes().iter().map(|class| class.share * wanted * bound).collect(),
             deadline: limit.map_or(f64::INFINITY, |limit| request.progress.seconds() + limit),
-            bodies: request.grains.par_iter().map(collider).collect(),
         }
     }
 
@@ -93,9 +87,4 @@ impl<'a> Task<'a> {
         }
         (self.request.progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit)
     }
-}
-
-/// The grain in the form collision works on, with all that lets pairs be told apart early.
-fn collider(grain: &Grain) -> gjk::Body {
-    gjk::Body::on_ellipsoid(grain.body.vertices(), &grain.semi_axes, &grain.rotation).with_inside_of(&grain.body)
 }

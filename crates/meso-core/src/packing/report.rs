@@ -123,9 +123,9 @@ const REACHED: f64 = 0.002;
 pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) -> Report {
     let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
     let classes = class_reports(request, aggregates, specimen.volume_mm3);
-    let largest = largest_shares(request, specimen.volume_mm3);
-    let is_short = |(class, largest): &(&ClassReport, &f64)| class.is_short(**largest);
-    let short: Vec<&ClassReport> = classes.iter().zip(&largest).filter(is_short).map(|(class, _)| class).collect();
+    let largest = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3);
+    let is_short = |(class, largest): &(&ClassReport, f64)| class.is_short(*largest);
+    let short: Vec<&ClassReport> = classes.iter().zip(largest).filter(is_short).map(|(class, _)| class).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -133,11 +133,11 @@ pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) ->
         target_fraction: request.fraction,
         fraction,
         aggregates: aggregates.len(),
-        discarded: request.grains.len() - aggregates.len(),
+        discarded: outcome.poses.len() - aggregates.len(),
         specimen,
         grading: request.grading.describe(),
         strategy: outcome.strategy.into(),
-        itz_limited: itz_limited(request, outcome),
+        itz_limited: outcome.itz_limited.clone(),
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
         } else {
@@ -157,16 +157,6 @@ impl ClassReport {
     }
 }
 
-/// The share of the specimen's volume that the largest grain of each class takes.
-fn largest_shares(request: &Request, volume: f64) -> Vec<f64> {
-    let mut largest = vec![0.0f64; request.grading.classes().len()];
-    for grain in request.grains {
-        let share = &mut largest[usize::from(grain.class)];
-        *share = share.max(grain.volume / volume);
-    }
-    largest
-}
-
 fn class_reports(request: &Request, aggregates: &[Aggregate], volume: f64) -> Vec<ClassReport> {
     let asked = request.grading.classes().into_iter().map(|class| ClassReport {
         d_min_mm: class.d_min_mm,
@@ -182,11 +172,6 @@ fn class_reports(request: &Request, aggregates: &[Aggregate], volume: f64) -> Ve
         class.aggregates += 1;
     }
     classes
-}
-
-fn itz_limited(request: &Request, outcome: &Outcome) -> Vec<u32> {
-    let placed = request.grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
-    placed.enumerate().filter(|(_, (grain, _))| grain.itz_limited).map(|(id, _)| id as u32).collect()
 }
 
 fn detail(target: f64, fraction: f64, short: &[&ClassReport]) -> String {

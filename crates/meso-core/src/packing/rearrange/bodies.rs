@@ -1,6 +1,6 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
-use super::contact::{LANES, Points, V};
+use super::contact::{LANES, Points, V, highest};
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::packing::place::Task;
@@ -45,41 +45,43 @@ pub(super) struct Fixed {
 const MASS_EXPONENT: f64 = 0.7;
 
 /// All bodies.
-pub(super) struct Bodies {
+pub(super) struct Bodies<'a> {
+    grains: &'a [Grain],
     period: Period,
     pub(super) fixed: Vec<Fixed>,
     pub(super) state: Vec<State>,
     spans: Vec<Span>,
-    /// Vertices about the centre: x, y, z blocks of `LANES` one after the other, as taken and as turned.
-    shape: Vec<f32>,
+    /// Turned vertices about the centre: x, then y, then z, each padded to a multiple of `LANES`.
     turned: Vec<f32>,
     /// Box of every body about its centre: lowest and highest coordinates.
     boxes: Vec<(V, V)>,
 }
 
-impl Bodies {
+impl<'a> Bodies<'a> {
     /// The grains (by number) at their poses, ordered along a space-filling curve.
-    pub(super) fn new(grains: &[Grain], mut poses: Vec<(u32, Pose)>, domain: &Aabb, period: Period) -> Self {
+    pub(super) fn new(grains: &'a [Grain], mut poses: Vec<(u32, Pose)>, domain: &Aabb, period: Period) -> Self {
         poses.sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, domain), *grain));
         let mut bodies = Self {
+            grains,
             period,
             fixed: Vec::new(),
             state: Vec::new(),
             spans: Vec::new(),
-            shape: Vec::new(),
             turned: Vec::new(),
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
         };
+        let mut end = 0;
         for (grain, pose) in &poses {
-            bodies.push(*grain, &grains[*grain as usize], pose);
+            end += bodies.push(*grain, &grains[*grain as usize], pose, end);
         }
-        bodies.turned = bodies.shape.clone();
+        bodies.turned = vec![0.0; end as usize];
         bodies
     }
 
-    fn push(&mut self, index: u32, grain: &Grain, pose: &Pose) {
+    /// Returns how many coordinates the body takes from `start` on.
+    fn push(&mut self, index: u32, grain: &Grain, pose: &Pose, start: u32) -> u32 {
         let mass = libm::pow(grain.volume, MASS_EXPONENT);
-        let ball_radius = libm::cbrt(grain.volume * 0.75 / std::f64::consts::PI);
+        let ball_radius = grain.ball_radius();
         self.fixed.push(Fixed {
             grain: index,
             outer_radius: grain.outer_radius as f32 * 1.000_001,
@@ -94,13 +96,9 @@ impl Bodies {
             spin: Vec3::zeros(),
             path: 0.0,
         });
-        let vertices = grain.body.vertices();
-        let padded = vertices.len().next_multiple_of(LANES);
-        self.spans.push(Span { start: self.shape.len() as u32, len: padded as u32 });
-        for axis in 0..3 {
-            let coordinates = vertices.iter().map(|v| v[axis] as f32);
-            self.shape.extend(coordinates.chain(std::iter::repeat(vertices[0][axis] as f32)).take(padded));
-        }
+        let len = grain.body.vertices().len().next_multiple_of(LANES) as u32;
+        self.spans.push(Span { start, len });
+        3 * len
     }
 
     pub(super) fn len(&self) -> usize {
@@ -132,15 +130,15 @@ impl Bodies {
     }
 
     /// Calls `step` on every body's state, then turns its vertices and puts it back inside `walls`.
-    pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &mut State) + Sync) {
-        let Self { state, spans, shape, turned, fixed, boxes, .. } = self;
+    pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &[Fixed], &mut State) + Sync) {
+        let Self { grains, state, spans, turned, fixed, boxes, .. } = self;
         let blocks = split(turned, spans);
         let moving = state.par_iter_mut().zip(blocks).zip(boxes).enumerate().with_min_len(256);
         moving.for_each(|(body, ((state, turned), own_box))| {
             let before = state.centre;
-            step(body as u32, state);
-            let start = spans[body].start as usize;
-            *own_box = widest(|| turn(&shape[start..start + turned.len()], turned, &state.rotation));
+            step(body as u32, fixed, state);
+            let vertices = grains[fixed[body].grain as usize].body.vertices();
+            *own_box = widest(|| turn(vertices, turned, &state.rotation));
             state.centre = walls.confine(state.centre, own_box, turned, f64::from(fixed[body].outer_radius));
             let moved = (state.centre - before).norm() + state.spin.norm() * f64::from(fixed[body].outer_radius);
             state.path += moved * 1.000_001;
@@ -169,13 +167,10 @@ impl Bodies {
         }
     }
 
-    /// The pose of every grain of `grains`; `None` for those that are not here.
-    pub(super) fn poses(&self, grains: usize) -> Vec<Option<Pose>> {
-        let mut poses = vec![None; grains];
-        for (fixed, state) in self.fixed.iter().zip(&self.state) {
-            poses[fixed.grain as usize] = Some(Pose { rotation: Some(state.rotation), centre: state.centre });
-        }
-        poses
+    /// Every grain's number and pose.
+    pub(super) fn poses(&self) -> Vec<(u32, Pose)> {
+        let pose = |state: &State| Pose { rotation: Some(state.rotation), centre: state.centre };
+        self.fixed.iter().zip(&self.state).map(|(fixed, state)| (fixed.grain, pose(state))).collect()
     }
 }
 
@@ -241,30 +236,28 @@ fn split<'a>(mut all: &'a mut [f32], spans: &[Span]) -> Vec<&'a mut [f32]> {
     blocks
 }
 
+/// Turns `vertices` by `rotation` into `turned`, with copies of the first to the end; returns the box of the result.
 #[inline(always)]
-/// Turns `shape` by `rotation` into `turned`; returns the box of the result.
-fn turn(shape: &[f32], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
-    let len = shape.len() / 3;
-    let matrix = rotation.to_rotation_matrix();
-    let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
-    let (x, rest) = shape.split_at(len);
-    let (y, z) = rest.split_at(len);
-    for (row, out) in turned.chunks_exact_mut(len).enumerate() {
-        let [p, q, r] = [0, 1, 2].map(|column| matrix[(row, column)] as f32);
-        let (mut least, mut most) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-        let chunks = x.chunks_exact(LANES).zip(y.chunks_exact(LANES)).zip(z.chunks_exact(LANES));
-        for (out, ((x, y), z)) in out.chunks_exact_mut(LANES).zip(chunks) {
-            for lane in 0..LANES {
-                let v = p * x[lane] + q * y[lane] + r * z[lane];
-                out[lane] = v;
-                least[lane] = if v < least[lane] { v } else { least[lane] };
-                most[lane] = if v > most[lane] { v } else { most[lane] };
+fn turn(vertices: &[Vec3], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
+    let matrix = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
+    let (mut low, mut high) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
+    let len = turned.len() / 3;
+    for (block, chunk) in vertices.chunks(LANES).enumerate() {
+        let vertex = |lane: usize| chunk.get(lane).unwrap_or(&vertices[0]);
+        let shape: [[f32; LANES]; 3] = [0, 1, 2].map(|axis| std::array::from_fn(|lane| vertex(lane)[axis] as f32));
+        for row in 0..3 {
+            let out = &mut turned[row * len + block * LANES..][..LANES];
+            let (low, high) = (&mut low[row], &mut high[row]);
+            for (lane, out) in out.iter_mut().enumerate() {
+                let [x, y, z] = [shape[0][lane], shape[1][lane], shape[2][lane]];
+                let v = matrix[(row, 0)] * x + matrix[(row, 1)] * y + matrix[(row, 2)] * z;
+                *out = v;
+                low[lane] = if v < low[lane] { v } else { low[lane] };
+                high[lane] = if v > high[lane] { v } else { high[lane] };
             }
         }
-        low[row] = least.iter().fold(f32::INFINITY, |m, &v| m.min(v));
-        high[row] = most.iter().fold(f32::NEG_INFINITY, |m, &v| m.max(v));
     }
-    (low, high)
+    (low.map(|lanes| -highest(lanes.map(|v| -v))), high.map(highest))
 }
 
 /// Position along the Morton curve over the specimen's box, 21 bits a coordinate.

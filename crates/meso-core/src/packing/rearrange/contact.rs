@@ -52,14 +52,26 @@ fn extreme(p: &Points, d: V) -> (usize, f32) {
             block[lane] = if better { i as u32 } else { block[lane] };
         }
     }
-    let mut winner = (block[0] as usize * LANES, best[0]);
-    for lane in 1..LANES {
-        let index = block[lane] as usize * LANES + lane;
-        if best[lane] > winner.1 || (best[lane] == winner.1 && index < winner.0) {
-            winner = (index, best[lane]);
-        }
+    let most = highest(best);
+    let mut index = [0u32; LANES];
+    for lane in 0..LANES {
+        index[lane] = if best[lane] == most { block[lane] * LANES as u32 + lane as u32 } else { u32::MAX };
     }
-    winner
+    (lowest(index) as usize, most)
+}
+
+/// The highest lane, by halves: no branch depends on the values.
+#[inline(always)]
+pub(super) fn highest(lanes: [f32; LANES]) -> f32 {
+    let max = |p: f32, q: f32| if p > q { p } else { q };
+    let [a, b, c, d, e, f, g, h] = lanes;
+    max(max(max(a, e), max(c, g)), max(max(b, f), max(d, h)))
+}
+
+/// The lowest lane, by halves.
+#[inline(always)]
+fn lowest([a, b, c, d, e, f, g, h]: [u32; LANES]) -> u32 {
+    a.min(e).min(c.min(g)).min(b.min(f).min(d.min(h)))
 }
 
 /// How far the body reaches in direction `d`.
@@ -73,7 +85,7 @@ fn reach(p: &Points, d: V) -> f32 {
             best[lane] = if reach > best[lane] { reach } else { best[lane] };
         }
     }
-    best.iter().fold(f32::NEG_INFINITY, |m, &b| if b > m { b } else { m })
+    highest(best)
 }
 
 /// Gap between `a` and `b`, whose centre is at `x` from that of `a`, along the unit direction `n`.

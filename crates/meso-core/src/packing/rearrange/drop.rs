@@ -1,6 +1,7 @@
-//! The start: grains that found no free position are dropped where they overlap least.
+//! The start: grains are dropped, largest first, where they overlap least.
 
 use crate::aggregate::random::{Purpose, Stream};
+use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
 use crate::packing::grid::Grid;
@@ -11,30 +12,20 @@ const LOOKS: usize = 12;
 /// Draws per look until a point lies deep enough in a specimen that does not fill its box.
 const DRAWS: usize = 100;
 
-/// The given poses, and for every grain without one the random position that leaves it most room among those before it.
-pub(super) fn fill(task: &Task, poses: &[Option<Pose>]) -> Vec<Pose> {
-    let middle = task.request.grains.get(task.request.grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
+/// For every grain, of the random positions looked at, the one that leaves it most room among those before it.
+pub(super) fn fill(task: &Task) -> Vec<Pose> {
+    let grains = task.request.grains;
+    let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
     let domain = task.domain();
     let mut ground = Ground { task, domain, grid: Grid::new(&domain, middle), balls: Vec::new() };
-    for (grain, pose) in poses.iter().enumerate() {
-        if let Some(pose) = pose {
-            ground.insert(ball_radius(task, grain), pose.centre);
-        }
-    }
-    let mut filled = Vec::with_capacity(poses.len());
-    for (grain, pose) in poses.iter().enumerate() {
-        filled.push(pose.unwrap_or_else(|| {
+    grains
+        .iter()
+        .map(|grain| {
             let centre = ground.roomiest(grain);
-            ground.insert(ball_radius(task, grain), centre);
+            ground.insert(grain.ball_radius(), centre);
             Pose::at(centre)
-        }));
-    }
-    filled
-}
-
-/// Radius of the ball of the same volume, mm.
-fn ball_radius(task: &Task, grain: usize) -> f64 {
-    libm::cbrt(task.request.grains[grain].volume * 0.75 / std::f64::consts::PI)
+        })
+        .collect()
 }
 
 /// What lies there already, as balls of the same volume.
@@ -55,11 +46,10 @@ impl Ground<'_> {
         }
     }
 
-    fn roomiest(&self, grain: usize) -> Vec3 {
-        let body = &self.task.request.grains[grain];
+    fn roomiest(&self, body: &Grain) -> Vec3 {
         let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
-        let radius = ball_radius(self.task, grain);
+        let radius = body.ball_radius();
         let looks = (0..LOOKS).map(|_| {
             let centre = self.inner_point(&mut stream, &reach, body.inner_radius);
             (self.clearance(radius, &centre), centre)

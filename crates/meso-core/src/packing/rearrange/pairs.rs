@@ -30,6 +30,8 @@ pub(super) struct Pairs {
     /// Longest path any body may go before the list must be made anew, mm.
     skin: f64,
     paths_at_build: Vec<f64>,
+    /// The wider list that this one is picked from.
+    near: Near,
 }
 
 impl Pairs {
@@ -41,6 +43,7 @@ impl Pairs {
             seconds: Vec::new(),
             skin: 0.0,
             paths_at_build: Vec::new(),
+            near: Near::default(),
         }
     }
 
@@ -57,39 +60,26 @@ impl Pairs {
 
     /// True when a body may have come nearer to one that the list does not name.
     pub(super) fn stale(&self, bodies: &Bodies) -> bool {
-        self.paths_at_build.len() != bodies.len()
-            || bodies
-                .state
-                .par_iter()
-                .zip(&self.paths_at_build)
-                .any(|(state, path)| state.path - path > self.skin / 2.0)
+        moved_beyond(self.skin / 2.0, bodies, &self.paths_at_build)
     }
 
     /// The pairs whose boxes are less than `reach + skin` apart, so that no other is within `reach` until a body has
     /// gone `skin / 2`. What is known of a pair that was listed before is kept.
     pub(super) fn rebuild(&mut self, bodies: &Bodies, reach: f64, skin: f64) {
+        self.near.cover(bodies, reach, skin);
         let limit = (reach + skin) as f32;
-        let cells = Cells::new(bodies, limit);
-        let chunks: Vec<Vec<Pair>> = (0..bodies.len().div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len());
-                let (mut pairs, mut found) = (Vec::with_capacity(CHUNK * 8), Vec::new());
-                for a in range {
-                    found.clear();
-                    widest(|| cells.partners(bodies, a as u32, limit, &mut found));
-                    found.sort_unstable();
-                    // A partner may be found in several images.
-                    found.dedup();
-                    pairs.extend(found.iter().map(|&b| self.pair(bodies, a as u32, b)));
-                }
-                pairs
-            })
+        let within: Vec<Vec<(u32, u32)>> = self
+            .near
+            .pairs
+            .par_chunks(8 * CHUNK)
+            .map(|pairs| widest(|| pairs.iter().copied().filter(|&(a, b)| bodies.boxes_within(a, b, limit)).collect()))
             .collect();
-        self.all = chunks.concat();
+        let within = within.concat();
+        self.all = within.par_iter().map(|&(a, b)| self.pair(bodies, a, b)).collect();
+        drop(within);
         self.index(bodies.len());
         self.skin = skin;
-        self.paths_at_build = bodies.state.iter().map(|state| state.path).collect();
+        self.paths_at_build = paths(bodies);
     }
 
     /// The pair as the old list knew it, or with a first guess of its direction and due for a look.
@@ -123,6 +113,59 @@ impl Pairs {
 
 /// Bodies a thread looks for partners of at once.
 const CHUNK: usize = 512;
+
+/// Pairs within a skin several times as wide, so that the grid is searched seldom.
+#[derive(Default)]
+struct Near {
+    /// In order.
+    pairs: Vec<(u32, u32)>,
+    /// Boxes up to here apart were listed, mm.
+    limit: f64,
+    paths_at_build: Vec<f64>,
+}
+
+/// The wider skin over the narrower one.
+const WIDER: f64 = 4.0;
+
+impl Near {
+    /// Makes the list anew unless it still names all pairs whose boxes are less than `reach + skin` apart.
+    fn cover(&mut self, bodies: &Bodies, reach: f64, skin: f64) {
+        if !moved_beyond((self.limit - reach - skin) / 2.0, bodies, &self.paths_at_build) {
+            return;
+        }
+        self.pairs = Vec::new();
+        self.limit = reach + WIDER * skin;
+        let limit = self.limit as f32;
+        let cells = Cells::new(bodies, limit);
+        let chunks: Vec<Vec<(u32, u32)>> = (0..bodies.len().div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len());
+                let (mut pairs, mut found) = (Vec::with_capacity(CHUNK * 8), Vec::new());
+                for a in range {
+                    found.clear();
+                    widest(|| cells.partners(bodies, a as u32, limit, &mut found));
+                    found.sort_unstable();
+                    // A partner may be found in several images.
+                    found.dedup();
+                    pairs.extend(found.iter().map(|&b| (a as u32, b)));
+                }
+                pairs
+            })
+            .collect();
+        self.pairs = chunks.concat();
+        self.paths_at_build = paths(bodies);
+    }
+}
+
+/// True when a body has gone farther than `length` mm since its path was as in `before`, or there is no such time.
+fn moved_beyond(length: f64, bodies: &Bodies, before: &[f64]) -> bool {
+    before.len() != bodies.len() || bodies.state.par_iter().zip(before).any(|(state, path)| state.path - path > length)
+}
+
+fn paths(bodies: &Bodies) -> Vec<f64> {
+    bodies.state.iter().map(|state| state.path).collect()
+}
 
 /// Where the items of every key start when they are sorted by key.
 fn starts(keys: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
@@ -246,8 +289,8 @@ impl Level {
                 let touch = reach + radius[lane];
                 clear[lane] = dx * dx + dy * dy + dz * dz - touch * touch;
             }
-            for lane in 0..end - start {
-                if clear[lane] <= 0.0 {
+            for (lane, clear) in clear.iter().enumerate().take(end - start) {
+                if *clear <= 0.0 {
                     each(self.members[start + lane]);
                 }
             }

@@ -15,25 +15,24 @@ pub(super) struct Proved {
     pub(super) left_out: usize,
 }
 
-/// Keeps of `poses` (one per grain of the task) what is proved; of two grains in doubt the one with more doubts goes,
-/// then the smaller.
-pub(super) fn keep_apart(task: &Task, mut poses: Vec<Option<Pose>>, work: &mut Work) -> Proved {
-    for pose in poses.iter_mut().flatten() {
-        pose.centre = task.period.wrap(&snap(&pose.centre));
-    }
-    let there: Vec<usize> = (0..poses.len()).filter(|&grain| poses[grain].is_some()).collect();
-    let settled: Vec<Settled> = there
-        .par_iter()
-        .filter_map(|&i| Some(Settled::new(task, &task.request.grains[i], poses[i].as_ref()?)))
-        .collect();
+/// Keeps of `reached` (grain and pose) what is proved; of two grains in doubt the one with more doubts goes, then the
+/// smaller.
+pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) -> Proved {
+    let settle = |pose: &Pose| Pose { centre: task.period.wrap(&snap(&pose.centre)), ..*pose };
+    let mut there: Vec<(u32, Pose)> = reached.iter().map(|(grain, pose)| (*grain, settle(pose))).collect();
+    there.sort_unstable_by_key(|&(grain, _)| grain);
+    let settled: Vec<Settled> =
+        there.par_iter().map(|(grain, pose)| Settled::new(task, &task.request.grains[*grain as usize], pose)).collect();
     let scene = Scene::new(task, &settled);
     let looks: Vec<(Vec<u32>, Counters)> = (0..settled.len()).into_par_iter().map(|body| scene.doubts(body)).collect();
     looks.iter().for_each(|look| work.add(&look.1));
     let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
     drop_doubtful(looks.into_iter().map(|look| look.0).collect(), &mut kept);
-    let outcasts = there.iter().zip(&kept).filter(|(_, kept)| !**kept);
-    let left_out = outcasts.map(|(&grain, _)| poses[grain] = None).count();
-    Proved { poses, left_out }
+    let mut poses = vec![None; task.request.grains.len()];
+    for (&(grain, pose), _) in there.iter().zip(&kept).filter(|(_, kept)| **kept) {
+        poses[grain as usize] = Some(pose);
+    }
+    Proved { poses, left_out: kept.iter().filter(|kept| !**kept).count() }
 }
 
 /// A grain at its final coordinates.
