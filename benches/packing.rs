@@ -1,14 +1,16 @@
-//! The paper's Table 2 and the curve of fraction against time, each case in a process of its own.
+//! The paper's Table 2, the curve of fraction against time, and the time per grain against their number, each case in a
+//! process of its own.
 //!
-//! `cargo bench --bench packing` writes `benches/results/packing.csv` and `packing.svg`. Times are CPU seconds of one
-//! thread, memory is the peak of the whole process, both as Linux counts them; elsewhere those columns stay empty.
+//! `cargo bench --bench packing` writes `packing.csv`, `packing.svg` and `packing_scale.csv` in `benches/results/`; with
+//! `-- --scale` the last alone, up to a million grains (an hour). Times are CPU seconds, memory is the peak of the whole
+//! process, both as Linux counts them; elsewhere those columns stay empty.
 
 #[path = "collision/plot.rs"]
 mod plot;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_core::packing::{Placement, Silent, Strategy};
+use meso_core::packing::{Periodic, Placement, Silent, Specimen, Strategy};
 use meso_core::{Spec, pack};
 use plot::{Line, Plot};
 use std::process::Command;
@@ -30,6 +32,15 @@ fn main() {
     if let Some(at) = arguments.iter().position(|argument| argument == "--case") {
         return run(&arguments[at + 1..]);
     }
+    let full = arguments.iter().any(|argument| argument == "--scale");
+    if !full {
+        fractions();
+    }
+    scale(if full { &SIDES } else { &SIDES[..3] });
+}
+
+/// Fraction against time.
+fn fractions() {
     let mut table = Table::new(HEADER);
     println!("{HEADER}");
     let mut lines: Vec<Line> = Vec::new();
@@ -47,6 +58,49 @@ fn main() {
         lines: &lines,
     };
     table::save("packing.svg", &plot.svg());
+}
+
+/// Sides of the cubes of the scale table, mm: about 5,000, 51,000, 250,000 and 1,000,000 grains.
+const SIDES: [f64; 4] = [110.0, 235.0, 400.0, 635.0];
+
+/// Time per grain at 0.50, by the number of grains and of threads.
+fn scale(sides: &[f64]) {
+    let header = "side_mm,threads,grains,fraction,sweeps,wall_s,cpu_s,cpu_us_per_grain,peak_mb";
+    let mut table = Table::new(header);
+    println!("{header}");
+    for side in sides {
+        for threads in ["1", "2"] {
+            let output = Command::new(std::env::current_exe().expect("a bench has a path"))
+                .args(["--case", "cube", &side.to_string()])
+                .env("RAYON_NUM_THREADS", threads)
+                .output()
+                .expect("the bench can start itself");
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let row = String::from_utf8(output.stdout).expect("a row is text");
+            let mut cells: Vec<String> = row.trim().split(',').map(String::from).collect();
+            cells.insert(1, threads.into());
+            println!("{}", cells.join(","));
+            table.row(&cells);
+        }
+    }
+    table.save("packing_scale.csv");
+}
+
+/// Packs a cube of `side_mm` to 0.50 and prints its row, less the threads.
+fn run_cube(side_mm: f64) {
+    let start = std::time::Instant::now();
+    let spec = Spec { seed: 1, specimen: Specimen::Cube { side_mm, periodic: Periodic::NONE }, ..Spec::default() };
+    let report = pack(&spec, &Silent).expect("the spec is valid").report;
+    let cpu = cpu_seconds().unwrap_or(f64::NAN);
+    println!(
+        "{side_mm},{},{:.5},{},{:.1},{cpu:.1},{:.1},{:.0}",
+        report.aggregates,
+        report.fraction,
+        report.work.sweeps,
+        start.elapsed().as_secs_f64(),
+        1e6 * cpu / report.aggregates as f64,
+        peak_megabytes().unwrap_or(f64::NAN),
+    );
 }
 
 const HEADER: &str =
@@ -84,8 +138,13 @@ fn child(case: &Case, seed: u64, table: &mut Table) -> (f64, f64) {
     (cells[9].parse().unwrap_or(f64::NAN), cells[4].parse().expect("a fraction"))
 }
 
-/// Packs one case and prints its row.
+/// Packs one case and prints its row: strategy, attempts, fraction and seed, or a cube and its side.
 fn run(arguments: &[String]) {
+    if let [kind, side, ..] = arguments
+        && kind == "cube"
+    {
+        return run_cube(side.parse().expect("a side"));
+    }
     let [strategy, attempts, fraction, seed, ..] = arguments else { panic!("a case has four arguments") };
     let placement = Placement {
         strategy: if strategy == "rearrange" { Strategy::Rearrange } else { Strategy::TakeAndPlace },
