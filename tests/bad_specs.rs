@@ -63,7 +63,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[specimen]\nkind = 'polyhedron'\nvertices_mm = []",
         "specimen.vertices_mm",
-        "encloses nothing: no points were given",
+        "enclose nothing: no points were given",
     ),
     (
         "[specimen]\nkind = 'polyhedron'\nvertices_mm = [[0, 0, 0], [90, 0, 0], [0, 90, 0], [90, 90, 0]]",
@@ -76,6 +76,53 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
         "[specimen]\nkind = 'polyhedron'\nvertices_mm = [[0, 0, 0], [90, 0, 0], [0, 90, 0], [0, 0, 15]]",
         "grading.d_max_mm",
         "is 20 but the specimen has only 14",
+    ),
+    (
+        "[specimen]\nkind = 'notched-prism'\nlength_mm = 600\nwidth_mm = 150\ndepth_mm = 150\nnotch_depth_mm = 150\nnotch_width_mm = 5",
+        "specimen.notch_depth_mm",
+        "is 150 but the prism is only 150 deep; it must be less",
+    ),
+    (
+        "[specimen]\nkind = 'notched-prism'\nlength_mm = 600\nwidth_mm = 150\ndepth_mm = 150\nnotch_depth_mm = 25\nnotch_width_mm = 600",
+        "specimen.notch_width_mm",
+        "is 600 but the prism is only 600 long",
+    ),
+    (
+        "[specimen]\nkind = 'notched-prism'\nlength_mm = 600\nwidth_mm = 150\ndepth_mm = 150\nnotch_depth_mm = 135\nnotch_width_mm = 5",
+        "grading.d_max_mm",
+        "is 20 but the specimen has only 15 of room",
+    ),
+    (
+        "[specimen]\nkind = 'dogbone'\nlength_mm = 300\nwidth_mm = 200\nthickness_mm = 100\nneck_width_mm = 200\nradius_mm = 145",
+        "specimen.neck_width_mm",
+        "is 200 but the dog-bone is only 200 wide",
+    ),
+    (
+        "[specimen]\nkind = 'dogbone'\nlength_mm = 300\nwidth_mm = 200\nthickness_mm = 100\nneck_width_mm = 120\nradius_mm = 39",
+        "specimen.radius_mm",
+        "is 39 but the arcs rise by 40 on either side",
+    ),
+    (
+        "[specimen]\nkind = 'dogbone'\nlength_mm = 199\nwidth_mm = 200\nthickness_mm = 100\nneck_width_mm = 120\nradius_mm = 145",
+        "specimen.length_mm",
+        "the neck and its arcs take 200",
+    ),
+    ("[specimen]\nkind = 'mesh'\nfile = 'x.stl'", "specimen.file", "files cannot be read here"),
+    ("[specimen]\nkind = 'mesh'\nfile = 7", "specimen.file", "the name of an STL file in quotes"),
+    (
+        "[specimen]\nkind = 'mesh'\nvertices_mm = [[0, 0, 0], [90, 0, 0], [0, 90, 0], [0, 0, 90]]\ntriangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3]]",
+        "specimen.triangles",
+        "its surface is open: 3 edge(s)",
+    ),
+    (
+        "[specimen]\nkind = 'mesh'\nvertices_mm = [[0, 0, 0], [90, 0, 0], [0, 90, 0], [0, 0, 90]]\ntriangles = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]]",
+        "specimen.triangles",
+        "must be counter-clockwise seen from outside",
+    ),
+    (
+        "[specimen]\nkind = 'mesh'\nvertices_mm = [[0, 0, 0], [90, 0, 0], [0, 90, 0], [0, 0, 90]]\ntriangles = [[0, 2, 1], [0, 1, 4]]",
+        "specimen.triangles",
+        "triangle 1 names corner 4; there are 4",
     ),
     ("[specimen]\nkind = 'cylinder'\ndiameter_mm = 90\nheight_mm = 90\nperiodic = ['z']", "specimen.periodic", "keys"),
     ("[specimen]\nkind = 'cube'\nside_mm = 90\nperiodic = ['w']", "specimen.periodic", "\"x\", \"y\" or \"z\""),

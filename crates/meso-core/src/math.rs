@@ -42,6 +42,12 @@ impl Aabb {
         self.max - self.min
     }
 
+    /// The box with `margin` more on every side.
+    #[must_use]
+    pub fn grown(&self, margin: f64) -> Self {
+        Self { min: self.min.add_scalar(-margin), max: self.max.add_scalar(margin) }
+    }
+
     /// True when the closed boxes share a point.
     pub fn intersects(&self, other: &Self) -> bool {
         (0..3).all(|i| self.min[i] <= other.max[i] && other.min[i] <= self.max[i])

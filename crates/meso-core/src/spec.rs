@@ -10,6 +10,7 @@ mod limits;
 mod mix;
 mod read;
 mod sieves;
+mod surface;
 mod tree;
 mod words;
 
@@ -66,7 +67,8 @@ impl Spec {
     }
 
     /// As [`Spec::from_toml`], with `files` to read what the spec names: a sieve table (CSV) as
-    /// `curve = { kind = "sieves", file = "..." }`, grains (STL, JSON, a folder of these) as `shape.library`.
+    /// `curve = { kind = "sieves", file = "..." }`, grains (STL, JSON, a folder of these) as `shape.library`,
+    /// a specimen (STL) as `specimen = { kind = "mesh", file = "..." }`.
     ///
     /// # Errors
     /// As [`Spec::from_toml`], and where `files` fail.
@@ -93,6 +95,7 @@ impl Spec {
     fn from_tree(mut tree: tree::Node, files: &mut dyn Files) -> Result<Self, SpecError> {
         sieves::inline(&mut tree, files)?;
         library::inline(&mut tree, files)?;
+        surface::inline(&mut tree, files)?;
         let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
         let mix = mix::take(&mut tree)?;
         let mut spec: Self = read::read(&tree)?;

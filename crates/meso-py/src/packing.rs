@@ -9,6 +9,7 @@ use crate::{arrays, files, tree};
 use meso_core::check::{Check, check};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
+use meso_core::packing::Images;
 use meso_core::statistics::{Options, statistics};
 use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
@@ -101,6 +102,15 @@ fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
     })
 }
 
+fn named_images(name: &str) -> PyResult<Images> {
+    match name {
+        "none" => Ok(Images::None),
+        "whole" => Ok(Images::Whole),
+        "cut" => Ok(Images::Cut),
+        _ => Err(PyValueError::new_err(format!("images is {name:?}; it must be one of \"none\", \"whole\", \"cut\""))),
+    }
+}
+
 /// Reads a saved model.
 ///
 /// Raises
@@ -172,17 +182,38 @@ impl PyPacking {
     /// `.json` is the saved model, `.vtu` and `.stl` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus
     /// deck of the default mesh (`mesh()` has the options). `compress` packs what a `.vtu` holds.
     ///
+    /// Parameters
+    /// ----------
+    /// path : path
+    ///     Where to.
+    /// overwrite : bool
+    ///     Whether to replace a file that is there.
+    /// images : {"none", "whole", "cut"}
+    ///     Aggregates that cross a face of a periodic specimen, in `.vtu` and `.stl`: each once, every image that reaches
+    ///     in, or these cut at the faces, so that opposite faces match.
+    ///
     /// Raises
     /// ------
     /// ValueError
     ///     For an extension that names no format; the message lists them.
     /// OSError
     ///     Where the file cannot be written, or exists and `overwrite` is False.
-    #[pyo3(signature = (path, *, overwrite=true, compress=false))]
-    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, compress: bool) -> PyResult<()> {
+    #[pyo3(signature = (path, *, overwrite=true, compress=false, images="none"))]
+    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, compress: bool, images: &str) -> PyResult<()> {
         let model = Arc::clone(&self.0);
-        let surfaces = Surfaces { encoding: Encoding::compressed(compress), ..Surfaces::default() };
+        let surfaces = Surfaces { encoding: Encoding::compressed(compress), images: named_images(images)? };
         guard(|| beside_python(py, None, move |_| files::write_model(&model, &path, overwrite, surfaces))?)
+    }
+
+    /// The specimen's surface: points (n, 3), mm, and triangles (m, 3), counter-clockwise from outside.
+    ///
+    /// Exact for planes; curved walls are polygons within 1e-3 of their size.
+    fn specimen_surface<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>)> {
+        let surface = self.0.spec.specimen.room().surface();
+        Ok((arrays::from_points(py, &surface.points)?, arrays::from_indices(py, surface.triangles().flatten(), 3)?))
     }
 
     /// Proves, independently of how it was packed, that nothing overlaps and everything lies inside.
@@ -253,9 +284,10 @@ impl PyPacking {
         })
     }
 
-    /// The aggregates' outer surfaces as PyVista polygons (needs the extra `plot`).
-    fn to_pyvista<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        call_view("packing_to_pyvista", slf, None)
+    /// The aggregates' outer surfaces as PyVista polygons (needs the extra `plot`); `images` as for `write`.
+    #[pyo3(signature = (**options))]
+    fn to_pyvista<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("packing_to_pyvista", slf, options)
     }
 
     /// Shows the aggregates, coloured by class; with `screenshot=path` writes the picture instead (extra `plot`).
@@ -271,9 +303,10 @@ impl PyPacking {
     }
 
     /// Points, faces in VTK's padded form, and the aggregate of every face, for `to_pyvista`.
-    fn _surfaces<'py>(&self, py: Python<'py>) -> PyResult<SurfaceArrays<'py>> {
+    fn _surfaces<'py>(&self, py: Python<'py>, images: &str) -> PyResult<SurfaceArrays<'py>> {
+        let shown = named_images(images)?.of(&self.0.aggregates, &self.0.spec.specimen);
         let (mut points, mut faces, mut owners) = (Vec::new(), Vec::new(), Vec::new());
-        for aggregate in &self.0.aggregates {
+        for aggregate in &shown {
             let first = points.len() as i64;
             points.extend_from_slice(aggregate.body.vertices());
             for face in aggregate.body.faces() {

@@ -1,11 +1,13 @@
 //! `mesocrete convert`: a saved model in another format.
 
+use super::names;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
 use crate::say;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, Surfaces};
+use meso_core::packing::Images;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -21,6 +23,9 @@ pub(crate) struct Args {
     /// Compress what a .vtu holds (zlib)
     #[arg(long)]
     compress: bool,
+    #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
+    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, in .vtu and .stl: {}", names::list::<Images>()))]
+    images: Images,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
@@ -37,7 +42,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
     let model = inputs::model(&args.model)?;
-    let surfaces = Surfaces { encoding: Encoding::compressed(args.compress), ..Surfaces::default() };
+    let surfaces = Surfaces { encoding: Encoding::compressed(args.compress), images: args.images };
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.force, |out| format.write(&model, surfaces, out))?;

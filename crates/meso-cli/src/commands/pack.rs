@@ -9,7 +9,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::{Mesh, MeshOptions};
-use meso_core::packing::{Report, StopReason, Strategy};
+use meso_core::packing::{Images, Report, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
@@ -39,6 +39,9 @@ pub(crate) struct Args {
     /// Number of threads; all cores when absent. It changes the time, never the result
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
+    #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
+    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, in .vtu and .stl: {}", names::list::<Images>()))]
+    images: Images,
     /// Exit with 3 when the target is not reached
     #[arg(long)]
     strict: bool,
@@ -115,7 +118,7 @@ impl Args {
         let summary = self.summary_json.as_ref().map(target).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().collect::<Vec<_>>())?;
-        let surfaces = Surfaces { encoding: Encoding::compressed(self.compress), ..Surfaces::default() };
+        let surfaces = Surfaces { encoding: Encoding::compressed(self.compress), images: self.images };
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force, surfaces })
     }
 }

@@ -14,7 +14,7 @@ pub(super) fn clip(mesh: &mut Mesh, room: &dyn Room) {
     }
     let (nodes, points) = (mesh.kind.nodes(), &mesh.points);
     let centroid = |cell: &[u32]| cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / nodes as f64;
-    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || room.depth(&centroid(cell)) >= 0.0;
+    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || room.contains(&centroid(cell));
     let inside: Vec<bool> = mesh.cells.par_chunks_exact(nodes).zip(&mesh.aggregate).map(keep).collect();
     let mut kept = inside.iter().flat_map(|inside| std::iter::repeat_n(*inside, nodes));
     mesh.cells.retain(|_| kept.next().unwrap_or(true));

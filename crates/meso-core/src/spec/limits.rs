@@ -12,6 +12,9 @@ pub const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
 pub const MAX_AGGREGATES: f64 = 1e7;
 
+/// Most corners of a specimen's surface.
+const MAX_VERTICES: usize = 1_000_000;
+
 type Checked = Result<(), SpecError>;
 
 impl Spec {
@@ -86,15 +89,70 @@ fn specimen(specimen: &Specimen) -> Checked {
             lengths(&[("diameter_mm", diameter_mm), ("height_mm", height_mm)])
         }
         Specimen::Sphere { diameter_mm } => lengths(&[("diameter_mm", *diameter_mm)]),
-        Specimen::Polyhedron { vertices_mm } => polyhedron(specimen, vertices_mm),
+        &Specimen::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm } => {
+            lengths(&[("length_mm", length_mm), ("width_mm", width_mm), ("depth_mm", depth_mm)])?;
+            lengths(&[("notch_depth_mm", notch_depth_mm), ("notch_width_mm", notch_width_mm)])?;
+            below("specimen.notch_depth_mm", notch_depth_mm, "the prism is only", depth_mm, "deep")?;
+            below("specimen.notch_width_mm", notch_width_mm, "the prism is only", length_mm, "long")
+        }
+        Specimen::Dogbone { .. } => dogbone(specimen),
+        Specimen::Polyhedron { vertices_mm } | Specimen::Mesh { vertices_mm, .. } => points(specimen, vertices_mm),
     }
 }
 
-/// Points within reach whose hull has a volume.
-fn polyhedron(specimen: &Specimen, vertices: &[[f64; 3]]) -> Checked {
+fn below(key: &str, value: f64, whole: &str, limit: f64, what: &str) -> Checked {
+    if value < limit {
+        return Ok(());
+    }
+    let message = format!("is {} but {whole} {} {what}; it must be less", number(value), number(limit));
+    Err(SpecError::value(key, message))
+}
+
+/// A neck narrower than the ends, arcs that reach from one to the other, and room for them.
+fn dogbone(specimen: &Specimen) -> Checked {
+    let &Specimen::Dogbone { length_mm, width_mm, thickness_mm, neck_width_mm, neck_length_mm, radius_mm } = specimen
+    else {
+        return Ok(());
+    };
+    let named = [
+        ("specimen.length_mm", length_mm),
+        ("specimen.width_mm", width_mm),
+        ("specimen.thickness_mm", thickness_mm),
+        ("specimen.neck_width_mm", neck_width_mm),
+        ("specimen.radius_mm", radius_mm),
+    ];
+    named.into_iter().try_for_each(|(key, value)| length(key, value))?;
+    within("specimen.neck_length_mm", neck_length_mm, 0.0, MAX_LENGTH_MM)?;
+    below("specimen.neck_width_mm", neck_width_mm, "the dog-bone is only", width_mm, "wide")?;
+    let rise = (width_mm - neck_width_mm) / 2.0;
+    if radius_mm < rise {
+        let message = format!(
+            "is {} but the arcs rise by {} on either side; the radius must be at least that",
+            number(radius_mm),
+            number(rise)
+        );
+        return Err(SpecError::value("specimen.radius_mm", message));
+    }
+    let needed = neck_length_mm + 2.0 * specimen.arc_run().unwrap_or(f64::INFINITY);
+    // An arc's length is a root: 1e-9 is far more than it errs.
+    if needed > length_mm * (1.0 + 1e-9) {
+        let message =
+            format!("is {} but the neck and its arcs take {}; lengthen it", number(length_mm), number(needed));
+        return Err(SpecError::value("specimen.length_mm", message));
+    }
+    Ok(())
+}
+
+/// Points within reach that enclose something.
+fn points(specimen: &Specimen, vertices: &[[f64; 3]]) -> Checked {
     const KEY: &str = "specimen.vertices_mm";
+    if vertices.len() > MAX_VERTICES {
+        let message = format!("has {} points; at most {MAX_VERTICES} are accepted: simplify it", vertices.len());
+        return Err(SpecError::value(KEY, message));
+    }
     vertices.iter().flatten().try_for_each(|x| within(KEY, *x, -MAX_LENGTH_MM, MAX_LENGTH_MM))?;
-    let room = specimen.build().map_err(|error| SpecError::value(KEY, format!("encloses nothing: {error}")))?;
+    let key = if matches!(specimen, Specimen::Mesh { .. }) { "specimen.triangles" } else { KEY };
+    let room = specimen.check().map_err(|error| SpecError::value(key, format!("enclose nothing: {error}")))?;
     room.aabb().size().iter().try_for_each(|edge| length(KEY, *edge))
 }
 

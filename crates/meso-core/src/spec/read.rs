@@ -81,7 +81,7 @@ impl Node {
         found(&self.unexpected()) == wrong
     }
 
-    fn unexpected(&self) -> Unexpected<'_> {
+    pub(super) fn unexpected(&self) -> Unexpected<'_> {
         match &self.value {
             Value::Null => Unexpected::Option,
             Value::Bool(flag) => Unexpected::Bool(*flag),

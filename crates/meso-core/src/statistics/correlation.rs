@@ -140,12 +140,12 @@ impl Line {
     }
 }
 
-/// A line in a random direction through a random point of the specimen (which must be convex to be crossed once).
+/// A line in a random direction through a random point of the specimen up to where it leaves the specimen first.
 fn line(sample: &Sample, stream: &mut Stream) -> Line {
     let room = sample.room.aabb();
     let point = loop {
         let point = stream.point(&room.min, &room.max);
-        if sample.room.depth(&point) >= 0.0 {
+        if inside(sample, &point) {
             break point;
         }
     };
@@ -163,14 +163,37 @@ fn line(sample: &Sample, stream: &mut Stream) -> Line {
     Line { length, chords }
 }
 
-/// How far the specimen reaches from a point of it.
+/// True for points of the specimen; of one that repeats itself, in its box alone.
+fn inside(sample: &Sample, point: &Vec3) -> bool {
+    let room = sample.room.aabb();
+    (0..3).all(|i| point[i] >= room.min[i] && point[i] <= room.max[i]) && sample.room.contains(point)
+}
+
+/// How far the specimen reaches from a point of it before it ends for the first time.
 fn reach(sample: &Sample, point: &Vec3, direction: &Vec3) -> f64 {
-    let (mut low, mut high) = (0.0, sample.room.aabb().size().norm());
+    let (mut low, mut high) = bracket(sample, point, direction);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        *(if sample.room.depth(&(point + direction * middle)) >= 0.0 { &mut low } else { &mut high }) = middle;
+        *(if inside(sample, &(point + direction * middle)) { &mut low } else { &mut high }) = middle;
     }
     high
+}
+
+/// Two distances with the end between them: where the specimen is not convex, by steps that no surface is nearer than.
+fn bracket(sample: &Sample, point: &Vec3, direction: &Vec3) -> (f64, f64) {
+    let size = sample.room.aabb().size().norm();
+    if sample.room.is_convex() {
+        return (0.0, size);
+    }
+    let (least, mut low) = (1e-6 * size, 0.0);
+    loop {
+        let place = point + direction * low;
+        let step = sample.room.depth(&place).max(least);
+        if !inside(sample, &(place + direction * step)) {
+            return (low, low + step);
+        }
+        low += step;
+    }
 }
 
 /// The aggregates whose boxes a line may cross.

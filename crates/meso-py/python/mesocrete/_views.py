@@ -24,10 +24,13 @@ def _need(module: str, extra: str) -> Any:
         raise ImportError(message) from error
 
 
-def packing_to_pyvista(packing: Any) -> Any:
-    """Return the aggregates' outer surfaces as PyVista polygons with their id, class and ITZ thickness."""
+def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
+    """Return the aggregates' outer surfaces as PyVista polygons with their id, class and ITZ thickness.
+
+    `images` ("none", "whole" or "cut") is for aggregates that cross a face of a periodic specimen.
+    """
     pyvista = _need("pyvista", "plot")
-    points, faces, owner = packing._surfaces()
+    points, faces, owner = packing._surfaces(images)
     data = pyvista.PolyData(points, faces)
     aggregates = packing.aggregates
     data.cell_data["aggregate"] = owner
@@ -37,18 +40,19 @@ def packing_to_pyvista(packing: Any) -> Any:
 
 
 def plot_packing(packing: Any, *, screenshot: Any = None, **options: Any) -> Any:
-    """Show the aggregates, coloured by size class, inside the specimen's bounding box.
+    """Show the aggregates, coloured by size class, inside the specimen's edges; those of periodic specimens cut.
 
     With `screenshot` (a path) the picture is written off screen instead. `options` go to `pyvista.Plotter.add_mesh`.
     """
     pyvista = _need("pyvista", "plot")
-    surface = packing_to_pyvista(packing)
+    surface = packing_to_pyvista(packing, images="cut")
     plotter = pyvista.Plotter(off_screen=screenshot is not None)
     options = {"scalars": "class", "cmap": "cividis", "show_scalar_bar": False} | options
     plotter.add_mesh(surface, **options)
-    low, high = packing.bounds
-    box = pyvista.Box(bounds=[low[0], high[0], low[1], high[1], low[2], high[2]])
-    plotter.add_mesh(box, style="wireframe", color="black")
+    points, triangles = packing.specimen_surface()
+    outline = pyvista.PolyData.from_regular_faces(points, triangles).extract_feature_edges(20.0)
+    if outline.n_points:
+        plotter.add_mesh(outline, color="black")
     if screenshot is None:
         return plotter.show()
     plotter.screenshot(screenshot)

@@ -1,6 +1,7 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
 use super::contact::{LANES, Points, V, highest};
+use super::obstacle;
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::packing::place::Task;
@@ -24,6 +25,8 @@ pub(super) struct State {
     /// Movement of the last sweep, mm and radians.
     pub(super) velocity: Vec3,
     pub(super) spin: Vec3,
+    /// False where the walls, which are no box, could not all be kept in the last sweep.
+    pub(super) inside: bool,
     /// Length of the path any point of the body has moved at the most since the start, mm.
     pub(super) path: f64,
 }
@@ -94,6 +97,7 @@ impl<'a> Bodies<'a> {
             rotation: pose.rotation.unwrap_or(Rotation::identity()),
             velocity: Vec3::zeros(),
             spin: Vec3::zeros(),
+            inside: true,
             path: 0.0,
         });
         let len = grain.body.vertices().len().next_multiple_of(LANES) as u32;
@@ -139,7 +143,8 @@ impl<'a> Bodies<'a> {
             step(body as u32, fixed, state);
             let vertices = grains[fixed[body].grain as usize].body.vertices();
             *own_box = widest(|| turn(vertices, turned, &state.rotation));
-            state.centre = walls.confine(state.centre, own_box, turned, f64::from(fixed[body].outer_radius));
+            (state.centre, state.inside) =
+                walls.confine(state.centre, own_box, turned, f64::from(fixed[body].outer_radius));
             let moved = (state.centre - before).norm() + state.spin.norm() * f64::from(fixed[body].outer_radius);
             state.path += moved * 1.000_001;
         });
@@ -177,8 +182,9 @@ impl<'a> Bodies<'a> {
 /// The room bodies stay in.
 pub(super) struct Walls<'a> {
     room: &'a dyn Room,
-    /// The least distance to its surface, mm.
+    /// The least distance to its surface, mm, and how much of that is there for rounding.
     gap: f64,
+    margin: f64,
     /// The walls of its bounding box, already moved inwards by that; infinitely far where it has none.
     low: Vec3,
     high: Vec3,
@@ -186,36 +192,57 @@ pub(super) struct Walls<'a> {
 
 /// Steps in which a body is brought back inside walls that are no box; it is looked at again in the next sweep.
 const MOST_STEPS: usize = 20;
+/// A step shorter than this share of the gap's margin ends it.
+const SETTLED: f64 = 0.1;
 
 impl<'a> Walls<'a> {
-    pub(super) fn new(task: &'a Task, gap: f64) -> Self {
-        let aabb = task.room.aabb();
+    /// With a `margin` (mm) beyond the gap asked for, so that rounding does not take a body out.
+    pub(super) fn new(task: &'a Task, margin: f64) -> Self {
+        let (aabb, gap) = (task.room.aabb(), task.request.placement.wall_gap_mm + margin);
         let wall =
             |axis: usize, place: f64, beyond: f64| if task.period.along(axis).is_some() { beyond } else { place };
         Self {
             room: &*task.room,
             gap,
+            margin,
             low: Vec3::from_fn(|i, _| wall(i, aabb.min[i] + gap, f64::NEG_INFINITY)),
             high: Vec3::from_fn(|i, _| wall(i, aabb.max[i] - gap, f64::INFINITY)),
         }
     }
 
-    /// The centre of a body, of its box and `turned` vertices about it, moved inside.
-    fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> Vec3 {
+    /// The centre of a body, of its box and `turned` vertices about it, moved inside; false where that is to be
+    /// waited for.
+    fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> (Vec3, bool) {
         let mut centre = self.boxed_in(centre, own_box);
         if self.room.is_box() || self.room.depth(&centre) >= radius + self.gap {
-            return centre;
+            return (centre, true);
         }
         let (x, yz) = turned.split_at(turned.len() / 3);
         let (y, z) = yz.split_at(x.len());
         let point = |i: usize| Vec3::new(f64::from(x[i]), f64::from(y[i]), f64::from(z[i]));
         let body: Vec<Vec3> = (0..x.len()).map(point).collect();
+        let own = Points { x, y, z };
         for _ in 0..MOST_STEPS {
-            let inside = self.boxed_in(self.room.confine(&body, &centre, self.gap), own_box);
-            if inside == centre {
-                break;
-            }
+            let inside = self.room.confine(&body, &centre, self.gap);
+            let inside = self.boxed_in(self.clear_of_obstacles(&own, inside, own_box), own_box);
+            let step = (inside - centre).norm();
             centre = inside;
+            if step < SETTLED * self.margin {
+                return (centre, true);
+            }
+        }
+        (centre, !self.room.settles())
+    }
+
+    /// The centre after every obstacle near has pushed the body away in turn.
+    fn clear_of_obstacles(&self, own: &Points, mut centre: Vec3, (low, high): &(V, V)) -> Vec3 {
+        let corner = |v: &V| Vec3::from_fn(|i, _| f64::from(v[i])) + centre;
+        let near = Aabb { min: corner(low), max: corner(high) }.grown(self.gap);
+        let mut obstacles = self.room.obstacles(&near);
+        // The nearest first: a wall of several triangles pushes along itself where a farther one of them is asked first.
+        obstacles.sort_by_cached_key(|obstacle| obstacle::distance(obstacle, &centre).to_bits());
+        for obstacle in obstacles {
+            centre += obstacle::push(own, &centre, obstacle, self.gap);
         }
         centre
     }

@@ -8,6 +8,7 @@
 mod bodies;
 mod contact;
 mod drop;
+mod obstacle;
 mod pairs;
 mod prove;
 
@@ -24,6 +25,8 @@ use crate::wide::widest;
 
 /// Wanted gap beyond the least one, as a share of the smallest grain's radius: room for the last digits to settle.
 const SLOP: f64 = 0.004;
+/// Margin at walls that are no box, as a share of the slop: single precision sees their far ends.
+const ROUND_MARGIN: f64 = 0.1;
 /// Share of the slop that must be open when it ends.
 const ENOUGH: f64 = 0.2;
 /// Movement is the sum over n contacts over n^0.4. With momentum such long steps are stable, and momentum can be less:
@@ -150,7 +153,7 @@ impl<'a> Dynamics<'a> {
         Self {
             bodies: Bodies::new(request.grains, poses, &task.room.aabb(), task.period),
             pairs: Pairs::none(),
-            walls: Walls::new(task, request.placement.wall_gap_mm + 0.01 * settings.slop),
+            walls: Walls::new(task, if task.room.is_box() { 0.01 } else { ROUND_MARGIN } * settings.slop),
             settings,
             relaxations: relaxations(),
             sweep: 0,
@@ -206,7 +209,8 @@ impl<'a> Dynamics<'a> {
                 let pairs = self.pairs.as_first(body).chain(self.pairs.as_second(body));
                 let energy: f64 = pairs.map(|pair| f64::from((want - pair.contact.gap).max(0.0)).powi(2)).sum();
                 let grain = self.bodies.fixed[body as usize].grain;
-                (energy / grains[grain as usize].volume, grain)
+                let inside = self.bodies.state[body as usize].inside;
+                (if inside { energy / grains[grain as usize].volume } else { f64::INFINITY }, grain)
             })
             .collect();
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
@@ -248,7 +252,9 @@ impl<'a> Dynamics<'a> {
         let enough = (self.settings.least_gap + self.settings.enough) as f32;
         let looks: Vec<Look> =
             self.pairs.all.par_chunks_mut(CHUNK).map(|pairs| widest(|| look_at(bodies, pairs, want, enough))).collect();
-        looks.iter().fold(Look::default(), |sum, look| Look {
+        let outside = bodies.state.iter().filter(|state| !state.inside).count() as u32;
+        let start = Look { energy: 0.0, open_below: outside };
+        looks.iter().fold(start, |sum, look| Look {
             energy: sum.energy + look.energy,
             open_below: sum.open_below + look.open_below,
         })

@@ -3,21 +3,28 @@
 //! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::room`] turns it into a [`Room`]: one file
 //! per kind behind one small interface.
 
+mod closed;
 mod convex;
 mod cuboid;
 mod cylinder;
+mod dogbone;
+mod notched;
 mod period;
+mod profile;
 mod room;
+mod solid;
 mod sphere;
 
 pub use period::{Period, Periodic};
 pub use room::{Room, Surface};
 
-use crate::geometry::HullError;
+use crate::geometry::{HullError, SurfaceError, TriangleMesh};
 use crate::math::{Aabb, Vec3};
+use closed::Closed;
 use convex::Convex;
 use cuboid::Cuboid;
 use cylinder::Cylinder;
+use dogbone::Dogbone;
 use serde::{Deserialize, Serialize};
 use sphere::Sphere;
 
@@ -62,10 +69,73 @@ pub enum Specimen {
         /// Diameter, mm.
         diameter_mm: f64,
     },
+    /// A prism with a notch sawn into the middle of its lower side, across its width.
+    NotchedPrism {
+        /// Along x, mm.
+        length_mm: f64,
+        /// Along y, mm.
+        width_mm: f64,
+        /// Along z, the notch's included, mm.
+        depth_mm: f64,
+        /// Of the notch, from z = 0 upwards, mm.
+        notch_depth_mm: f64,
+        /// Of the notch, along x, mm.
+        notch_width_mm: f64,
+    },
+    /// A plate that narrows in round arcs to a neck in the middle of its length.
+    Dogbone {
+        /// Along x, mm.
+        length_mm: f64,
+        /// Along y, at the ends, mm.
+        width_mm: f64,
+        /// Along z, mm.
+        thickness_mm: f64,
+        /// Narrowest width, mm.
+        neck_width_mm: f64,
+        /// Of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle.
+        #[serde(default)]
+        neck_length_mm: f64,
+        /// Of the arcs, mm; they are polygons within 0.005 mm.
+        radius_mm: f64,
+    },
     /// The convex hull of points, moved to the origin.
     Polyhedron {
         /// Four points or more, mm.
         vertices_mm: Vec<[f64; 3]>,
+    },
+    /// What a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL instead.
+    Mesh {
+        /// Corners, mm.
+        vertices_mm: Vec<[f64; 3]>,
+        /// Indices of corners, counter-clockwise seen from outside.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// Why lengths or points enclose no room.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RoomError {
+    /// Points without a hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
+    /// Triangles that are not closed.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A triangle with a corner that is not there.
+    #[error("triangle {triangle} names corner {corner}; there are {corners}, counted from 0")]
+    Corner {
+        /// Which triangle, from 0.
+        triangle: usize,
+        /// What it names.
+        corner: u32,
+        /// How many there are.
+        corners: usize,
+    },
+    /// Triangles that cross each other.
+    #[error("its surface crosses itself near ({}, {}, {})", place[0], place[1], place[2])]
+    Crossing {
+        /// A corner of one of the two triangles, mm, in the specimen's frame.
+        place: [f64; 3],
     },
 }
 
@@ -94,7 +164,10 @@ impl Specimen {
             Self::Prism { .. } => "prism",
             Self::Cylinder { .. } => "cylinder",
             Self::Sphere { .. } => "sphere",
+            Self::NotchedPrism { .. } => "notched-prism",
+            Self::Dogbone { .. } => "dogbone",
             Self::Polyhedron { .. } => "polyhedron",
+            Self::Mesh { .. } => "mesh",
         }
     }
 
@@ -119,8 +192,8 @@ impl Specimen {
     /// The room it encloses.
     ///
     /// # Errors
-    /// Points that enclose no room.
-    pub fn build(&self) -> Result<Box<dyn Room>, HullError> {
+    /// Points or triangles that enclose no room. Whether triangles cross is not looked at: see [`Specimen::check`].
+    pub fn build(&self) -> Result<Box<dyn Room>, RoomError> {
         Ok(match self {
             Self::Cube { side_mm, periodic } => Box::new(Cuboid::new([*side_mm; 3], *periodic)),
             Self::Box { size_mm, periodic } => Box::new(Cuboid::new(*size_mm, *periodic)),
@@ -129,8 +202,46 @@ impl Specimen {
             }
             &Self::Cylinder { diameter_mm, height_mm } => Box::new(Cylinder::new(diameter_mm, height_mm)),
             &Self::Sphere { diameter_mm } => Box::new(Sphere::new(diameter_mm)),
+            &Self::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm } => {
+                Box::new(notched::room([length_mm, width_mm, depth_mm], notch_depth_mm, notch_width_mm)?)
+            }
+            Self::Dogbone { .. } => Box::new(self.dogbone().room()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
+            Self::Mesh { vertices_mm, triangles } => Box::new(closed(vertices_mm, triangles)?),
         })
+    }
+
+    /// As [`Specimen::build`], and looks for triangles that cross each other.
+    ///
+    /// # Errors
+    /// See [`RoomError`].
+    pub fn check(&self) -> Result<Box<dyn Room>, RoomError> {
+        if let Self::Mesh { vertices_mm, triangles } = self
+            && let Some([triangle, _]) = closed(vertices_mm, triangles)?.crossing()
+        {
+            return Err(RoomError::Crossing { place: triangle[0].into() });
+        }
+        self.build()
+    }
+
+    /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
+    pub(crate) fn arc_run(&self) -> Option<f64> {
+        matches!(self, Self::Dogbone { .. }).then(|| self.dogbone().run()).filter(|run| run.is_finite())
+    }
+
+    fn dogbone(&self) -> Dogbone {
+        let &Self::Dogbone { length_mm, width_mm, thickness_mm, neck_width_mm, neck_length_mm, radius_mm } = self
+        else {
+            unreachable!("asked of dog-bones alone")
+        };
+        Dogbone {
+            length: length_mm,
+            width: width_mm,
+            thickness: thickness_mm,
+            neck: neck_width_mm,
+            neck_length: neck_length_mm,
+            radius: radius_mm,
+        }
     }
 
     /// The room of a specimen that was accepted by [`Spec::validate`](crate::Spec::validate).
@@ -150,6 +261,18 @@ impl Specimen {
     pub fn volume(&self) -> f64 {
         self.room().volume()
     }
+}
+
+fn closed(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Closed, RoomError> {
+    let corners = vertices.len();
+    for (triangle, indices) in triangles.iter().enumerate() {
+        if let Some(&corner) = indices.iter().find(|&&corner| corner as usize >= corners) {
+            return Err(RoomError::Corner { triangle, corner, corners });
+        }
+    }
+    let mesh = TriangleMesh { vertices: at_origin(vertices), triangles: triangles.to_vec() };
+    mesh.check_closed()?;
+    Ok(Closed::new(mesh))
 }
 
 /// The points moved so that the lowest corner of their bounding box is the origin.

@@ -1,5 +1,6 @@
 //! What every specimen can say about itself.
 
+use crate::geometry::TriangleMesh;
 use crate::math::{Aabb, Vec3};
 use std::fmt::Debug;
 
@@ -23,6 +24,28 @@ pub trait Room: Debug + Send + Sync {
     /// Distance from `point` to the surface, mm; negative outside, where only the sign is certain. Infinite where there
     /// is no surface.
     fn depth(&self, point: &Vec3) -> f64;
+
+    /// True when the closed room has `point`.
+    fn contains(&self, point: &Vec3) -> bool {
+        self.depth(point) >= 0.0
+    }
+
+    /// Convex bodies around the room, each as its points, that no grain in the room meets; those whose boxes meet `near`.
+    fn obstacles(&self, near: &Aabb) -> Vec<&[Vec3]> {
+        let _ = near;
+        Vec::new()
+    }
+
+    /// True where the segment between any two points of the room lies in it.
+    fn is_convex(&self) -> bool {
+        true
+    }
+
+    /// False where the pushes of the obstacles may lead in circles, as those of single triangles do: a body that they do not
+    /// bring in is then left out in the end, and not waited for.
+    fn settles(&self) -> bool {
+        true
+    }
 
     /// True for boxes: their walls are those of the bounding box.
     fn is_box(&self) -> bool {
@@ -50,6 +73,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Volume inside, mm3.
+    pub fn volume(&self) -> f64 {
+        TriangleMesh { vertices: self.points.clone(), triangles: self.triangles().collect() }.volume()
+    }
+
     /// The polygons cut into triangles, fan-wise.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
         self.faces.iter().flat_map(|face| (2..face.len()).map(|k| [face[0], face[k - 1], face[k]]))

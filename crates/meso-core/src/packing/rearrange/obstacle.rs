@@ -1,0 +1,66 @@
+//! Bodies that do not move, around specimens that are not convex: what they push grains by.
+
+use super::contact::{Contact, LANES, Points, direction_or_up, gap_along};
+use crate::math::Vec3;
+
+/// Vertices about a point, padded.
+struct About {
+    coordinates: [Vec<f32>; 3],
+}
+
+impl About {
+    fn new(vertices: &[Vec3], origin: &Vec3) -> Self {
+        let padded = vertices.len().next_multiple_of(LANES);
+        let along = |axis: usize| {
+            let all = vertices.iter().map(move |v| (v[axis] - origin[axis]) as f32);
+            all.chain(std::iter::repeat((vertices[0][axis] - origin[axis]) as f32)).take(padded).collect()
+        };
+        Self { coordinates: [along(0), along(1), along(2)] }
+    }
+
+    fn points(&self) -> Points<'_> {
+        let [x, y, z] = &self.coordinates;
+        Points { x, y, z }
+    }
+}
+
+/// The displacement, mm, that brings a body (its vertices about `centre`) to a distance of `gap` mm from `obstacle`; none
+/// where it has that.
+pub(super) fn push(body: &Points, centre: &Vec3, obstacle: &[Vec3], gap: f64) -> Vec3 {
+    // Contacts are found by moving the bodies apart about their origins: that of the obstacle is its point nearest to the
+    // body, so that it does not matter how far the obstacle goes on.
+    let origin = nearest(obstacle, centre);
+    let about = About::new(obstacle, &origin);
+    let contact = contact(&about.points(), body, &(centre - origin));
+    let lacking = gap - f64::from(contact.gap);
+    if lacking > 0.0 { Vec3::from_fn(|i, _| f64::from(contact.normal[i])) * lacking } else { Vec3::zeros() }
+}
+
+/// Distance from a point to an obstacle, mm; 0 where the obstacle holds it.
+pub(super) fn distance(obstacle: &[Vec3], point: &Vec3) -> f64 {
+    let middle = obstacle.iter().sum::<Vec3>() / obstacle.len() as f64;
+    let zeros = [0.0; LANES];
+    let alone = Points { x: &zeros, y: &zeros, z: &zeros };
+    f64::from(contact(&About::new(obstacle, &middle).points(), &alone, &(point - middle)).gap.max(0.0))
+}
+
+/// A point of the obstacle near to the nearest to `point`; its middle where it holds the point.
+fn nearest(obstacle: &[Vec3], point: &Vec3) -> Vec3 {
+    let middle = obstacle.iter().sum::<Vec3>() / obstacle.len() as f64;
+    let about = About::new(obstacle, &middle);
+    let zeros = [0.0; LANES];
+    let alone = Points { x: &zeros, y: &zeros, z: &zeros };
+    let contact = contact(&about.points(), &alone, &(point - middle));
+    if contact.gap <= 0.0 {
+        return middle;
+    }
+    middle + Vec3::from_fn(|i, _| f64::from(contact.on_a[i]))
+}
+
+fn contact(a: &Points, b: &Points, x: &Vec3) -> Contact {
+    let x = [x.x as f32, x.y as f32, x.z as f32];
+    let mut contact = Contact::towards(direction_or_up(x));
+    contact.gap = gap_along(a, b, x, contact.normal);
+    contact.refresh(a, b, x);
+    contact
+}

@@ -1,0 +1,105 @@
+//! Boxes less convex pieces: notched prisms and dog-bones. Nothing but planes, so that all of it is exact.
+//!
+//! A body is inside when it is inside the box and, by the certified collision test, shares no point with a piece; to
+//! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
+
+use super::room::{Room, Surface};
+use crate::geometry::{HullError, Plane, convex_hull};
+use crate::gjk;
+use crate::math::{Aabb, Vec3};
+
+/// A box from the origin with pieces taken out.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    size: Vec3,
+    volume: f64,
+    width: f64,
+    surface: Surface,
+    pieces: Vec<Piece>,
+}
+
+#[derive(Clone, Debug)]
+struct Piece {
+    vertices: Vec<Vec3>,
+    planes: Vec<Plane>,
+    aabb: Aabb,
+}
+
+impl Solid {
+    /// What the closed `surface` bounds: its bounding box less the hulls of `pieces`; `width` as of a room, mm.
+    pub(super) fn new(surface: Surface, width: f64, pieces: &[Vec<Vec3>]) -> Result<Self, HullError> {
+        let pieces = pieces.iter().map(|points| Piece::new(points)).collect::<Result<_, _>>()?;
+        Ok(Self { size: Aabb::around(&surface.points).max, volume: surface.volume(), width, surface, pieces })
+    }
+
+    fn box_depth(&self, point: &Vec3) -> f64 {
+        point.min().min((self.size - point).min())
+    }
+}
+
+impl Piece {
+    fn new(points: &[Vec3]) -> Result<Self, HullError> {
+        let hull = convex_hull(points)?;
+        Ok(Self { vertices: hull.vertices().to_vec(), planes: hull.planes().collect(), aabb: hull.aabb() })
+    }
+
+    /// Distance to `point`, or a number that is at least `enough`; negative inside.
+    fn distance(&self, point: &Vec3, enough: f64) -> f64 {
+        let heights = self.planes.iter().map(|plane| plane.normal.dot(point) - plane.offset);
+        let height = heights.fold(f64::NEG_INFINITY, f64::max);
+        if height < 0.0 || height >= enough {
+            return height;
+        }
+        gjk::distance(std::slice::from_ref(point), &self.vertices).unwrap_or(0.0)
+    }
+}
+
+impl Room for Solid {
+    fn aabb(&self) -> Aabb {
+        Aabb { min: Vec3::zeros(), max: self.size }
+    }
+
+    fn volume(&self) -> f64 {
+        self.volume
+    }
+
+    fn width(&self) -> f64 {
+        self.width
+    }
+
+    fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
+        let points: Vec<Vec3> = body.iter().map(|v| v + centre).collect();
+        let inside = |p: &Vec3| (0..3).all(|i| p[i] >= gap && p[i] <= self.size[i] - gap);
+        points.iter().all(inside) && {
+            let near = Aabb::around(&points).grown(gap);
+            let met = self.pieces.iter().filter(|piece| piece.aabb.intersects(&near));
+            met.into_iter().all(|piece| clear_of(&points, &piece.vertices, gap))
+        }
+    }
+
+    fn depth(&self, point: &Vec3) -> f64 {
+        let depth = self.box_depth(point);
+        self.pieces.iter().fold(depth, |depth, piece| depth.min(piece.distance(point, depth)))
+    }
+
+    fn is_convex(&self) -> bool {
+        false
+    }
+
+    fn obstacles(&self, near: &Aabb) -> Vec<&[Vec3]> {
+        let met = self.pieces.iter().filter(|piece| piece.aabb.intersects(near));
+        met.map(|piece| piece.vertices.as_slice()).collect()
+    }
+
+    fn surface(&self) -> Surface {
+        self.surface.clone()
+    }
+}
+
+/// True when two bodies share no point and are at least `gap` mm apart; what cannot be asked is not proved clear.
+pub(super) fn clear_of(a: &[Vec3], b: &[Vec3], gap: f64) -> bool {
+    if gap > 0.0 {
+        return gjk::distance(a, b).is_ok_and(|distance| distance >= gap);
+    }
+    gjk::intersects(a, b).is_ok_and(|meet| !meet)
+}
