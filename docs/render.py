@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Draws the pictures of the README: the packed specimen, and a section through it.
+"""Draws the pictures of the README: the packed specimen, a section through it, and other specimens and shapes.
 
     pip install '.[plot]' && python docs/render.py [FOLDER]
 
-Writes packing.png and section.png to FOLDER (default docs/images), from the specimen that `mesocrete pack` makes.
+Writes packing.png and section.png to FOLDER (default docs/images), from the specimen that `mesocrete pack` makes, and
+specimens.png.
 """
 
 import sys
@@ -22,22 +23,36 @@ from matplotlib import pyplot  # noqa: E402
 # Limestone, sandstone, basalt: the size classes from the finest to the coarsest.
 CLASS_COLORS = ["#d9cbb3", "#b08d6a", "#5f6b73"]
 MORTAR, ITZ = "#e9e7e2", "#c8553d"
+# A cylinder, a box that repeats itself in all directions, gravel in a sphere, crushed rock in a prism.
+OTHERS = [
+    {"specimen": {"kind": "cylinder", "diameter_mm": 100, "height_mm": 200}, "fraction": 0.55},
+    {"specimen": {"kind": "cube", "side_mm": 100, "periodic": ["x", "y", "z"]}, "fraction": 0.6},
+    {"specimen": {"kind": "sphere", "diameter_mm": 120}, "shape": {"kind": "rounded"}, "fraction": 0.5},
+    {"specimen": {"kind": "box", "size_mm": [70, 70, 150]}, "shape": {"kind": "crushed"}, "fraction": 0.5},
+]
 
 
 def main() -> None:
-    """Pack the paper's specimen and draw it twice."""
+    """Pack the paper's specimen and draw it twice, and the others once."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "images"
     folder.mkdir(parents=True, exist_ok=True)
     packing = mc.pack()
     draw_solid(packing, folder / "packing.png")
     draw_section(packing, folder / "section.png", height=75.0)
-    print(f"{packing!r}: {folder / 'packing.png'}, {folder / 'section.png'}")
+    pictures = [draw(mc.pack(spec), [900, 900])[::2, ::2] for spec in OTHERS]
+    save(np.hstack(pictures), folder / "specimens.png")
+    print(f"{packing!r}: packing.png, section.png, specimens.png in {folder}")
 
 
 def draw_solid(packing: mc.Packing, path: Path) -> None:
-    """All aggregates, coloured by class, seen from above a corner."""
+    """All aggregates in their box, every second pixel of a picture twice as large."""
+    save(draw(packing, [1400, 1300])[::2, ::2], path)
+
+
+def draw(packing: mc.Packing, size: list[int]) -> np.ndarray:
+    """All aggregates, coloured by class, seen from above a corner, as pixels."""
     low, high = map(np.array, packing.bounds)
-    plotter = pyvista.Plotter(off_screen=True, window_size=[1400, 1300])
+    plotter = pyvista.Plotter(off_screen=True, window_size=size)
     plotter.set_background("white")
     plotter.add_mesh(packing.to_pyvista(), scalars="class", cmap=CLASS_COLORS, show_scalar_bar=False, ambient=0.15)
     plotter.add_mesh(pyvista.Box(np.column_stack([low, high]).ravel()).extract_all_edges(), color="black", line_width=3)
@@ -46,7 +61,7 @@ def draw_solid(packing: mc.Packing, path: Path) -> None:
     middle = (low + high) / 2.0
     plotter.camera_position = [middle + np.array([1.9, -2.5, 1.5]) * (high - low).max(), middle, (0, 0, 1)]
     plotter.camera.zoom(1.2)
-    save(plotter.screenshot(None, return_img=True)[::2, ::2], path)
+    return plotter.screenshot(None, return_img=True)
 
 
 def save(pixels: np.ndarray, path: Path) -> None:
