@@ -49,7 +49,7 @@ def test_cut_images_fill_the_box_and_meet_both_faces(tmp_path):
 
 
 def write_stl(path, points, triangles):
-    body = b"".join(struct.pack("<12fH", 0, 0, 0, *np.ravel(points[t]), 0) for t in triangles)
+    body = b"".join(struct.pack("<12fH", 0, 0, 0, *np.ravel(points[list(t)]), 0) for t in triangles)
     path.write_bytes(b"\0" * 80 + struct.pack("<I", len(triangles)) + body)
 
 

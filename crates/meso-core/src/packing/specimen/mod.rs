@@ -207,7 +207,7 @@ impl Specimen {
             }
             Self::Dogbone { .. } => Box::new(self.dogbone().room()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
-            Self::Mesh { vertices_mm, triangles } => Box::new(closed(vertices_mm, triangles)?),
+            Self::Mesh { vertices_mm, triangles } => within(surface(vertices_mm, triangles)?),
         })
     }
 
@@ -217,7 +217,7 @@ impl Specimen {
     /// See [`RoomError`].
     pub fn check(&self) -> Result<Box<dyn Room>, RoomError> {
         if let Self::Mesh { vertices_mm, triangles } = self
-            && let Some([triangle, _]) = closed(vertices_mm, triangles)?.crossing()
+            && let Some([triangle, _]) = Closed::new(surface(vertices_mm, triangles)?).crossing()
         {
             return Err(RoomError::Crossing { place: triangle[0].into() });
         }
@@ -263,7 +263,18 @@ impl Specimen {
     }
 }
 
-fn closed(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Closed, RoomError> {
+/// A closed surface that lacks no more than this share of its hull's volume is its hull.
+const CONVEX: f64 = 1e-12;
+
+/// The room within a closed surface; that of a convex one is packed as a polyhedron, which is denser and faster.
+fn within(mesh: TriangleMesh) -> Box<dyn Room> {
+    match mesh.hull() {
+        Ok(hull) if mesh.volume() >= (1.0 - CONVEX) * hull.volume() => Box::new(Convex::new(hull)),
+        _ => Box::new(Closed::new(mesh)),
+    }
+}
+
+fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh, RoomError> {
     let corners = vertices.len();
     for (triangle, indices) in triangles.iter().enumerate() {
         if let Some(&corner) = indices.iter().find(|&&corner| corner as usize >= corners) {
@@ -272,7 +283,7 @@ fn closed(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Closed, RoomE
     }
     let mesh = TriangleMesh { vertices: at_origin(vertices), triangles: triangles.to_vec() };
     mesh.check_closed()?;
-    Ok(Closed::new(mesh))
+    Ok(mesh)
 }
 
 /// The points moved so that the lowest corner of their bounding box is the origin.
