@@ -39,17 +39,17 @@ def main() -> None:
     packing = mc.pack()
     draw_solid(packing, folder / "packing.png")
     draw_section(packing, folder / "section.png", height=75.0)
-    pictures = [draw(mc.pack(spec), [900, 900])[::2, ::2] for spec in OTHERS]
+    pictures = [draw(mc.pack(spec), [900, 900], zoom=0.95)[::2, ::2] for spec in OTHERS]
     save(np.hstack(pictures), folder / "specimens.png")
     print(f"{packing!r}: packing.png, section.png, specimens.png in {folder}")
 
 
 def draw_solid(packing: mc.Packing, path: Path) -> None:
     """All aggregates in their box, every second pixel of a picture twice as large."""
-    save(draw(packing, [1400, 1300])[::2, ::2], path)
+    save(draw(packing, [1400, 1300], zoom=1.2)[::2, ::2], path)
 
 
-def draw(packing: mc.Packing, size: list[int]) -> np.ndarray:
+def draw(packing: mc.Packing, size: list[int], *, zoom: float) -> np.ndarray:
     """All aggregates, coloured by class, seen from above a corner, as pixels."""
     low, high = map(np.array, packing.bounds)
     plotter = pyvista.Plotter(off_screen=True, window_size=size)
@@ -60,7 +60,7 @@ def draw(packing: mc.Packing, size: list[int]) -> np.ndarray:
     plotter.enable_anti_aliasing("ssaa")
     middle = (low + high) / 2.0
     plotter.camera_position = [middle + np.array([1.9, -2.5, 1.5]) * (high - low).max(), middle, (0, 0, 1)]
-    plotter.camera.zoom(1.2)
+    plotter.camera.zoom(zoom)
     return plotter.screenshot(None, return_img=True)
 
 
