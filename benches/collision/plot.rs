@@ -1,16 +1,16 @@
 //! Line plots as SVG, with logarithmic axes where asked.
 
 /// One line: its name and its points.
-pub type Line = (String, Vec<(f64, f64)>);
+pub(crate) type Line = (String, Vec<(f64, f64)>);
 
 /// What is drawn.
-pub struct Plot<'a> {
-    pub title: &'a str,
-    pub x: &'a str,
-    pub y: &'a str,
-    pub log_x: bool,
-    pub log_y: bool,
-    pub lines: &'a [Line],
+pub(crate) struct Plot<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) x: &'a str,
+    pub(crate) y: &'a str,
+    pub(crate) log_x: bool,
+    pub(crate) log_y: bool,
+    pub(crate) lines: &'a [Line],
 }
 
 const COLOURS: [&str; 9] =
@@ -21,7 +21,7 @@ const MARGINS: [f64; 4] = [80.0, 40.0, 190.0, 60.0]; // left, top, right, bottom
 
 impl Plot<'_> {
     /// The picture.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let (xs, ys) = (self.axis(self.log_x, |p| p.0), self.axis(self.log_y, |p| p.1));
         let [left, top, right, bottom] = MARGINS;
         let at_x = |v: f64| left + (WIDTH - left - right) * xs.place(v);

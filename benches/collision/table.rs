@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// Writes a file under `benches/results/`.
-pub fn save(name: &str, text: &str) {
+pub(crate) fn save(name: &str, text: &str) {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
     std::fs::create_dir_all(&folder)
         .and_then(|()| std::fs::write(folder.join(name), text))
@@ -11,19 +11,19 @@ pub fn save(name: &str, text: &str) {
 }
 
 /// Rows of a CSV file.
-pub struct Table(String);
+pub(crate) struct Table(String);
 
 impl Table {
-    pub fn new(header: &str) -> Self {
+    pub(crate) fn new(header: &str) -> Self {
         Self(format!("{header}\n"))
     }
 
-    pub fn row(&mut self, cells: &[String]) {
+    pub(crate) fn row(&mut self, cells: &[String]) {
         self.0 += &cells.join(",");
         self.0.push('\n');
     }
 
-    pub fn save(&self, name: &str) {
+    pub(crate) fn save(&self, name: &str) {
         save(name, &self.0);
     }
 }
