@@ -64,6 +64,11 @@ impl Plot<'_> {
                 "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>\n",
                 path.join(" ")
             );
+            // A line of one point would not be seen.
+            if let [p] = points[..] {
+                svg +=
+                    &format!("<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"4\" fill=\"{colour}\"/>\n", at_x(p.0), at_y(p.1));
+            }
             let (x, y) = (WIDTH - right + 12.0, top + 14.0 + 18.0 * i as f64);
             svg += &format!(
                 "<path d=\"M{x} {}h16\" stroke=\"{colour}\" stroke-width=\"3\"/><text x=\"{}\" y=\"{y}\">{name}</text>\n",
