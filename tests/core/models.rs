@@ -6,6 +6,7 @@ use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
 use meso_core::packing::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use meso_core::spec::Spec;
+use parry3d_f64::shape::ConvexPolyhedron;
 
 /// The faces of a box whose corner i has the coordinates' upper limits where i's bits are set.
 const BOX_FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
@@ -28,6 +29,15 @@ pub(crate) fn model_of(bodies: Vec<Polyhedron>) -> Model {
 pub(crate) fn two_boxes() -> Model {
     let third = 1.0 / 3.0;
     model_of(vec![box_body([third; 3], [10.0 + third; 3]), box_body([20.0, 1e-3, 0.1 + 0.2], [27.0, 7.001, 7.3])])
+}
+
+/// The aggregates as parry sees them.
+pub(crate) fn parry_shapes(model: &Model) -> Vec<ConvexPolyhedron> {
+    let points = |aggregate: &Aggregate| -> Vec<_> {
+        aggregate.body.vertices().iter().map(|v| nalgebra::Point3::from(*v)).collect()
+    };
+    let shape = |points: Vec<_>| ConvexPolyhedron::from_convex_hull(&points).expect("an aggregate is solid");
+    model.aggregates.iter().map(|aggregate| shape(points(aggregate))).collect()
 }
 
 fn report_of(spec: &Spec, aggregates: usize) -> Report {

@@ -1,9 +1,9 @@
 //! Packing: what is delivered is what was asked, proved apart, and the same on any number of threads.
 
+use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::packing::{Progress, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, gjk, pack};
-use parry3d_f64::shape::ConvexPolyhedron;
 use std::sync::atomic::{AtomicI32, Ordering};
 
 fn small(fraction: f64) -> Spec {
@@ -57,14 +57,7 @@ fn rearrangement_delivers_every_class_and_no_overlap() {
 #[test]
 fn parry_finds_no_overlap_deeper_than_its_tolerance() {
     let model = packed(&small(0.5));
-    let shapes: Vec<ConvexPolyhedron> = model
-        .aggregates
-        .iter()
-        .map(|aggregate| {
-            let points: Vec<_> = aggregate.body.vertices().iter().map(|v| nalgebra::Point3::from(*v)).collect();
-            ConvexPolyhedron::from_convex_hull(&points).unwrap()
-        })
-        .collect();
+    let shapes = parry_shapes(&model);
     let here = nalgebra::Isometry3::identity();
     for (a, b) in near_pairs(&model.aggregates) {
         let (p, q) = (&shapes[a.id as usize], &shapes[b.id as usize]);

@@ -1,5 +1,6 @@
 //! Periodic boxes: no grain meets another one's image or its own, by explicit images; faces match when cut.
 
+use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::{Finding, check};
 use meso_core::formats::{Format, Surfaces};
@@ -8,7 +9,6 @@ use meso_core::math::Vec3;
 use meso_core::mesh::{self, Fit, MeshOptions, Method};
 use meso_core::packing::{Images, Period, Periodic, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, gjk, pack, saved};
-use parry3d_f64::shape::ConvexPolyhedron;
 
 fn periodic(side_mm: f64, axes: [bool; 3]) -> Specimen {
     Specimen::Cube { side_mm, periodic: Periodic(axes) }
@@ -38,14 +38,7 @@ fn around(specimen: &Specimen) -> Vec<Vec3> {
 
 /// Every pair, each with the second one's images, by the exact verdict and by parry; the number of pairs across a face.
 fn assert_apart_with_images(model: &Model) -> usize {
-    let shapes: Vec<ConvexPolyhedron> = model
-        .aggregates
-        .iter()
-        .map(|aggregate| {
-            let points: Vec<_> = aggregate.body.vertices().iter().map(|v| nalgebra::Point3::from(*v)).collect();
-            ConvexPolyhedron::from_convex_hull(&points).unwrap()
-        })
-        .collect();
+    let shapes = parry_shapes(model);
     let here = nalgebra::Isometry3::identity();
     let mut across = 0;
     for shift in around(&model.spec.specimen) {

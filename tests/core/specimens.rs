@@ -1,5 +1,6 @@
 //! Specimens: grains lie wholly inside each of them, by formulas of our own, and volumes are exact.
 
+use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Fit, MeshOptions, Method};
@@ -167,10 +168,8 @@ fn grains_lie_inside_a_closed_surface_that_is_not_convex() {
     let points: Vec<_> = surface.points.iter().map(|p| nalgebra::Point3::from(*p)).collect();
     let mesh = parry3d_f64::shape::TriMesh::new(points, surface.triangles().collect()).unwrap();
     let here = nalgebra::Isometry3::identity();
-    for aggregate in &model.aggregates {
-        let points: Vec<_> = aggregate.body.vertices().iter().map(|v| nalgebra::Point3::from(*v)).collect();
-        let grain = parry3d_f64::shape::ConvexPolyhedron::from_convex_hull(&points).unwrap();
-        assert!(!parry3d_f64::query::intersection_test(&here, &mesh, &here, &grain).unwrap(), "{}", aggregate.id);
+    for (id, grain) in parry_shapes(&model).iter().enumerate() {
+        assert!(!parry3d_f64::query::intersection_test(&here, &mesh, &here, grain).unwrap(), "{id}");
     }
 }
 
@@ -250,7 +249,7 @@ fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
         }
         edges.sort_unstable();
         assert!(edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok()), "{} is open", specimen.kind());
-        assert_eq!(room.depth(&(room.aabb().max * 2.0)).is_sign_negative(), true);
+        assert!(room.depth(&(room.aabb().max * 2.0)).is_sign_negative());
         assert!(room.contains(&(room.aabb().max * 0.25)));
     }
 }

@@ -22,6 +22,11 @@ impl Aabb {
         Self { min: Vec3::repeat(f64::INFINITY), max: Vec3::repeat(f64::NEG_INFINITY) }
     }
 
+    /// The box that holds everything.
+    pub fn everywhere() -> Self {
+        Self { min: Vec3::repeat(f64::NEG_INFINITY), max: Vec3::repeat(f64::INFINITY) }
+    }
+
     /// The smallest box around `points`.
     pub fn around<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> Self {
         let mut aabb = Self::empty();

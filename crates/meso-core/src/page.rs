@@ -56,7 +56,8 @@ fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
 /// Three sections through the middle, and the block as one sees it with its corner cut away.
 fn pictures(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>Sections through the middle</h2>\n<div class=\"row\">")?;
-    let middle = (model.spec.specimen.aabb().min + model.spec.specimen.aabb().max) / 2.0;
+    let aabb = model.spec.specimen.aabb();
+    let middle = (aabb.min + aabb.max) / 2.0;
     for axis in 0..3 {
         slice::figure(model, axis, middle[axis], out)?;
     }

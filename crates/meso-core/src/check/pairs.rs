@@ -17,7 +17,9 @@ pub(super) struct Placed<'a> {
 /// `all` begins with the bodies themselves, in their order; images follow. Every body meets those after it and their
 /// images, and images of its own.
 pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Finding>) {
-    let boxes: Vec<Aabb> = all.par_iter().map(|it| grown(&Aabb::around(&*it.vertices), gap / 2.0)).collect();
+    // A little more than half the gap each, for what rounding takes.
+    let margin = gap / 2.0 * (1.0 + 1e-9);
+    let boxes: Vec<Aabb> = all.par_iter().map(|it| Aabb::around(&*it.vertices).grown(margin)).collect();
     let buckets = Buckets::new(&boxes);
     let answers: Vec<(u64, Vec<Finding>)> =
         (0..bodies).into_par_iter().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
@@ -47,15 +49,6 @@ fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
     }
     let distance_mm = gjk::distance(p, q).unwrap_or(0.0);
     (distance_mm < gap).then_some(Finding::Gap { a: a.body, b: b.body, distance_mm })
-}
-
-/// The box with `margin` on every side, and a little more for what rounding takes.
-fn grown(aabb: &Aabb, margin: f64) -> Aabb {
-    if margin == 0.0 {
-        return *aabb;
-    }
-    let margin = Vec3::repeat(margin * (1.0 + 1e-9));
-    Aabb { min: aabb.min - margin, max: aabb.max + margin }
 }
 
 /// Boxes sorted by the cell of their lowest corner.

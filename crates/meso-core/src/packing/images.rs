@@ -43,12 +43,7 @@ impl Images {
 
 /// The specimen's box, without bounds where it has walls: what lies inside them is not cut there.
 fn open_at_walls(specimen: &Specimen) -> Aabb {
-    let (aabb, period) = (specimen.aabb(), specimen.period());
-    let side = |axis: usize, place: f64, beyond: f64| if period.along(axis).is_some() { place } else { beyond };
-    Aabb {
-        min: Vec3::from_fn(|i, _| side(i, aabb.min[i], f64::NEG_INFINITY)),
-        max: Vec3::from_fn(|i, _| side(i, aabb.max[i], f64::INFINITY)),
-    }
+    specimen.period().mixed(&specimen.aabb(), &Aabb::everywhere())
 }
 
 /// The aggregates, then their images whose boxes come within `margin` mm of the specimen's, whole: what a point, a line
@@ -58,8 +53,7 @@ pub(crate) fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -
     if period.is_none() {
         return aggregates.to_vec();
     }
-    let margin = Vec3::repeat(margin);
-    let domain = Aabb { min: domain.min - margin, max: domain.max + margin };
+    let domain = domain.grown(margin);
     let images = |aggregate: &Aggregate| -> Vec<Aggregate> {
         let shifts = period.shifts(&aggregate.body.aabb(), &domain).into_iter().filter(|shift| *shift != Vec3::zeros());
         shifts.map(|shift| Aggregate { body: aggregate.body.translated(&shift), ..aggregate.clone() }).collect()

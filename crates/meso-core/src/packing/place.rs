@@ -3,7 +3,7 @@
 use super::{
     DEFAULT_ATTEMPTS, Outcome, Period, Placement, Request, Room, StopReason, Strategy, rearrange, take_and_place,
 };
-use crate::math::{Aabb, Vec3};
+use crate::math::Aabb;
 
 /// A request, and what every strategy derives from it.
 pub(super) struct Task<'a> {
@@ -59,25 +59,18 @@ impl<'a> Task<'a> {
     /// Where the centre of a grain may be, so that its box `local` about that centre keeps its distance to the walls of
     /// the specimen's bounding box.
     pub(super) fn reach(&self, local: &Aabb) -> Aabb {
-        let (aabb, gap) = (self.room.aabb(), Vec3::repeat(self.request.placement.wall_gap_mm));
-        let mut reach = Aabb { min: aabb.min - local.min + gap, max: aabb.max - local.max - gap };
-        for axis in (0..3).filter(|axis| self.period.along(*axis).is_some()) {
-            (reach.min[axis], reach.max[axis]) = (aabb.min[axis], aabb.max[axis]);
-        }
-        reach
+        let aabb = self.room.aabb();
+        let inside = Aabb { min: aabb.min - local.min, max: aabb.max - local.max };
+        self.period.mixed(&aabb, &inside.grown(-self.request.placement.wall_gap_mm))
     }
 
     /// What a grain with its centre in the specimen's box may reach, with its gap: the box where there are walls, more
     /// where there are none.
     pub(super) fn domain(&self) -> Aabb {
-        let mut domain = self.room.aabb();
+        let aabb = self.room.aabb();
         let largest = self.request.grains.iter().map(|grain| grain.outer_radius).fold(0.0, f64::max);
         let margin = (largest + self.request.placement.min_gap_mm) * (1.0 + 1e-9);
-        for axis in (0..3).filter(|axis| self.period.along(*axis).is_some()) {
-            domain.min[axis] -= margin;
-            domain.max[axis] += margin;
-        }
-        domain
+        self.period.mixed(&aabb.grown(margin), &aabb)
     }
 
     /// Reports `volume` mm3 placed; the reason to stop now, if there is one.

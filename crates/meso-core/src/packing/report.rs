@@ -1,7 +1,7 @@
 //! What a packing run reached, and what it cost.
 
 use super::{Outcome, Request};
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Grading};
 use crate::gjk::Counters;
 use serde::{Deserialize, Serialize};
 
@@ -122,7 +122,7 @@ const REACHED: f64 = 0.002;
 /// Sums up what `outcome` reached of `request`. Volumes are those of the placed polyhedra.
 pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) -> Report {
     let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
-    let classes = class_reports(request, aggregates, specimen.volume_mm3);
+    let classes = ClassReport::all(request.grading, request.fraction, aggregates, specimen.volume_mm3);
     let largest = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3);
     let is_short = |(class, largest): &(&ClassReport, f64)| class.is_short(*largest);
     let short: Vec<&ClassReport> = classes.iter().zip(largest).filter(is_short).map(|(class, _)| class).collect();
@@ -151,27 +151,29 @@ pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) ->
 }
 
 impl ClassReport {
+    /// Every class of `grading`: what it is asked to hold at `fraction`, and what `aggregates` hold of a specimen of
+    /// `volume_mm3`.
+    pub(crate) fn all(grading: &Grading, fraction: f64, aggregates: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
+        let asked = grading.classes().into_iter().map(|class| Self {
+            d_min_mm: class.d_min_mm,
+            d_max_mm: class.d_max_mm,
+            target_fraction: class.share * fraction,
+            fraction: 0.0,
+            aggregates: 0,
+        });
+        let mut classes: Vec<Self> = asked.collect();
+        for aggregate in aggregates {
+            let class = &mut classes[usize::from(aggregate.class)];
+            class.fraction += aggregate.body.volume() / volume_mm3;
+            class.aggregates += 1;
+        }
+        classes
+    }
+
     /// `largest` is the share of the specimen that the class's largest grain takes.
     fn is_short(&self, largest: f64) -> bool {
         self.target_fraction - self.fraction > (REACHED * self.target_fraction).max(largest)
     }
-}
-
-fn class_reports(request: &Request, aggregates: &[Aggregate], volume: f64) -> Vec<ClassReport> {
-    let asked = request.grading.classes().into_iter().map(|class| ClassReport {
-        d_min_mm: class.d_min_mm,
-        d_max_mm: class.d_max_mm,
-        target_fraction: class.share * request.fraction,
-        fraction: 0.0,
-        aggregates: 0,
-    });
-    let mut classes: Vec<ClassReport> = asked.collect();
-    for aggregate in aggregates {
-        let class = &mut classes[usize::from(aggregate.class)];
-        class.fraction += aggregate.body.volume() / volume;
-        class.aggregates += 1;
-    }
-    classes
 }
 
 fn detail(target: f64, fraction: f64, short: &[&ClassReport]) -> String {

@@ -171,19 +171,7 @@ fn closed_surface(vertices: usize, faces: &[Vec<u32>]) -> Result<(), String> {
 /// The report of a file that brings none: what follows from its aggregates.
 fn figures(spec: &Spec, aggregates: &[Aggregate]) -> Report {
     let volume = spec.specimen.volume();
-    let asked = spec.grading.classes().into_iter().map(|class| ClassReport {
-        d_min_mm: class.d_min_mm,
-        d_max_mm: class.d_max_mm,
-        target_fraction: class.share * spec.fraction,
-        fraction: 0.0,
-        aggregates: 0,
-    });
-    let mut classes: Vec<_> = asked.collect();
-    for aggregate in aggregates {
-        let class = &mut classes[usize::from(aggregate.class)];
-        class.fraction += aggregate.body.volume() / volume;
-        class.aggregates += 1;
-    }
+    let classes = ClassReport::all(&spec.grading, spec.fraction, aggregates, volume);
     let fraction = classes.iter().map(|class| class.fraction).sum();
     let reached = fraction >= spec.fraction - 0.001;
     Report {

@@ -38,7 +38,7 @@ fn node(value: Value, line: Option<usize>) -> Node {
 }
 
 fn row(vertex: &Vec3) -> Node {
-    node(Value::Array(vertex.iter().map(|&x| node(Value::Float(x), None)).collect()), None)
+    Node::list(vertex.iter().map(|&x| Value::Float(x)))
 }
 
 /// The vertices of every grain in the file, or in the files of the folder in the order of their names.

@@ -29,8 +29,8 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     };
     let mesh = read(&name, files)
         .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
-    let vertices = mesh.vertices.iter().map(|v| list(v.iter().map(|&x| Value::Float(x)))).collect();
-    let triangles = mesh.triangles.iter().map(|t| list(t.iter().map(|&i| Value::Integer(i.into())))).collect();
+    let vertices = mesh.vertices.iter().map(|v| Node::list(v.iter().map(|&x| Value::Float(x)))).collect();
+    let triangles = mesh.triangles.iter().map(|t| Node::list(t.iter().map(|&i| Value::Integer(i.into())))).collect();
     if let Value::Table(entries) = &mut specimen.value {
         entries.push(("vertices_mm".to_owned(), Node { value: Value::Array(vertices), line }));
         entries.push(("triangles".to_owned(), Node { value: Value::Array(triangles), line }));
@@ -47,8 +47,4 @@ fn read(name: &str, files: &mut dyn Files) -> Result<TriangleMesh, String> {
     }
     mesh.check_closed().map_err(|error| error.to_string())?;
     Ok(mesh)
-}
-
-fn list(values: impl Iterator<Item = Value>) -> Node {
-    Node { value: Value::Array(values.map(|value| Node { value, line: None }).collect()), line: None }
 }

@@ -37,6 +37,11 @@ impl Node {
 }
 
 impl Node {
+    /// Values of no line of their own, one after the other.
+    pub(super) fn list(values: impl Iterator<Item = Value>) -> Self {
+        Self { value: Value::Array(values.map(|value| Self { value, line: None }).collect()), line: None }
+    }
+
     /// The value of `key`, where this is a table that has it.
     pub(super) fn child(&self, key: &str) -> Option<&Self> {
         let Value::Table(entries) = &self.value else { return None };

@@ -198,16 +198,9 @@ const SETTLED: f64 = 0.1;
 impl<'a> Walls<'a> {
     /// With a `margin` (mm) beyond the gap asked for, so that rounding does not take a body out.
     pub(super) fn new(task: &'a Task, margin: f64) -> Self {
-        let (aabb, gap) = (task.room.aabb(), task.request.placement.wall_gap_mm + margin);
-        let wall =
-            |axis: usize, place: f64, beyond: f64| if task.period.along(axis).is_some() { beyond } else { place };
-        Self {
-            room: &*task.room,
-            gap,
-            margin,
-            low: Vec3::from_fn(|i, _| wall(i, aabb.min[i] + gap, f64::NEG_INFINITY)),
-            high: Vec3::from_fn(|i, _| wall(i, aabb.max[i] - gap, f64::INFINITY)),
-        }
+        let gap = task.request.placement.wall_gap_mm + margin;
+        let Aabb { min: low, max: high } = task.period.mixed(&Aabb::everywhere(), &task.room.aabb().grown(-gap));
+        Self { room: &*task.room, gap, margin, low, high }
     }
 
     /// The centre of a body, of its box and `turned` vertices about it, moved inside; false where that is to be

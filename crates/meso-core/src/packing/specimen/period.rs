@@ -66,6 +66,12 @@ impl Period {
         self.0 == Vec3::zeros()
     }
 
+    /// The box with the sides of `periodic` along the axes that repeat themselves, and those of `walled` along the others.
+    pub fn mixed(&self, periodic: &Aabb, walled: &Aabb) -> Aabb {
+        let side = |axis: usize| if self.along(axis).is_some() { periodic } else { walled };
+        Aabb { min: Vec3::from_fn(|i, _| side(i).min[i]), max: Vec3::from_fn(|i, _| side(i).max[i]) }
+    }
+
     /// `point` moved by whole periods into the box from the origin.
     pub fn wrap(&self, point: &Vec3) -> Vec3 {
         Vec3::from_fn(|i, _| match self.along(i) {
