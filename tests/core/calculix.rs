@@ -39,7 +39,7 @@ fn totals(dat: &Path) -> [[f64; 3]; 2] {
 }
 
 /// Effective modulus, MPa, after checking that the reactions balance.
-fn modulus(mesh: &Mesh, area: f64) -> Option<f64> {
+pub(crate) fn modulus(mesh: &Mesh, area: f64) -> Option<f64> {
     let [bottom, top] = reactions(mesh)?;
     for axis in 0..3 {
         assert!((bottom[axis] + top[axis]).abs() < 1e-6 * bottom[2].abs(), "{bottom:?} {top:?}");
@@ -49,7 +49,7 @@ fn modulus(mesh: &Mesh, area: f64) -> Option<f64> {
 
 /// Hashin-Shtrikman bounds of Young's modulus from the mesh's own fractions: Z(z) = (sum f_i / (k_i + z))^-1 - z, with
 /// z from the softest and the stiffest phase; E = 9 K G / (3 K + G).
-fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
+pub(crate) fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
     let fractions = [volumes.aggregate, volumes.itz, volumes.mortar].map(|v| v / volumes.total());
     let moduli = Phase::ALL.map(|phase| {
         let elastic = materials.elastic(phase);
@@ -72,7 +72,7 @@ fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
 }
 
 /// A packing of 40 mm with grains of 8 to 16 mm, at 35 %.
-fn packed() -> Model {
+pub(crate) fn packed() -> Model {
     let mut spec = Spec { fraction: 0.35, specimen: Specimen::cube(40.0), ..Default::default() };
     // Room for the conforming mesh.
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);

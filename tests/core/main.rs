@@ -18,6 +18,7 @@ mod offset;
 mod packing;
 mod periodic;
 mod saved;
+mod second_order;
 mod shapes;
 mod sieve;
 mod solids;

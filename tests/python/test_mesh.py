@@ -83,15 +83,6 @@ def test_pyvista_gets_the_same_mesh_and_measures_the_same_volume(mesh):
     assert grid.compute_cell_sizes()["Volume"].sum() == pytest.approx(60.0**3, rel=1e-9)
 
 
-def test_meshio_reads_the_deck_and_its_sets(mesh, tmp_path):
-    meshio = pytest.importorskip("meshio")
-    mesh.write(tmp_path / "model.inp")
-    deck = meshio.read(tmp_path / "model.inp")
-    assert np.allclose(deck.points, mesh.points, atol=1e-9)
-    assert sum(len(block.data) for block in deck.cells) == len(mesh)
-    assert {"AGGREGATE", "ITZ", "MORTAR"} <= set(deck.cell_sets)
-
-
 def test_deck_options_are_those_of_the_command(mesh, tmp_path):
     mesh.write(tmp_path / "deck.inp")
     mesh.write(tmp_path / "geometry.inp", geometry_only=True, reduced_integration=True)
@@ -108,6 +99,18 @@ def test_lattices_of_tetrahedra_are_meshes_too(packing):
     assert mesh.cell_type == "tetra"
     assert mesh.cells.shape[1] == 4
     assert sum(mesh.volumes().values()) == pytest.approx(60.0**3, rel=1e-9)
+
+
+def test_second_order_adds_a_node_in_the_middle_of_every_edge(packing):
+    linear, quadratic = (packing.mesh(method="lattice", element_size=6.0, order=order) for order in (1, 2))
+    assert quadratic.cell_type == "tetra10"
+    assert np.array_equal(quadratic.cells[:, :4], linear.cells)
+    ends = quadratic.cells[:, [0, 1, 2, 0, 1, 2]], quadratic.cells[:, [1, 2, 0, 3, 3, 3]]
+    middles = (quadratic.points[ends[0]] + quadratic.points[ends[1]]) / 2.0
+    assert np.array_equal(quadratic.points[quadratic.cells[:, 4:]], middles)
+    assert quadratic.volumes() == linear.volumes()
+    with pytest.raises(ValueError, match="order is 2; voxels take 1"):
+        packing.mesh(order=2)
 
 
 def test_cohesive_elements_notes_and_quality_are_there(packing):

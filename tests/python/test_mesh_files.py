@@ -7,9 +7,21 @@ PHASES = {"MORTAR": 0, "ITZ": 1, "AGGREGATE": 2}
 SIDES = ("XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX")
 
 
-@pytest.fixture(scope="module", params=["voxel", "lattice"])
+@pytest.fixture(scope="module", params=["voxel", "lattice", "second order"])
 def mesh(request, packing):
-    return packing.mesh(method=request.param, element_size=4.0, itz="solid" if request.param == "voxel" else "none")
+    if request.param == "voxel":
+        return packing.mesh(method="voxel", element_size=4.0)
+    return packing.mesh(method="lattice", element_size=4.0, itz="none", order=1 + (request.param == "second order"))
+
+
+@pytest.fixture
+def gmsh():
+    """gmsh, ready to open a file and silent."""
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield gmsh
+    gmsh.finalize()
 
 
 def phase_counts(mesh):
@@ -27,7 +39,7 @@ def test_pyvista_reads_a_vtu(mesh, tmp_path, compress):
     assert np.array_equal(grid.cell_data["aggregate"], mesh.aggregate)
     sizes = grid.compute_cell_sizes(length=False, area=False).cell_data["Volume"]
     assert sizes.sum() == pytest.approx(60.0**3, rel=1e-9)
-    if mesh.cell_type == "tetra":
+    if mesh.cell_type != "hexahedron":
         quality = grid.cell_data["radius_ratio"]
         assert ((quality > 0) & (quality <= 1 + 1e-6)).all()
 
@@ -64,26 +76,25 @@ def test_meshio_reads_a_msh_with_its_groups(mesh, tmp_path):
     assert sorted(grains) == sorted(mesh.aggregate)
 
 
-def test_gmsh_reads_a_msh_with_its_volumes_sides_and_grains(mesh, tmp_path):
-    gmsh = pytest.importorskip("gmsh")
+def test_gmsh_reads_a_msh_with_its_volumes_sides_and_grains(mesh, tmp_path, gmsh):
     mesh.write(tmp_path / "mesh.msh")
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(tmp_path / "mesh.msh"))
-        groups = {gmsh.model.getPhysicalName(*group): group for group in gmsh.model.getPhysicalGroups()}
-        assert set(groups) == set(phase_counts(mesh)) | set(SIDES)
-        count = {name: sum(map(len, elements(gmsh, group))) for name, group in groups.items()}
-        assert {name: count[name] for name in phase_counts(mesh)} == phase_counts(mesh)
-        on_side = np.isclose(mesh.points[:, 0], 60.0, atol=1e-9).sum()
-        assert len(gmsh.model.mesh.getNodesForPhysicalGroup(*groups["XMAX"])[0]) == on_side
-        assert len(gmsh.model.mesh.getNodes()[0]) == len(mesh.points)
-        _, numbers, values, _, _ = gmsh.view.getModelData(gmsh.view.getTags()[0], 0)
-        cells = np.concatenate([e for name in phase_counts(mesh) for e in elements(gmsh, groups[name])])
-        grains = dict(zip(numbers, (value[0] for value in values)))
-        assert sorted(grains[cell] for cell in cells) == sorted(mesh.aggregate)
-    finally:
-        gmsh.finalize()
+    gmsh.open(str(tmp_path / "mesh.msh"))
+    groups = {gmsh.model.getPhysicalName(*group): group for group in gmsh.model.getPhysicalGroups()}
+    assert set(groups) == set(phase_counts(mesh)) | set(SIDES)
+    count = {name: sum(map(len, elements(gmsh, group))) for name, group in groups.items()}
+    assert {name: count[name] for name in phase_counts(mesh)} == phase_counts(mesh)
+    on_side = np.isclose(mesh.points[:, 0], 60.0, atol=1e-9).sum()
+    assert len(gmsh.model.mesh.getNodesForPhysicalGroup(*groups["XMAX"])[0]) == on_side
+    assert len(gmsh.model.mesh.getNodes()[0]) == len(mesh.points)
+    _, numbers, values, _, _ = gmsh.view.getModelData(gmsh.view.getTags()[0], 0)
+    cells = np.concatenate([e for name in phase_counts(mesh) for e in elements(gmsh, groups[name])])
+    grains = dict(zip(numbers, (value[0] for value in values)))
+    assert sorted(grains[cell] for cell in cells) == sorted(mesh.aggregate)
+    # The Jacobian is right only where every node of the element is where gmsh takes it to be.
+    volumes = gmsh.model.mesh.getElementQualities(cells, "volume")
+    assert volumes.min() > 0
+    assert volumes.sum() == pytest.approx(60.0**3, rel=1e-9)
+    assert gmsh.model.mesh.getElementQualities(cells, "minDetJac").min() > 0
 
 
 def elements(gmsh, group):
@@ -117,17 +128,11 @@ def test_meshio_reads_a_deck_with_its_sets(mesh, tmp_path):
     assert len(theirs.point_sets["ZMIN"]) == np.isclose(mesh.points[:, 2], 0.0, atol=1e-9).sum()
 
 
-def test_cohesive_elements_are_prisms_of_the_itz_in_gmsh(packing, tmp_path):
-    gmsh = pytest.importorskip("gmsh")
+def test_cohesive_elements_are_prisms_of_the_itz_in_gmsh(packing, tmp_path, gmsh):
     packing.mesh(method="lattice", element_size=4.0, itz="cohesive").write(tmp_path / "mesh.msh")
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(tmp_path / "mesh.msh"))
-        itz = next(g for g in gmsh.model.getPhysicalGroups(3) if gmsh.model.getPhysicalName(*g) == "ITZ")
-        (entity,) = gmsh.model.getEntitiesForPhysicalGroup(*itz)
-        kinds, numbers, _ = gmsh.model.mesh.getElements(3, entity)
-        assert list(kinds) == [6]
-        assert len(numbers[0]) > 0
-    finally:
-        gmsh.finalize()
+    gmsh.open(str(tmp_path / "mesh.msh"))
+    itz = next(g for g in gmsh.model.getPhysicalGroups(3) if gmsh.model.getPhysicalName(*g) == "ITZ")
+    (entity,) = gmsh.model.getEntitiesForPhysicalGroup(*itz)
+    kinds, numbers, _ = gmsh.model.mesh.getElements(3, entity)
+    assert list(kinds) == [6]
+    assert len(numbers[0]) > 0

@@ -59,11 +59,12 @@ impl PyMesh {
         arrays::from_indices(py, self.0.cells.iter().copied(), self.0.kind.nodes())
     }
 
-    /// The cells' shape, by its name in meshio: "tetra" or "hexahedron".
+    /// The cells' shape, by its name in meshio: "tetra", "tetra10" or "hexahedron".
     #[getter]
     fn cell_type(&self) -> &'static str {
         match self.0.kind {
             CellKind::Tetrahedron => "tetra",
+            CellKind::QuadraticTetrahedron => "tetra10",
             CellKind::Hexahedron => "hexahedron",
         }
     }

@@ -33,6 +33,9 @@ pub(crate) struct Args {
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
     #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
+    /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10); lattice and conforming
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    order: u32,
     /// Let the ITZ be thinner than one voxel, with holes in it
     #[arg(long)]
     thin_itz: bool,
@@ -105,6 +108,7 @@ impl Args {
             thin_itz: self.thin_itz,
             subsamples: self.subsamples,
             fit: self.fit,
+            order: self.order,
         }
     }
 
@@ -176,7 +180,7 @@ pub(super) fn describe(mesh: &Mesh, model: &Model) {
         share(volumes.mortar)
     ));
     notes(mesh);
-    if mesh.kind == CellKind::Tetrahedron {
+    if mesh.kind != CellKind::Hexahedron {
         angles(mesh);
     }
 }

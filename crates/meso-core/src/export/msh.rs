@@ -56,34 +56,34 @@ fn blocks(mesh: &Mesh) -> Vec<Block> {
 fn side(mesh: &Mesh, tag: i32, faces: &[(u32, usize)]) -> Block {
     let (kind, nodes) = match mesh.kind {
         CellKind::Tetrahedron => (2, 3),
+        CellKind::QuadraticTetrahedron => (9, 6),
         CellKind::Hexahedron => (3, 4),
     };
-    let corners = |&(cell, face): &(u32, usize)| {
+    let nodes_of = |&(cell, face): &(u32, usize)| {
         let start = cell as usize * mesh.kind.nodes();
-        mesh.kind.faces()[face].iter().map(move |&i| mesh.cells[start + i])
+        mesh.kind.face_nodes()[face].iter().map(move |&i| mesh.cells[start + i])
     };
-    let connectivity = faces.iter().flat_map(corners).collect();
+    let connectivity = faces.iter().flat_map(nodes_of).collect();
     let aggregates = faces.iter().map(|&(cell, _)| mesh.aggregate[cell as usize]).collect();
     Block { dimension: 2, tag, kind, nodes, connectivity, aggregates }
 }
 
 fn volume(mesh: &Mesh, phase: Phase) -> Block {
-    let kind = match mesh.kind {
-        CellKind::Tetrahedron => 4,
-        CellKind::Hexahedron => 5,
+    // Of second-order tetrahedra gmsh has the middles of the last two edges the other way round.
+    let (kind, order): (_, &[usize]) = match mesh.kind {
+        CellKind::Tetrahedron => (4, &[0, 1, 2, 3]),
+        CellKind::QuadraticTetrahedron => (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
+        CellKind::Hexahedron => (5, &[0, 1, 2, 3, 4, 5, 6, 7]),
     };
     let cells = || mesh.cells().zip(&mesh.aggregate).zip(&mesh.phase).filter(|(_, of)| **of == phase);
-    let connectivity = cells().flat_map(|((cell, _), _)| cell).copied().collect();
+    let connectivity = cells().flat_map(|((cell, _), _)| order.iter().map(|&i| cell[i])).collect();
     let aggregates = cells().map(|((_, id), _)| *id).collect();
     Block { dimension: 3, tag: phase as i32 + 1, kind, nodes: mesh.kind.nodes(), connectivity, aggregates }
 }
 
 /// A volume of its own (an entity may hold one type only by convention), in the same physical group as solid ITZ.
 fn cohesive(mesh: &Mesh) -> Block {
-    let (kind, nodes) = match mesh.kind {
-        CellKind::Tetrahedron => (6, 6),
-        CellKind::Hexahedron => (5, 8),
-    };
+    let (kind, nodes) = if mesh.kind == CellKind::Hexahedron { (5, 8) } else { (6, 6) };
     let (connectivity, aggregates) = (mesh.cohesive.clone(), mesh.cohesive_aggregate.clone());
     Block { dimension: 3, tag: COHESIVE, kind, nodes, connectivity, aggregates }
 }

@@ -13,8 +13,8 @@ use std::io::{self, Write};
 /// Those of `out`.
 pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()> {
     let quality = match mesh.kind {
-        CellKind::Tetrahedron => quality::cells(mesh),
         CellKind::Hexahedron => Vec::new(),
+        _ => quality::cells(mesh),
     };
     let mut cell_data = phases(mesh);
     if !quality.is_empty() {
@@ -42,6 +42,7 @@ fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
     let (nodes, cells) = (mesh.kind.nodes() as i64, mesh.cell_count());
     let kind = match mesh.kind {
         CellKind::Tetrahedron => 10,
+        CellKind::QuadraticTetrahedron => 24,
         CellKind::Hexahedron => 12,
     };
     let positions = || mesh.points.iter().flat_map(|p| [p.x, p.y, p.z]).map(f64::to_le_bytes);

@@ -12,6 +12,7 @@ mod lattice;
 mod layer;
 mod options;
 pub mod quality;
+mod second_order;
 mod separate;
 pub mod sides;
 mod sweep;
@@ -60,6 +61,8 @@ impl Phase {
 pub enum CellKind {
     /// Four nodes, positive volume in Abaqus' (and VTK's) order.
     Tetrahedron,
+    /// Its four corners, then the middles of its edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
+    QuadraticTetrahedron,
     /// Eight nodes, bottom face counter-clockwise from above, then the top face.
     Hexahedron,
 }
@@ -69,17 +72,36 @@ impl CellKind {
     pub fn nodes(self) -> usize {
         match self {
             Self::Tetrahedron => 4,
+            Self::QuadraticTetrahedron => 10,
             Self::Hexahedron => 8,
         }
     }
 
-    /// The faces in Abaqus' order, S1 first, as positions in the cell; counter-clockwise seen from outside.
+    /// Nodes of a cell that are corners; they come first.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Tetrahedron | Self::QuadraticTetrahedron => 4,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    /// The faces' corners in Abaqus' order, S1 first, as positions in the cell; counter-clockwise seen from outside.
     pub fn faces(self) -> &'static [&'static [usize]] {
         match self {
-            Self::Tetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
+            Self::Tetrahedron | Self::QuadraticTetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
             Self::Hexahedron => {
                 &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
             }
+        }
+    }
+
+    /// The same faces with the middle nodes of their edges after the corners, the first edge's first.
+    pub fn face_nodes(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::QuadraticTetrahedron => {
+                &[&[0, 2, 1, 6, 5, 4], &[0, 1, 3, 4, 8, 7], &[1, 2, 3, 5, 9, 8], &[2, 0, 3, 6, 7, 9]]
+            }
+            _ => self.faces(),
         }
     }
 }
@@ -101,6 +123,8 @@ pub struct Mesh {
     pub cohesive: Vec<u32>,
     /// Id of the aggregate below every cohesive element.
     pub cohesive_aggregate: Vec<u32>,
+    /// The directions in which the specimen repeats itself.
+    pub periodic: [bool; 3],
     /// What the builder had to decide.
     pub notes: Notes,
 }
@@ -193,11 +217,15 @@ fn assemble(
             with_layer(surfaces.mesh(&output)?, aggregates, options)
         }
     };
+    mesh.periodic = specimen.periodic().0;
     clip::clip(&mut mesh, &*room);
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
     }
     volumes::all_positive(&mesh)?;
+    if options.order == 2 {
+        mesh.raise_order();
+    }
     Ok(mesh)
 }
 
@@ -224,6 +252,7 @@ fn of_tetrahedra(tetrahedra: Tetrahedra, aggregates: &[Aggregate], notes: Notes)
         cells: tetrahedra.cells.into_flattened(),
         cohesive: Vec::new(),
         cohesive_aggregate: Vec::new(),
+        periodic: [false; 3],
         notes,
     }
 }

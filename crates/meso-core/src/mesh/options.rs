@@ -21,6 +21,8 @@ pub struct MeshOptions {
     pub subsamples: u32,
     /// What a lattice does at the grains' surfaces.
     pub fit: Fit,
+    /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10), 1 does not (C3D4).
+    pub order: u32,
 }
 
 /// The meshing methods, siblings behind one interface.
@@ -66,12 +68,15 @@ impl Default for MeshOptions {
             thin_itz: false,
             subsamples: 1,
             fit: Fit::Fitted,
+            order: 1,
         }
     }
 }
 
 /// Most elements along one axis: node numbers must fit 32 bits.
 const MAX_COUNT: f64 = 1500.0;
+/// The same for second-order elements: a lattice has 16 nodes a cube, two of them corners.
+const MAX_COUNT_QUADRATIC: f64 = 600.0;
 
 impl MeshOptions {
     /// Checks every option against its range and the specimen.
@@ -80,7 +85,8 @@ impl MeshOptions {
     /// Names the option, its value and what is accepted.
     pub fn validate(&self, specimen: &Specimen) -> Result<(), MeshError> {
         let size = specimen.aabb().size();
-        let (low, high) = (size.max() / MAX_COUNT, size.min());
+        let most = if self.order == 2 { MAX_COUNT_QUADRATIC } else { MAX_COUNT };
+        let (low, high) = (size.max() / most, size.min());
         if !(self.element_size_mm >= low && self.element_size_mm <= high) {
             let accepted = format!("it must lie within {low} and {high} mm for this specimen");
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
@@ -98,6 +104,18 @@ impl MeshOptions {
         if !(1..=8).contains(&self.subsamples) {
             return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));
         }
-        Ok(())
+        self.validate_order()
+    }
+
+    fn validate_order(&self) -> Result<(), MeshError> {
+        let accepted = match (self.order, self.method, self.itz) {
+            (1, ..) => return Ok(()),
+            (2, Method::Voxel, _) => "voxels take 1; the methods lattice and conforming take 2",
+            // There is no cohesive element over faces of six nodes.
+            (2, _, ItzForm::Cohesive) => "with a cohesive itz it must be 1; itz solid or none take 2",
+            (2, ..) => return Ok(()),
+            _ => "it must be 1 or 2",
+        };
+        Err(MeshError::option("order", self.order, accepted))
     }
 }

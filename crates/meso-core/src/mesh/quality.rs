@@ -49,8 +49,8 @@ pub const DIHEDRAL_BINS: [f64; 7] = [1.0, 2.0, 5.0, 8.0, 10.0, 15.0, 30.0];
 /// Every cell's measures, in the cells' order.
 pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
     let measure = |cell: &[u32]| match mesh.kind {
-        CellKind::Tetrahedron => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
         CellKind::Hexahedron => voxel(cell, mesh),
+        _ => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
     };
     mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(measure).collect()
 }

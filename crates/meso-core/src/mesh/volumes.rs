@@ -70,7 +70,7 @@ pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 
     let p = |i: usize| points[cell[i] as usize];
     let six = |a: usize, b: usize, c: usize, d: usize| (p(b) - p(a)).cross(&(p(c) - p(a))).dot(&(p(d) - p(a)));
     match kind {
-        CellKind::Tetrahedron => six(0, 1, 2, 3) / 6.0,
+        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => six(0, 1, 2, 3) / 6.0,
         // Six tetrahedra around the diagonal 0-6: exact for the parallelepipeds that voxels are.
         CellKind::Hexahedron => {
             [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)].iter().map(|&(b, c)| six(0, b, c, 6)).sum::<f64>() / 6.0

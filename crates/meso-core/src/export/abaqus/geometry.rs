@@ -33,6 +33,9 @@ fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
 fn elements(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     let kind = match mesh.kind {
         CellKind::Tetrahedron => "C3D4",
+        // The second-order tetrahedron that is made for contact and for *DYNAMIC, EXPLICIT.
+        CellKind::QuadraticTetrahedron if options.analysis.damages() => "C3D10M",
+        CellKind::QuadraticTetrahedron => "C3D10",
         CellKind::Hexahedron if options.reduced_integration => "C3D8R",
         CellKind::Hexahedron => "C3D8",
     };
@@ -52,10 +55,7 @@ fn cohesive(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
     if mesh.cohesive.is_empty() {
         return Ok(());
     }
-    let kind = match mesh.kind {
-        CellKind::Tetrahedron => "COH3D6",
-        CellKind::Hexahedron => "COH3D8",
-    };
+    let kind = if mesh.kind == CellKind::Hexahedron { "COH3D8" } else { "COH3D6" };
     lines.line(format!("*ELEMENT, TYPE={kind}, ELSET=ITZ"))?;
     let first = mesh.cell_count() as u64 + 1;
     (first..).zip(mesh.cohesive()).try_for_each(|(number, nodes)| lines.element(number, nodes))

@@ -5,7 +5,7 @@ use super::geometry::present;
 use super::lines::Lines;
 use super::{Analysis, DeckOptions};
 use crate::materials::{Elastic, Materials, Strength};
-use crate::mesh::{Mesh, Phase, PhaseVolumes};
+use crate::mesh::{CellKind, Mesh, Phase, PhaseVolumes};
 use std::io::{self, Write};
 
 /// Material and section of every phase the mesh has, and of the cohesive elements.
@@ -40,7 +40,7 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
     lines.line(format!("{:?}, {:?}", elastic.youngs_modulus_mpa, elastic.poisson_ratio))
 }
 
-/// Cube root of the phase's mean element volume, mm: Abaqus' own characteristic length.
+/// Cube root of the phase's mean element volume, mm, of second-order elements half of it: Abaqus' own characteristic length.
 fn crack_band(mesh: &Mesh, phase: Phase) -> f64 {
     let volumes = PhaseVolumes::of_mesh(mesh);
     let volume = match phase {
@@ -48,7 +48,8 @@ fn crack_band(mesh: &Mesh, phase: Phase) -> f64 {
         Phase::Itz => volumes.itz,
         Phase::Aggregate => volumes.aggregate,
     };
-    libm::cbrt(volume / mesh.phase.iter().filter(|p| **p == phase).count() as f64)
+    let across = libm::cbrt(volume / mesh.phase.iter().filter(|p| **p == phase).count() as f64);
+    if mesh.kind == CellKind::QuadraticTetrahedron { across / 2.0 } else { across }
 }
 
 fn plasticity(
@@ -99,7 +100,7 @@ fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials) -> io::Result<
 
 impl Analysis {
     /// Whether mortar and ITZ get strength and damage.
-    fn damages(self) -> bool {
+    pub(super) fn damages(self) -> bool {
         matches!(self, Self::Compression | Self::Tension)
     }
 }

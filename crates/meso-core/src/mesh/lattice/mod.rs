@@ -54,6 +54,7 @@ pub(super) fn plain(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
         aggregate,
         cohesive: Vec::new(),
         cohesive_aggregate: Vec::new(),
+        periodic: [false; 3],
         notes: Notes::default(),
     }
 }

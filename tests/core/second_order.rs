@@ -1,0 +1,117 @@
+//! Second-order tetrahedra: nodes in the middle of edges, and what decks and CalculiX make of them.
+
+use crate::calculix::{hashin_shtrikman, modulus, packed};
+use crate::mesh::{deck, turned_blocks};
+use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::materials::Materials;
+use meso_core::math::Vec3;
+use meso_core::mesh::sides::Sides;
+use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Phase, PhaseVolumes};
+
+/// Two tetrahedra that share a face, the first of them aggregate.
+fn two_tetrahedra() -> Mesh {
+    let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], [2.0, 2.0, 2.0]];
+    Mesh {
+        points: points.map(Vec3::from).to_vec(),
+        kind: CellKind::Tetrahedron,
+        cells: vec![0, 1, 2, 3, 1, 2, 3, 4],
+        phase: vec![Phase::Aggregate, Phase::Mortar],
+        aggregate: vec![0, NO_AGGREGATE],
+        cohesive: Vec::new(),
+        cohesive_aggregate: Vec::new(),
+        periodic: [false; 3],
+        notes: Notes::default(),
+    }
+}
+
+#[test]
+fn a_deck_of_two_quadratic_tetrahedra_reads_as_by_hand() {
+    // By hand: corners 1-4, then the middles of 1-2, 2-3, 3-1, 1-4, 2-4, 3-4; nine edges for nine middles, three of them
+    // shared; S1 1-2-3 on ZMIN, S2 1-4-2 on YMIN, S4 3-4-1 on XMIN.
+    let mut mesh = two_tetrahedra();
+    mesh.raise_order();
+    let text = deck(&mesh, &DeckOptions::default());
+    assert_eq!(text, include_str!("snapshots/two_quadratic_tetrahedra.inp"));
+}
+
+#[test]
+fn explicit_decks_take_the_second_order_tetrahedron_made_for_contact() {
+    let mut mesh = two_tetrahedra();
+    mesh.raise_order();
+    let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });
+    assert!(text.contains("*ELEMENT, TYPE=C3D10M, ELSET=MORTAR\n") && !text.contains("C3D10,"));
+}
+
+fn lattice(order: u32) -> Mesh {
+    let (grains, specimen) = turned_blocks();
+    let options =
+        MeshOptions { method: Method::Lattice, element_size_mm: 2.5, itz: ItzForm::None, order, ..Default::default() };
+    mesh::build_parts(&grains, &specimen, &options).unwrap()
+}
+
+#[test]
+fn every_edge_has_one_node_in_its_middle() {
+    let (linear, quadratic) = (lattice(1), lattice(2));
+    let corners = linear.points.len();
+    assert_eq!(quadratic.points[..corners], linear.points);
+    let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+    let mut ends = std::collections::BTreeMap::new();
+    for (cell, old) in quadratic.cells().zip(linear.cells()) {
+        assert_eq!(&cell[..4], old);
+        for (middle, [i, j]) in cell[4..].iter().zip(edges) {
+            let edge = (cell[i].min(cell[j]), cell[i].max(cell[j]));
+            assert_eq!(*ends.entry(edge).or_insert(*middle), *middle);
+            let [a, b, m] = [cell[i], cell[j], *middle].map(|node| quadratic.points[node as usize]);
+            assert_eq!((a + b) / 2.0, m);
+        }
+    }
+    assert_eq!(ends.len(), quadratic.points.len() - corners, "no edge has two nodes, and no node is without an edge");
+    assert_eq!(PhaseVolumes::of_mesh(&quadratic), PhaseVolumes::of_mesh(&linear));
+}
+
+#[test]
+fn the_sides_hold_their_middle_nodes() {
+    let mesh = lattice(2);
+    let sides = Sides::of(&mesh.points);
+    let on_top: std::collections::BTreeSet<u32> = sides.members(5).collect();
+    let faces = &sides.faces(&mesh)[5];
+    let places = mesh.kind.face_nodes();
+    let of_faces = faces.iter().flat_map(|&(cell, face)| {
+        let cell = &mesh.cells[10 * cell as usize..][..10];
+        places[face].iter().map(move |&i| cell[i])
+    });
+    assert_eq!(on_top, of_faces.collect(), "the nodes on ZMAX are those of S_ZMAX");
+}
+
+#[test]
+fn orders_that_no_element_has_are_named() {
+    let (grains, specimen) = turned_blocks();
+    let error = |options: MeshOptions| mesh::build_parts(&grains, &specimen, &options).unwrap_err().to_string();
+    let lattice = MeshOptions { method: Method::Lattice, order: 2, ..Default::default() };
+    assert_eq!(error(MeshOptions { order: 3, ..lattice.clone() }), "mesh.order is 3; it must be 1 or 2");
+    let voxels = error(MeshOptions { method: Method::Voxel, ..lattice.clone() });
+    assert_eq!(voxels, "mesh.order is 2; voxels take 1; the methods lattice and conforming take 2");
+    let cohesive = error(MeshOptions { itz: ItzForm::Cohesive, ..lattice });
+    assert_eq!(cohesive, "mesh.order is 2; with a cohesive itz it must be 1; itz solid or none take 2");
+}
+
+#[test]
+fn calculix_finds_second_order_softer_than_first_and_above_the_lower_bound() {
+    let model = packed();
+    let solve = |order| {
+        let options = MeshOptions {
+            method: Method::Lattice,
+            itz: ItzForm::None,
+            element_size_mm: 5.0,
+            order,
+            ..Default::default()
+        };
+        let mesh = mesh::build(&model, &options).unwrap();
+        modulus(&mesh, 1600.0).map(|modulus| (modulus, PhaseVolumes::of_mesh(&mesh)))
+    };
+    let (Some((first, _)), Some((second, volumes))) = (solve(1), solve(2)) else { return };
+    let [low, high] = hashin_shtrikman(&volumes, &Materials::default());
+    assert!(low < second && second < high, "{low} < {second} < {high}");
+    // The same geometry with more ways to deform.
+    assert!(second < first && first < 1.05 * second, "{first} {second}");
+}
