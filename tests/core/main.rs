@@ -17,6 +17,7 @@ mod models;
 mod offset;
 mod packing;
 mod periodic;
+mod periodic_decks;
 mod saved;
 mod second_order;
 mod shapes;

@@ -40,7 +40,8 @@ pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool, surfaces:
 /// Writes a mesh in the format that the extension of `path` names; `deck` counts for decks.
 ///
 /// # Errors
-/// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
+/// `ValueError` for an extension that names none and for what a deck cannot hold, `OSError` where the file cannot be
+/// written.
 pub(crate) fn write_mesh(
     mesh: &Mesh,
     deck: &DeckOptions,
@@ -48,7 +49,11 @@ pub(crate) fn write_mesh(
     overwrite: bool,
     encoding: Encoding,
 ) -> PyResult<()> {
-    match MeshFormat::from_path(path) {
+    let format = MeshFormat::from_path(path);
+    if format == Some(MeshFormat::Inp) {
+        deck.validate(mesh).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    }
+    match format {
         Some(format) => write_whole(path, overwrite, |out| format.write(mesh, deck, encoding, out)),
         None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
     }

@@ -126,12 +126,13 @@ impl PyMesh {
     /// compress : bool
     ///     Whether what a `.vtu` holds is compressed.
     /// **deck
-    ///     What an `.inp` holds beside the mesh, e.g. `geometry_only=True`, `reduced_integration=True`.
+    ///     What an `.inp` holds beside the mesh, e.g. `geometry_only=True`, `reduced_integration=True`,
+    ///     `periodic_equations=True`.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For an extension that names no mesh format; the message lists them.
+    ///     For an extension that names no mesh format, and for what a deck cannot hold; the message lists what is accepted.
     /// OSError
     ///     Where the file cannot be written.
     #[pyo3(signature = (path, *, overwrite=true, compress=false, **deck))]

@@ -48,6 +48,9 @@ pub(crate) struct Args {
     /// Only nodes, elements, sets and surfaces, for *INCLUDE
     #[arg(long)]
     geometry_only: bool,
+    /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
+    #[arg(long)]
+    periodic_equations: bool,
     #[arg(long, default_value = "none", value_parser = names::parse::<Analysis>)]
     #[arg(help = format!("What a deck computes: {}", names::list::<Analysis>()))]
     analysis: Analysis,
@@ -84,6 +87,9 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let mesh = threads::with(args.threads, || build(&model, &args.options(), &args.gmsh))??;
     let deck = args.deck(materials);
+    if plan.iter().any(|(_, format)| *format == MeshFormat::Inp) {
+        deck.validate(&mesh).map_err(|error| Failure::Usage(flag_names(&error.to_string())))?;
+    }
     let encoding = Encoding::compressed(args.compress);
     let mut unit = Unit::default();
     for (target, format) in &plan {
@@ -120,6 +126,7 @@ impl Args {
             materials,
             geometry_only: self.geometry_only,
             reduced_integration: self.reduced_integration,
+            periodic_equations: self.periodic_equations,
             ..DeckOptions::default()
         }
     }
@@ -161,7 +168,8 @@ pub(super) fn build(model: &Model, options: &MeshOptions, gmsh: &Path) -> Result
 
 /// The core speaks of `mesh.element_size_mm`, the user typed `--element-size-mm`.
 fn flag_names(message: &str) -> String {
-    match message.strip_prefix("mesh.").and_then(|rest| rest.split_once(' ')) {
+    let rest = message.strip_prefix("mesh.").or(message.strip_prefix("deck."));
+    match rest.and_then(|rest| rest.split_once(' ')) {
         Some((key, rest)) => format!("--{} {rest}", key.replace('_', "-")),
         None => message.to_owned(),
     }

@@ -32,6 +32,11 @@ impl Sides {
         Self(points.iter().map(bits).collect())
     }
 
+    /// The planes that `node` lies on.
+    pub fn on(&self, node: u32) -> u8 {
+        self.0[node as usize]
+    }
+
     /// The nodes on bounding plane `bit` of [`SIDES`], ascending.
     pub fn members(&self, bit: usize) -> impl Iterator<Item = u32> {
         (0..).zip(&self.0).filter(move |(_, on)| **on >> bit & 1 == 1).map(|(node, _)| node)

@@ -1,9 +1,11 @@
 //! Linear elastic compression between two frictionless planes, for Abaqus/Standard and CalculiX.
 //!
-//! ZMIN is held and ZMAX moved along z, all other directions free: the reaction over the area is the mean stress, and
-//! over the strain it is the effective modulus. Three pinned displacements take the rigid motions that are left.
+//! Between planes, ZMIN is held and ZMAX moved along z, all other directions free: the reaction over the area is the mean stress, and
+//! over the strain it is the effective modulus. Three pinned displacements take the rigid motions that are left. A
+//! periodic box is compressed in the mean instead, by its reference nodes.
 
 use super::lines::Lines;
+use super::periodic::REFERENCES;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
 use crate::mesh::sides::Sides;
@@ -21,9 +23,31 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides, s
     lines.line(format!("{pin}, 1, 2"))?;
     lines.line(format!("{guide}, 2, 2"))?;
     lines.line(format!("ZMAX, 3, 3, {:.12e}", -strain * aabb.size().z))?;
-    for set in ["ZMIN", "ZMAX"] {
+    end(lines, &["ZMIN", "ZMAX"], "RF")
+}
+
+/// The step of a periodic box: mean strain -`strain` along z, all other mean stresses zero, the reactions over the
+/// areas being the mean stresses.
+///
+/// The reference nodes hold the columns of the displacement gradient H: with H21, H31 and H32 zero the box does not turn,
+/// and may shear.
+pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides, strain: f64) -> io::Result<()> {
+    let aabb = Aabb::around(&mesh.points);
+    lines.line("*STEP")?;
+    lines.line("*STATIC")?;
+    lines.line("*BOUNDARY")?;
+    lines.line(format!("{}, 1, 3", nearest(mesh, sides, aabb.min)))?;
+    lines.line("REF_X, 2, 3")?;
+    lines.line("REF_Y, 3, 3")?;
+    lines.line(format!("REF_Z, 3, 3, {:.12e}", -strain * aabb.size().z))?;
+    end(lines, &REFERENCES, "U, RF")
+}
+
+/// What is printed of `sets`, fields, and the end of the step.
+fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str) -> io::Result<()> {
+    for set in sets {
         lines.line(format!("*NODE PRINT, NSET={set}, TOTALS=YES"))?;
-        lines.line("RF")?;
+        lines.line(printed)?;
     }
     lines.line("*NODE FILE")?;
     lines.line("U, RF")?;

@@ -12,6 +12,7 @@ mod explicit;
 mod geometry;
 mod lines;
 mod materials;
+mod periodic;
 
 use crate::materials::Materials;
 use crate::mesh::Mesh;
@@ -28,6 +29,8 @@ pub struct DeckOptions {
     pub geometry_only: bool,
     /// Hexahedra with reduced integration, C3D8R for C3D8.
     pub reduced_integration: bool,
+    /// Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z.
+    pub periodic_equations: bool,
     /// The analysis the deck runs; `geometry_only` leaves it out.
     pub analysis: Analysis,
     /// Mean axial strain at the end of the analysis, a positive number; absent: the analysis' own.
@@ -47,7 +50,8 @@ pub enum Analysis {
     /// Nothing: mesh, materials and sections, ready for one's own steps.
     #[default]
     None,
-    /// Linear elastic uniaxial compression by `*STATIC` (default strain 0.001).
+    /// Linear elastic uniaxial compression by `*STATIC` (default strain 0.001); of the mean stress, where the box is
+    /// periodic and its faces are tied.
     Elastic,
     /// Quasi-static compression between rigid plates with friction, explicit, with damage (default strain 0.006).
     Compression,
@@ -76,20 +80,75 @@ impl Default for Loading {
     }
 }
 
+/// What a deck cannot hold.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("deck.{key} is {value}; {accepted}")]
+pub struct DeckError {
+    /// The option's name.
+    key: &'static str,
+    /// What was given.
+    value: String,
+    /// What is accepted.
+    accepted: String,
+}
+
+impl DeckOptions {
+    /// Finds out whether `mesh` can be written as a deck with these options.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is accepted.
+    pub fn validate(&self, mesh: &Mesh) -> Result<(), DeckError> {
+        if !self.periodic_equations {
+            return Ok(());
+        }
+        let no =
+            |key, value: &str, accepted: &str| Err(DeckError { key, value: value.into(), accepted: accepted.into() });
+        let fully_tied = mesh.periodic == [true; 3];
+        match self.analysis {
+            _ if mesh.periodic == [false; 3] => {
+                let accepted =
+                    "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
+                no("periodic_equations", "true", accepted)
+            }
+            // Where an aggregate ends at a face, the nodes are parted on one side and not on the other.
+            _ if !mesh.cohesive.is_empty() => {
+                no("periodic_equations", "true", "with a cohesive itz faces do not match; take itz solid or none")
+            }
+            Analysis::None => periodic::check(mesh),
+            Analysis::Elastic if self.geometry_only || fully_tied => periodic::check(mesh),
+            Analysis::Elastic => {
+                let accepted =
+                    "with periodic_equations it needs a box without any wall; take none and a step of your own";
+                no("analysis", "elastic", accepted)
+            }
+            Analysis::Compression | Analysis::Tension => {
+                no("periodic_equations", "true", "plates need free faces; take analysis elastic or none")
+            }
+        }
+    }
+}
+
 /// Writes `mesh` as a deck to `out`, in one pass and without a second copy of the mesh.
 ///
 /// # Errors
-/// Those of `out`.
+/// Those of `out`, and those of [`DeckOptions::validate`] as invalid input.
 pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
+    options.validate(mesh).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
     let mut lines = Lines::new(out);
     geometry::heading(&mut lines, &options.heading)?;
     let sides = Sides::of(&mesh.points);
     geometry::write(&mut lines, mesh, &sides, options)?;
+    if options.periodic_equations {
+        periodic::write(&mut lines, mesh, &sides)?;
+    }
     if !options.geometry_only {
         materials::write(&mut lines, mesh, options)?;
         match options.analysis {
             Analysis::None => {}
-            Analysis::Elastic => elastic::write(&mut lines, mesh, &sides, options.strain.unwrap_or(0.001))?,
+            Analysis::Elastic => {
+                let step = if options.periodic_equations { elastic::write_periodic } else { elastic::write };
+                step(&mut lines, mesh, &sides, options.strain.unwrap_or(0.001))?;
+            }
             Analysis::Compression | Analysis::Tension => explicit::write(&mut lines, mesh, &sides, options)?,
         }
     }

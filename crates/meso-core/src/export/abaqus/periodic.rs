@@ -1,0 +1,137 @@
+//! Periodic constraints: a node on an upper face moves as its image on the lower face, and by a jump that all share.
+//!
+//! u(x + L e) - u(x) = u(REF), with one reference node for every direction in which the box repeats itself: the
+//! displacement of REF_X, REF_Y or REF_Z is the macroscopic displacement gradient's column times the box's length. A node
+//! on several upper faces, on an edge or in a corner, is tied at once to the image that lies on none of them. So every
+//! node is eliminated at most once, and no equation uses a node that another one eliminates.
+
+use super::DeckError;
+use super::lines::Lines;
+use crate::math::{Aabb, Vec3};
+use crate::mesh::Mesh;
+use crate::mesh::sides::{SIDES, Sides};
+use std::io::{self, Write};
+
+/// Names of the reference nodes' sets, one per direction.
+pub(super) const REFERENCES: [&str; 3] = ["REF_X", "REF_Y", "REF_Z"];
+
+/// Images are this close to where they should be, in sizes of the mesh.
+const SLACK: f64 = 1e-9;
+/// Edge of the cells that nodes are looked up by, in sizes of the mesh.
+const CELL: f64 = 1e-6;
+
+/// A node on upper faces and its image on none.
+struct Pair {
+    node: u32,
+    image: u32,
+    /// The directions that lie between them.
+    along: [bool; 3],
+}
+
+/// The reference nodes and the equations.
+pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
+    let pairs = pairs(mesh, sides).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+    let aabb = Aabb::around(&mesh.points);
+    let first = mesh.points.len() as u64 + 1;
+    for (axis, name) in (0..3).zip(REFERENCES).filter(|(axis, _)| mesh.periodic[*axis]) {
+        let mut place = (aabb.min + aabb.max) / 2.0;
+        place[axis] = aabb.max[axis];
+        lines.line(format!("*NODE, NSET={name}"))?;
+        lines.node(first + axis as u64, place.into())?;
+    }
+    lines.line("*EQUATION")?;
+    pairs.iter().try_for_each(|pair| equations(lines, pair, first))
+}
+
+/// One equation for each direction of displacement; four terms to a data line.
+fn equations(lines: &mut Lines<impl Write>, pair: &Pair, first_reference: u64) -> io::Result<()> {
+    let references = (0..3).filter(|axis| pair.along[*axis]).map(|axis| first_reference + axis as u64);
+    let nodes: Vec<u64> =
+        [pair.node, pair.image].map(|node| u64::from(node) + 1).into_iter().chain(references).collect();
+    for displacement in 1..=3 {
+        let term =
+            |(place, node): (usize, &u64)| format!("{node}, {displacement}, {}", if place == 0 { 1.0 } else { -1.0 });
+        let terms: Vec<String> = nodes.iter().enumerate().map(term).collect();
+        lines.line(terms.len().to_string())?;
+        terms.chunks(4).try_for_each(|line| lines.line(line.join(", ")))?;
+    }
+    Ok(())
+}
+
+/// Finds out whether opposite faces match node for node.
+pub(super) fn check(mesh: &Mesh) -> Result<(), DeckError> {
+    pairs(mesh, &Sides::of(&mesh.points)).map(drop)
+}
+
+/// Every node on an upper face of a direction that repeats itself, ascending, with its image.
+fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
+    let size = Aabb::around(&mesh.points).size();
+    let upper = |node: u32| [0, 1, 2].map(|axis| mesh.periodic[axis] && sides.on(node) >> (2 * axis + 1) & 1 == 1);
+    let images = Images::new(
+        mesh,
+        (0..mesh.points.len() as u32).filter(|&node| sides.on(node) != 0 && upper(node) == [false; 3]),
+    );
+    let mut pairs = Vec::new();
+    for node in 0..mesh.points.len() as u32 {
+        let along = upper(node);
+        if along != [false; 3] {
+            let place = mesh.points[node as usize];
+            let target = Vec3::from_fn(|axis, _| place[axis] - if along[axis] { size[axis] } else { 0.0 });
+            let image = images.at(&target).ok_or_else(|| unmatched(&place, &along))?;
+            pairs.push(Pair { node, image, along });
+        }
+    }
+    // Images of different nodes differ: equal numbers on both sides leave none over.
+    for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
+        let [low, high] = [2 * axis, 2 * axis + 1].map(|side| sides.members(side).count());
+        if low != high {
+            let what = format!("{} nodes lie on {} and {high} on {}", low, SIDES[2 * axis].2, SIDES[2 * axis + 1].2);
+            return Err(faces_differ(&what));
+        }
+    }
+    Ok(pairs)
+}
+
+fn unmatched(place: &Vec3, along: &[bool; 3]) -> DeckError {
+    let axis = along.iter().position(|along| *along).unwrap_or(0);
+    let [x, y, z]: [f64; 3] = (*place).into();
+    faces_differ(&format!("the node at {x:.4}, {y:.4}, {z:.4} mm has none opposite to it on {}", SIDES[2 * axis].2))
+}
+
+fn faces_differ(what: &str) -> DeckError {
+    let remedy = "opposite faces must match node for node, as voxels and a plain lattice do";
+    DeckError { key: "periodic_equations", value: "true".into(), accepted: format!("{remedy}; here {what}") }
+}
+
+/// Nodes by where they are.
+struct Images<'a> {
+    mesh: &'a Mesh,
+    size: f64,
+    /// By the cell that a node lies in.
+    cells: Vec<([i64; 3], u32)>,
+}
+
+impl<'a> Images<'a> {
+    fn new(mesh: &'a Mesh, nodes: impl Iterator<Item = u32>) -> Self {
+        let size = Aabb::around(&mesh.points).size().max();
+        let cell = |node: u32| [0, 1, 2].map(|axis| (mesh.points[node as usize][axis] / (CELL * size)).floor() as i64);
+        let mut cells: Vec<_> = nodes.map(|node| (cell(node), node)).collect();
+        cells.sort_unstable();
+        Self { mesh, size, cells }
+    }
+
+    /// The node at `place`, in the cell there or, hard by its border, in the next.
+    fn at(&self, place: &Vec3) -> Option<u32> {
+        let near = |node: &u32| (self.mesh.points[*node as usize] - place).amax() <= SLACK * self.size;
+        let cells = [-SLACK, SLACK].map(|slack| place.map(|x| ((x / self.size + slack) / CELL).floor() as i64));
+        let [x, y, z] = [0, 1, 2].map(|axis| cells[0][axis]..=cells[1][axis]);
+        let around =
+            x.flat_map(|i| y.clone().flat_map(move |j| [(i, j)])).flat_map(|(i, j)| z.clone().map(move |k| [i, j, k]));
+        around.flat_map(|cell| self.in_cell(cell)).find(near)
+    }
+
+    fn in_cell(&self, cell: [i64; 3]) -> impl Iterator<Item = u32> {
+        let start = self.cells.partition_point(|entry| entry.0 < cell);
+        self.cells[start..].iter().take_while(move |entry| entry.0 == cell).map(|entry| entry.1)
+    }
+}

@@ -1,0 +1,202 @@
+//! Periodic constraints in decks: their rules, and what CalculiX makes of them (skipped where `ccx` is not installed).
+
+use crate::calculix::hashin_shtrikman;
+use crate::mesh::{aggregate, block, deck};
+use meso_core::aggregate::Grading;
+use meso_core::export::abaqus::{self, Analysis, DeckOptions};
+use meso_core::materials::Materials;
+use meso_core::math::{Aabb, Vec3};
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes};
+use meso_core::packing::{Periodic, Specimen};
+use meso_core::{Model, Silent, Spec};
+use std::collections::{BTreeMap, BTreeSet};
+use std::process::Command;
+
+const SIDE_MM: f64 = 24.0;
+
+/// A packing of 24 mm with grains of 6 to 12 mm, at 30 %, that repeats itself along `axes`.
+fn packed(axes: [bool; 3]) -> Model {
+    let specimen = Specimen::Cube { side_mm: SIDE_MM, periodic: Periodic(axes) };
+    let mut spec = Spec { fraction: 0.3, specimen, ..Default::default() };
+    spec.grading = Grading { d_min_mm: 6.0, d_max_mm: 12.0, classes_mm: vec![6.0, 12.0], ..spec.grading };
+    meso_core::pack(&spec, &Silent).unwrap()
+}
+
+fn meshed(axes: [bool; 3], method: Method) -> Mesh {
+    // First-order elements of 2 mm would be stiffer than the upper bound.
+    let (element_size_mm, order) = if method == Method::Voxel { (1.5, 1) } else { (4.0, 2) };
+    let options =
+        MeshOptions { method, fit: Fit::Plain, itz: ItzForm::None, element_size_mm, order, ..Default::default() };
+    mesh::build(&packed(axes), &options).unwrap()
+}
+
+fn tied(analysis: Analysis) -> DeckOptions {
+    DeckOptions { analysis, periodic_equations: true, ..Default::default() }
+}
+
+type Equation = Vec<(u32, u32, f64)>;
+
+/// The equations of a deck: (node, displacement, factor) of every term.
+fn equations(text: &str) -> Vec<Equation> {
+    let start = text.find("*EQUATION\n").unwrap() + "*EQUATION\n".len();
+    let lines: Vec<&str> = text[start..].lines().take_while(|line| !line.starts_with('*')).collect();
+    let (mut all, mut at) = (Vec::new(), 0);
+    while at < lines.len() {
+        let count: usize = lines[at].parse().unwrap();
+        let rows = count.div_ceil(4);
+        let terms = lines[at + 1..][..rows].iter().flat_map(|line| {
+            let entries: Vec<&str> = line.split(", ").collect();
+            assert!(entries.len() <= 12 && entries.len().is_multiple_of(3), "{line}");
+            let term = |t: &[&str]| (t[0].parse().unwrap(), t[1].parse().unwrap(), t[2].parse().unwrap());
+            entries.chunks(3).map(term).collect::<Vec<_>>()
+        });
+        all.push(terms.collect());
+        assert_eq!(all.last().map(Vec::len), Some(count));
+        at += 1 + rows;
+    }
+    all
+}
+
+#[test]
+fn every_node_on_an_upper_face_is_eliminated_once_and_by_nodes_that_stay() {
+    for axes in [[true; 3], [true, false, true]] {
+        for method in [Method::Voxel, Method::Lattice] {
+            let mesh = meshed(axes, method);
+            let equations = equations(&deck(&mesh, &tied(Analysis::None)));
+            let upper = |p: &Vec3| (0..3).filter(|&axis| axes[axis] && p[axis] == SIDE_MM).collect::<Vec<_>>();
+            let on_upper = mesh.points.iter().filter(|p| !upper(p).is_empty()).count();
+            assert!(on_upper > 300);
+            let eliminated: BTreeSet<_> = equations.iter().map(|terms| (terms[0].0, terms[0].1)).collect();
+            assert_eq!((eliminated.len(), equations.len()), (3 * on_upper, 3 * on_upper));
+            for terms in &equations {
+                assert_eq!(terms[0].2, 1.0);
+                assert!(
+                    terms[1..].iter().all(|t| t.2 == -1.0 && t.1 == terms[0].1 && !eliminated.contains(&(t.0, t.1)))
+                );
+                let [node, image] = [0, 1].map(|i| mesh.points[terms[i].0 as usize - 1]);
+                let along = upper(&node);
+                let references: Vec<_> = along.iter().map(|axis| (mesh.points.len() + axis + 1) as u32).collect();
+                assert_eq!(terms[2..].iter().map(|t| t.0).collect::<Vec<_>>(), references);
+                let jump = Vec3::from_fn(|axis, _| if along.contains(&axis) { SIDE_MM } else { 0.0 });
+                assert!((node - image - jump).norm() < 1e-9, "{node} {image}");
+            }
+        }
+    }
+}
+
+#[test]
+fn equations_that_cannot_be_are_named_with_the_way_out() {
+    let error = |mesh: &Mesh, options: &DeckOptions| options.validate(mesh).unwrap_err().to_string();
+    let mut mesh = meshed([true; 3], Method::Voxel);
+    assert_eq!(tied(Analysis::Elastic).validate(&mesh), Ok(()));
+    assert!(error(&mesh, &tied(Analysis::Compression)).contains("plates need free faces"));
+    mesh.periodic = [true, true, false];
+    assert!(error(&mesh, &tied(Analysis::Elastic)).starts_with("deck.analysis is elastic; with periodic_equations"));
+    mesh.periodic = [false; 3];
+    assert!(error(&mesh, &tied(Analysis::None)).contains("pack with specimen.periodic"));
+    let specimen = Specimen::Cube { side_mm: 4.0, periodic: Periodic([true; 3]) };
+    let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::Cohesive, ..Default::default() };
+    let parted = mesh::build_parts(&[aggregate(0, block([1.0; 3], [3.0; 3]), 0.1)], &specimen, &options).unwrap();
+    assert!(error(&parted, &tied(Analysis::None)).contains("take itz solid or none"));
+}
+
+#[test]
+fn faces_that_do_not_match_are_told_where() {
+    let specimen = Specimen::Cube { side_mm: 4.0, periodic: Periodic([true; 3]) };
+    let options = MeshOptions { element_size_mm: 1.0, ..Default::default() };
+    let mut mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
+    let moved = mesh.points.iter().position(|p| *p == Vec3::new(4.0, 1.0, 2.0)).unwrap();
+    mesh.points[moved].y += 1e-6;
+    let error = tied(Analysis::None).validate(&mesh).unwrap_err().to_string();
+    assert!(error.ends_with("the node at 4.0000, 1.0000, 2.0000 mm has none opposite to it on XMIN"), "{error}");
+    let mut out = Vec::new();
+    let kind = abaqus::write(&mesh, &tied(Analysis::None), &mut out).unwrap_err().kind();
+    assert_eq!((kind, out.len()), (std::io::ErrorKind::InvalidInput, 0));
+}
+
+/// What CalculiX finds.
+struct Solved {
+    /// Displacement of every node, the reference nodes' last, mm.
+    displacement: BTreeMap<usize, Vec3>,
+    /// N mm.
+    energy: f64,
+}
+
+/// The elastic deck's answer; `None` without a solver.
+fn solve(mesh: &Mesh, materials: Materials) -> Option<Solved> {
+    let folder = tempfile::tempdir().unwrap();
+    let text = deck(mesh, &DeckOptions { materials, ..tied(Analysis::Elastic) });
+    assert!(text.contains("REF_Z, 3, 3, -2.400000000000e-2\n"));
+    // CalculiX leaves the forces of equations out of its reactions; the energy it does count.
+    let asked = "*NODE PRINT, NSET=ALLNODES\nU\n*EL PRINT, ELSET=AGGREGATE, TOTALS=ONLY\nELSE\n\
+                 *EL PRINT, ELSET=MORTAR, TOTALS=ONLY\nELSE\n*END STEP";
+    std::fs::write(folder.path().join("job.inp"), text.replace("*END STEP", asked)).unwrap();
+    let Ok(run) = Command::new("ccx").args(["-i", "job"]).current_dir(folder.path()).output() else {
+        eprintln!("skipped: no `ccx` here (Debian: calculix-ccx)");
+        return None;
+    };
+    let log = String::from_utf8_lossy(&run.stdout).into_owned();
+    assert!(run.status.success() && !log.contains("*ERROR") && !log.contains("*WARNING"), "{log}");
+    let dat = std::fs::read_to_string(folder.path().join("job.dat")).unwrap();
+    let (mut displacement, mut energy, mut heading) = (BTreeMap::new(), 0.0, "");
+    for line in dat.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        let numbers: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+        match numbers[..] {
+            [node, x, y, z] if heading.starts_with("displacements") => {
+                displacement.insert(node as usize, Vec3::new(x, y, z));
+            }
+            [total] if heading.starts_with("total internal energy") => energy += total,
+            [] => heading = line,
+            _ => {}
+        }
+    }
+    Some(Solved { displacement, energy })
+}
+
+const STRAIN: f64 = 0.001;
+
+/// MPa: with all other mean stresses zero, the energy is E strain^2 / 2 times the volume.
+fn modulus(solved: &Solved) -> f64 {
+    2.0 * solved.energy / (SIDE_MM.powi(3) * STRAIN * STRAIN)
+}
+
+#[test]
+fn one_material_has_its_own_modulus_and_the_strain_is_the_same_all_over() {
+    let mesh = meshed([true; 3], Method::Voxel);
+    let mortar = Materials::default().mortar;
+    let Some(solved) = solve(&mesh, Materials { aggregate: mortar, itz: mortar, ..Materials::default() }) else {
+        return;
+    };
+    // CalculiX prints seven digits.
+    assert!((modulus(&solved) / mortar.youngs_modulus_mpa - 1.0).abs() < 2e-6, "{}", modulus(&solved));
+    let lateral = mortar.poisson_ratio * STRAIN;
+    let corner = Aabb::around(&mesh.points).min;
+    for (p, u) in mesh.points.iter().zip(solved.displacement.values()) {
+        let exact = (p - corner).component_mul(&Vec3::new(lateral, lateral, -STRAIN));
+        assert!((u - exact).norm() < 1e-6 * STRAIN * SIDE_MM, "{u} at {p}, not {exact}");
+    }
+}
+
+#[test]
+fn matched_nodes_differ_by_the_prescribed_jump_and_the_modulus_lies_between_the_bounds() {
+    let mut moduli = Vec::new();
+    for method in [Method::Voxel, Method::Lattice] {
+        let mesh = meshed([true; 3], method);
+        let Some(solved) = solve(&mesh, Materials::default()) else { return };
+        let volumes = PhaseVolumes::of_mesh(&mesh);
+        let [low, high] = hashin_shtrikman(&volumes, &Materials::default());
+        assert!(low < modulus(&solved) && modulus(&solved) < high, "{low} {} {high}", modulus(&solved));
+        moduli.push(modulus(&solved));
+        let u = |node: u32| solved.displacement[&(node as usize)];
+        let references = [0, 1, 2].map(|axis| u((mesh.points.len() + axis + 1) as u32));
+        assert!((references[2].z + STRAIN * SIDE_MM).abs() < 1e-9 && references[0].y == 0.0 && references[1].z == 0.0);
+        let mut pairs = 0;
+        for terms in equations(&deck(&mesh, &tied(Analysis::None))).iter().filter(|terms| terms[0].1 == 1) {
+            let jump: Vec3 = terms[2..].iter().map(|t| u(t.0)).sum();
+            assert!((u(terms[0].0) - u(terms[1].0) - jump).norm() < 2e-6 * STRAIN * SIDE_MM, "{terms:?}");
+            pairs += 1;
+        }
+        assert!(pairs > 300);
+    }
+    assert!((moduli[0] / moduli[1] - 1.0).abs() < 0.05, "{moduli:?}");
+}
