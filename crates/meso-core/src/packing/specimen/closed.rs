@@ -33,7 +33,7 @@ impl Closed {
     /// The room within `mesh`, whose surface must be closed.
     pub(super) fn new(mesh: TriangleMesh) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
-        let boxes: Vec<Aabb> = corners.iter().map(|triangle| Aabb::around(triangle)).collect();
+        let boxes: Vec<Aabb> = corners.iter().map(Aabb::around).collect();
         let size = Aabb::around(&mesh.vertices).max;
         let cell = (size.max() / MOST_CELLS).max(f64::MIN_POSITIVE);
         let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as usize);
