@@ -13,7 +13,7 @@ pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
 pub use report::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Period, Periodic, Room, RoomError, Specimen, Surface};
+pub use specimen::{Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
 
 use crate::aggregate::Grading;
 use crate::aggregate::take::{Grain, snap};

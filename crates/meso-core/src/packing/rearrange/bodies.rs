@@ -203,8 +203,8 @@ impl<'a> Walls<'a> {
         Self { room: &*task.room, gap, margin, low, high }
     }
 
-    /// The centre of a body, of its box and `turned` vertices about it, moved inside; false where that is to be
-    /// waited for.
+    /// The centre of a body, of its box and `turned` vertices about it, moved inside; false where that is not
+    /// done yet.
     fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> (Vec3, bool) {
         let mut centre = self.boxed_in(centre, own_box);
         if self.room.is_box() || self.room.depth(&centre) >= radius + self.gap {
@@ -224,7 +224,7 @@ impl<'a> Walls<'a> {
                 return (centre, true);
             }
         }
-        (centre, !self.room.settles())
+        (centre, false)
     }
 
     /// The centre after every obstacle near has pushed the body away in turn.
@@ -233,8 +233,8 @@ impl<'a> Walls<'a> {
         let near = Aabb { min: corner(low), max: corner(high) }.grown(self.gap);
         let mut obstacles = self.room.obstacles(&near);
         // The nearest first: a wall of several triangles pushes along itself where a farther one of them is asked first.
-        obstacles.sort_by_cached_key(|obstacle| obstacle::distance(obstacle, &centre).to_bits());
-        for obstacle in obstacles {
+        obstacles.sort_by_cached_key(|obstacle| obstacle::distance(obstacle.points, &centre).to_bits());
+        for obstacle in &obstacles {
             centre += obstacle::push(own, &centre, obstacle, self.gap);
         }
         centre

@@ -2,6 +2,7 @@
 
 use super::contact::{Contact, LANES, Points, direction_or_up, gap_along};
 use crate::math::Vec3;
+use crate::packing::specimen::Obstacle;
 
 /// Vertices about a point, padded.
 struct About {
@@ -25,15 +26,53 @@ impl About {
 }
 
 /// The displacement, mm, that brings a body (its vertices about `centre`) to a distance of `gap` mm from `obstacle`; none
-/// where it has that.
-pub(super) fn push(body: &Points, centre: &Vec3, obstacle: &[Vec3], gap: f64) -> Vec3 {
+/// where it has that. Where the shortest way is none the obstacle allows, the way is back over its own plane.
+pub(super) fn push(body: &Points, centre: &Vec3, obstacle: &Obstacle, gap: f64) -> Vec3 {
+    let (way, lacking) = shortest(body, centre, obstacle.points, gap);
+    if lacking <= 0.0 {
+        return Vec3::zeros();
+    }
+    let Some(outward) = obstacle.outward.first().filter(|_| !leads_against(&way, obstacle.outward)) else {
+        return way * lacking;
+    };
+    let from_plane = |i: usize| {
+        let vertex = Vec3::new(f64::from(body.x[i]), f64::from(body.y[i]), f64::from(body.z[i]));
+        outward.dot(&(vertex + centre - obstacle.points[0]))
+    };
+    let beyond = (0..body.x.len()).map(from_plane).fold(f64::NEG_INFINITY, f64::max);
+    outward * -(beyond + gap).max(0.0)
+}
+
+/// A way is allowed when it differs by no more than this from a sum of the allowed ones.
+const AWAY: f64 = 0.1;
+/// Rounds of the search for that sum.
+const ROUNDS: usize = 30;
+
+/// True when the unit vector `way` is, nearly, a sum of multiples of the normals turned round.
+fn leads_against(way: &Vec3, normals: &[Vec3]) -> bool {
+    let mut parts = vec![0.0f64; normals.len()];
+    let mut rest = *way;
+    for _ in 0..ROUNDS {
+        for (part, normal) in parts.iter_mut().zip(normals) {
+            let better = (*part - normal.dot(&rest)).max(0.0);
+            rest += normal * (better - *part);
+            *part = better;
+        }
+        if rest.norm() < AWAY {
+            return true;
+        }
+    }
+    false
+}
+
+/// The shortest way off an obstacle, of unit length, and how far it is to `gap` mm of distance, mm.
+fn shortest(body: &Points, centre: &Vec3, obstacle: &[Vec3], gap: f64) -> (Vec3, f64) {
     // Contacts are found by moving the bodies apart about their origins: that of the obstacle is its point nearest to the
     // body, so that it does not matter how far the obstacle goes on.
     let origin = nearest(obstacle, centre);
     let about = About::new(obstacle, &origin);
     let contact = contact(&about.points(), body, &(centre - origin));
-    let lacking = gap - f64::from(contact.gap);
-    if lacking > 0.0 { Vec3::from_fn(|i, _| f64::from(contact.normal[i])) * lacking } else { Vec3::zeros() }
+    (Vec3::from_fn(|i, _| f64::from(contact.normal[i])), gap - f64::from(contact.gap))
 }
 
 /// Distance from a point to an obstacle, mm; 0 where the obstacle holds it.

@@ -3,7 +3,7 @@
 //! Both are exact: the certified collision test against every triangle near, each a body of three points, and the count
 //! of the triangles above a point by exact signs. To touch a triangle is to meet it.
 
-use super::room::{Room, Surface};
+use super::room::{Obstacle, Room, Surface};
 use super::solid::clear_of;
 use crate::geometry::{TriangleMesh, orient3d};
 use crate::gjk;
@@ -18,6 +18,8 @@ pub(super) struct Closed {
     size: Vec3,
     /// Corners of every triangle.
     corners: Vec<[Vec3; 3]>,
+    /// Normal of every triangle, and those of the walls behind an edge or corner of it that stands out into the room.
+    outward: Vec<Vec<Vec3>>,
     boxes: Vec<Aabb>,
     /// Edge of a cell of the grid, mm, and number of cells along each axis.
     cell: f64,
@@ -38,7 +40,8 @@ impl Closed {
         let cell = (size.max() / MOST_CELLS).max(f64::MIN_POSITIVE);
         let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as usize);
         let cells = vec![Vec::new(); counts.iter().product()];
-        let mut room = Self { volume: mesh.volume(), mesh, size, corners, boxes, cell, counts, cells };
+        let outward = outward(&mesh, &corners);
+        let mut room = Self { volume: mesh.volume(), mesh, size, corners, outward, boxes, cell, counts, cells };
         for triangle in 0..room.boxes.len() {
             for cell in room.cells_of(&room.boxes[triangle]) {
                 room.cells[cell].push(triangle as u32);
@@ -174,17 +177,39 @@ impl Room for Closed {
         false
     }
 
-    fn settles(&self) -> bool {
-        false
-    }
-
-    fn obstacles(&self, near: &Aabb) -> Vec<&[Vec3]> {
-        self.near(near).into_iter().map(|t| self.corners[t as usize].as_slice()).collect()
+    fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
+        let obstacle = |t: u32| Obstacle { points: &self.corners[t as usize], outward: &self.outward[t as usize] };
+        self.near(near).into_iter().map(obstacle).collect()
     }
 
     fn surface(&self) -> Surface {
         Surface { points: self.mesh.vertices.clone(), faces: self.mesh.triangles.iter().map(|t| t.to_vec()).collect() }
     }
+}
+
+/// A corner is beyond a plane when it is so by this share of its distance: what is nearly flat does not stand out.
+const BEYOND: f64 = 1e-3;
+
+/// For every triangle its normal, then the normals of those that share a corner with it and that it rises above: there
+/// the surface stands out into the room.
+fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
+    let normals: Vec<Vec3> = corners.iter().map(|[a, b, c]| (b - a).cross(&(c - a)).normalize()).collect();
+    let mut around = vec![Vec::new(); mesh.vertices.len()];
+    for (t, triangle) in mesh.triangles.iter().enumerate() {
+        triangle.iter().for_each(|&corner| around[corner as usize].push(t));
+    }
+    let of_one = |(t, triangle): (usize, &[u32; 3])| {
+        let mut all = vec![normals[t]];
+        for &corner in triangle {
+            let origin = mesh.vertices[corner as usize];
+            let rises = |&&other: &&usize| {
+                corners[t].iter().any(|p| normals[other].dot(&(p - origin)) > BEYOND * (p - origin).norm())
+            };
+            all.extend(around[corner as usize].iter().filter(rises).map(|&other| normals[other]));
+        }
+        all
+    };
+    mesh.triangles.iter().enumerate().map(of_one).collect()
 }
 
 /// How often a triangle seen from above turns around a point, 1, 0 or -1: its edges that cross the line to the right of the

@@ -16,7 +16,7 @@ mod solid;
 mod sphere;
 
 pub use period::{Period, Periodic};
-pub use room::{Room, Surface};
+pub use room::{Obstacle, Room, Surface};
 
 use crate::geometry::{HullError, SurfaceError, TriangleMesh};
 use crate::math::{Aabb, Vec3};

@@ -30,20 +30,14 @@ pub trait Room: Debug + Send + Sync {
         self.depth(point) >= 0.0
     }
 
-    /// Convex bodies around the room, each as its points, that no grain in the room meets; those whose boxes meet `near`.
-    fn obstacles(&self, near: &Aabb) -> Vec<&[Vec3]> {
+    /// Convex bodies around the room that no grain in the room meets; those whose boxes meet `near`.
+    fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
         let _ = near;
         Vec::new()
     }
 
     /// True where the segment between any two points of the room lies in it.
     fn is_convex(&self) -> bool {
-        true
-    }
-
-    /// False where the pushes of the obstacles may lead in circles, as those of single triangles do: a body that they do not
-    /// bring in is then left out in the end, and not waited for.
-    fn settles(&self) -> bool {
         true
     }
 
@@ -61,6 +55,18 @@ pub trait Room: Debug + Send + Sync {
 
     /// The surface as polygons, for pictures and for cutting: exact for planes, within 1e-3 of the size of curved walls.
     fn surface(&self) -> Surface;
+}
+
+/// A convex body that no grain in the room meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Obstacle<'a> {
+    /// Its points, mm.
+    pub points: &'a [Vec3],
+    /// Unit normals out of the room, its own first: grains are pushed against these alone. Empty where any way will do.
+    ///
+    /// The shortest way off a single triangle of a wall leads along the wall, onto the next triangle, and back: so only
+    /// its own normal counts, and those of the walls behind an edge that stands out into the room.
+    pub outward: &'a [Vec3],
 }
 
 /// A closed surface of polygons, counter-clockwise from outside.

@@ -3,7 +3,7 @@
 //! A body is inside when it is inside the box and, by the certified collision test, shares no point with a piece; to
 //! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
 
-use super::room::{Room, Surface};
+use super::room::{Obstacle, Room, Surface};
 use crate::geometry::{HullError, Plane, convex_hull};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
@@ -86,9 +86,9 @@ impl Room for Solid {
         false
     }
 
-    fn obstacles(&self, near: &Aabb) -> Vec<&[Vec3]> {
+    fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
         let met = self.pieces.iter().filter(|piece| piece.aabb.intersects(near));
-        met.map(|piece| piece.vertices.as_slice()).collect()
+        met.map(|piece| Obstacle { points: &piece.vertices, outward: &[] }).collect()
     }
 
     fn surface(&self) -> Surface {
