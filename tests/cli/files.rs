@@ -233,3 +233,17 @@ fn sieve_sizes_and_standard_curves_pack_and_check() {
     let check = folder.run(&["check", "a.json"]);
     assert_eq!(check.code, 0, "{}", check.stdout());
 }
+
+#[test]
+fn pieces_of_a_pvtu_appear_beside_it_and_are_kept_like_any_file() {
+    let folder = Folder::with_spec();
+    assert_eq!(folder.run(&["pack", "small.toml", "-o", "model.json"]).code, 0);
+    assert_eq!(folder.run(&["mesh", "model.json", "-o", "large.pvtu"]).code, 0);
+    assert_eq!(folder.names(), ["large.pvtu", "large_0.vtu", "model.json", "small.toml"]);
+    assert!(String::from_utf8(folder.read("large.pvtu")).unwrap().contains("<Piece Source=\"large_0.vtu\"/>"));
+    std::fs::remove_file(folder.path("large.pvtu")).unwrap();
+    let again = folder.run(&["mesh", "model.json", "-o", "large.pvtu"]);
+    assert_eq!(again.code, 1);
+    assert!(again.stderr.contains("large_0.vtu exists; --force replaces it"), "{}", again.stderr);
+    assert_eq!(folder.run(&["mesh", "model.json", "-o", "large.pvtu", "--force"]).code, 0);
+}

@@ -12,6 +12,7 @@ mod gjk;
 mod grading;
 mod hull;
 mod mesh;
+mod mesh_distance;
 mod mesh_itz;
 mod models;
 mod offset;

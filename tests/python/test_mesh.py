@@ -125,6 +125,9 @@ def test_cohesive_elements_notes_and_quality_are_there(packing):
     assert quality["cells"] == len(mesh)
     assert quality["inverted"] == 0
     assert sum(quality["dihedral_histogram"]) == len(mesh)
+    distance = quality["interface_distance"]
+    assert distance["nodes"] >= len(np.unique(bottom))
+    assert 0.0 <= distance["rms_mm"] <= distance["max_mm"] < 4.0
     worst, cell = quality["min_dihedral_deg"]
     assert list(mesh.bad_cells(np.nextafter(worst, 180.0))) == [cell]
     assert len(mesh.bad_cells(0.0)) == 0

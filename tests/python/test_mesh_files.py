@@ -53,6 +53,25 @@ def test_a_compressed_vtu_is_smaller_and_holds_the_same(mesh, tmp_path):
     assert np.array_equal(raw.cells[0].data, mesh.cells)
 
 
+@pytest.mark.parametrize("compress", [False, True])
+def test_pyvista_reads_a_pvtu_whose_pieces_are_the_mesh(packing, tmp_path, compress):
+    pyvista = pytest.importorskip("pyvista")
+    mesh = packing.mesh(method="lattice", fit="plain", element_size=1.7, itz="none")
+    mesh.write(tmp_path / "large & whole.pvtu", compress=compress)
+    names = [f"large & whole_{i}.vtu" for i in range(-(-len(mesh) // 500_000))]
+    assert len(names) > 1
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(["large & whole.pvtu", *names])
+    grid = pyvista.read(tmp_path / "large & whole.pvtu")
+    assert np.array_equal(grid.cell_data["phase"], mesh.phase)
+    assert np.array_equal(grid.cell_data["aggregate"], mesh.aggregate)
+    assert grid.cell_data["min_dihedral_deg"].min() == pytest.approx(mesh.quality()["min_dihedral_deg"][0], rel=1e-6)
+    corners = grid.points[grid.cells.reshape(-1, 5)[:, 1:]]
+    assert np.array_equal(corners, mesh.points[mesh.cells])
+    assert grid.compute_cell_sizes()["Volume"].sum() == pytest.approx(60.0**3, rel=1e-9)
+    with pytest.raises(FileExistsError, match="large & whole_0.vtu exists"):
+        mesh.write(tmp_path / "large & whole.pvtu", overwrite=False)
+
+
 def test_surfaces_can_be_compressed_too(packing, tmp_path):
     pyvista = pytest.importorskip("pyvista")
     packing.write(tmp_path / "grains.vtu", compress=True)

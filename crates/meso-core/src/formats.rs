@@ -2,14 +2,14 @@
 
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::vtk::Encoding;
-use crate::export::{csv, msh, stl, vtu, vtu_mesh};
+use crate::export::{csv, msh, pvtu, stl, vtu, vtu_mesh};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::packing::Images;
 use crate::saved;
 use std::borrow::Cow;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How the aggregates' surfaces are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,11 +90,13 @@ pub enum MeshFormat {
     Vtu,
     /// gmsh 4.1, with physical groups.
     Msh,
+    /// The same as `.vtu`, in pieces: an index, and `.vtu` files beside it.
+    Pvtu,
 }
 
 impl MeshFormat {
     /// All formats, the deck first.
-    pub const ALL: [Self; 3] = [Self::Inp, Self::Vtu, Self::Msh];
+    pub const ALL: [Self; 4] = [Self::Inp, Self::Vtu, Self::Msh, Self::Pvtu];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {
@@ -102,6 +104,7 @@ impl MeshFormat {
             Self::Inp => "inp",
             Self::Vtu => "vtu",
             Self::Msh => "msh",
+            Self::Pvtu => "pvtu",
         }
     }
 
@@ -111,15 +114,52 @@ impl MeshFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Writes `mesh` to `out` in this format; `deck` counts for decks, `encoding` for `.vtu`.
+    /// The files that `mesh` is written as where `path` is asked for: it alone, or pieces and then it.
+    pub fn files(self, path: &Path, mesh: &Mesh) -> Vec<MeshFile> {
+        let whole = |content| MeshFile { path: path.to_owned(), content };
+        if self != Self::Pvtu {
+            return vec![whole(Content::Whole(self))];
+        }
+        let piece = |index| MeshFile { path: piece_path(path, index), content: Content::Piece(index) };
+        let mut files: Vec<MeshFile> = (0..pvtu::pieces(mesh)).map(piece).collect();
+        let name = |file: &MeshFile| file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        files.push(whole(Content::Index(files.iter().map(name).collect())));
+        files
+    }
+}
+
+/// Where piece `index` of the `.pvtu` at `path` is: `name_0.vtu` beside `name.pvtu`.
+pub fn piece_path(path: &Path, index: usize) -> PathBuf {
+    path.with_file_name(format!("{}_{index}.vtu", path.file_stem().unwrap_or_default().to_string_lossy()))
+}
+
+/// One of the files that a mesh is written as.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshFile {
+    /// Where.
+    pub path: PathBuf,
+    content: Content,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Content {
+    Whole(MeshFormat),
+    Piece(usize),
+    Index(Vec<String>),
+}
+
+impl MeshFile {
+    /// Writes this file of `mesh` to `out`; `deck` counts for decks, `encoding` for `.vtu`.
     ///
     /// # Errors
-    /// Those of `out`.
-    pub fn write(self, mesh: &Mesh, deck: &DeckOptions, encoding: Encoding, out: impl Write) -> io::Result<()> {
-        match self {
-            Self::Inp => abaqus::write(mesh, deck, out),
-            Self::Vtu => vtu_mesh::write(mesh, encoding, out),
-            Self::Msh => msh::write(mesh, out),
+    /// Those of `out`; what a deck cannot hold.
+    pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, encoding: Encoding, out: impl Write) -> io::Result<()> {
+        match &self.content {
+            Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
+            Content::Whole(MeshFormat::Msh) => msh::write(mesh, out),
+            Content::Whole(_) => vtu_mesh::write(mesh, encoding, out),
+            Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), encoding, out),
+            Content::Index(names) => pvtu::write(mesh, names, out),
         }
     }
 }

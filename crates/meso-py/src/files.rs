@@ -3,7 +3,7 @@
 use crate::boundary::file_error;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
-use meso_core::formats::{Format, MeshFormat, Surfaces};
+use meso_core::formats::{Format, MeshFile, MeshFormat, Surfaces};
 use meso_core::mesh::{self, Mesh, MeshOptions};
 use meso_core::{Model, saved};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
@@ -53,8 +53,9 @@ pub(crate) fn write_mesh(
     if format == Some(MeshFormat::Inp) {
         deck.validate(mesh).map_err(|error| PyValueError::new_err(error.to_string()))?;
     }
-    match format {
-        Some(format) => write_whole(path, overwrite, |out| format.write(mesh, deck, encoding, out)),
+    match format.map(|format| format.files(path, mesh)).as_deref() {
+        Some([file]) => write_whole(path, overwrite, |out| file.write(mesh, deck, encoding, out)),
+        Some(files) => write_together(files, overwrite, |file, out| file.write(mesh, deck, encoding, out)),
         None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
     }
 }
@@ -62,6 +63,26 @@ pub(crate) fn write_mesh(
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
     let known = known.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
     PyValueError::new_err(format!("{}: the extension names no format; it must be one of {known}", path.display()))
+}
+
+/// Lets `write` fill all files beside their places and moves them there, the last one last, when all are complete.
+fn write_together(
+    files: &[MeshFile],
+    overwrite: bool,
+    write: impl Fn(&MeshFile, &mut dyn Write) -> io::Result<()>,
+) -> PyResult<()> {
+    if let Some(there) = files.iter().find(|file| !overwrite && file.path.exists()) {
+        let message = format!("{} exists; overwrite=True replaces it", there.path.display());
+        return Err(PyFileExistsError::new_err(message));
+    }
+    let complete = |file: &MeshFile| {
+        fill_beside(&file.path, |out| write(file, out)).map_err(|error| file_error(&file.path, error))
+    };
+    let made = files.iter().map(complete).collect::<PyResult<Vec<_>>>()?;
+    for (made, file) in made.into_iter().zip(files) {
+        made.persist(&file.path).map_err(|failed| file_error(&file.path, failed.error))?;
+    }
+    Ok(())
 }
 
 /// Lets `write` fill a file beside `path` and moves it there when it is complete; devices and pipes are streamed to.
@@ -85,13 +106,21 @@ fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>)
 }
 
 fn fill_and_move(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    fill_beside(path, write)?.persist(path).map(drop).map_err(|failed| failed.error)
+}
+
+/// A complete file beside `path`, which waits for its name.
+fn fill_beside(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<tempfile::NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let file = new_file(folder)?;
     let mut out = BufWriter::with_capacity(1 << 20, file);
     write(&mut out)?;
     let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.as_file().sync_all()?;
-    file.persist(path).map(drop).map_err(|failed| failed.error)
+    Ok(file)
 }
 
 /// A temporary file; unlike tempfile's own it gets the permissions any new file gets, and errors keep their number.

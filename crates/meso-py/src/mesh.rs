@@ -11,7 +11,9 @@ use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, CellKind, Mesh, MeshError, MeshOptions, NO_AGGREGATE, PhaseVolumes, quality};
+use meso_core::mesh::{
+    self, CellKind, InterfaceDistance, Mesh, MeshError, MeshOptions, NO_AGGREGATE, PhaseVolumes, quality,
+};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -21,15 +23,22 @@ use std::sync::Arc;
 
 /// A mesh of a packing.
 #[pyclass(name = "Mesh", module = "mesocrete", frozen, eq)]
-#[derive(PartialEq)]
-pub(crate) struct PyMesh(Arc<Mesh>);
+pub(crate) struct PyMesh(Arc<Mesh>, Arc<Model>);
+
+/// By the mesh itself, whatever packing it is of.
+impl PartialEq for PyMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.0 == other.0
+    }
+}
 
 /// Meshes `model` with the options that Python's keywords name.
 pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
     let options: MeshOptions = options(Some(keywords))?;
     let gmsh = gmsh(py)?;
+    let of = Arc::clone(&model);
     let built = beside_python(py, None, move |_| mesh::build_with(&model, &options, &|surfaces| gmsh.run(surfaces)))?;
-    built.map(|mesh| PyMesh(Arc::new(mesh))).map_err(|error| match error {
+    built.map(|mesh| PyMesh(Arc::new(mesh), of)).map_err(|error| match error {
         MeshError::Gmsh(_) | MeshError::Flat { .. } => PyRuntimeError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
     })
@@ -101,11 +110,16 @@ impl PyMesh {
         plain(py, &self.0.notes)
     }
 
-    /// The worst cells, a histogram of smallest dihedral angles, and the stable time step that the default materials allow: a dict.
+    /// The worst cells, a histogram of smallest dihedral angles, the stable time step that the default materials allow, and
+    /// how far the interface nodes lie from the aggregates' surfaces: a dict.
     ///
-    /// Pairs are (value, index of the cell).
+    /// Pairs are (value, index of the cell); `interface_distance` has the keys `nodes`, `max_mm` and `rms_mm`.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let report = py.detach(|| quality::report(&self.0, &quality::cells(&self.0), &Materials::default()));
+        let (mesh, model) = (&*self.0, &*self.1);
+        let report = py.detach(|| {
+            let distance = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
+            quality::report(mesh, &quality::cells(mesh), distance, &Materials::default())
+        });
         plain(py, &report)
     }
 
@@ -120,7 +134,7 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// path : path
-    ///     `.inp`, `.vtu`, `.msh`, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+    ///     `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
     /// overwrite : bool
     ///     Whether a file that is there already is replaced.
     /// compress : bool

@@ -8,16 +8,19 @@ use crate::{inputs, say, threads};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::export::vtk::Encoding;
-use meso_core::formats::MeshFormat;
+use meso_core::formats::{MeshFormat, piece_path};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, CellKind, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method, PhaseVolumes, quality};
+use meso_core::mesh::{
+    self, CellKind, Fit, InterfaceDistance, ItzForm, Mesh, MeshError, MeshOptions, Method, PhaseVolumes, quality,
+};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// A saved model (.json); `-` is standard input
     model: PathBuf,
-    /// File to write, its format by the extension: .inp, .vtu, .msh; `-` is standard output (.inp). May be repeated
+    /// File to write, its format by the extension: .inp, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output (.inp). May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
     #[arg(long, default_value = "voxel", value_parser = names::parse::<Method>)]
@@ -93,7 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let encoding = Encoding::compressed(args.compress);
     let mut unit = Unit::default();
     for (target, format) in &plan {
-        unit.fill(target, args.force, |out| format.write(&mesh, &deck, encoding, out))?;
+        fill(&mut unit, target, args.force, *format, &mesh, &deck, encoding)?;
     }
     unit.commit()?;
     if !args.quiet {
@@ -154,7 +157,32 @@ fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
         let message = format!("{}: the extension names no mesh format; it must be one of {known}", path.display());
         Failure::Usage(message)
     })?;
+    if format == MeshFormat::Pvtu {
+        // Its number of pieces is not known yet, but that a first one would be in the way is.
+        Target::new(&piece_path(path, 0), force)?;
+    }
     Ok((Target::new(path, force)?, format))
+}
+
+/// Writes `mesh` to `target`, and its pieces beside it where the format has any.
+pub(super) fn fill(
+    unit: &mut Unit,
+    target: &Target,
+    force: bool,
+    format: MeshFormat,
+    mesh: &Mesh,
+    deck: &DeckOptions,
+    encoding: Encoding,
+) -> Result<(), Failure> {
+    let path = target.file().unwrap_or(Path::new("-"));
+    for file in format.files(path, mesh) {
+        let write = |out: &mut dyn Write| file.write(mesh, deck, encoding, out);
+        match file.path == path {
+            true => unit.fill(target, force, write)?,
+            false => unit.fill(&Target::new(&file.path, force)?, force, write)?,
+        }
+    }
+    Ok(())
 }
 
 /// Meshes; options that cannot be are wrong usage.
@@ -186,6 +214,11 @@ pub(super) fn describe(mesh: &Mesh, model: &Model) {
         share(volumes.aggregate),
         share(volumes.itz),
         share(volumes.mortar)
+    ));
+    let distance = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
+    say::line(format!(
+        "interface nodes lie {:.4} mm rms from the aggregates' surfaces, {:.4} mm at most",
+        distance.rms_mm, distance.max_mm
     ));
     notes(mesh);
     if mesh.kind != CellKind::Hexahedron {

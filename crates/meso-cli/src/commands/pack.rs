@@ -174,13 +174,16 @@ impl Plan {
         let mut unit = Unit::default();
         let start = watch.elapsed();
         for (target, content) in &self.outputs {
-            unit.fill(target, self.force, |out| match (content, mesh) {
-                (Content::Packing(format), _) => format.write(model, self.surfaces, out),
-                (Content::Mesh(format), Some(mesh)) => {
-                    format.write(mesh, &DeckOptions::default(), self.surfaces.encoding, out)
+            match (content, mesh) {
+                (Content::Packing(format), _) => {
+                    unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
                 }
-                (Content::Mesh(_), None) => Ok(()),
-            })?;
+                (Content::Mesh(format), Some(mesh)) => {
+                    let (deck, encoding) = (DeckOptions::default(), self.surfaces.encoding);
+                    mesh::fill(&mut unit, target, self.force, *format, mesh, &deck, encoding)?;
+                }
+                (Content::Mesh(_), None) => {}
+            }
         }
         model.report.seconds.write = watch.elapsed() - start;
         model.report.seconds.total = watch.elapsed();

@@ -3,6 +3,7 @@
 pub mod abaqus;
 pub mod csv;
 pub mod msh;
+pub mod pvtu;
 pub mod stl;
 pub mod vtk;
 pub mod vtu;

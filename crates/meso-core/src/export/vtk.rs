@@ -31,13 +31,16 @@ const BLOCK: usize = 1 << 20;
 /// Bytes that go out at a time.
 const CHUNK: usize = 1 << 16;
 
+/// Writes the bytes of an array.
+type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+
 /// One declared array.
 pub(super) struct Array<'a> {
     kind: &'static str,
     name: &'a str,
     components: usize,
     bytes: usize,
-    fill: Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>,
+    fill: Fill<'a>,
 }
 
 impl<'a> Array<'a> {

@@ -30,6 +30,13 @@ pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()>
     grid(mesh, cell_data).write(encoding, out)
 }
 
+/// The cell data of such a file: VTK's type and the name of every array.
+pub(super) fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
+    const ALL: [(&str, &str); 4] =
+        [("UInt8", "phase"), ("Int32", "aggregate"), ("Float32", "radius_ratio"), ("Float32", "min_dihedral_deg")];
+    if kind == CellKind::Hexahedron { &ALL[..2] } else { &ALL }
+}
+
 fn phases(mesh: &Mesh) -> Vec<Array<'_>> {
     let cells = mesh.cell_count();
     vec![

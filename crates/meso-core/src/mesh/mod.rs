@@ -5,6 +5,7 @@
 mod clip;
 mod cohesive;
 pub mod conforming;
+mod distance;
 mod error;
 mod grains;
 mod interface;
@@ -19,6 +20,7 @@ mod sweep;
 mod volumes;
 mod voxel;
 
+pub use distance::InterfaceDistance;
 pub use error::MeshError;
 pub use options::{Fit, ItzForm, MeshOptions, Method};
 pub use volumes::PhaseVolumes;

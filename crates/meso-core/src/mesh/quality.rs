@@ -1,7 +1,7 @@
 //! How good a mesh is: angles, shapes, the time step it allows, and how near its interfaces lie to the grains.
 
 use super::volumes::cell_volume;
-use super::{CellKind, Mesh, Phase};
+use super::{CellKind, InterfaceDistance, Mesh, Phase};
 use crate::materials::Materials;
 use crate::math::Vec3;
 use rayon::prelude::*;
@@ -41,6 +41,8 @@ pub struct QualityReport {
     pub inverted: usize,
     /// Longest stable time step of explicit dynamics, s: altitude over dilatational wave speed, of the worst cell.
     pub stable_time_step_s: f64,
+    /// How near the interfaces lie to the aggregates' surfaces.
+    pub interface_distance: InterfaceDistance,
 }
 
 /// Upper limits of the histogram's bins, degrees.
@@ -55,8 +57,13 @@ pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
     mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(measure).collect()
 }
 
-/// The worst of `cells`, which are `mesh`'s.
-pub fn report(mesh: &Mesh, cells: &[CellQuality], materials: &Materials) -> QualityReport {
+/// The worst of `cells`, which with `interface_distance` are `mesh`'s.
+pub fn report(
+    mesh: &Mesh,
+    cells: &[CellQuality],
+    interface_distance: InterfaceDistance,
+    materials: &Materials,
+) -> QualityReport {
     let least = |value: fn(&CellQuality) -> f64| {
         let worst = (0..).zip(cells).map(|(i, q)| (value(q), i));
         worst.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NAN, 0))
@@ -74,6 +81,7 @@ pub fn report(mesh: &Mesh, cells: &[CellQuality], materials: &Materials) -> Qual
         dihedral_histogram: histogram(cells),
         inverted: cells.iter().filter(|q| q.volume_mm3 <= 0.0).count(),
         stable_time_step_s: steps.map(step).fold(f64::INFINITY, f64::min),
+        interface_distance,
     }
 }
 

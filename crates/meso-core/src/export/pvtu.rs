@@ -1,0 +1,68 @@
+//! Large meshes in pieces (`.pvtu`): an index that names `.vtu` files beside it, which ParaView reads at the same time.
+//!
+//! A piece has its own nodes; those between two pieces are in both.
+
+use super::vtu_mesh;
+use crate::mesh::{Mesh, Notes};
+use rayon::prelude::*;
+use std::io::{self, Write};
+use std::ops::Range;
+
+/// Most cells of a piece: some 50 MB, raw.
+pub const PIECE_CELLS: usize = 500_000;
+
+/// Number of pieces of `mesh`, at least one.
+pub fn pieces(mesh: &Mesh) -> usize {
+    mesh.cell_count().div_ceil(PIECE_CELLS).max(1)
+}
+
+/// Piece `index` of `mesh`, without cohesive elements, which no `.vtu` holds.
+pub fn piece(mesh: &Mesh, index: usize) -> Mesh {
+    let count = mesh.cell_count();
+    // Equal shares, so that no piece is a rest.
+    let range = index * count / pieces(mesh)..(index + 1) * count / pieces(mesh);
+    part(mesh, range)
+}
+
+fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
+    let width = mesh.kind.nodes();
+    let cells = &mesh.cells[width * range.start..width * range.end];
+    let mut nodes = cells.to_vec();
+    nodes.par_sort_unstable();
+    nodes.dedup();
+    let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
+    Mesh {
+        kind: mesh.kind,
+        cells: cells.par_iter().map(number).collect(),
+        points: nodes.iter().map(|&node| mesh.points[node as usize]).collect(),
+        phase: mesh.phase[range.clone()].to_vec(),
+        aggregate: mesh.aggregate[range].to_vec(),
+        cohesive: Vec::new(),
+        cohesive_aggregate: Vec::new(),
+        periodic: [false; 3],
+        notes: Notes::default(),
+    }
+}
+
+/// Writes the index of the pieces of `mesh`, which are the files `names` beside it.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    write!(out, "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ")?;
+    writeln!(out, "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">")?;
+    writeln!(out, "<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n</PPoints>")?;
+    writeln!(out, "<PCellData Scalars=\"phase\">")?;
+    for (kind, name) in vtu_mesh::declared(mesh.kind) {
+        writeln!(out, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"1\"/>")?;
+    }
+    writeln!(out, "</PCellData>")?;
+    names.iter().try_for_each(|name| writeln!(out, "<Piece Source=\"{}\"/>", escaped(name)))?;
+    writeln!(out, "</PUnstructuredGrid>\n</VTKFile>")
+}
+
+/// What a file's name may hold and XML may not.
+fn escaped(name: &str) -> String {
+    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

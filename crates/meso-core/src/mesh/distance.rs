@@ -1,0 +1,80 @@
+//! How far a mesh's interfaces lie from the exact surfaces of the aggregates.
+
+use super::{Mesh, NO_AGGREGATE, interface};
+use crate::aggregate::Aggregate;
+use crate::geometry::Plane;
+use crate::gjk;
+use crate::math::Vec3;
+use crate::packing::{Specimen, images_near};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Distances of the nodes between an aggregate and what it meets from that aggregate's surface; in voxels and plain
+/// lattices those of the staircase.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct InterfaceDistance {
+    /// Nodes measured; one where two aggregates meet counts for both. Middles of edges are left out.
+    pub nodes: usize,
+    /// The largest distance, mm.
+    pub max_mm: f64,
+    /// Root mean square of all distances, mm.
+    pub rms_mm: f64,
+}
+
+impl InterfaceDistance {
+    /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
+    pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
+        let mut bodies: Vec<Body> = images_near(aggregates, specimen, 0.0).iter().map(Body::new).collect();
+        bodies.sort_by_key(|body| body.id);
+        let distance = |&(id, node): &(u32, u32)| {
+            let start = bodies.partition_point(|body| body.id < id);
+            let images = bodies[start..].iter().take_while(|body| body.id == id);
+            images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
+        };
+        let distances: Vec<f64> = interface_nodes(mesh).par_iter().map(distance).collect();
+        // Summed in the nodes' order: the same on any number of threads.
+        let squares: f64 = distances.iter().map(|d| d * d).sum();
+        Self {
+            nodes: distances.len(),
+            max_mm: distances.iter().copied().fold(0.0, f64::max),
+            rms_mm: (squares / distances.len().max(1) as f64).sqrt(),
+        }
+    }
+}
+
+/// Aggregates with the corners of their cells where they meet something else, each pair once.
+fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
+    let mut mixed = interface::mixed_nodes(mesh);
+    // Cohesive elements parted their nodes.
+    mesh.cohesive.iter().for_each(|&node| mixed[node as usize] = true);
+    let (mixed, corners) = (&mixed, mesh.kind.corners());
+    let cells = mesh.cells.par_chunks_exact(mesh.kind.nodes()).zip(&mesh.aggregate);
+    let of_aggregates = cells.filter(|(_, id)| **id != NO_AGGREGATE);
+    let mut nodes: Vec<(u32, u32)> = of_aggregates
+        .flat_map_iter(|(cell, &id)| {
+            cell[..corners].iter().filter(|node| mixed[**node as usize]).map(move |&node| (id, node))
+        })
+        .collect();
+    nodes.par_sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+struct Body {
+    id: u32,
+    planes: Vec<Plane>,
+    vertices: Vec<Vec3>,
+}
+
+impl Body {
+    fn new(aggregate: &Aggregate) -> Self {
+        let body = &aggregate.body;
+        Self { id: aggregate.id, planes: body.planes().collect(), vertices: body.vertices().to_vec() }
+    }
+
+    /// From `x` to the surface, mm: inside, the nearest plane; outside, the convex body.
+    fn distance(&self, x: &Vec3) -> f64 {
+        let height = self.planes.iter().map(|p| p.normal.dot(x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
+        if height <= 0.0 { -height } else { gjk::distance(&[*x], &self.vertices).unwrap_or(height).max(height) }
+    }
+}
