@@ -14,6 +14,7 @@ mod hull;
 mod mesh;
 mod mesh_distance;
 mod mesh_itz;
+mod mesh_lattice;
 mod models;
 mod offset;
 mod packing;

@@ -4,9 +4,15 @@
 //! (SIGGRAPH 2007), for many materials and exact planes: lattice nodes near a surface move onto it ([`snap`]), the edges
 //! that still cross one are cut there ([`cut`]).
 
+mod balance;
 mod bcc;
 mod cut;
 mod fit;
+mod mend;
+mod places;
+mod roles;
+mod slide;
+mod smooth;
 mod snap;
 mod star;
 mod surface;
@@ -78,7 +84,7 @@ pub(super) fn fitted(aggregates: &[Aggregate], specimen: &Specimen, element_size
     let notes = field.notes();
     let mut mesh = cut::Cutter::new(&field, &locator).cells();
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
-    fit::fit(&mut mesh, &surfaces, &domain, element_size);
+    fit::fit(&mut mesh, &surfaces, &locator, &domain, element_size);
     (mesh, notes)
 }
 

@@ -1,9 +1,8 @@
 //! The tetrahedra around one node: what a move of the node does to them.
 
 use super::Tetrahedra;
+use super::places::Places;
 use crate::math::Vec3;
-use crate::mesh::quality::dihedral_cosines;
-use std::collections::HashMap;
 
 /// For every node the tetrahedra around it, as indices.
 pub(super) struct Stars {
@@ -34,18 +33,6 @@ impl Stars {
     }
 }
 
-/// Positions with the moves made so far in one patch.
-pub(super) struct Moved<'a> {
-    pub(super) points: &'a [Vec3],
-    pub(super) moves: HashMap<u32, Vec3>,
-}
-
-impl Moved<'_> {
-    pub(super) fn at(&self, node: u32) -> Vec3 {
-        self.moves.get(&node).copied().unwrap_or(self.points[node as usize])
-    }
-}
-
 /// The star of one node: its tetrahedra as the opposite faces (a, b, c), with positive volume over the node.
 pub(super) struct Star {
     pub(super) centre: Vec3,
@@ -53,26 +40,22 @@ pub(super) struct Star {
 }
 
 impl Star {
-    pub(super) fn new(mesh: &Tetrahedra, stars: &Stars, node: u32, moved: &Moved) -> Self {
+    pub(super) fn new(mesh: &Tetrahedra, stars: &Stars, node: u32, places: &Places) -> Self {
         let face = |&cell: &u32| {
             let nodes = mesh.cells[cell as usize];
             let at = nodes.iter().position(|&n| n == node).expect("a star's cells hold its node");
             // Even permutations that bring the node to the front.
             let [i, j, k] = [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]][at];
-            ([nodes[i], nodes[j], nodes[k]].map(|n| moved.at(n)), mesh.grain[cell as usize])
+            ([nodes[i], nodes[j], nodes[k]].map(|n| places.get(n)), mesh.grain[cell as usize])
         };
-        Self { centre: moved.at(node), faces: stars.cells(node).iter().map(face).collect() }
+        Self { centre: places.get(node), faces: stars.cells(node).iter().map(face).collect() }
     }
 
-    /// Cosine of the smallest dihedral angle with the node at `x`, 2 where a tetrahedron has no positive volume. The search
-    /// ends at the first angle whose cosine exceeds `limit`.
+    /// [`sharpness`] of the sharpest tetrahedron with the node at `x`. The search ends at the first above `limit`.
     pub(super) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
         let mut worst: f64 = -1.0;
         for ([a, b, c], _) in &self.faces {
-            if (a - x).cross(&(b - x)).dot(&(c - x)) <= 0.0 {
-                return 2.0;
-            }
-            worst = worst.max(dihedral_cosines([*x, *a, *b, *c])[1]);
+            worst = worst.max(sharpness([*x, *a, *b, *c]));
             if worst > limit {
                 break;
             }
@@ -80,16 +63,78 @@ impl Star {
         worst
     }
 
-    /// Six times the volume that the star's tetrahedra of `grain` gain for a move of the node by a unit vector: the
-    /// volume is linear in the node's place.
-    pub(super) fn gain(&self, grain: u32) -> Vec3 {
-        let faces = self.faces.iter().filter(|(_, label)| *label == grain);
-        -faces.map(|([a, b, c], _)| (b - a).cross(&(c - a))).sum::<Vec3>()
+    /// [`worst`](Self::worst) of the node's own place; the sharpest tetrahedron comes first from now on, where searches
+    /// with a limit end soonest.
+    pub(super) fn sharpest_first(&mut self) -> f64 {
+        let x = self.centre;
+        let (mut worst, mut at) = (-1.0, 0);
+        for (i, ([a, b, c], _)) in self.faces.iter().enumerate() {
+            let sharpness = sharpness([x, *a, *b, *c]);
+            if sharpness > worst {
+                (worst, at) = (sharpness, i);
+            }
+        }
+        self.faces.swap(0, at);
+        worst
+    }
+
+    /// What a move of the node by a unit vector gains of six times the volume of the star's tetrahedra, each counted as
+    /// often as `weight` of its grain says: volumes are linear in the node's place.
+    pub(super) fn gain(&self, weight: impl Fn(u32) -> f64) -> Vec3 {
+        -self.faces.iter().map(|([a, b, c], grain)| (b - a).cross(&(c - a)) * weight(*grain)).sum::<Vec3>()
+    }
+
+    /// The grains of the star's tetrahedra, and the mortar's mark; each as often as it occurs.
+    pub(super) fn grains(&self) -> impl Iterator<Item = u32> + '_ {
+        self.faces.iter().map(|(_, grain)| *grain)
     }
 
     /// Mean of the surrounding nodes, each as often as it occurs.
     pub(super) fn mean(&self) -> Vec3 {
         let sum: Vec3 = self.faces.iter().flat_map(|(face, _)| face).sum();
         sum / (3 * self.faces.len()) as f64
+    }
+}
+
+/// How sharp a tetrahedron's smallest dihedral angle is: its cosine times the cosine's size, so that no root is needed;
+/// 2 where the tetrahedron has no positive volume.
+pub(super) fn sharpness([a, b, c, d]: [Vec3; 4]) -> f64 {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (vw, wu, uv) = (v.cross(&w), w.cross(&u), u.cross(&v));
+    if vw.dot(&u) <= 0.0 {
+        return 2.0;
+    }
+    // Face vectors; over a closed surface they sum to nothing.
+    let faces = [-vw, -wu, -uv, vw + wu + uv];
+    let inverse = faces.map(|face| 1.0 / face.norm_squared());
+    let mut worst: f64 = -1.0;
+    for i in 0..4 {
+        for j in 0..i {
+            let product = -faces[i].dot(&faces[j]);
+            worst = worst.max(product * product.abs() * (inverse[i] * inverse[j]));
+        }
+    }
+    worst
+}
+
+/// The [`sharpness`] of an angle, degrees.
+pub(super) fn sharpness_of(degrees: f64) -> f64 {
+    let cosine = libm::cos(degrees.to_radians());
+    cosine * cosine.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sharpness_orders_tetrahedra_as_their_smallest_angle_does() {
+        // At the edge from a to b the faces meet at `angle`; the other angles are larger.
+        for angle in [5.0_f64, 20.0, 40.0] {
+            let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
+            let p = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, cos, sin]].map(Vec3::from);
+            assert!((sharpness(p) - sharpness_of(angle)).abs() < 1e-12, "{angle}");
+            assert_eq!(sharpness([p[1], p[0], p[2], p[3]]), 2.0);
+        }
     }
 }

@@ -6,10 +6,26 @@ use crate::math::Vec3;
 /// Faces, edges and corners of a grain.
 pub(super) struct Surface {
     planes: Vec<Plane>,
-    edges: Vec<[Vec3; 2]>,
+    edges: Vec<Edge>,
     corners: Vec<Vec3>,
+    /// mm3.
+    pub(super) volume: f64,
     /// Points this far from a plane count as on it, mm.
     slack: f64,
+}
+
+struct Edge {
+    start: Vec3,
+    along: Vec3,
+    /// `along` over its squared length.
+    measure: Vec3,
+}
+
+impl Edge {
+    fn new([a, b]: [Vec3; 2]) -> Self {
+        let along = b - a;
+        Self { start: a, along, measure: along / along.norm_squared() }
+    }
 }
 
 impl Surface {
@@ -27,8 +43,9 @@ impl Surface {
         }
         Self {
             planes: body.planes().collect(),
-            edges: edges.into_iter().map(|edge| edge.map(at)).collect(),
+            edges: edges.into_iter().map(|edge| Edge::new(edge.map(at))).collect(),
             corners: body.vertices().to_vec(),
+            volume: body.volume(),
             slack: 1e-9 * body.aabb().size().max(),
         }
     }
@@ -37,12 +54,13 @@ impl Surface {
     pub(super) fn features_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
         let near = |p: &Vec3| (p - x).norm_squared() < reach * reach;
         self.corners.iter().filter(|corner| near(corner)).for_each(|corner| visit(*corner));
-        for [a, b] in &self.edges {
-            let along = b - a;
-            let t = (x - a).dot(&along) / along.norm_squared();
-            let place = a + along * t;
-            if t > 0.0 && t < 1.0 && near(&place) {
-                visit(place);
+        for edge in &self.edges {
+            let t = (x - edge.start).dot(&edge.measure);
+            if t > 0.0 && t < 1.0 {
+                let place = edge.start + edge.along * t;
+                if near(&place) {
+                    visit(place);
+                }
             }
         }
     }
@@ -60,6 +78,22 @@ impl Surface {
         };
         let place = x + step;
         (self.holds(&place) && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+    }
+
+    /// Calls `visit` with the feet of the perpendiculars from `x` to the faces, as far as these are within `reach`.
+    pub(super) fn feet_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
+        for plane in &self.planes {
+            let height = plane.normal.dot(x) - plane.offset;
+            let foot = x - plane.normal * height;
+            if height.abs() < reach && self.holds(&foot) {
+                visit(foot);
+            }
+        }
+    }
+
+    /// Whether `x` lies on the surface.
+    pub(super) fn has(&self, x: &Vec3) -> bool {
+        self.planes.iter().any(|p| self.is_on(p, x)) && self.holds(x)
     }
 
     /// Whether `x` lies in the closed grain.
