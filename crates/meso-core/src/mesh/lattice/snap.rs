@@ -169,7 +169,9 @@ impl<'a> Field<'a> {
     }
 
     pub(super) fn at(&self, node: u32, other: u32, t: f64) -> Vec3 {
-        self.points[node as usize].lerp(&self.points[other as usize], t)
+        let [from, to] = [node, other].map(|node| self.points[node as usize]);
+        // Not `lerp`, whose two products may leave a face of the box that both ends lie on.
+        from + (to - from) * t
     }
 
     /// The edges from a moved node into other grains: close the gap, move the other node, or leave the edge to be cut.
@@ -183,7 +185,8 @@ impl<'a> Field<'a> {
             let t = self.exit(other, node);
             if t < limit && self.may_follow(other, node) {
                 changes.push(Change::Move(other, grain, self.at(other, node, t)));
-            } else if 1.0 - t < limit {
+            } else if 1.0 - t < limit && self.may_follow(node, other) {
+                // On the box's faces only edges within them count: opposite faces of a periodic box must match.
                 let length = (self.points[node as usize] - self.points[other as usize]).norm();
                 changes.push(Change::Close(node, grain, (1.0 - t) * length));
             }
