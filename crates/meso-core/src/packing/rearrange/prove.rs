@@ -15,8 +15,8 @@ pub(super) struct Proved {
     pub(super) left_out: usize,
 }
 
-/// Keeps of `reached` (grain and pose) what is proved; of two grains in doubt the one with more doubts goes, then the
-/// smaller.
+/// Keeps of `reached` (grain and pose, neighbours near each other in the list) what is proved; of two grains in doubt the
+/// one with more doubts goes, then the smaller.
 pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) -> Proved {
     let settle = |pose: &Pose| Pose { centre: task.period.wrap(&snap(&pose.centre)), ..*pose };
     let mut there: Vec<(u32, Pose)> = reached.iter().map(|(grain, pose)| (*grain, settle(pose))).collect();
@@ -24,10 +24,12 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     let settled: Vec<Settled> =
         there.par_iter().map(|(grain, pose)| Settled::new(task, &task.request.grains[*grain as usize], pose)).collect();
     let scene = Scene::new(task, &settled);
-    let looks: Vec<(Vec<u32>, Counters)> = (0..settled.len()).into_par_iter().map(|body| scene.doubts(body)).collect();
+    let number = |grain: u32| there.partition_point(|body| body.0 < grain) as u32;
+    let near: Vec<u32> = reached.par_iter().map(|&(grain, _)| number(grain)).collect();
+    let looks: Vec<(Vec<Near>, Counters)> = near.par_chunks(CHUNK).map(|bodies| scene.doubts(bodies)).collect();
     looks.iter().for_each(|look| work.add(&look.1));
     let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
-    drop_doubtful(looks.into_iter().map(|look| look.0).collect(), &mut kept);
+    drop_doubtful(looks.iter().flat_map(|look| &look.0).map(|pair| (pair.other, pair.body)).collect(), &mut kept);
     let mut poses = vec![None; task.request.grains.len()];
     for (&(grain, pose), _) in there.iter().zip(&kept).filter(|(_, kept)| **kept) {
         poses[grain as usize] = Some(pose);
@@ -35,28 +37,34 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     Proved { poses, left_out: kept.iter().filter(|kept| !**kept).count() }
 }
 
+/// Bodies a thread proves at once. Only they and their neighbours are then held in the form collision works on, which is
+/// as large as a grain: of all at once it was the peak of memory.
+const CHUNK: usize = 512;
+
 /// A grain at its final coordinates.
-struct Settled {
-    body: gjk::Body,
-    centre: Vec3,
+struct Settled<'a> {
+    grain: &'a Grain,
+    pose: &'a Pose,
     aabb: Aabb,
-    radius: f64,
     inside: bool,
 }
 
-impl Settled {
-    fn new(task: &Task, grain: &Grain, pose: &Pose) -> Self {
+impl<'a> Settled<'a> {
+    fn new(task: &Task, grain: &'a Grain, pose: &'a Pose) -> Self {
         let vertices = pose.turned(grain.body.vertices());
         let local = Aabb::around(&vertices);
         let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
         let half_gap = Vec3::repeat(*min_gap_mm);
         Self {
-            body: gjk::Body::new(&vertices),
-            centre: pose.centre,
+            grain,
+            pose,
             aabb: Aabb { min: local.min + pose.centre - half_gap, max: local.max + pose.centre + half_gap },
-            radius: grain.outer_radius,
             inside: task.room.holds(&vertices, &pose.centre, *wall_gap_mm),
         }
+    }
+
+    fn body(&self) -> gjk::Body {
+        gjk::Body::new(&self.pose.turned(self.grain.body.vertices()))
     }
 
     /// True when the boxes meet, with `other` moved by `shift`.
@@ -65,23 +73,31 @@ impl Settled {
     }
 }
 
+/// Two bodies whose boxes meet, the other moved by `shift`.
+#[derive(Clone, Copy)]
+struct Near {
+    body: u32,
+    other: u32,
+    shift: Vec3,
+}
+
 /// All bodies and their images.
 struct Scene<'a> {
     task: &'a Task<'a>,
-    settled: &'a [Settled],
+    settled: &'a [Settled<'a>],
     /// Number of the body and displacement of every item of the grid.
     images: Vec<(u32, Vec3)>,
     grid: Grid,
 }
 
 impl<'a> Scene<'a> {
-    fn new(task: &'a Task<'a>, settled: &'a [Settled]) -> Self {
+    fn new(task: &'a Task<'a>, settled: &'a [Settled<'a>]) -> Self {
         let domain = task.domain();
         let mut scene = Self {
             task,
             settled,
             images: Vec::new(),
-            grid: Grid::new(&domain, 2.0 * settled[settled.len() / 2].radius),
+            grid: Grid::new(&domain, 2.0 * settled[settled.len() / 2].grain.outer_radius),
         };
         for (number, body) in (0..).zip(settled) {
             for shift in task.period.shifts(&body.aabb, &domain) {
@@ -92,37 +108,45 @@ impl<'a> Scene<'a> {
         scene
     }
 
-    /// The bodies before `body`, or it itself, with an image that it is not proved apart from, and what it took.
-    fn doubts(&self, body: usize) -> (Vec<u32>, Counters) {
-        let own = &self.settled[body];
-        let (mut doubts, mut counters) = (Vec::new(), Counters::default());
+    /// The pairs of `bodies` that are not proved apart, and what it took.
+    fn doubts(&self, bodies: &[u32]) -> (Vec<Near>, Counters) {
+        let mut counters = Counters::default();
+        let mut pairs: Vec<Near> = bodies.iter().flat_map(|&body| self.near(body)).collect();
+        let mut numbers: Vec<u32> = pairs.iter().flat_map(|pair| [pair.body, pair.other]).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let bodies: Vec<gjk::Body> = numbers.iter().map(|&number| self.settled[number as usize].body()).collect();
+        let body = |number: u32| &bodies[numbers.partition_point(|&other| other < number)];
+        pairs.retain(|pair| !self.apart(pair, body(pair.body), body(pair.other), &mut counters));
+        (pairs, counters)
+    }
+
+    /// The bodies before `body`, and it itself, with an image whose box meets its own.
+    fn near(&self, body: u32) -> Vec<Near> {
+        let (own, mut near) = (&self.settled[body as usize], Vec::new());
         self.grid.all_near(&own.aabb, |item| {
             let (other, shift) = self.images[item as usize];
-            let it = &self.settled[other as usize];
-            let is_other = (other as usize) < body || (other as usize == body && shift != Vec3::zeros());
-            if is_other && own.meets(it, &shift) && !self.apart(own, it, &shift, &mut counters) {
-                doubts.push(other);
+            let is_other = other < body || (other == body && shift != Vec3::zeros());
+            if is_other && own.meets(&self.settled[other as usize], &shift) {
+                near.push(Near { body, other, shift });
             }
             true
         });
-        doubts.sort_unstable();
-        doubts.dedup();
-        (doubts, counters)
+        near
     }
 
-    fn apart(&self, a: &Settled, b: &Settled, shift: &Vec3, counters: &mut Counters) -> bool {
-        let (offset, gap) = (b.centre + shift - a.centre, self.task.request.placement.min_gap_mm);
-        gjk::apart_counted(&a.body, &b.body, &offset, gap, None, counters).is_some()
+    fn apart(&self, pair: &Near, a: &gjk::Body, b: &gjk::Body, counters: &mut Counters) -> bool {
+        let centre = |number: u32| self.settled[number as usize].pose.centre;
+        let offset = centre(pair.other) + pair.shift - centre(pair.body);
+        gjk::apart_counted(a, b, &offset, self.task.request.placement.min_gap_mm, None, counters).is_some()
     }
 }
 
 /// Drops grains until no doubtful pair is left; grains come in descending volume.
-fn drop_doubtful(doubts: Vec<Vec<u32>>, kept: &mut [bool]) {
-    let mut pairs: Vec<(u32, u32)> = doubts
-        .iter()
-        .enumerate()
-        .flat_map(|(body, others)| others.iter().map(move |&other| (other, body as u32)))
-        .collect();
+fn drop_doubtful(mut pairs: Vec<(u32, u32)>, kept: &mut [bool]) {
+    // Two bodies may be in doubt in several images.
+    pairs.sort_unstable();
+    pairs.dedup();
     loop {
         pairs.retain(|&(p, q)| kept[p as usize] && kept[q as usize]);
         let mut count = vec![0u32; kept.len()];
