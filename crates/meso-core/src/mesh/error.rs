@@ -33,10 +33,9 @@ pub enum MeshError {
     Gmsh(String),
     /// Two aggregates, or one and the specimen's surface, are too close for a conforming mesh.
     #[error(
-        "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with {} = 0.05 or more, \
-         or mesh by the method lattice",
-        other.map_or("the specimen's surface".to_owned(), |id| format!("aggregate {id}")),
-        if other.is_some() { "min_gap_mm" } else { "wall_gap_mm" }
+        "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with min_gap_mm = 0.05 \
+         and wall_gap_mm = 0.05 or more under [placement], or mesh by the method lattice",
+        other.map_or("the specimen's surface".to_owned(), |id| format!("aggregate {id}"))
     )]
     NearTouching {
         /// The gap, mm.
