@@ -99,7 +99,7 @@ fn unmatched(place: &Vec3, along: &[bool; 3]) -> DeckError {
 }
 
 fn faces_differ(what: &str) -> DeckError {
-    let remedy = "opposite faces must match node for node, as voxels and a plain lattice do";
+    let remedy = "opposite faces must match node for node, as in voxels and lattices";
     DeckError { key: "periodic_equations", value: "true".into(), accepted: format!("{remedy}; here {what}") }
 }
 
