@@ -256,6 +256,12 @@ fn notes(mesh: &Mesh) {
             notes.widest_closed_gap_mm
         ));
     }
+    if notes.released_nodes > 0 {
+        let nodes = say::count(notes.released_nodes);
+        say::line(format!(
+            "{nodes} interface nodes had to leave the aggregates' surfaces to keep angles from getting too sharp"
+        ));
+    }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
         say::line(format!(
             "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of them it has no thickness",

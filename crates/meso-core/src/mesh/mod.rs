@@ -140,6 +140,8 @@ pub struct Notes {
     pub closed_gap_pairs: usize,
     /// The widest gap closed, mm.
     pub widest_closed_gap_mm: f64,
+    /// Interface nodes of a fitted lattice that had to leave the surfaces, so that no angle is too sharp.
+    pub released_nodes: usize,
     /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
     pub thinned_itz_aggregates: usize,
     /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.

@@ -37,8 +37,8 @@ pub(super) struct Fit<'a> {
     pub(super) size: f64,
 }
 
-/// Fits `mesh`, with elements of about `size` mm, to the surfaces.
-pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], locator: &Locator, domain: &Aabb, size: f64) {
+/// Fits `mesh`, with elements of about `size` mm, to the surfaces; returns how many nodes had to leave them for the angles.
+pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], locator: &Locator, domain: &Aabb, size: f64) -> usize {
     let mut roles_now = roles(mesh, domain);
     let active = near_surface(mesh, &roles_now);
     let stars = Stars::new(mesh, &active);
@@ -61,8 +61,9 @@ pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], locator: &Locator
         }
     }
     let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &[], size };
-    mend::mend(&fit);
+    let released = mend::mend(&fit);
     mesh.points = places.into_points();
+    released
 }
 
 /// The steps, as [`Places::take_turn`] counts them.

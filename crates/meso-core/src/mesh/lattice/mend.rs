@@ -15,23 +15,32 @@ const TRIES: usize = 12;
 /// Lengths of the steps tried, in elements.
 const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
-/// Mends what can be mended.
-pub(super) fn mend(fit: &Fit) {
+/// Mends what can be mended; returns how many nodes were let off the surfaces for it.
+pub(super) fn mend(fit: &Fit) -> usize {
     let limit = sharpness_of(GUARD_DEG);
     let mut suspects: Vec<u32> = (0..fit.mesh.cells.len() as u32).collect();
+    let mut released = Vec::new();
     for turn in 0..2 * TRIES {
         suspects = sharper(fit, suspects, limit);
         if suspects.is_empty() {
-            return;
+            break;
         }
         let mut nodes: Vec<u32> = suspects.iter().flat_map(|&cell| fit.mesh.cells[cell as usize]).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        nodes.iter().for_each(|&node| better(fit, node, turn >= TRIES));
+        for &node in &nodes {
+            let off = turn >= TRIES;
+            if better(fit, node, off) && off && fit.roles[node as usize] != Role::Free {
+                released.push(node);
+            }
+        }
         suspects = nodes.iter().flat_map(|&node| fit.stars.cells(node)).copied().collect();
         suspects.sort_unstable();
         suspects.dedup();
     }
+    released.sort_unstable();
+    released.dedup();
+    released.len()
 }
 
 /// Those of `cells` that are sharper than `limit`.
@@ -40,11 +49,11 @@ fn sharper(fit: &Fit, cells: Vec<u32>, limit: f64) -> Vec<u32> {
     cells.into_par_iter().filter(sharp).collect()
 }
 
-/// Moves the node to the best place around it.
-fn better(fit: &Fit, node: u32, released: bool) {
+/// Moves the node to the best place around it; false where it is there already.
+fn better(fit: &Fit, node: u32, released: bool) -> bool {
     let role = fit.roles[node as usize];
     if role == Role::Fixed || fit.stars.cells(node).is_empty() {
-        return;
+        return false;
     }
     let mut star = fit.star(node);
     let track = if released { Track::Anywhere } else { Track::of(fit, &star, role) };
@@ -61,6 +70,7 @@ fn better(fit: &Fit, node: u32, released: bool) {
     if let Some(place) = best.1 {
         fit.go(node, &place);
     }
+    best.1.is_some()
 }
 
 /// To the 26 neighbours in a grid.

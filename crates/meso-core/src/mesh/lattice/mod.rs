@@ -81,10 +81,10 @@ pub(super) fn fitted(aggregates: &[Aggregate], specimen: &Specimen, element_size
     let locator = Locator::new(&grains, &domain);
     let mut field = snap::Field::new(&bcc, &grains);
     field.snap();
-    let notes = field.notes();
+    let mut notes = field.notes();
     let mut mesh = cut::Cutter::new(&field, &locator).cells();
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
-    fit::fit(&mut mesh, &surfaces, &locator, &domain, element_size);
+    notes.released_nodes = fit::fit(&mut mesh, &surfaces, &locator, &domain, element_size);
     (mesh, notes)
 }
 
