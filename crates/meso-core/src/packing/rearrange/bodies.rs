@@ -1,12 +1,13 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
-use super::contact::{LANES, Points, V, highest};
+use super::contact::{LANES, Points, V, highest, length};
 use super::obstacle;
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::packing::place::Task;
 use crate::packing::{Period, Pose, Room};
 use crate::wide::widest;
+use nalgebra::Quaternion;
 use rayon::prelude::*;
 
 /// Where the vertices of a body stand in the coordinate arrays.
@@ -23,12 +24,42 @@ pub(super) struct State {
     pub(super) centre: Vec3,
     pub(super) rotation: Rotation,
     /// Movement of the last sweep, mm and radians.
-    pub(super) velocity: Vec3,
-    pub(super) spin: Vec3,
+    pub(super) velocity: V,
+    pub(super) spin: V,
     /// False where the walls, which are no box, could not all be kept in the last sweep.
     pub(super) inside: bool,
-    /// Length of the path any point of the body has moved at the most since the start, mm.
-    pub(super) path: f64,
+    /// By axis, the side on which a wall of the specimen's box held the body back in the last sweep: -1, 1, or 0 for none.
+    pub(super) held: [i8; 3],
+}
+
+impl State {
+    /// Turns by the spin, to second order.
+    fn turn(&self) -> Rotation {
+        let half = widened(self.spin) * 0.5;
+        Rotation::from_quaternion(Quaternion::new(1.0 - half.norm_squared() / 2.0, half.x, half.y, half.z))
+    }
+
+    /// Moves by the velocity and turns by the spin.
+    fn advance(&mut self) {
+        self.centre += widened(self.velocity);
+        self.rotation = Rotation::from_quaternion((self.turn() * self.rotation).into_inner());
+    }
+
+    /// How far a point of the body goes in a sweep at the most, mm.
+    pub(super) fn speed(&self, fixed: &Fixed) -> f32 {
+        length(self.velocity) + length(self.spin) * fixed.outer_radius
+    }
+
+    /// Share of a push in the unit direction `d` that goes against the walls which hold the body.
+    #[inline(always)]
+    pub(super) fn held_against(&self, d: V) -> f32 {
+        let against = |k: usize| if f32::from(self.held[k]) * d[k] > 0.0 { d[k] * d[k] } else { 0.0 };
+        against(0) + against(1) + against(2)
+    }
+
+    fn rests(&self) -> bool {
+        self.velocity == [0.0; 3] && self.spin == [0.0; 3] && self.inside
+    }
 }
 
 /// What of a body stays.
@@ -46,6 +77,8 @@ pub(super) struct Fixed {
 }
 
 const MASS_EXPONENT: f64 = 0.7;
+/// No body may go farther than this share of its radius before its pairs are looked for again: it would have too many.
+pub(super) const MOST_MARGIN: f32 = 0.125;
 
 /// All bodies.
 pub(super) struct Bodies<'a> {
@@ -58,7 +91,14 @@ pub(super) struct Bodies<'a> {
     turned: Vec<f32>,
     /// Box of every body about its centre: lowest and highest coordinates.
     boxes: Vec<(V, V)>,
+    /// Length of the path any point of a body has moved at the most since all pairs were listed, mm.
+    paths: Vec<f32>,
+    /// The longest path for which the pairs listed of a body are all that may be contacts, mm.
+    limits: Vec<f32>,
 }
+
+/// Sweeps after which the vertices are turned from the grain's own again, before rounding shows.
+const TURN_ANEW: u32 = 16;
 
 impl<'a> Bodies<'a> {
     /// The grains (by number) at their poses, ordered along a space-filling curve.
@@ -72,7 +112,12 @@ impl<'a> Bodies<'a> {
             spans: Vec::new(),
             turned: Vec::new(),
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
+            paths: vec![0.0; poses.len()],
+            limits: vec![0.0; poses.len()],
         };
+        bodies.fixed.reserve_exact(poses.len());
+        bodies.state.reserve_exact(poses.len());
+        bodies.spans.reserve_exact(poses.len());
         let mut end = 0;
         for (grain, pose) in &poses {
             end += bodies.push(*grain, &grains[*grain as usize], pose, end);
@@ -95,10 +140,10 @@ impl<'a> Bodies<'a> {
         self.state.push(State {
             centre: pose.centre,
             rotation: pose.rotation.unwrap_or(Rotation::identity()),
-            velocity: Vec3::zeros(),
-            spin: Vec3::zeros(),
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
             inside: true,
-            path: 0.0,
+            held: [0; 3],
         });
         let len = grain.body.vertices().len().next_multiple_of(LANES) as u32;
         self.spans.push(Span { start, len });
@@ -125,28 +170,80 @@ impl<'a> Bodies<'a> {
         [d.x as f32, d.y as f32, d.z as f32]
     }
 
-    /// True when the boxes of two bodies are less than `limit` mm apart in every coordinate.
+    /// A lower bound of the gap between two bodies, by their boxes, mm.
     #[inline(always)]
-    pub(super) fn boxes_within(&self, i: u32, j: u32, limit: f32) -> bool {
+    pub(super) fn box_gap(&self, i: u32, j: u32) -> f32 {
         let x = self.offset(i, j);
         let ((low_i, high_i), (low_j, high_j)) = (self.boxes[i as usize], self.boxes[j as usize]);
-        (0..3).all(|k| x[k] + low_j[k] <= high_i[k] + limit && x[k] + high_j[k] >= low_i[k] - limit)
+        let along = |k: usize| (x[k] + low_j[k] - high_i[k]).max(low_i[k] - x[k] - high_j[k]);
+        along(0).max(along(1)).max(along(2))
     }
 
-    /// Calls `step` on every body's state, then turns its vertices and puts it back inside `walls`.
-    pub(super) fn advance(&mut self, walls: &Walls, step: impl Fn(u32, &[Fixed], &mut State) + Sync) {
-        let Self { grains, state, spans, turned, fixed, boxes, .. } = self;
-        let blocks = split(turned, spans);
-        let moving = state.par_iter_mut().zip(blocks).zip(boxes).enumerate().with_min_len(256);
-        moving.for_each(|(body, ((state, turned), own_box))| {
-            let before = state.centre;
-            step(body as u32, fixed, state);
+    /// Length of the path the body has moved at the most since all pairs were listed, mm.
+    #[inline(always)]
+    pub(super) fn path(&self, body: u32) -> f32 {
+        self.paths[body as usize]
+    }
+
+    /// How far the body may yet go until its pairs are to be looked for again, mm.
+    #[inline(always)]
+    pub(super) fn margin(&self, body: u32) -> f32 {
+        self.limits[body as usize] - self.paths[body as usize]
+    }
+
+    /// The bodies that may have come nearer to one that the list of pairs does not name.
+    pub(super) fn beyond_limits(&self) -> Vec<u32> {
+        let bodies = (0..self.len() as u32).into_par_iter();
+        bodies.filter(|&body| self.margin(body) < 0.0).collect()
+    }
+
+    /// Lets a body go on for about `sweeps` sweeps at its speed, but at least for `least` mm.
+    fn limit(&self, body: u32, sweeps: f32, least: f32) -> f32 {
+        let (state, fixed) = (&self.state[body as usize], &self.fixed[body as usize]);
+        self.path(body) + (sweeps * state.speed(fixed)).max(least).min(MOST_MARGIN * fixed.ball_radius)
+    }
+
+    /// Sets new limits for `bodies`.
+    pub(super) fn go_on(&mut self, bodies: &[u32], sweeps: f32, least: f32) {
+        let limits: Vec<f32> = bodies.par_iter().map(|&body| self.limit(body, sweeps, least)).collect();
+        bodies.iter().zip(limits).for_each(|(&body, limit)| self.limits[body as usize] = limit);
+    }
+
+    /// Counts all paths from here; returns the paths so far.
+    pub(super) fn start_again(&mut self) -> Vec<f32> {
+        let fresh = vec![0.0; self.len()];
+        std::mem::replace(&mut self.paths, fresh)
+    }
+
+    /// Turns all vertices from the grains' own, and puts the bodies inside `walls`.
+    pub(super) fn settle(&mut self, walls: &Walls) {
+        let (grains, fixed) = (self.grains, &self.fixed);
+        moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
             let vertices = grains[fixed[body].grain as usize].body.vertices();
-            *own_box = widest(|| turn(vertices, turned, &state.rotation));
-            (state.centre, state.inside) =
-                walls.confine(state.centre, own_box, turned, f64::from(fixed[body].outer_radius));
-            let moved = (state.centre - before).norm() + state.spin.norm() * f64::from(fixed[body].outer_radius);
-            state.path += moved * 1.000_001;
+            *moving.own_box = widest(|| turn(vertices, moving.turned, &moving.state.rotation));
+            moving.confine(walls, &fixed[body]);
+        });
+    }
+
+    /// Calls `step` on every body's state, to set its velocity and spin; then moves it by them and puts it back inside
+    /// `walls`.
+    pub(super) fn advance(&mut self, sweep: u32, walls: &Walls, step: impl Fn(u32, &Fixed, &mut State) + Sync) {
+        let (grains, fixed) = (self.grains, &self.fixed);
+        let anew = sweep.is_multiple_of(TURN_ANEW);
+        moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
+            step(body as u32, &fixed[body], moving.state);
+            if moving.state.rests() {
+                return;
+            }
+            let turn_by = moving.state.turn();
+            moving.state.advance();
+            *moving.own_box = if anew {
+                let vertices = grains[fixed[body].grain as usize].body.vertices();
+                widest(|| turn(vertices, moving.turned, &moving.state.rotation))
+            } else {
+                widest(|| turn_on(moving.turned, &turn_by))
+            };
+            moving.confine(walls, &fixed[body]);
         });
     }
 
@@ -240,20 +337,67 @@ impl<'a> Walls<'a> {
         centre
     }
 
+    /// The sides on which the walls of the box hold a body back that would have its centre there.
+    fn holds(&self, centre: &Vec3, (low, high): &(V, V)) -> [i8; 3] {
+        [0, 1, 2].map(|i| {
+            let below = centre[i] + f64::from(low[i]) < self.low[i];
+            let above = centre[i] + f64::from(high[i]) > self.high[i];
+            i8::from(above) - i8::from(below)
+        })
+    }
+
     fn boxed_in(&self, centre: Vec3, (low, high): &(V, V)) -> Vec3 {
         Vec3::from_fn(|i, _| centre[i].max(self.low[i] - f64::from(low[i])).min(self.high[i] - f64::from(high[i])))
     }
 }
 
-/// One mutable block of vertices per body.
-fn split<'a>(mut all: &'a mut [f32], spans: &[Span]) -> Vec<&'a mut [f32]> {
-    let mut blocks = Vec::with_capacity(spans.len());
-    for span in spans {
-        let (block, rest) = all.split_at_mut(3 * span.len as usize);
-        blocks.push(block);
-        all = rest;
+/// A body while it moves.
+struct Moving<'a> {
+    state: &'a mut State,
+    turned: &'a mut [f32],
+    own_box: &'a mut (V, V),
+    path: &'a mut f32,
+}
+
+impl Moving<'_> {
+    /// Puts the body inside `walls`, and notes how far it has gone in this sweep.
+    fn confine(self, walls: &Walls, fixed: &Fixed) {
+        let Self { state, turned, own_box, path } = self;
+        let free = state.centre;
+        state.held = walls.holds(&free, own_box);
+        (state.centre, state.inside) = walls.confine(free, own_box, turned, f64::from(fixed.outer_radius));
+        let moved = (state.centre - free + widened(state.velocity)).norm() as f32;
+        *path += (moved + length(state.spin) * fixed.outer_radius) * 1.000_01;
     }
-    blocks
+}
+
+/// Bodies a thread moves at once.
+const CHUNK: usize = 256;
+
+/// Calls `each` with every body's number and what of it moves.
+fn moving(
+    state: &mut [State],
+    mut turned: &mut [f32],
+    spans: &[Span],
+    boxes: &mut [(V, V)],
+    paths: &mut [f32],
+    each: impl Fn(usize, Moving) + Sync,
+) {
+    let mut chunks = Vec::with_capacity(spans.len().div_ceil(CHUNK));
+    for spans in spans.chunks(CHUNK) {
+        let (own, rest) = turned.split_at_mut(spans.iter().map(|span| 3 * span.len as usize).sum());
+        chunks.push((own, spans));
+        turned = rest;
+    }
+    let bodies = state.par_chunks_mut(CHUNK).zip(boxes.par_chunks_mut(CHUNK)).zip(paths.par_chunks_mut(CHUNK));
+    bodies.zip(chunks).enumerate().for_each(|(number, (((states, boxes), paths), (mut turned, spans)))| {
+        let bodies = states.iter_mut().zip(boxes).zip(paths).zip(spans);
+        for (k, (((state, own_box), path), span)) in bodies.enumerate() {
+            let (own, rest) = turned.split_at_mut(3 * span.len as usize);
+            turned = rest;
+            each(number * CHUNK + k, Moving { state, turned: own, own_box, path });
+        }
+    });
 }
 
 /// Turns `vertices` by `rotation` into `turned`, with copies of the first to the end; returns the box of the result.
@@ -280,6 +424,29 @@ fn turn(vertices: &[Vec3], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
     (low.map(|lanes| -highest(lanes.map(|v| -v))), high.map(highest))
 }
 
+/// Turns all of `turned` on by `rotation`; returns the box of the result.
+#[inline(always)]
+fn turn_on(turned: &mut [f32], rotation: &Rotation) -> (V, V) {
+    let m = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
+    let rows = [0, 1, 2].map(|row| [m[(row, 0)], m[(row, 1)], m[(row, 2)]]);
+    let (mut low, mut high) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
+    let (x, yz) = turned.split_at_mut(turned.len() / 3);
+    let (y, z) = yz.split_at_mut(x.len());
+    let blocks = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
+    for ((x, y), z) in blocks {
+        let from: [[f32; LANES]; 3] = [&x, &y, &z].map(|own| std::array::from_fn(|lane| own[lane]));
+        for (row, out) in [x, y, z].into_iter().enumerate() {
+            for lane in 0..LANES {
+                let v = rows[row][0] * from[0][lane] + rows[row][1] * from[1][lane] + rows[row][2] * from[2][lane];
+                out[lane] = v;
+                low[row][lane] = if v < low[row][lane] { v } else { low[row][lane] };
+                high[row][lane] = if v > high[row][lane] { v } else { high[row][lane] };
+            }
+        }
+    }
+    (low.map(|lanes| -highest(lanes.map(|v| -v))), high.map(highest))
+}
+
 /// Position along the Morton curve over the specimen's box, 21 bits a coordinate.
 fn morton(point: &Vec3, aabb: &Aabb) -> u64 {
     let size = aabb.size().max();
@@ -294,4 +461,8 @@ fn spread_bits(mut v: u64) -> u64 {
     v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
     v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
     (v | v << 2) & 0x1249_2492_4924_9249
+}
+
+fn widened(v: V) -> Vec3 {
+    Vec3::from_fn(|i, _| f64::from(v[i]))
 }

@@ -331,6 +331,11 @@ pub(super) fn dot(a: V, b: V) -> f32 {
 }
 
 #[inline(always)]
+pub(super) fn length(a: V) -> f32 {
+    dot(a, a).sqrt()
+}
+
+#[inline(always)]
 pub(super) fn cross(a: V, b: V) -> V {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -6,6 +6,7 @@
 //! the energy rises. Walls are hard. What comes out is proved apart pair by pair before anyone sees it.
 
 mod bodies;
+mod cells;
 mod contact;
 mod drop;
 mod obstacle;
@@ -14,14 +15,11 @@ mod prove;
 
 use super::place::Task;
 use super::{Outcome, Pose, StopReason, Work};
-use bodies::{Bodies, State, Walls};
-use contact::{V, add_scaled, cross, dot, scale};
-use pairs::{Pair, Pairs};
-use rayon::prelude::*;
+use bodies::{Bodies, Walls};
+use contact::{V, add_scaled, length, scale};
+use pairs::{Gaps, Look, Pairs};
 
 use crate::aggregate::take::Grain;
-use crate::math::{Rotation, Vec3};
-use crate::wide::widest;
 
 /// Wanted gap beyond the least one, as a share of the smallest grain's radius: room for the last digits to settle.
 const SLOP: f64 = 0.004;
@@ -37,16 +35,13 @@ const MOST_CONTACTS: usize = 256;
 /// Momentum is dropped when the energy rises by this factor.
 const RESTART: f64 = 1.1;
 /// No body goes farther in a sweep than this share of its radius, nor turns by more radians.
-const LONGEST_STEP: f64 = 0.25;
-/// The list of pairs is made to last about this many sweeps.
-const LIST_SWEEPS: f64 = 6.0;
-/// The list reaches at most so many slops beyond a contact: a longer one costs more than making it anew.
-const MOST_SKIN: f64 = 80.0;
+const LONGEST_STEP: f32 = 0.25;
+/// Every body may go at least so many slops before the list is made anew.
+const LEAST_MARGIN: f64 = 10.0;
+/// A body without contacts comes to rest when it is slower than this share of the slop a sweep.
+const REST: f64 = 0.02;
 /// It is jammed when the energy has not fallen by a tenth in so many sweeps.
 const PATIENCE: u32 = 150;
-/// Pairs a thread takes at once.
-const CHUNK: usize = 1024;
-
 /// A jam is relieved by leaving out the worst wedged grains, up to this share of the volume at a time.
 const RELIEF: f64 = 0.02;
 
@@ -124,9 +119,8 @@ impl Settings {
         self.enough < self.slop
     }
 
-    /// The gap that makes a pair no contact.
-    fn want(&self) -> f32 {
-        (self.least_gap + self.slop) as f32
+    fn gaps(&self) -> Gaps {
+        Gaps { want: (self.least_gap + self.slop) as f32, enough: (self.least_gap + self.enough) as f32 }
     }
 }
 
@@ -138,13 +132,6 @@ struct Dynamics<'a> {
     /// Share of the summed movement that is done, by the number of contacts.
     relaxations: Vec<f32>,
     sweep: u32,
-}
-
-/// What one look at all pairs found.
-#[derive(Clone, Copy, Default)]
-struct Look {
-    energy: f64,
-    open_below: u32,
 }
 
 impl<'a> Dynamics<'a> {
@@ -176,7 +163,7 @@ impl<'a> Dynamics<'a> {
 
     /// Sweeps until every pair is open, nothing helps any more, or the task says stop.
     fn descend(&mut self, task: &Task) -> Ended {
-        self.bodies.advance(&self.walls, |_, _, _| {});
+        self.bodies.settle(&self.walls);
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
         loop {
             self.renew_pairs();
@@ -203,11 +190,11 @@ impl<'a> Dynamics<'a> {
     /// Leaves out the grains with the most overlap for their volume.
     fn relieve(&mut self, task: &Task<'a>) {
         let grains = task.request.grains;
-        let want = self.settings.want();
+        let want = self.settings.gaps().want;
         let mut worst: Vec<(f64, u32)> = (0..self.bodies.len() as u32)
             .map(|body| {
-                let pairs = self.pairs.as_first(body).chain(self.pairs.as_second(body));
-                let energy: f64 = pairs.map(|pair| f64::from((want - pair.contact.gap).max(0.0)).powi(2)).sum();
+                let contacts = self.pairs.contacts(body);
+                let energy: f64 = contacts.map(|(touch, _)| f64::from(want - touch.contact.gap).powi(2)).sum();
                 let grain = self.bodies.fixed[body as usize].grain;
                 let inside = self.bodies.state[body as usize].inside;
                 (if inside { energy / grains[grain as usize].volume } else { f64::INFINITY }, grain)
@@ -230,46 +217,29 @@ impl<'a> Dynamics<'a> {
     }
 
     fn renew_pairs(&mut self) {
-        if !self.pairs.stale(&self.bodies) {
-            return;
-        }
-        self.bodies.wrap();
-        let fastest = self
-            .bodies
-            .state
-            .iter()
-            .zip(&self.bodies.fixed)
-            .map(|(state, fixed)| state.velocity.norm() + state.spin.norm() * f64::from(fixed.outer_radius))
-            .fold(0.0, f64::max);
-        let slop = self.settings.slop;
-        let skin = (LIST_SWEEPS * fastest).clamp(10.0 * slop, MOST_SKIN * slop);
-        self.pairs.rebuild(&self.bodies, f64::from(self.settings.want()), skin);
+        let least = LEAST_MARGIN * self.settings.slop;
+        self.pairs.cover(&mut self.bodies, self.settings.gaps().want, least as f32);
     }
 
     /// Brings every pair's contact up to date.
     fn look(&mut self) -> Look {
-        let (bodies, want) = (&self.bodies, self.settings.want());
-        let enough = (self.settings.least_gap + self.settings.enough) as f32;
-        let looks: Vec<Look> =
-            self.pairs.all.par_chunks_mut(CHUNK).map(|pairs| widest(|| look_at(bodies, pairs, want, enough))).collect();
-        let outside = bodies.state.iter().filter(|state| !state.inside).count() as u32;
-        let start = Look { energy: 0.0, open_below: outside };
-        looks.iter().fold(start, |sum, look| Look {
-            energy: sum.energy + look.energy,
-            open_below: sum.open_below + look.open_below,
-        })
+        let look = self.pairs.look(&self.bodies, self.settings.gaps());
+        let outside = self.bodies.state.iter().filter(|state| !state.inside).count() as u32;
+        Look { open_below: look.open_below + outside, ..look }
     }
 
     fn step(&mut self, momentum: f64) {
         let Self { bodies, pairs, walls, settings, relaxations, .. } = self;
-        let want = settings.want();
-        bodies.advance(walls, |body, fixed, state| {
-            let (push, twist, contacts) = pushes(pairs, fixed, body, want);
-            let share = relaxations[contacts.min(MOST_CONTACTS)];
-            let far = LONGEST_STEP * f64::from(fixed[body as usize].ball_radius);
-            state.velocity = clip(state.velocity * momentum + to_vec3(scale(push, share)), far);
-            state.spin = clip(state.spin * momentum + to_vec3(scale(twist, share)), LONGEST_STEP);
-            advance(state);
+        let (momentum, rest) = (momentum as f32, (REST * settings.slop) as f32);
+        bodies.advance(self.sweep, walls, |body, fixed, state| {
+            let push = pairs.push(fixed, body);
+            let share = relaxations[push.contacts.min(MOST_CONTACTS)];
+            let far = LONGEST_STEP * fixed.ball_radius;
+            state.velocity = clip(add_scaled(scale(state.velocity, momentum), push.shift, share), far);
+            state.spin = clip(add_scaled(scale(state.spin, momentum), push.twist, share), LONGEST_STEP);
+            if push.contacts == 0 && state.speed(fixed) < rest {
+                (state.velocity, state.spin) = ([0.0; 3], [0.0; 3]);
+            }
         });
     }
 }
@@ -280,92 +250,12 @@ fn momentum(fraction: f64) -> f64 {
     (0.7 + (fraction - 0.5) * 1.4).clamp(0.6, 0.945)
 }
 
-#[inline(always)]
-fn look_at(bodies: &Bodies, pairs: &mut [Pair], want: f32, enough: f32) -> Look {
-    let mut look = Look::default();
-    for pair in pairs {
-        let short = update(bodies, pair, want);
-        look.energy += f64::from(short) * f64::from(short);
-        look.open_below += u32::from(short > want - enough);
-    }
-    look
-}
-
-/// How much of the wanted gap a pair lacks; 0 where it lacks none.
-#[inline(always)]
-fn update(bodies: &Bodies, pair: &mut Pair, want: f32) -> f32 {
-    let (a, b) = (pair.a, pair.b);
-    let paths = bodies.state[a as usize].path + bodies.state[b as usize].path;
-    if pair.clear - paths > f64::from(want) {
-        pair.contact.gap = want;
-        return 0.0;
-    }
-    let was_clear = pair.contact.gap >= want;
-    if was_clear && !bodies.boxes_within(a, b, want) {
-        return 0.0;
-    }
-    let (p, q, x) = (bodies.points(a), bodies.points(b), bodies.offset(a, b));
-    // A pair that was in contact most likely still is: its query, started from the old features, finds the gap, too.
-    if was_clear {
-        pair.contact.gap = contact::gap_along(&p, &q, x, pair.contact.normal);
-    }
-    if !was_clear || pair.contact.gap < want {
-        pair.contact.refresh(&p, &q, x);
-    }
-    pair.clear = f64::from(pair.contact.gap) + paths;
-    (want - pair.contact.gap).max(0.0)
-}
-
-/// Sum of the movements and turns that the contacts of `body` ask for, and their number.
-fn pushes(pairs: &Pairs, fixed: &[bodies::Fixed], body: u32, want: f32) -> (V, V, usize) {
-    let (mut push, mut twist, mut count) = ([0.0; 3], [0.0; 3], 0);
-    for pair in pairs.as_first(body).filter(|pair| pair.contact.gap < want) {
-        let impulse = impulse(pair, fixed, want);
-        let own = fixed[body as usize];
-        push = add_scaled(push, pair.contact.normal, -impulse * own.inverse_mass);
-        twist = add_scaled(twist, cross(pair.contact.on_a, pair.contact.normal), -impulse * own.inverse_inertia);
-        count += 1;
-    }
-    for pair in pairs.as_second(body).filter(|pair| pair.contact.gap < want) {
-        let impulse = impulse(pair, fixed, want);
-        let own = fixed[body as usize];
-        push = add_scaled(push, pair.contact.normal, impulse * own.inverse_mass);
-        twist = add_scaled(twist, cross(pair.contact.on_b, pair.contact.normal), impulse * own.inverse_inertia);
-        count += 1;
-    }
-    (push, twist, count)
-}
-
-/// The impulse along the normal that would open the pair by what it lacks.
-fn impulse(pair: &Pair, fixed: &[bodies::Fixed], want: f32) -> f32 {
-    let (a, b) = (fixed[pair.a as usize], fixed[pair.b as usize]);
-    let (lever_a, lever_b) =
-        (cross(pair.contact.on_a, pair.contact.normal), cross(pair.contact.on_b, pair.contact.normal));
-    let ease = a.inverse_mass
-        + b.inverse_mass
-        + dot(lever_a, lever_a) * a.inverse_inertia
-        + dot(lever_b, lever_b) * b.inverse_inertia;
-    (want - pair.contact.gap) / ease
-}
-
 /// Share of the summed movement that is done, by the number of contacts; one for each number up to [`MOST_CONTACTS`].
 fn relaxations() -> Vec<f32> {
     (0..=MOST_CONTACTS).map(|contacts| libm::pow(contacts.max(1) as f64, -RELAXATION) as f32).collect()
 }
 
-fn clip(v: Vec3, longest: f64) -> Vec3 {
-    let length = v.norm();
-    if length > longest { v * (longest / length) } else { v }
-}
-
-/// Moves by the velocity and turns by the spin (to second order, then made a rotation again).
-fn advance(state: &mut State) {
-    state.centre += state.velocity;
-    let half = state.spin * 0.5;
-    let turn = nalgebra::Quaternion::new(1.0 - half.norm_squared() / 2.0, half.x, half.y, half.z);
-    state.rotation = Rotation::from_quaternion(turn * state.rotation.quaternion());
-}
-
-fn to_vec3(v: V) -> Vec3 {
-    Vec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]))
+fn clip(v: V, longest: f32) -> V {
+    let length = length(v);
+    if length > longest { scale(v, longest / length) } else { v }
 }

@@ -1,307 +1,371 @@
-//! Which bodies may touch: pairs within a skin, by a grid, with what is known of their contact.
+//! Which bodies may touch, and what is known of their contact.
+//!
+//! A pair costs 16 bytes while it is apart: how far, and along which axis, which is enough to tell for many sweeps that
+//! it still is. What a contact needs beyond that is kept as long as it lasts.
 
-use super::bodies::Bodies;
-use super::contact::{Contact, LANES, V, direction_or_up};
-use crate::math::{Aabb, Vec3};
+use super::bodies::{Bodies, Fixed};
+use super::cells::{Cells, starts};
+use super::contact::{Contact, V, add_scaled, cross, direction_or_up, dot, gap_along, scale};
 use crate::wide::widest;
 use rayon::prelude::*;
-use std::ops::Range;
 
-/// Two bodies within the skin of each other; `a` is of the finer level of size, or the lower number of one level.
-#[derive(Clone, Copy)]
-pub(super) struct Pair {
-    pub(super) a: u32,
-    pub(super) b: u32,
-    pub(super) contact: Contact,
-    /// Gap plus both path lengths when the gap was last computed: while `clear - path_a - path_b` exceeds what counts
-    /// as a contact, the pair needs no look.
-    pub(super) clear: f64,
+/// The pairs: each stands with the body of the finer level of size, or of the lower number in one level, its *first*.
+pub(super) struct Pairs {
+    /// By first body, [`BLOCK`] bodies in each.
+    blocks: Vec<Block>,
+    /// `second_starts[i]..second_starts[i + 1]` in `firsts`: the first bodies of the pairs whose second is body i.
+    second_starts: Vec<u32>,
+    firsts: Vec<u32>,
+    /// Where pairs are looked for.
+    cells: Option<Cells>,
 }
 
-/// The pairs, and every body's share of them.
-pub(super) struct Pairs {
-    /// By `a`, then `b`.
-    pub(super) all: Vec<Pair>,
-    /// `firsts[i]..firsts[i + 1]`: the pairs whose `a` is body i.
-    firsts: Vec<u32>,
-    /// `second_starts[i]..second_starts[i + 1]` in `seconds`: the pairs whose `b` is body i.
-    second_starts: Vec<u32>,
-    seconds: Vec<u32>,
-    /// Longest path any body may go before the list must be made anew, mm.
-    skin: f64,
-    paths_at_build: Vec<f64>,
-    /// The wider list that this one is picked from.
-    near: Near,
+/// The list of a body's pairs is made to last about this many sweeps.
+const LIST_SWEEPS: f32 = 4.0;
+
+/// All pairs are listed anew when more than one body in so many has gone beyond its limit.
+const FEW: usize = 3;
+
+/// Bodies whose pairs are kept together, and made anew together.
+const BLOCK: usize = 64;
+
+#[derive(Clone, Default)]
+struct Block {
+    /// Where the links of every body end.
+    ends: Vec<u32>,
+    links: Vec<Link>,
+    /// In the order of the links.
+    touching: Vec<Touch>,
+}
+
+/// A pair, from its first body.
+#[derive(Clone, Copy)]
+struct Link {
+    /// The second body.
+    b: u32,
+    /// Gap plus both path lengths when it was last computed: while this less the paths exceeds what counts as a contact,
+    /// the pair needs no look.
+    clear: f32,
+    /// Where the gap was last seen.
+    axis: Axis,
+    /// Number among those that touch, or [`APART`].
+    slot: u16,
+}
+
+const APART: u16 = u16::MAX;
+
+/// A contact, and the impulse along its normal that would open it.
+#[derive(Clone, Copy)]
+pub(super) struct Touch {
+    pub(super) contact: Contact,
+    impulse: f32,
+}
+
+/// What one look at all pairs found.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Look {
+    pub(super) energy: f64,
+    pub(super) open_below: u32,
+}
+
+/// Gaps, mm.
+#[derive(Clone, Copy)]
+pub(super) struct Gaps {
+    /// What makes a pair no contact.
+    pub(super) want: f32,
+    /// What must be open when it ends.
+    pub(super) enough: f32,
+}
+
+/// Sum of what the contacts of a body ask for.
+#[derive(Default)]
+pub(super) struct Push {
+    pub(super) shift: V,
+    pub(super) twist: V,
+    pub(super) contacts: usize,
 }
 
 impl Pairs {
     pub(super) fn none() -> Self {
-        Self {
-            all: Vec::new(),
-            firsts: vec![0],
-            second_starts: vec![0],
-            seconds: Vec::new(),
-            skin: 0.0,
-            paths_at_build: Vec::new(),
-            near: Near::default(),
+        Self { blocks: Vec::new(), second_starts: Vec::new(), firsts: Vec::new(), cells: None }
+    }
+
+    /// Finds the pairs that may be contacts now and for some sweeps; a body may go at least `least` mm before its own are
+    /// looked for again. What is known of a pair that was listed before is kept.
+    pub(super) fn cover(&mut self, bodies: &mut Bodies, want: f32, least: f32) {
+        let mut gone = bodies.beyond_limits();
+        if gone.is_empty() && self.cells.is_some() {
+            return;
         }
-    }
-
-    /// Pairs whose `a` is `body`: it is pushed against the normal.
-    pub(super) fn as_first(&self, body: u32) -> impl Iterator<Item = &Pair> {
-        self.all[self.firsts[body as usize] as usize..self.firsts[body as usize + 1] as usize].iter()
-    }
-
-    /// Pairs whose `b` is `body`: it is pushed along the normal.
-    pub(super) fn as_second(&self, body: u32) -> impl Iterator<Item = &Pair> {
-        let range = self.second_starts[body as usize] as usize..self.second_starts[body as usize + 1] as usize;
-        self.seconds[range].iter().map(|&pair| &self.all[pair as usize])
-    }
-
-    /// True when a body may have come nearer to one that the list does not name.
-    pub(super) fn stale(&self, bodies: &Bodies) -> bool {
-        moved_beyond(self.skin / 2.0, bodies, &self.paths_at_build)
-    }
-
-    /// The pairs whose boxes are less than `reach + skin` apart, so that no other is within `reach` until a body has
-    /// gone `skin / 2`. What is known of a pair that was listed before is kept.
-    pub(super) fn rebuild(&mut self, bodies: &Bodies, reach: f64, skin: f64) {
-        self.near.cover(bodies, reach, skin);
-        let limit = (reach + skin) as f32;
-        let within: Vec<Vec<(u32, u32)>> = self
-            .near
-            .pairs
-            .par_chunks(8 * CHUNK)
-            .map(|pairs| widest(|| pairs.iter().copied().filter(|&(a, b)| bodies.boxes_within(a, b, limit)).collect()))
-            .collect();
-        let within = within.concat();
-        self.all = within.par_iter().map(|&(a, b)| self.pair(bodies, a, b)).collect();
-        drop(within);
+        let all = self.cells.is_none() || gone.len() > bodies.len() / FEW;
+        if all {
+            gone = (0..bodies.len() as u32).collect();
+        }
+        let paths = all.then(|| bodies.start_again());
+        let cells = self.cells.take().filter(|cells| !all && !cells.stale(bodies)).unwrap_or_else(|| {
+            bodies.wrap();
+            Cells::new(bodies, want)
+        });
+        bodies.go_on(&gone, LIST_SWEEPS, least);
+        match paths {
+            Some(paths) => self.rebuild(bodies, &paths, &cells),
+            None => self.add(bodies, &cells, &gone, want),
+        }
+        self.cells = Some(cells);
         self.index(bodies.len());
-        self.skin = skin;
-        self.paths_at_build = paths(bodies);
     }
 
-    /// The pair as the old list knew it, or with a first guess of its direction and due for a look.
-    fn pair(&self, bodies: &Bodies, a: u32, b: u32) -> Pair {
-        let old = if a as usize + 1 < self.firsts.len() {
-            &self.all[self.firsts[a as usize] as usize..self.firsts[a as usize + 1] as usize]
-        } else {
-            &[]
-        };
-        match old.binary_search_by_key(&b, |pair| pair.b) {
-            Ok(i) => old[i],
-            Err(_) => {
-                let contact = Contact::towards(direction_or_up(bodies.offset(a, b)));
-                Pair { a, b, contact, clear: f64::NEG_INFINITY }
+    /// Lists all pairs anew.
+    fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &Cells) {
+        self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
+        self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
+            widest(|| block.renew((number * BLOCK) as u32, bodies, paths, cells, scratch));
+        });
+    }
+
+    /// Lists the pairs of the bodies `gone` beyond their limits.
+    fn add(&mut self, bodies: &Bodies, cells: &Cells, gone: &[u32], want: f32) {
+        let mut pairs: Vec<(u32, u32)> = gone.par_iter().flat_map_iter(|&body| cells.pairs(bodies, body)).collect();
+        pairs.par_sort_unstable();
+        pairs.dedup();
+        self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
+            let first = (number * BLOCK) as u32;
+            let from = |body: u32| pairs.partition_point(|pair| pair.0 < body);
+            let pairs = &pairs[from(first)..from(first + BLOCK as u32)];
+            if !pairs.is_empty() {
+                block.add(first, bodies, pairs, want, scratch);
             }
-        }
+        });
     }
 
     fn index(&mut self, bodies: usize) {
-        self.firsts = starts(bodies, self.all.iter().map(|pair| pair.a));
-        self.second_starts = starts(bodies, self.all.iter().map(|pair| pair.b));
-        let mut next = self.second_starts.clone();
-        self.seconds = vec![0; self.all.len()];
-        for (i, pair) in self.all.iter().enumerate() {
-            let slot = &mut next[pair.b as usize];
-            self.seconds[*slot as usize] = i as u32;
-            *slot += 1;
+        let links = || self.blocks.iter().flat_map(|block| &block.links);
+        self.second_starts = starts(bodies, links().map(|link| link.b));
+        self.firsts = vec![0; self.second_starts[bodies] as usize];
+        for (number, block) in self.blocks.iter().enumerate() {
+            for k in 0..block.ends.len() {
+                for link in &block.links[block.range(k)] {
+                    let slot = &mut self.second_starts[link.b as usize];
+                    self.firsts[*slot as usize] = (number * BLOCK + k) as u32;
+                    *slot += 1;
+                }
+            }
         }
+        // Every start has moved to the next.
+        self.second_starts.rotate_right(1);
+        self.second_starts[0] = 0;
+    }
+
+    /// Brings every contact up to date.
+    pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> Look {
+        let blocks = self.blocks.par_iter_mut().enumerate();
+        let looks: Vec<Look> =
+            blocks.map(|(number, block)| widest(|| block.look((number * BLOCK) as u32, bodies, gaps))).collect();
+        looks.iter().fold(Look::default(), |sum, look| Look {
+            energy: sum.energy + look.energy,
+            open_below: sum.open_below + look.open_below,
+        })
+    }
+
+    /// The contacts of `body`; true where it is their first, which is pushed against the normal.
+    pub(super) fn contacts(&self, body: u32) -> impl Iterator<Item = (&Touch, bool)> {
+        let block = &self.blocks[body as usize / BLOCK];
+        let own = block.links[block.range(body as usize % BLOCK)].iter().filter_map(|link| block.touch(link));
+        let others = self.second_starts[body as usize] as usize..self.second_starts[body as usize + 1] as usize;
+        let others = self.firsts[others].iter().filter_map(move |&first| {
+            let block = &self.blocks[first as usize / BLOCK];
+            block.touch(block.links[block.range(first as usize % BLOCK)].iter().find(|link| link.b == body)?)
+        });
+        own.map(|touch| (touch, true)).chain(others.map(|touch| (touch, false)))
+    }
+
+    /// The movements and turns that the contacts of `body` ask for.
+    pub(super) fn push(&self, fixed: &Fixed, body: u32) -> Push {
+        let mut push = Push::default();
+        for (Touch { contact, impulse }, first) in self.contacts(body) {
+            let (impulse, at) = if first { (-impulse, contact.on_a) } else { (*impulse, contact.on_b) };
+            push.shift = add_scaled(push.shift, contact.normal, impulse * fixed.inverse_mass);
+            push.twist = add_scaled(push.twist, cross(at, contact.normal), impulse * fixed.inverse_inertia);
+            push.contacts += 1;
+        }
+        push
     }
 }
 
-/// Bodies a thread looks for partners of at once.
-const CHUNK: usize = 512;
-
-/// Pairs within a skin several times as wide, so that the grid is searched seldom.
+/// What a thread makes blocks in.
 #[derive(Default)]
-struct Near {
-    /// In order.
-    pairs: Vec<(u32, u32)>,
-    /// Boxes up to here apart were listed, mm.
-    limit: f64,
-    paths_at_build: Vec<f64>,
+struct Scratch {
+    found: Vec<u32>,
+    list: Block,
 }
 
-/// The wider skin over the narrower one.
-const WIDER: f64 = 4.0;
+impl Block {
+    fn range(&self, k: usize) -> std::ops::Range<usize> {
+        (if k == 0 { 0 } else { self.ends[k - 1] as usize })..self.ends[k] as usize
+    }
 
-impl Near {
-    /// Makes the list anew unless it still names all pairs whose boxes are less than `reach + skin` apart.
-    fn cover(&mut self, bodies: &Bodies, reach: f64, skin: f64) {
-        if !moved_beyond((self.limit - reach - skin) / 2.0, bodies, &self.paths_at_build) {
-            return;
+    fn touch(&self, link: &Link) -> Option<&Touch> {
+        self.touching.get(usize::from(link.slot))
+    }
+
+    /// Lists the pairs of the bodies from `first` on.
+    #[inline(always)]
+    fn renew(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &Cells, scratch: &mut Scratch) {
+        let (found, list) = (&mut scratch.found, &mut scratch.list);
+        list.clear();
+        for (k, a) in (first..bodies.len() as u32).take(BLOCK).enumerate() {
+            cells.seconds(bodies, a, found);
+            let old = if k < self.ends.len() { &self.links[self.range(k)] } else { &[] };
+            for &b in &*found {
+                let mut link = match old.binary_search_by_key(&b, |link| link.b) {
+                    Ok(i) => old[i],
+                    Err(_) => Link::new(b, bodies.offset(a, b)),
+                };
+                link.clear -= paths[a as usize] + paths[b as usize];
+                list.push(link, self.touch(&link));
+            }
+            list.end_body();
         }
-        self.pairs = Vec::new();
-        self.limit = reach + WIDER * skin;
-        let limit = self.limit as f32;
-        let cells = Cells::new(bodies, limit);
-        let chunks: Vec<Vec<(u32, u32)>> = (0..bodies.len().div_ceil(CHUNK))
-            .into_par_iter()
-            .map(|chunk| {
-                let range = chunk * CHUNK..((chunk + 1) * CHUNK).min(bodies.len());
-                let (mut pairs, mut found) = (Vec::with_capacity(CHUNK * 8), Vec::new());
-                for a in range {
-                    found.clear();
-                    widest(|| cells.partners(bodies, a as u32, limit, &mut found));
-                    found.sort_unstable();
-                    // A partner may be found in several images.
-                    found.dedup();
-                    pairs.extend(found.iter().map(|&b| (a as u32, b)));
+        *self = list.clone();
+    }
+
+    /// Lists `pairs`, too, and drops those that have gone too far apart to matter.
+    fn add(&mut self, first: u32, bodies: &Bodies, mut pairs: &[(u32, u32)], want: f32, scratch: &mut Scratch) {
+        let list = &mut scratch.list;
+        list.clear();
+        for (k, a) in (first..).take(self.ends.len()).enumerate() {
+            let (own, others) = pairs.split_at(pairs.partition_point(|pair| pair.0 <= a));
+            pairs = others;
+            let mut fresh = own.iter().map(|pair| pair.1).peekable();
+            for link in &self.links[self.range(k)] {
+                while let Some(b) = fresh.next_if(|&b| b < link.b) {
+                    list.push(Link::new(b, bodies.offset(a, b)), None);
                 }
-                pairs
-            })
-            .collect();
-        self.pairs = chunks.concat();
-        self.paths_at_build = paths(bodies);
-    }
-}
-
-/// True when a body has gone farther than `length` mm since its path was as in `before`, or there is no such time.
-fn moved_beyond(length: f64, bodies: &Bodies, before: &[f64]) -> bool {
-    before.len() != bodies.len() || bodies.state.par_iter().zip(before).any(|(state, path)| state.path - path > length)
-}
-
-fn paths(bodies: &Bodies) -> Vec<f64> {
-    bodies.state.iter().map(|state| state.path).collect()
-}
-
-/// Where the items of every key start when they are sorted by key.
-fn starts(keys: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
-    let mut starts = vec![0; keys + 1];
-    for key in items {
-        starts[key as usize + 1] += 1;
-    }
-    for key in 0..keys {
-        starts[key + 1] += starts[key];
-    }
-    starts
-}
-
-/// Bodies by the cell of their centre, in levels of size, from the coarsest.
-struct Cells {
-    levels: Vec<Level>,
-}
-
-#[derive(Default)]
-struct Level {
-    origin: [f64; 3],
-    cell: f64,
-    counts: [i64; 3],
-    largest: f32,
-    starts: Vec<u32>,
-    /// Bodies by cell, and copies of what decides whether they may be near, so that a look reads memory in a row.
-    members: Vec<u32>,
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
-    radius: Vec<f32>,
-}
-
-/// A level holds bodies down to this share of its largest radius.
-const LEVEL_SPAN: f32 = 0.6;
-
-impl Cells {
-    fn new(bodies: &Bodies, limit: f32) -> Self {
-        let mut radii: Vec<f32> = bodies.fixed.iter().map(|fixed| fixed.outer_radius).collect();
-        radii.sort_unstable_by(f32::total_cmp);
-        let mut levels = Vec::new();
-        let mut rest = radii.as_slice();
-        while let Some(&largest) = rest.last() {
-            let below = rest.partition_point(|&radius| radius < LEVEL_SPAN * largest);
-            levels.push(Level::new(bodies, rest[below], largest, limit));
-            rest = &rest[..below];
-        }
-        Self { levels }
-    }
-
-    /// Bodies of the level of `a` after it, and of all coarser levels, whose boxes come within `limit` of its own.
-    #[inline(always)]
-    fn partners(&self, bodies: &Bodies, a: u32, limit: f32, found: &mut Vec<u32>) {
-        let (radius, centre) = (bodies.fixed[a as usize].outer_radius, &bodies.state[a as usize].centre);
-        for level in &self.levels {
-            let own = radius >= LEVEL_SPAN * level.largest;
-            // The members' centres are rounded; a ten-thousandth of the distance is far more than that.
-            level.visit(centre, (radius + limit) * 1.000_1, |body| {
-                if (body > a || !own) && bodies.boxes_within(a, body, limit) {
-                    found.push(body);
-                }
-            });
-            if own {
-                return;
-            }
-        }
-    }
-}
-
-impl Level {
-    /// The bodies of these radii, with their images that a body of no larger radius may come within `limit` of.
-    fn new(bodies: &Bodies, smallest: f32, largest: f32, limit: f32) -> Self {
-        let radii = smallest..=largest;
-        let inside = |body: &u32| radii.contains(&bodies.fixed[*body as usize].outer_radius);
-        let margin = f64::from(2.0 * largest + limit) * 1.000_1;
-        let members = (0..bodies.len() as u32).filter(inside);
-        let placed: Vec<(u32, Vec3)> = bodies.with_images(members, margin);
-        let aabb = Aabb::around(placed.iter().map(|(_, centre)| centre));
-        let cell = 2.0 * f64::from(largest);
-        let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
-        let mut level = Self { origin: aabb.min.into(), cell, counts, largest, ..Self::default() };
-        let keys: Vec<u32> = placed.iter().map(|(_, centre)| level.flat(level.cell_of(centre))).collect();
-        level.starts = starts(counts.iter().product::<i64>() as usize, keys.iter().copied());
-        let mut next = level.starts.clone();
-        let mut order = vec![0; placed.len()];
-        for (item, &key) in (0..).zip(&keys) {
-            order[next[key as usize] as usize] = item;
-            next[key as usize] += 1;
-        }
-        let coordinates =
-            |axis: usize| order.iter().map(|&item: &u32| placed[item as usize].1[axis] as f32).collect::<Vec<f32>>();
-        (level.x, level.y, level.z) = (coordinates(0), coordinates(1), coordinates(2));
-        level.members = order.iter().map(|&item| placed[item as usize].0).collect();
-        level.radius = level.members.iter().map(|&body| bodies.fixed[body as usize].outer_radius).collect();
-        level
-    }
-
-    /// Calls `each` with the bodies whose bounding spheres come within `reach` of `centre`.
-    #[inline(always)]
-    fn visit(&self, centre: &Vec3, reach: f32, mut each: impl FnMut(u32)) {
-        let range = Vec3::repeat(f64::from(reach + self.largest));
-        let (low, high) = (self.cell_of(&(centre - range)), self.cell_of(&(centre + range)));
-        let at = [centre.x as f32, centre.y as f32, centre.z as f32];
-        for z in low[2]..=high[2] {
-            for y in low[1]..=high[1] {
-                let (first, last) = (self.flat([low[0], y, z]) as usize, self.flat([high[0], y, z]) as usize);
-                self.visit_row(self.starts[first] as usize..self.starts[last + 1] as usize, at, reach, &mut each);
-            }
-        }
-    }
-
-    /// The same among neighbouring members, several at a time.
-    #[inline(always)]
-    fn visit_row(&self, row: Range<usize>, at: V, reach: f32, each: &mut impl FnMut(u32)) {
-        for start in row.clone().step_by(LANES) {
-            let end = (start + LANES).min(row.end);
-            let mut clear = [1.0; LANES];
-            let [x, y, z, radius] = [&self.x, &self.y, &self.z, &self.radius].map(|values| &values[start..end]);
-            for lane in 0..end - start {
-                let (dx, dy, dz) = (x[lane] - at[0], y[lane] - at[1], z[lane] - at[2]);
-                let touch = reach + radius[lane];
-                clear[lane] = dx * dx + dy * dy + dz * dz - touch * touch;
-            }
-            for (lane, clear) in clear.iter().enumerate().take(end - start) {
-                if *clear <= 0.0 {
-                    each(self.members[start + lane]);
+                fresh.next_if_eq(&link.b);
+                if !link.is_far(a, bodies, want) {
+                    list.push(*link, self.touch(link));
                 }
             }
+            fresh.for_each(|b| list.push(Link::new(b, bodies.offset(a, b)), None));
+            list.end_body();
         }
+        *self = list.clone();
     }
 
-    fn cell_of(&self, point: &Vec3) -> [i64; 3] {
-        [0, 1, 2].map(|i| (((point[i] - self.origin[i]) / self.cell) as i64).clamp(0, self.counts[i] - 1))
+    fn push(&mut self, mut link: Link, touch: Option<&Touch>) {
+        link.slot = APART;
+        if let Some(touch) = touch {
+            link.slot = u16::try_from(self.touching.len()).unwrap_or(APART);
+            self.touching.push(*touch);
+        }
+        self.links.push(link);
     }
 
-    fn flat(&self, cell: [i64; 3]) -> u32 {
-        ((cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]) as u32
+    fn end_body(&mut self) {
+        self.ends.push(self.links.len() as u32);
+    }
+
+    fn clear(&mut self) {
+        self.ends.clear();
+        self.links.clear();
+        self.touching.clear();
+    }
+
+    #[inline(always)]
+    fn look(&mut self, first: u32, bodies: &Bodies, gaps: Gaps) -> Look {
+        let mut look = Look::default();
+        let mut touching = Vec::with_capacity(self.touching.len());
+        for (k, a) in (first..).take(self.ends.len()).enumerate() {
+            let range = self.range(k);
+            for link in &mut self.links[range] {
+                let known = self.touching.get(usize::from(link.slot)).map(|touch| touch.contact);
+                let Some(contact) = link.look(a, bodies, known, gaps.want) else { continue };
+                let short = gaps.want - contact.gap;
+                look.energy += f64::from(short) * f64::from(short);
+                look.open_below += u32::from(contact.gap < gaps.enough);
+                // Contacts that the numbers do not reach, a thousand a body, wait until others have opened.
+                link.slot = u16::try_from(touching.len()).unwrap_or(APART);
+                touching.push(Touch { contact, impulse: short / ease(&contact, bodies, a, link.b) });
+            }
+        }
+        self.touching = touching;
+        look
+    }
+}
+
+impl Link {
+    /// With a first guess of its axis, and due for a look.
+    fn new(b: u32, offset: V) -> Self {
+        Self { b, clear: f32::NEG_INFINITY, axis: Axis::new(direction_or_up(offset)), slot: APART }
+    }
+
+    /// True when the pair can be no contact before one of them has gone beyond its limit.
+    fn is_far(&self, a: u32, bodies: &Bodies, want: f32) -> bool {
+        let gap = self.clear - bodies.path(a) - bodies.path(self.b);
+        self.slot == APART && gap > want + bodies.margin(a) + bodies.margin(self.b)
+    }
+
+    /// The contact, if the pair of `a` and this lacks any of the wanted gap; started from what is known of it.
+    #[inline(always)]
+    fn look(&mut self, a: u32, bodies: &Bodies, known: Option<Contact>, want: f32) -> Option<Contact> {
+        let b = self.b;
+        let paths = bodies.path(a) + bodies.path(b);
+        if self.slot == APART && self.clear - paths > want {
+            return None;
+        }
+        self.slot = APART;
+        let mut contact = Contact::towards(self.axis.direction());
+        if let Some(known) = known {
+            // A pair that was in contact most likely still is: its query, started from the old features, finds the gap.
+            contact = known;
+        } else {
+            let box_gap = bodies.box_gap(a, b);
+            if box_gap > want {
+                self.clear = box_gap + paths;
+                return None;
+            }
+        }
+        let (p, q, x) = (bodies.points(a), bodies.points(b), bodies.offset(a, b));
+        if known.is_none() {
+            contact.gap = gap_along(&p, &q, x, contact.normal);
+        }
+        if contact.gap < want {
+            contact.refresh(&p, &q, x);
+            self.axis = Axis::new(contact.normal);
+        }
+        self.clear = contact.gap + paths;
+        (contact.gap < want).then_some(contact)
+    }
+}
+
+/// What the pair opens for an impulse of one. A body that a wall holds gives way the less, so that the other does its part:
+/// a small grain between a wall and a large one took the whole push, and stayed where it was for a hundred sweeps.
+#[inline(always)]
+fn ease(contact: &Contact, bodies: &Bodies, a: u32, b: u32) -> f32 {
+    let normal = contact.normal;
+    let of = |body: u32, at: V, away: V| {
+        let (fixed, lever) = (&bodies.fixed[body as usize], cross(at, normal));
+        let free = (1.0 - bodies.state[body as usize].held_against(away)).max(LEAST_FREE);
+        fixed.inverse_mass * free + dot(lever, lever) * fixed.inverse_inertia
+    };
+    of(a, contact.on_a, scale(normal, -1.0)) + of(b, contact.on_b, normal)
+}
+
+/// Share of its movement that a body held by walls keeps: no impulse is without bound.
+const LEAST_FREE: f32 = 0.25;
+
+/// A direction, to a thousandth: the gap along any direction bounds that of the pair from below.
+#[derive(Clone, Copy)]
+struct Axis([i16; 3]);
+
+impl Axis {
+    fn new(v: V) -> Self {
+        Self(v.map(|x| (x * f32::from(i16::MAX)) as i16))
+    }
+
+    /// Of unit length.
+    #[inline(always)]
+    fn direction(self) -> V {
+        direction_or_up(self.0.map(f32::from))
     }
 }

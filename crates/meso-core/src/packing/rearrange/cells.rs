@@ -1,0 +1,214 @@
+//! Bodies by the cell of their centre: who may come near whom.
+
+use super::bodies::{Bodies, MOST_MARGIN};
+use super::contact::{LANES, V};
+use crate::math::{Aabb, Vec3};
+use crate::wide::widest;
+use std::ops::{Range, RangeInclusive};
+
+/// Bodies in levels of size, from the coarsest, where they stood when this was made.
+pub(super) struct Cells {
+    levels: Vec<Level>,
+    /// Gap that makes a pair no contact, mm.
+    want: f32,
+    /// The bodies' paths when this was made, mm.
+    paths: Vec<f32>,
+}
+
+/// The cells serve until a body has gone farther than this share of its radius.
+const MOST_DRIFT: f32 = 0.125;
+
+#[derive(Default)]
+struct Level {
+    origin: [f64; 3],
+    cell: f64,
+    counts: [i64; 3],
+    /// Radius of the largest body, mm.
+    largest: f32,
+    /// How far any body may come to reach, mm.
+    farthest: f32,
+    starts: Vec<u32>,
+    /// Bodies by cell, and copies of what decides whether they may be near, so that a look reads memory in a row.
+    members: Vec<u32>,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    z: Vec<f32>,
+    /// With what the body may go.
+    radius: Vec<f32>,
+}
+
+/// A level holds bodies down to this share of its largest radius.
+const LEVEL_SPAN: f32 = 0.6;
+
+impl Cells {
+    pub(super) fn new(bodies: &Bodies, want: f32) -> Self {
+        let mut radii: Vec<f32> = bodies.fixed.iter().map(|fixed| fixed.outer_radius).collect();
+        radii.sort_unstable_by(f32::total_cmp);
+        let farthest = (0..bodies.len() as u32).map(|body| far(bodies, body)).fold(0.0, f32::max);
+        let mut levels = Vec::new();
+        let mut rest = radii.as_slice();
+        while let Some(&largest) = rest.last() {
+            let below = rest.partition_point(|&radius| radius < LEVEL_SPAN * largest);
+            levels.push(Level::new(bodies, rest[below]..=largest, farthest + want));
+            rest = &rest[..below];
+        }
+        Self { levels, want, paths: (0..bodies.len() as u32).map(|body| bodies.path(body)).collect() }
+    }
+
+    /// True when a body has gone too far from where it is noted.
+    pub(super) fn stale(&self, bodies: &Bodies) -> bool {
+        let drift = |body: u32| bodies.path(body) - self.paths[body as usize];
+        let mut all = 0..bodies.len() as u32;
+        all.any(|body| drift(body) > MOST_DRIFT * bodies.fixed[body as usize].ball_radius)
+    }
+
+    /// The bodies that may come within `want` of `a` while neither goes beyond its limit, and of which `a` is the first:
+    /// those of its own level after it, and of all coarser ones. In order, each once.
+    #[inline(always)]
+    pub(super) fn seconds(&self, bodies: &Bodies, a: u32, found: &mut Vec<u32>) {
+        found.clear();
+        let level = self.level_of(bodies, a);
+        for (number, coarser) in self.levels[..=level].iter().enumerate() {
+            coarser.near(bodies, a, self.want, |body| {
+                if body > a || number < level {
+                    found.push(body);
+                }
+            });
+        }
+        found.sort_unstable();
+        // A partner may be found in several images.
+        found.dedup();
+    }
+
+    /// All pairs of `body` that may come so near, first and second.
+    pub(super) fn pairs(&self, bodies: &Bodies, body: u32) -> Vec<(u32, u32)> {
+        let (own, mut found) = (self.level_of(bodies, body), Vec::new());
+        for (number, level) in self.levels.iter().enumerate() {
+            widest(|| {
+                level.near(bodies, body, self.want, |other| {
+                    let first = number < own || (number == own && body < other);
+                    if other != body {
+                        found.push(if first { (body, other) } else { (other, body) });
+                    }
+                });
+            });
+        }
+        found
+    }
+
+    fn level_of(&self, bodies: &Bodies, body: u32) -> usize {
+        let radius = bodies.fixed[body as usize].outer_radius;
+        self.levels.iter().position(|level| radius >= LEVEL_SPAN * level.largest).unwrap_or(0)
+    }
+}
+
+impl Level {
+    /// The bodies of these radii, with their images that a body in the box, which reaches so far, may come near.
+    fn new(bodies: &Bodies, radii: RangeInclusive<f32>, reach: f32) -> Self {
+        let largest = *radii.end();
+        let inside = |body: &u32| radii.contains(&bodies.fixed[*body as usize].outer_radius);
+        let members = || (0..bodies.len() as u32).filter(inside);
+        let farthest = members().map(|body| far(bodies, body)).fold(0.0, f32::max);
+        let margin = f64::from(reach + farthest) * 1.000_1;
+        let placed: Vec<(u32, Vec3)> = bodies.with_images(members(), margin);
+        let aabb = Aabb::around(placed.iter().map(|(_, centre)| centre));
+        let cell = f64::from(CELL * largest);
+        let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
+        let mut level = Self { origin: aabb.min.into(), cell, counts, largest, farthest, ..Self::default() };
+        level.fill(bodies, &placed);
+        level
+    }
+
+    /// Sorts the bodies by cell.
+    fn fill(&mut self, bodies: &Bodies, placed: &[(u32, Vec3)]) {
+        let keys: Vec<u32> = placed.iter().map(|(_, centre)| self.flat(self.cell_of(centre))).collect();
+        self.starts = starts(self.counts.iter().product::<i64>() as usize, keys.iter().copied());
+        let mut next = self.starts.clone();
+        let mut order = vec![0; placed.len()];
+        for (item, &key) in (0..).zip(&keys) {
+            order[next[key as usize] as usize] = item;
+            next[key as usize] += 1;
+        }
+        let coordinates =
+            |axis: usize| order.iter().map(|&item: &u32| placed[item as usize].1[axis] as f32).collect::<Vec<f32>>();
+        (self.x, self.y, self.z) = (coordinates(0), coordinates(1), coordinates(2));
+        self.members = order.iter().map(|&item| placed[item as usize].0).collect();
+        self.radius = self.members.iter().map(|&body| far(bodies, body)).collect();
+    }
+
+    /// Calls `each` with the bodies that may come within `want` of `body`.
+    #[inline(always)]
+    fn near(&self, bodies: &Bodies, body: u32, want: f32, mut each: impl FnMut(u32)) {
+        let limit = want + bodies.margin(body);
+        let reach = bodies.fixed[body as usize].outer_radius + limit;
+        // The members' centres are rounded; a ten-thousandth of the distance is far more than that.
+        self.visit(&bodies.state[body as usize].centre, reach * 1.000_1, |other| {
+            if bodies.box_gap(body, other) <= limit + bodies.margin(other) {
+                each(other);
+            }
+        });
+    }
+
+    /// Calls `each` with the bodies whose bounding spheres come within `reach` of `centre`.
+    #[inline(always)]
+    fn visit(&self, centre: &Vec3, reach: f32, mut each: impl FnMut(u32)) {
+        let range = Vec3::repeat(f64::from(reach + self.farthest));
+        let (low, high) = (self.cell_of(&(centre - range)), self.cell_of(&(centre + range)));
+        let at = [centre.x as f32, centre.y as f32, centre.z as f32];
+        for z in low[2]..=high[2] {
+            for y in low[1]..=high[1] {
+                let (first, last) = (self.flat([low[0], y, z]) as usize, self.flat([high[0], y, z]) as usize);
+                self.visit_row(self.starts[first] as usize..self.starts[last + 1] as usize, at, reach, &mut each);
+            }
+        }
+    }
+
+    /// The same among neighbouring members, several at a time.
+    #[inline(always)]
+    fn visit_row(&self, row: Range<usize>, at: V, reach: f32, each: &mut impl FnMut(u32)) {
+        for start in row.clone().step_by(LANES) {
+            let end = (start + LANES).min(row.end);
+            let mut clear = [1.0; LANES];
+            let [x, y, z, radius] = [&self.x, &self.y, &self.z, &self.radius].map(|values| &values[start..end]);
+            for lane in 0..end - start {
+                let (dx, dy, dz) = (x[lane] - at[0], y[lane] - at[1], z[lane] - at[2]);
+                let touch = reach + radius[lane];
+                clear[lane] = dx * dx + dy * dy + dz * dz - touch * touch;
+            }
+            for (lane, clear) in clear.iter().enumerate().take(end - start) {
+                if *clear <= 0.0 {
+                    each(self.members[start + lane]);
+                }
+            }
+        }
+    }
+
+    fn cell_of(&self, point: &Vec3) -> [i64; 3] {
+        [0, 1, 2].map(|i| (((point[i] - self.origin[i]) / self.cell) as i64).clamp(0, self.counts[i] - 1))
+    }
+
+    fn flat(&self, cell: [i64; 3]) -> u32 {
+        ((cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]) as u32
+    }
+}
+
+/// How far a body may come to reach from where it is noted, mm.
+fn far(bodies: &Bodies, body: u32) -> f32 {
+    let fixed = &bodies.fixed[body as usize];
+    fixed.outer_radius + (MOST_DRIFT + MOST_MARGIN) * fixed.ball_radius
+}
+
+/// Side of a cell over the largest radius in it.
+const CELL: f32 = 1.0;
+
+/// Where the items of every key start when they are sorted by key.
+pub(super) fn starts(keys: usize, items: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut starts = vec![0; keys + 1];
+    for key in items {
+        starts[key as usize + 1] += 1;
+    }
+    for key in 0..keys {
+        starts[key + 1] += starts[key];
+    }
+    starts
+}
