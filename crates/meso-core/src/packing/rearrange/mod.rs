@@ -12,12 +12,14 @@ mod drop;
 mod obstacle;
 mod pairs;
 mod prove;
+mod walls;
 
 use super::place::Task;
 use super::{Outcome, Pose, StopReason, Work};
-use bodies::{Bodies, Walls};
+use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use pairs::{Gaps, Look, Pairs};
+use walls::Walls;
 
 use crate::aggregate::take::Grain;
 
