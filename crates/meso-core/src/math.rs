@@ -53,6 +53,12 @@ impl Aabb {
         Self { min: self.min.add_scalar(-margin), max: self.max.add_scalar(margin) }
     }
 
+    /// The box displaced by `shift`.
+    #[must_use]
+    pub fn moved(&self, shift: &Vec3) -> Self {
+        Self { min: self.min + shift, max: self.max + shift }
+    }
+
     /// True when the closed boxes share a point.
     pub fn intersects(&self, other: &Self) -> bool {
         (0..3).all(|i| self.min[i] <= other.max[i] && other.min[i] <= self.max[i])

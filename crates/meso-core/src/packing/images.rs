@@ -33,7 +33,7 @@ impl Images {
     fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
         let image = |shift: Vec3| {
             // Cut before it is moved: so the parts on both sides of a face have the same corners there.
-            let part = clipped(&aggregate.body, &Aabb { min: domain.min - shift, max: domain.max - shift })?;
+            let part = clipped(&aggregate.body, &domain.moved(&-shift))?;
             let body = if self == Self::Cut { part } else { aggregate.body.clone() };
             Some(Aggregate { body: body.translated(&shift), ..aggregate.clone() })
         };

@@ -161,6 +161,19 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Nothing placed so far; `stop` where `task` is not to begin at all.
+    fn empty(task: &place::Task, strategy: &'static str, dead_end: StopReason) -> Self {
+        Self {
+            poses: vec![None; task.request.grains.len()],
+            work: Work::default(),
+            stop: task.stopped(0.0),
+            dead_end,
+            strategy,
+            itz_limited: Vec::new(),
+            largest_mm3: Vec::new(),
+        }
+    }
+
     /// Notes of the `grains` what the report needs of them when they are gone.
     pub fn note(&mut self, grains: &[Grain], classes: usize) {
         self.largest_mm3 = vec![0.0; classes];

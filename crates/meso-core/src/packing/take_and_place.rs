@@ -8,7 +8,7 @@ mod mask;
 mod scene;
 
 use super::place::Task;
-use super::{Outcome, Pose, StopReason, Work};
+use super::{Outcome, Pose, StopReason};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::snap;
 use crate::gjk::Counters;
@@ -22,17 +22,8 @@ const BATCH: usize = 64;
 /// Tries up to `attempts` positions for every grain of `task`, in its order; what finds none is left out.
 pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     let mut scene = Scene::new(task);
-    let mut outcome = Outcome {
-        poses: vec![None; task.request.grains.len()],
-        work: Work::default(),
-        stop: None,
-        dead_end: StopReason::AttemptsExhausted,
-        strategy: "take-and-place",
-        itz_limited: Vec::new(),
-        largest_mm3: Vec::new(),
-    };
+    let mut outcome = Outcome::empty(task, "take-and-place", StopReason::AttemptsExhausted);
     // A stop during the take has left grains out; nothing placed of them would be what was asked.
-    outcome.stop = task.stopped(0.0);
     if outcome.stop.is_some() {
         return outcome;
     }

@@ -41,7 +41,7 @@ impl Ground<'_> {
         let half = Vec3::repeat(radius);
         let aabb = Aabb { min: centre - half, max: centre + half };
         for shift in self.task.period.shifts(&aabb, &self.domain) {
-            self.grid.insert(&Aabb { min: aabb.min + shift, max: aabb.max + shift });
+            self.grid.insert(&aabb.moved(&shift));
             self.balls.push((radius, centre + shift));
         }
     }

@@ -15,7 +15,7 @@ mod prove;
 mod walls;
 
 use super::place::Task;
-use super::{Outcome, Pose, StopReason, Work};
+use super::{Outcome, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use pairs::{Gaps, Look, Pairs};
@@ -49,15 +49,7 @@ const RELIEF: f64 = 0.02;
 
 /// Places all grains of `task`, or as many as go, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
-    let mut outcome = Outcome {
-        poses: vec![None; task.request.grains.len()],
-        work: Work::default(),
-        stop: task.stopped(0.0),
-        dead_end: StopReason::Jammed,
-        strategy: "rearrange",
-        itz_limited: Vec::new(),
-        largest_mm3: Vec::new(),
-    };
+    let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
     // A stop during the take has left grains out; nothing placed of them would be what was asked.
     if outcome.stop.is_some() || outcome.poses.is_empty() {
         return outcome;

@@ -54,11 +54,10 @@ impl<'a> Settled<'a> {
         let vertices = pose.turned(grain.body.vertices());
         let local = Aabb::around(&vertices);
         let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
-        let half_gap = Vec3::repeat(*min_gap_mm);
         Self {
             grain,
             pose,
-            aabb: Aabb { min: local.min + pose.centre - half_gap, max: local.max + pose.centre + half_gap },
+            aabb: local.moved(&pose.centre).grown(*min_gap_mm),
             inside: task.room.holds(&vertices, &pose.centre, *wall_gap_mm),
         }
     }
@@ -69,7 +68,7 @@ impl<'a> Settled<'a> {
 
     /// True when the boxes meet, with `other` moved by `shift`.
     fn meets(&self, other: &Self, shift: &Vec3) -> bool {
-        self.aabb.intersects(&Aabb { min: other.aabb.min + shift, max: other.aabb.max + shift })
+        self.aabb.intersects(&other.aabb.moved(shift))
     }
 }
 
@@ -101,7 +100,7 @@ impl<'a> Scene<'a> {
         };
         for (number, body) in (0..).zip(settled) {
             for shift in task.period.shifts(&body.aabb, &domain) {
-                scene.grid.insert(&Aabb { min: body.aabb.min + shift, max: body.aabb.max + shift });
+                scene.grid.insert(&body.aabb.moved(&shift));
                 scene.images.push((number, shift));
             }
         }

@@ -57,9 +57,8 @@ impl Mask {
 
     /// Takes note of `body`, about its own centre, at `centre`, for candidates with an inner radius of up to `reach` mm.
     pub(super) fn insert(&mut self, body: &Polyhedron, centre: &Vec3, reach: f64) {
-        let local = body.aabb();
         // A voxel whose middle is farther away than this has a bound beyond `reach`.
-        let near = Aabb { min: local.min + centre, max: local.max + centre }.grown(reach - self.half_diagonal());
+        let near = body.aabb().moved(centre).grown(reach - self.half_diagonal());
         let (low, high) = (self.voxel_of(&near.min), self.voxel_of(&near.max));
         let Some(gauge) = Gauge::new(body, near.size().norm()) else { return };
         for k in low[2]..=high[2] {

@@ -87,9 +87,9 @@ impl<'a> Scene<'a> {
     /// Places the candidate, which is the grain of this number, at `centre`.
     pub(super) fn insert(&mut self, number: usize, candidate: Candidate, centre: Vec3) {
         let Candidate { grain, body, aabb: local } = candidate;
-        let aabb = Aabb { min: local.min + centre, max: local.max + centre };
+        let aabb = local.moved(&centre);
         for shift in self.task.period.shifts(&aabb, &self.domain) {
-            self.grid.insert(&Aabb { min: aabb.min + shift, max: aabb.max + shift });
+            self.grid.insert(&aabb.moved(&shift));
             self.mask.insert(&grain.body, &(centre + shift), self.inner_radii[number]);
             let (body, inner_radius) = (self.bodies.len() as u32, grain.inner_radius as f32);
             self.placed.push(Placed { body, inner_radius, centre: centre + shift });
@@ -119,7 +119,7 @@ impl<'a> Scene<'a> {
             return false;
         }
         let gap = placement.min_gap_mm;
-        let aabb = Aabb { min: it.aabb.min + centre, max: it.aabb.max + centre }.grown(gap);
+        let aabb = it.aabb.moved(centre).grown(gap);
         self.grid.all_near(&aabb, |other| {
             let other = other as usize;
             Some(other) == closest || self.apart(it, centre, other, counters)
