@@ -72,9 +72,9 @@ fn every_edge_has_one_node_in_its_middle() {
 #[test]
 fn the_sides_hold_their_middle_nodes() {
     let mesh = lattice(2);
-    let sides = Sides::of(&mesh.points);
+    let sides = Sides::of(&mesh);
     let on_top: std::collections::BTreeSet<u32> = sides.members(5).collect();
-    let faces = &sides.faces(&mesh)[5];
+    let faces = &sides.faces()[5];
     let places = mesh.kind.face_nodes();
     let of_faces = faces.iter().flat_map(|&(cell, face)| {
         let cell = &mesh.cells[10 * cell as usize..][..10];

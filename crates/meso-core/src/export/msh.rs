@@ -47,8 +47,8 @@ pub fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
 }
 
 fn blocks(mesh: &Mesh) -> Vec<Block> {
-    let faces = Sides::of(&mesh.points).faces(mesh);
-    let sides = (1..).zip(faces).map(|(tag, faces)| side(mesh, tag, &faces));
+    let sides = Sides::of(mesh);
+    let sides = (1..).zip(sides.faces()).map(|(tag, faces)| side(mesh, tag, faces));
     let phases = [Phase::Mortar, Phase::Itz, Phase::Aggregate].map(|phase| volume(mesh, phase));
     sides.chain(phases).chain([cohesive(mesh)]).filter(|block| !block.connectivity.is_empty()).collect()
 }

@@ -1,4 +1,5 @@
-//! Mortar outside a specimen that does not fill its bounding box is left out: cells whose centroid is outside.
+//! Mortar outside a specimen that does not fill its bounding box is left out: cells whose centroid is outside. (A fitted
+//! lattice is cut at the specimen's surface instead.)
 //!
 //! The surface that is left is one of whole cells: as far as half an element from the specimen's own.
 

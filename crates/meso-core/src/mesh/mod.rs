@@ -212,7 +212,7 @@ fn assemble(
         (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
         (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
         (Method::Lattice, Fit::Fitted) => {
-            let (tetrahedra, notes) = lattice::fitted(aggregates, specimen, options.element_size_mm);
+            let (tetrahedra, notes) = lattice::fitted(aggregates, &*room, options.element_size_mm);
             with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, options)
         }
         (Method::Conforming, _) => {
@@ -222,7 +222,9 @@ fn assemble(
         }
     };
     mesh.periodic = specimen.periodic().0;
-    clip::clip(&mut mesh, &*room);
+    if (options.method, options.fit) != (Method::Lattice, Fit::Fitted) {
+        clip::clip(&mut mesh, &*room);
+    }
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
     }

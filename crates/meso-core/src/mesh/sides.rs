@@ -1,7 +1,11 @@
-//! The bounding planes of a mesh: which nodes and which cells' faces lie on them.
+//! The sides of a mesh towards its bounding planes: their nodes, and the cells' faces on them.
+//!
+//! A side is what lies on its bounding plane. Where no face does (a cylinder's mantle), it is the part of the mesh's
+//! surface that looks along that axis more than along the others, and at less than 45 degrees to it.
 
 use super::Mesh;
 use crate::math::{Aabb, Vec3};
+use rayon::prelude::*;
 
 /// The bounding planes: axis, whether it is the upper one, and the name of its node set.
 pub const SIDES: [(usize, bool, &str); 6] = [
@@ -13,47 +17,113 @@ pub const SIDES: [(usize, bool, &str); 6] = [
     (2, true, "ZMAX"),
 ];
 
-/// For every node a bit per bounding plane it lies on, in the order of [`SIDES`].
+/// A face looks along an axis where its unit normal's component is above the root of this: 45 degrees are 0.5, and the
+/// flat triangles of a mantle lean a little.
+const LOOKS: f64 = 0.45;
+
+/// The nodes and faces of all sides.
 #[derive(Clone, Debug)]
-pub struct Sides(Vec<u8>);
+pub struct Sides {
+    /// For every node a bit per side, in the order of [`SIDES`].
+    nodes: Vec<u8>,
+    faces: [Vec<(u32, usize)>; 6],
+}
 
 impl Sides {
-    /// Those of `points`, mm.
-    pub fn of(points: &[Vec3]) -> Self {
-        let aabb = Aabb::around(points);
-        let slack = 1e-9 * aabb.size().max();
-        let on = |x: f64, axis: usize, upper: bool| {
-            let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
-            u8::from((x - plane).abs() <= slack)
-        };
-        let bits = |p: &Vec3| {
-            SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | on(p[axis], axis, upper) << i)
-        };
-        Self(points.iter().map(bits).collect())
+    /// Those of `mesh`.
+    pub fn of(mesh: &Mesh) -> Self {
+        let nodes = on_planes(&mesh.points);
+        let mut sides = Self { faces: in_planes(mesh, &nodes), nodes };
+        if sides.faces.iter().any(Vec::is_empty) {
+            sides.add_curved(mesh);
+        }
+        sides
     }
 
-    /// The planes that `node` lies on.
+    /// The sides that `node` lies on.
     pub fn on(&self, node: u32) -> u8 {
-        self.0[node as usize]
+        self.nodes[node as usize]
     }
 
-    /// The nodes on bounding plane `bit` of [`SIDES`], ascending.
+    /// The nodes on side `bit` of [`SIDES`], ascending.
     pub fn members(&self, bit: usize) -> impl Iterator<Item = u32> {
-        (0..).zip(&self.0).filter(move |(_, on)| **on >> bit & 1 == 1).map(|(node, _)| node)
+        (0..).zip(&self.nodes).filter(move |(_, on)| **on >> bit & 1 == 1).map(|(node, _)| node)
     }
 
-    /// The faces (cell, number of the face in [`CellKind::faces`](super::CellKind::faces)) on every plane, by cell.
-    pub fn faces(&self, mesh: &Mesh) -> [Vec<(u32, usize)>; 6] {
-        let mut faces: [Vec<(u32, usize)>; 6] = Default::default();
-        for (number, cell) in (0..).zip(mesh.cells()) {
-            if cell.iter().all(|&node| self.0[node as usize] == 0) {
-                continue;
-            }
-            for (face, nodes) in mesh.kind.faces().iter().enumerate() {
-                let on = nodes.iter().fold(u8::MAX, |on, &i| on & self.0[cell[i] as usize]);
-                (0..6).filter(|bit| on >> bit & 1 == 1).for_each(|bit| faces[bit].push((number, face)));
+    /// The faces (cell, number of the face in [`CellKind::faces`](super::CellKind::faces)) on every side, by cell.
+    pub fn faces(&self) -> &[Vec<(u32, usize)>; 6] {
+        &self.faces
+    }
+
+    /// Gives the sides without a face in their plane those that look their way.
+    fn add_curved(&mut self, mesh: &Mesh) {
+        let curved = [0, 1, 2, 3, 4, 5].map(|bit: usize| self.faces[bit].is_empty());
+        for (cell, face) in outer_faces(mesh) {
+            let start = cell as usize * mesh.kind.nodes();
+            let p = |i: usize| mesh.points[mesh.cells[start + mesh.kind.faces()[face][i]] as usize];
+            let normal = (p(1) - p(0)).cross(&(p(2) - p(0)));
+            let axis = normal.iamax();
+            let bit = 2 * axis + usize::from(normal[axis] > 0.0);
+            if curved[bit] && normal[axis] * normal[axis] > LOOKS * normal.norm_squared() {
+                self.faces[bit].push((cell, face));
+                for &i in mesh.kind.face_nodes()[face] {
+                    self.nodes[mesh.cells[start + i] as usize] |= 1 << bit;
+                }
             }
         }
-        faces
     }
+}
+
+/// For every node a bit per bounding plane it lies on.
+fn on_planes(points: &[Vec3]) -> Vec<u8> {
+    let aabb = Aabb::around(points);
+    let slack = 1e-9 * aabb.size().max();
+    let on = |x: f64, axis: usize, upper: bool| {
+        let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
+        u8::from((x - plane).abs() <= slack)
+    };
+    let bits = |p: &Vec3| {
+        SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | on(p[axis], axis, upper) << i)
+    };
+    points.iter().map(bits).collect()
+}
+
+/// The cells' faces on every bounding plane, by cell.
+fn in_planes(mesh: &Mesh, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
+    let mut faces: [Vec<(u32, usize)>; 6] = Default::default();
+    for (number, cell) in (0..).zip(mesh.cells()) {
+        if cell.iter().all(|&node| nodes[node as usize] == 0) {
+            continue;
+        }
+        for (face, corners) in mesh.kind.faces().iter().enumerate() {
+            let on = corners.iter().fold(u8::MAX, |on, &i| on & nodes[cell[i] as usize]);
+            (0..6).filter(|bit| on >> bit & 1 == 1).for_each(|bit| faces[bit].push((number, face)));
+        }
+    }
+    faces
+}
+
+/// The faces that only one cell has, by cell; cohesive elements join the faces at their two sides.
+fn outer_faces(mesh: &Mesh) -> Vec<(u32, usize)> {
+    let per_cell = mesh.kind.nodes();
+    let sorted = |nodes: &[usize], cell: &[u32]| {
+        let mut corners = [u32::MAX; 4];
+        nodes.iter().zip(&mut corners).for_each(|(&i, corner)| *corner = cell[i]);
+        corners.sort_unstable();
+        corners
+    };
+    let cells = mesh.cells.par_chunks_exact(per_cell).enumerate();
+    let mut faces: Vec<([u32; 4], u32, u8)> = cells
+        .flat_map_iter(|(number, cell)| {
+            (0..).zip(mesh.kind.faces()).map(move |(face, nodes)| (sorted(nodes, cell), number as u32, face))
+        })
+        .collect();
+    let corners = mesh.kind.faces()[0].len();
+    let joined = mesh.cohesive.chunks_exact(corners).map(|face| (sorted(&[0, 1, 2, 3][..corners], face), u32::MAX, 0));
+    faces.extend(joined);
+    faces.par_sort_unstable();
+    let lone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| &same[0]);
+    let mut lone: Vec<(u32, usize)> = lone.map(|&(_, cell, face)| (cell, face as usize)).collect();
+    lone.sort_unstable();
+    lone
 }

@@ -21,7 +21,7 @@ pub(super) fn write(
     nodes(lines, mesh)?;
     elements(lines, mesh, options)?;
     node_sets(lines, sides)?;
-    surfaces(lines, mesh, sides)
+    surfaces(lines, sides)
 }
 
 fn nodes(lines: &mut Lines<impl Write>, mesh: &Mesh) -> io::Result<()> {
@@ -74,10 +74,9 @@ fn node_sets(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {
     Ok(())
 }
 
-/// The element faces on each bounding plane.
-fn surfaces(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -> io::Result<()> {
-    let members = sides.faces(mesh);
-    for ((_, _, name), faces) in SIDES.iter().zip(&members).filter(|(_, faces)| !faces.is_empty()) {
+/// The element faces on each side.
+fn surfaces(lines: &mut Lines<impl Write>, sides: &Sides) -> io::Result<()> {
+    for ((_, _, name), faces) in SIDES.iter().zip(sides.faces()).filter(|(_, faces)| !faces.is_empty()) {
         lines.line(format!("*SURFACE, TYPE=ELEMENT, NAME=S_{name}"))?;
         faces.iter().try_for_each(|&(cell, face)| lines.face(u64::from(cell) + 1, face))?;
     }

@@ -136,7 +136,7 @@ pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<
     options.validate(mesh).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
     let mut lines = Lines::new(out);
     geometry::heading(&mut lines, &options.heading)?;
-    let sides = Sides::of(&mesh.points);
+    let sides = Sides::of(mesh);
     geometry::write(&mut lines, mesh, &sides, options)?;
     if options.periodic_equations {
         periodic::write(&mut lines, mesh, &sides)?;

@@ -60,7 +60,7 @@ fn equations(lines: &mut Lines<impl Write>, pair: &Pair, first_reference: u64) -
 
 /// Finds out whether opposite faces match node for node.
 pub(super) fn check(mesh: &Mesh) -> Result<(), DeckError> {
-    pairs(mesh, &Sides::of(&mesh.points)).map(drop)
+    pairs(mesh, &Sides::of(mesh)).map(drop)
 }
 
 /// Every node on an upper face of a direction that repeats itself, ascending, with its image.

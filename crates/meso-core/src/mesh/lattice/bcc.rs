@@ -31,6 +31,21 @@ impl Bcc {
         Self { domain, spacing, counts }
     }
 
+    /// With one more cell on each of the `open` sides, low and high by axis; the others' nodes stay where they are.
+    pub(super) fn reaching_beyond(self, open: [[bool; 2]; 3]) -> Self {
+        let more = |high: usize| Vec3::from_fn(|i, _| if open[i][high] { self.spacing[i] } else { 0.0 });
+        Self {
+            domain: Aabb { min: self.domain.min - more(0), max: self.domain.max + more(1) },
+            spacing: self.spacing,
+            counts: [0, 1, 2].map(|i| self.counts[i] + open[i].iter().filter(|open| **open).count()),
+        }
+    }
+
+    /// What it fills.
+    pub(super) fn domain(&self) -> &Aabb {
+        &self.domain
+    }
+
     /// Number of corner nodes; centres follow.
     pub(super) fn corners(&self) -> usize {
         self.counts.iter().map(|c| c + 1).product()

@@ -5,7 +5,7 @@
 //! from the cut on the longer lattice edge (of equal ones: towards the lower node). Along one apex that is a total
 //! order, so the three diagonals around a prism never form a cycle, which would have no tetrahedra.
 
-use super::snap::{Field, MORTAR, alpha};
+use super::snap::{Field, MORTAR, OUTSIDE, alpha};
 use super::{Tetrahedra, centroid, oriented};
 use crate::math::Vec3;
 use crate::mesh::NO_AGGREGATE;
@@ -82,7 +82,7 @@ impl<'a> Cutter<'a> {
     }
 
     fn grain_around(&self, node: u32) -> Option<u32> {
-        if self.is_cut(node) { None } else { self.field.inside(node).map(|_| self.field.label[node as usize]) }
+        (!self.is_cut(node) && self.field.is_deep(node)).then(|| self.field.label[node as usize])
     }
 
     fn side(&self, node: u32, grain: u32) -> Side {
@@ -96,11 +96,27 @@ impl<'a> Cutter<'a> {
     }
 
     /// The label of a tetrahedron without a node inside a grain: mortar when a node says so, else by its centroid.
+    ///
+    /// At the specimen's own surface it is mortar, too, but where all nodes lie on that and the centroid outside.
     fn grainless(&self, cell: &[u32; 4]) -> u32 {
         if cell.iter().any(|&node| !self.is_cut(node) && !self.field.snapped(node)) {
             return NO_AGGREGATE;
         }
+        if let Some(outline) = self.field.outline.filter(|_| cell.iter().any(|&node| self.is_outer(node))) {
+            let kept = cell.iter().any(|&node| !self.is_outer(node)) || outline.contains(&centroid(cell, &self.points));
+            return if kept { NO_AGGREGATE } else { OUTSIDE };
+        }
         self.locator.find(&centroid(cell, &self.points)).map_or(NO_AGGREGATE, |(grain, _)| grain as u32)
+    }
+
+    /// Whether a node lies on the specimen's own surface.
+    fn is_outer(&self, node: u32) -> bool {
+        match (node as usize).checked_sub(self.field.points.len()) {
+            None => self.field.is_outer(node),
+            Some(cut) => {
+                [self.edges[cut].0, self.edges[cut].1].iter().any(|&end| self.grain_around(end) == Some(OUTSIDE))
+            }
+        }
     }
 
     /// The cut node between two lattice nodes.
@@ -188,17 +204,18 @@ fn cut_edges(field: &Field, node: u32) -> Vec<(u32, u32)> {
 
 /// Where an edge is cut: at the surface; between two grains at the surface nearer to the middle.
 fn crossing(field: &Field, a: u32, b: u32) -> f64 {
-    let leaves_a = field.inside(a).map(|_| field.exit(a, b));
-    let enters_b = field.inside(b).map(|_| 1.0 - field.exit(b, a));
+    let leaves_a = field.is_deep(a).then(|| field.exit(a, b));
+    let enters_b = field.is_deep(b).then(|| 1.0 - field.exit(b, a));
     let t = match (leaves_a, enters_b) {
         (Some(s), Some(t)) if (s - 0.5).abs() <= (t - 0.5).abs() => s,
         (_, Some(t)) => t,
         (s, None) => s.unwrap_or(0.5),
     };
-    // A node on the box's faces could not move: there the surface keeps a layer's distance.
+    // A node on the box's faces or on the specimen's surface could not move: there the surface keeps a layer's distance.
     let limit = alpha(field.bcc.kind(a, b));
-    let low = if field.bcc.walls(a) != 0 { limit } else { 0.0 };
-    let high = if field.bcc.walls(b) != 0 { 1.0 - limit } else { 1.0 };
+    let held = |node: u32| field.bcc.walls(node) != 0 || field.is_outer(node);
+    let low = if held(a) { limit } else { 0.0 };
+    let high = if held(b) { 1.0 - limit } else { 1.0 };
     t.clamp(low, high)
 }
 

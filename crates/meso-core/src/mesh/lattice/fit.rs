@@ -8,6 +8,7 @@
 use super::balance::lacks;
 use super::places::Places;
 use super::roles::{Role, near_surface, relabel, roles};
+use super::skin::Skin;
 use super::star::{Star, Stars};
 use super::surface::Surface;
 use super::{Tetrahedra, mend, slide, smooth};
@@ -35,11 +36,20 @@ pub(super) struct Fit<'a> {
     pub(super) lacks: &'a [f64],
     /// Of the elements, mm.
     pub(super) size: f64,
+    /// The specimen's own surface, where it is not a box.
+    pub(super) skin: Option<&'a Skin<'a>>,
 }
 
 /// Fits `mesh`, with elements of about `size` mm, to the surfaces; returns how many nodes had to leave them for the angles.
-pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], locator: &Locator, domain: &Aabb, size: f64) -> usize {
-    let mut roles_now = roles(mesh, domain);
+pub(super) fn fit(
+    mesh: &mut Tetrahedra,
+    surfaces: &[Surface],
+    locator: &Locator,
+    domain: &Aabb,
+    size: f64,
+    skin: Option<&Skin>,
+) -> usize {
+    let mut roles_now = roles(mesh, domain, skin);
     let active = near_surface(mesh, &roles_now);
     let stars = Stars::new(mesh, &active);
     let colours = patches(mesh, &active, domain, size * PATCH);
@@ -47,12 +57,12 @@ pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], locator: &Locator
     for round in 0..ROUNDS {
         if RELABELLED.contains(&round) {
             relabel(mesh, &places, locator);
-            let before = std::mem::replace(&mut roles_now, roles(mesh, domain));
+            let before = std::mem::replace(&mut roles_now, roles(mesh, domain, skin));
             let changed = (0..).zip(roles_now.iter().zip(&before)).filter(|(_, (now, before))| now != before);
             changed.for_each(|(node, _)| places.wake(node));
         }
         let lacks = lacks(mesh, &places, surfaces);
-        let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &lacks, size };
+        let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &lacks, size, skin };
         for patches in &colours {
             patches.par_iter().for_each(|nodes| nodes.iter().for_each(|&node| fit.slide(node)));
         }
@@ -60,7 +70,7 @@ pub(super) fn fit(mesh: &mut Tetrahedra, surfaces: &[Surface], locator: &Locator
             patches.par_iter().for_each(|nodes| nodes.iter().for_each(|&node| fit.smooth(node, round)));
         }
     }
-    let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &[], size };
+    let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &[], size, skin };
     let released = mend::mend(&fit);
     mesh.points = places.into_points();
     released

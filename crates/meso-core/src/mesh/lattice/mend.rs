@@ -56,7 +56,8 @@ fn better(fit: &Fit, node: u32, released: bool) -> bool {
         return false;
     }
     let mut star = fit.star(node);
-    let track = if released { Track::Anywhere } else { Track::of(fit, &star, role) };
+    let track = Track::of(fit, &star, role);
+    let track = if released { track.released() } else { track };
     let mut best = (star.sharpest_first(), None);
     for length in STEPS {
         for way in ways() {

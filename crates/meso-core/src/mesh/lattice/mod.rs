@@ -2,28 +2,34 @@
 //!
 //! Plain: every tetrahedron has the phase of its centroid. Fitted: isosurface stuffing after Labelle and Shewchuk
 //! (SIGGRAPH 2007), for many materials and exact planes: lattice nodes near a surface move onto it ([`snap`]), the edges
-//! that still cross one are cut there ([`cut`]).
+//! that still cross one are cut there ([`cut`]). So it goes with the specimen's own surface where that is no box
+//! ([`outline`]), and what is outside is left out ([`trim`]).
 
 mod balance;
 mod bcc;
 mod cut;
 mod fit;
 mod mend;
+mod outline;
 mod places;
 mod roles;
+mod skin;
 mod slide;
 mod smooth;
 mod snap;
 mod star;
 mod surface;
+mod trim;
 
 use super::grains::{Grain, Locator};
 use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Notes, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
-use crate::packing::Specimen;
+use crate::packing::{Room, Specimen};
 use bcc::Bcc;
+use outline::Outline;
 use rayon::prelude::*;
+use skin::Skin;
 use surface::Surface;
 
 /// Tetrahedra before they are a mesh: nodes, and the grain each lies in.
@@ -73,18 +79,20 @@ fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
     }
 }
 
-/// The fitted lattice: grains and mortar.
-pub(super) fn fitted(aggregates: &[Aggregate], specimen: &Specimen, element_size: f64) -> (Tetrahedra, Notes) {
-    let domain = specimen.aabb();
+/// The fitted lattice: grains and mortar within `room`, its own surface included.
+pub(super) fn fitted(aggregates: &[Aggregate], room: &dyn Room, element_size: f64) -> (Tetrahedra, Notes) {
     let grains = Grain::all(aggregates, |_| 0.0);
-    let bcc = Bcc::new(domain, element_size);
-    let locator = Locator::new(&grains, &domain);
-    let mut field = snap::Field::new(&bcc, &grains);
+    let outline = Outline::new(room);
+    let bcc =
+        Bcc::new(room.aabb(), element_size).reaching_beyond(outline.as_ref().map_or_else(Default::default, |o| o.open));
+    let locator = Locator::new(&grains, bcc.domain());
+    let mut field = snap::Field::new(&bcc, &grains, outline.as_ref());
     field.snap();
     let mut notes = field.notes();
     let mut mesh = cut::Cutter::new(&field, &locator).cells();
+    let skin = outline.as_ref().map(|outline| Skin { outline, outer: trim::trim(&mut mesh) });
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
-    notes.released_nodes = fit::fit(&mut mesh, &surfaces, &locator, &domain, element_size);
+    notes.released_nodes = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, skin.as_ref());
     (mesh, notes)
 }
 

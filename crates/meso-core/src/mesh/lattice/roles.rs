@@ -2,6 +2,7 @@
 
 use super::Tetrahedra;
 use super::places::Places;
+use super::skin::{Hold, Skin};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::NO_AGGREGATE;
 use crate::mesh::grains::Locator;
@@ -16,20 +17,28 @@ pub(super) enum Role {
     Contact,
     /// Slide along the surface of this grain.
     Surface(u32),
+    /// Slide along the specimen's own surface.
+    Skin(Hold),
     /// Move freely: all its tetrahedra are of one grain, or of the mortar.
     Free,
 }
 
 /// The roles of all nodes.
-pub(super) fn roles(mesh: &Tetrahedra, domain: &Aabb) -> Vec<Role> {
-    let wall = |p: &Vec3| (0..3).any(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]);
-    let role = |(point, around): (&Vec3, &Around)| match around {
-        _ if wall(point) => Role::Fixed,
+///
+/// Nodes on the faces of a box stay where they are, those on the flat sides of other specimens slide in these.
+pub(super) fn roles(mesh: &Tetrahedra, domain: &Aabb, skin: Option<&Skin>) -> Vec<Role> {
+    let wall = |p: &Vec3| [0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]);
+    let held = |node: usize, p: &Vec3| {
+        let hold = Hold { axes: wall(p), outer: skin.is_some_and(|skin| skin.outer[node]) };
+        (hold.outer || hold.axes.contains(&true)).then_some(hold)
+    };
+    let role = |(node, (point, around)): (usize, (&Vec3, &Around))| match around {
+        _ if let Some(hold) = held(node, point) => skin.map_or(Role::Fixed, |_| Role::Skin(hold)),
         Around::Unseen | Around::One(_) => Role::Free,
         Around::Two(NO_AGGREGATE, grain) | Around::Two(grain, NO_AGGREGATE) => Role::Surface(*grain),
         Around::Two(..) | Around::Many => Role::Contact,
     };
-    mesh.points.par_iter().zip(&around(mesh)).map(role).collect()
+    mesh.points.par_iter().zip(&around(mesh)).enumerate().map(role).collect()
 }
 
 /// Gives the tetrahedra whose nodes all lie between materials the grain of their centroid: no interface moves, but
@@ -72,10 +81,14 @@ fn around(mesh: &Tetrahedra) -> Vec<Around> {
 
 /// Nodes on a surface, and free ones that share a tetrahedron with them.
 pub(super) fn near_surface(mesh: &Tetrahedra, roles: &[Role]) -> Vec<bool> {
-    let on = |node: u32| matches!(roles[node as usize], Role::Surface(_) | Role::Contact);
+    let on = |node: u32| match roles[node as usize] {
+        Role::Surface(_) | Role::Contact => true,
+        Role::Skin(hold) => hold.outer,
+        Role::Fixed | Role::Free => false,
+    };
     let mut active: Vec<bool> = (0..roles.len() as u32).map(on).collect();
     for cell in mesh.cells.iter().filter(|cell| cell.iter().any(|&node| on(node))) {
-        let free = cell.iter().filter(|&&node| roles[node as usize] == Role::Free);
+        let free = cell.iter().filter(|&&node| matches!(roles[node as usize], Role::Free | Role::Skin(_)));
         free.for_each(|&node| active[node as usize] = true);
     }
     active

@@ -2,6 +2,7 @@
 
 use super::fit::{Fit, GUARD_DEG};
 use super::roles::Role;
+use super::skin::Slope;
 use super::star::{Star, sharpness_of};
 use super::surface::Surface;
 use crate::math::Vec3;
@@ -37,6 +38,9 @@ pub(super) fn slide(fit: &Fit, star: &mut Star, role: Role) -> Option<Vec3> {
             let own = lies_on(fit, star)?;
             let gain = star.gain(|label| worth(fit, own, label));
             gaining(fit, &fit.surfaces[own as usize], x, &gain, &mut places);
+        }
+        Role::Skin(hold) => {
+            places = fit.skin.map_or_else(Vec::new, |skin| Slope::of(star, hold).places(skin, star, fit.size));
         }
         Role::Fixed | Role::Free => {}
     }

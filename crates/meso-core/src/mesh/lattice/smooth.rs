@@ -2,6 +2,7 @@
 
 use super::fit::{Fit, GUARD_DEG};
 use super::roles::Role;
+use super::skin::Slope;
 use super::slide::lies_on;
 use super::star::{Star, sharpness_of};
 use crate::math::Vec3;
@@ -31,7 +32,7 @@ pub(super) fn smooth(fit: &Fit, star: &Star, role: Role, before: f64, round: usi
     let mut best = (before - GAIN, None);
     for step in std::iter::once(towards).chain(around) {
         let Some(place) = track.after(fit, &star.centre, &step) else { continue };
-        if gain.dot(&(place - star.centre)) < 0.0 {
+        if gain.dot(&(place - star.centre)) < 0.0 || track.rises(&(place - star.centre)) {
             continue;
         }
         let worst = star.worst(&place, best.0);
@@ -49,6 +50,8 @@ pub(super) enum Track {
     Still,
     /// The faces it lies on of this grain.
     Along(u32),
+    /// The specimen's own surface.
+    Slope(Slope),
     /// Nothing.
     Anywhere,
 }
@@ -59,6 +62,7 @@ impl Track {
         match role {
             Role::Fixed => Self::Still,
             Role::Free => Self::Anywhere,
+            Role::Skin(hold) => Self::Slope(Slope::of(star, hold)),
             Role::Surface(grain) if fit.surfaces[grain as usize].has(&star.centre) => Self::Along(grain),
             Role::Surface(_) => Self::Anywhere,
             Role::Contact => lies_on(fit, star).map_or(Self::Anywhere, Self::Along),
@@ -70,7 +74,21 @@ impl Track {
         match self {
             Self::Still => None,
             Self::Along(grain) => fit.surfaces[grain as usize].along_face(x, step),
+            Self::Slope(slope) => fit.skin.and_then(|skin| slope.after(skin, x, step, fit.size)),
             Self::Anywhere => Some(x + step),
         }
+    }
+
+    /// The track of a node that is let off all surfaces but the specimen's flat sides.
+    pub(super) fn released(self) -> Self {
+        match self {
+            Self::Slope(slope) => Self::Slope(slope.released()),
+            _ => Self::Anywhere,
+        }
+    }
+
+    /// Whether a move crosses an edge of the specimen's surface.
+    fn rises(&self, step: &Vec3) -> bool {
+        matches!(self, Self::Slope(slope) if slope.rises(step))
     }
 }

@@ -4,6 +4,7 @@
 //! can tell apart, the node is put on both: the gap is closed there, counted, and named in the report.
 
 use super::bcc::{Bcc, EdgeKind};
+use super::outline::Outline;
 use crate::math::Vec3;
 use crate::mesh::Notes;
 use crate::mesh::grains::Grain;
@@ -12,6 +13,9 @@ use rayon::prelude::*;
 
 /// "In no grain", as a label, and an empty place in a node's list of surfaces.
 pub(super) const MORTAR: u32 = u32::MAX;
+
+/// "Outside of the specimen", as a label and as a surface; higher than any grain.
+pub(super) const OUTSIDE: u32 = u32::MAX - 1;
 
 /// A crossing nearer to a node than this share of the edge moves the node (Labelle and Shewchuk's values for a
 /// body-centred lattice; the box-face diagonals take that of the long edges).
@@ -29,8 +33,10 @@ const ROUNDS: usize = 6;
 pub(super) struct Field<'a> {
     pub(super) bcc: &'a Bcc,
     pub(super) grains: &'a [Grain],
+    /// The specimen's surface where it is not the lattice's box.
+    pub(super) outline: Option<&'a Outline<'a>>,
     pub(super) points: Vec<Vec3>,
-    /// Index of the grain a node lies in, or [`MORTAR`].
+    /// Index of the grain a node lies in, [`MORTAR`] or [`OUTSIDE`].
     pub(super) label: Vec<u32>,
     /// The grains on whose surface a moved node lies, then [`MORTAR`]; all [`MORTAR`] for a node that was not moved.
     pub(super) on: Vec<[u32; 3]>,
@@ -47,7 +53,7 @@ enum Change {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn new(bcc: &'a Bcc, grains: &'a [Grain]) -> Self {
+    pub(super) fn new(bcc: &'a Bcc, grains: &'a [Grain], outline: Option<&'a Outline>) -> Self {
         let nodes = 0..bcc.nodes() as u32;
         let points: Vec<Vec3> = nodes.into_par_iter().map(|node| bcc.position(node)).collect();
         let mut label =
@@ -56,15 +62,31 @@ impl<'a> Field<'a> {
             grains,
             PointGrid { origin: points[bcc.corners()], spacing: bcc.spacing, counts: bcc.counts },
         ));
+        if let Some(outline) = outline {
+            label.par_iter_mut().zip(&points).for_each(|(label, point)| {
+                if *label == MORTAR && !outline.contains(point) {
+                    *label = OUTSIDE;
+                }
+            });
+        }
         let on = vec![[MORTAR; 3]; points.len()];
-        Self { bcc, grains, points, label, on, closed: Vec::new() }
+        Self { bcc, grains, outline, points, label, on, closed: Vec::new() }
     }
 
     /// Moves every node that a surface passes closely, then looks again at the edges of moved nodes.
+    ///
+    /// The specimen's surface comes first: a node on it is on no other. A node in a grain beside one outside becomes one on
+    /// the grain's surface, so that mortar lies between the grain and the outside.
     pub(super) fn snap(&mut self) {
-        let nodes = 0..self.points.len() as u32;
-        let moves: Vec<Change> = nodes.into_par_iter().filter_map(|node| self.first_move(node)).collect();
-        let mut touched = self.apply(moves);
+        let mut touched = Vec::new();
+        if self.outline.is_some() {
+            let moves = self.each_node(|node| self.first_move(node, |a, b| (a == OUTSIDE) != (b == OUTSIDE)));
+            self.apply(moves);
+            let moves = self.each_node(|node| self.retreat(node));
+            touched = self.apply(moves);
+        }
+        let moves = self.each_node(|node| self.first_move(node, |a, b| a != OUTSIDE && b != OUTSIDE));
+        touched.extend(self.apply(moves));
         for _ in 0..ROUNDS {
             let changes: Vec<Change> = touched.par_iter().flat_map_iter(|&node| self.second_look(node)).collect();
             touched = self.apply(changes);
@@ -85,11 +107,12 @@ impl<'a> Field<'a> {
 
     fn joining_edges(&self, node: u32) -> Vec<(u32, u32, f64)> {
         let mut gaps = Vec::new();
-        if self.inside(node).is_none() {
+        if !self.is_deep(node) {
             return gaps;
         }
         self.bcc.neighbours(node, |other| {
-            if other > node && self.inside(other).is_some() && !self.compatible(node, other) {
+            let between_grains = || self.label[node as usize].max(self.label[other as usize]) < OUTSIDE;
+            if other > node && self.is_deep(other) && between_grains() && !self.compatible(node, other) {
                 let pair = [self.label[node as usize], self.label[other as usize]];
                 let gap = 1.0 - self.exit(node, other) - self.exit(other, node);
                 let length = (self.points[node as usize] - self.points[other as usize]).norm();
@@ -131,35 +154,62 @@ impl<'a> Field<'a> {
         label == MORTAR || self.on[moved as usize].contains(&label)
     }
 
-    /// The grain of a node that has not moved.
-    pub(super) fn inside(&self, node: u32) -> Option<&'a Grain> {
-        let label = self.label[node as usize];
-        (label != MORTAR && !self.snapped(node)).then(|| &self.grains[label as usize])
+    /// Whether a node lies in a grain, or outside of the specimen, and has not moved.
+    pub(super) fn is_deep(&self, node: u32) -> bool {
+        self.label[node as usize] != MORTAR && !self.snapped(node)
     }
 
-    /// Where the surface of the grain around `inside` crosses the edge to `outside`, as a share of the edge.
+    /// Whether a node lies on the specimen's own surface.
+    pub(super) fn is_outer(&self, node: u32) -> bool {
+        self.on[node as usize][0] == OUTSIDE
+    }
+
+    /// Where the surface of the grain around `inside`, or of the specimen where that is outside of it, crosses the edge to
+    /// `outside`, as a share of the edge.
     pub(super) fn exit(&self, inside: u32, outside: u32) -> f64 {
-        let grain = &self.grains[self.label[inside as usize] as usize];
-        grain.exit(&self.points[inside as usize], &self.points[outside as usize])
+        let [from, to] = [inside, outside].map(|node| &self.points[node as usize]);
+        match (self.label[inside as usize], self.outline) {
+            (OUTSIDE, Some(outline)) => outline.exit(from, to),
+            (grain, _) => self.grains[grain as usize].exit(from, to),
+        }
     }
 
-    /// The nearest crossing of the node's edges, measured against each edge's alpha.
-    fn first_move(&self, node: u32) -> Option<Change> {
+    /// What `change` says of each node, in their order.
+    fn each_node(&self, change: impl Fn(u32) -> Option<Change> + Send + Sync) -> Vec<Change> {
+        (0..self.points.len() as u32).into_par_iter().filter_map(change).collect()
+    }
+
+    /// The nearest crossing of the node's edges between labels that count, measured against each edge's alpha.
+    fn first_move(&self, node: u32, counts: impl Fn(u32, u32) -> bool) -> Option<Change> {
         let label = self.label[node as usize];
         let mut best = (1.0, None);
         self.bcc.neighbours(node, |other| {
             let there = self.label[other as usize];
-            if there == label || !self.may_follow(node, other) {
+            if there == label || !counts(label, there) || !self.may_follow(node, other) {
                 return;
             }
-            let (t, grain) =
-                if label == MORTAR { (1.0 - self.exit(other, node), there) } else { (self.exit(node, other), label) };
+            let (t, grain) = if label == MORTAR || there == OUTSIDE {
+                (1.0 - self.exit(other, node), there)
+            } else {
+                (self.exit(node, other), label)
+            };
             let ratio = t / alpha(self.bcc.kind(node, other));
             if ratio < best.0 {
                 best = (ratio, Some(Change::Move(node, grain, self.at(node, other, t))));
             }
         });
         best.1
+    }
+
+    /// A node in a grain beside one outside counts as on the grain's surface.
+    fn retreat(&self, node: u32) -> Option<Change> {
+        let label = self.label[node as usize];
+        let mut beside = false;
+        if self.is_deep(node) && label != OUTSIDE {
+            let outside = |other: u32| self.label[other as usize] == OUTSIDE && !self.snapped(other);
+            self.bcc.neighbours(node, |other| beside |= outside(other));
+        }
+        beside.then(|| Change::Move(node, label, self.points[node as usize]))
     }
 
     /// Nodes on the box's faces stay on them.
@@ -185,7 +235,7 @@ impl<'a> Field<'a> {
             let t = self.exit(other, node);
             if t < limit && self.may_follow(other, node) {
                 changes.push(Change::Move(other, grain, self.at(other, node, t)));
-            } else if 1.0 - t < limit && self.may_follow(node, other) {
+            } else if 1.0 - t < limit && self.may_follow(node, other) && !self.is_outer(node) && grain != OUTSIDE {
                 // On the box's faces only edges within them count: opposite faces of a periodic box must match.
                 let length = (self.points[node as usize] - self.points[other as usize]).norm();
                 changes.push(Change::Close(node, grain, (1.0 - t) * length));
@@ -202,6 +252,9 @@ impl<'a> Field<'a> {
                 Change::Move(node, grain, point) if !self.snapped(node) => {
                     self.points[node as usize] = point;
                     self.on[node as usize][0] = grain;
+                    if grain == OUTSIDE {
+                        self.label[node as usize] = MORTAR;
+                    }
                     touched.push(node);
                 }
                 Change::Close(node, grain, gap) => {
