@@ -2,12 +2,13 @@
 
 use crate::command::Folder;
 use meso_cli::gmsh::Gmsh;
-use meso_core::geometry::Plane;
+use meso_core::aggregate::Aggregate;
+use meso_core::geometry::{Plane, inward_offset};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A dense packing of 30 mm with room to mesh between its grains.
 fn packed(gap_mm: f64) -> Model {
@@ -49,57 +50,68 @@ fn the_solid_itz_of_a_conforming_mesh_is_as_thick_as_asked() {
     assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
     let itz = PhaseVolumes::of_mesh(&mesh).itz;
-    // At its nodes the layer is exact; its triangles cut the inner body's edges off.
-    assert!((itz / exact.itz - 1.0).abs() < 0.07, "{itz} {}", exact.itz);
-    let of = |phase: Phase| mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).filter(move |((_, p), _)| **p == phase);
-    let nodes = |phase| of(phase).flat_map(|((cell, _), id)| cell.iter().map(move |node| (*id, *node)));
-    let layer: BTreeSet<(u32, u32)> = nodes(Phase::Itz).collect();
-    let inner: BTreeSet<(u32, u32)> = nodes(Phase::Aggregate).filter(|node| layer.contains(node)).collect();
-    assert!(inner.len() > 1000);
-    let error = |&(id, node): &(u32, u32)| {
-        let aggregate = &model.aggregates[id as usize];
-        let height = |p: Plane| p.normal.dot(&mesh.points[node as usize]) - p.offset;
-        aggregate.body.planes().map(height).fold(f64::MIN, f64::max) + aggregate.itz_thickness_mm
-    };
-    let [mean, most] = thickness_error(&mesh, &model);
-    // Measured: 0.031 and 0.39 mm, where triangles cut the inner body's edges off.
-    assert!(mean < 0.035 && most < 0.5, "{mean} mm rms over the layer's inner triangles, {most} mm at most");
-    let exact = inner.iter().filter(|node| error(node).abs() < 1e-9).count();
-    let rms = (inner.iter().map(|node| error(node).powi(2)).sum::<f64>() / inner.len() as f64).sqrt();
-    // Measured: 13 of 6,621 nodes stop short; they alone make the 0.015 mm.
-    assert!(exact * 1000 > inner.len() * 995 && rms < 0.02, "{rms} mm, {exact} of {}, {:?}", inner.len(), mesh.notes);
+    // Measured: 0.5 % too small.
+    assert!((itz / exact.itz - 1.0).abs() < 0.01, "{itz} {}", exact.itz);
+    let layer = LayerErrors::of(&mesh, &model);
+    assert!(layer.area_mm2 > 0.95 * model.aggregates.iter().map(core_area).sum::<f64>(), "{layer:?}");
+    assert!(layer.rms_mm < 0.01, "{layer:?}");
+    assert_eq!((mesh.notes.thinned_itz_aggregates, mesh.notes.thinned_itz_nodes), (0, 0));
 }
 
-/// Distances of the layer's inner triangles from the surface of the exact inward offset, mm: root mean square over their
-/// area, and the largest.
-fn thickness_error(mesh: &Mesh, model: &Model) -> [f64; 2] {
+fn core_area(aggregate: &Aggregate) -> f64 {
+    inward_offset(&aggregate.body, aggregate.itz_thickness_mm).unwrap().expect("the core is there").area()
+}
+
+/// How far the layer's inner side lies from the surface of the exact inward offset.
+#[derive(Debug)]
+struct LayerErrors {
+    area_mm2: f64,
+    /// Over the area of the inner side.
+    rms_mm: f64,
+}
+
+impl LayerErrors {
+    fn of(mesh: &Mesh, model: &Model) -> Self {
+        let (mut squares, mut area) = (0.0, 0.0);
+        for (id, corners) in inner_side(mesh) {
+            let aggregate = &model.aggregates[id as usize];
+            let planes: Vec<Plane> = aggregate.body.planes().collect();
+            let height = |x: Vec3| {
+                let heights = planes.iter().map(|p| p.normal.dot(&x) - p.offset);
+                heights.fold(f64::MIN, f64::max) + aggregate.itz_thickness_mm
+            };
+            let triangle = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0;
+            squares += triangle * points_of(corners).map(|x| height(x).powi(2)).sum::<f64>() / (PARTS * PARTS) as f64;
+            area += triangle;
+        }
+        Self { area_mm2: area, rms_mm: (squares / area).sqrt() }
+    }
+}
+
+/// Parts of a triangle's edge.
+const PARTS: u32 = 6;
+
+/// The centroids of the equal triangles that a triangle is cut into, [`PARTS`] along each edge.
+fn points_of([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
+    let upright = (0..PARTS).flat_map(|i| (0..PARTS - i).map(move |j| (3 * i + 1, 3 * j + 1)));
+    let turned = (1..PARTS).flat_map(|i| (0..PARTS - i).map(move |j| (3 * i - 1, 3 * j + 2)));
+    let share = f64::from(3 * PARTS);
+    upright.chain(turned).map(move |(i, j)| a + (b - a) * (f64::from(i) / share) + (c - a) * (f64::from(j) / share))
+}
+
+/// The triangles between an aggregate's core and its layer, with its id.
+fn inner_side(mesh: &Mesh) -> Vec<(u32, [Vec3; 3])> {
     let mut sides = BTreeMap::new();
     for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
         for face in mesh.kind.faces() {
             let mut nodes = [0, 1, 2].map(|i| cell[face[i]]);
-            let (from_core, nodes_of) = (*phase == Phase::Aggregate, nodes);
             nodes.sort_unstable();
-            sides.entry(nodes).or_insert_with(Vec::new).push((*id, from_core, nodes_of));
+            sides.entry(nodes).or_insert_with(Vec::new).push((*id, *phase));
         }
     }
-    let (mut squares, mut area, mut most) = (0.0, 0.0, 0.0_f64);
-    for side in sides.values().filter(|side| side.len() == 2 && side[0].0 == side[1].0 && side[0].1 != side[1].1) {
-        let (id, _, nodes) = side[usize::from(side[1].1)];
-        let [a, b, c] = nodes.map(|node| mesh.points[node as usize]);
-        let normal = (b - a).cross(&(c - a));
-        let aggregate = &model.aggregates[id as usize];
-        let height = |x: Vec3| {
-            let heights = aggregate.body.planes().map(|p| p.normal.dot(&x) - p.offset);
-            heights.fold(f64::MIN, f64::max) + aggregate.itz_thickness_mm
-        };
-        // The middles of the edges: right for squares of linear functions.
-        let errors = [(a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0].map(height);
-        squares += normal.norm() * errors.iter().map(|e| e * e).sum::<f64>() / 3.0;
-        most = errors.iter().fold(most, |most, e| most.max(e.abs()));
-        area += normal.norm();
-    }
-    assert!(area > 0.0);
-    [(squares / area).sqrt(), most]
+    let between = |side: &[(u32, Phase)]| side.len() == 2 && side[0].0 == side[1].0 && side[0].1 != side[1].1;
+    let inner = sides.into_iter().filter(|(_, side)| between(side));
+    inner.map(|(nodes, side)| (side[0].0, nodes.map(|node| mesh.points[node as usize]))).collect()
 }
 
 #[test]

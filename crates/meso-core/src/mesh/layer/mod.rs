@@ -1,14 +1,16 @@
 //! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every aggregate.
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of an aggregate's cells shrink towards
-//! its centroid ([`shrink`]; [`turned`] where a face looks the wrong way), and between each interface triangle and its
-//! image stands a prism, cut into three tetrahedra. Flat cells on the surface that would turn over go to the layer before
-//! ([`peel`]). Where any other cell would, its nodes go less far, at last not at all ([`settle`]); a rail of no length takes
-//! just one of the three tetrahedra of each prism with it, so neighbours still match.
+//! its centroid ([`shrink`]; [`turned`] where a face looks the wrong way), surface nodes onto the offsets of their own
+//! faces ([`seat`]), and between each interface triangle and its image stands a prism, cut into three tetrahedra. Where a
+//! cell would turn over, its nodes move aside ([`nudge`]); where that does not help they go less far, at last not at all
+//! ([`settle`]); a rail of no length takes just one of the three tetrahedra of each prism with it, so neighbours still match.
 
-mod peel;
+mod nudge;
+mod seat;
 mod settle;
 mod shrink;
+mod sound;
 mod steepest;
 mod turned;
 
@@ -49,7 +51,6 @@ struct LayerCell {
 pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(&Aggregate) -> f64) -> Thinned {
     let shrinks: HashMap<u32, Shrink> =
         aggregates.iter().filter(|a| thickness(a) > 0.0).map(|a| (a.id, Shrink::new(a, thickness(a)))).collect();
-    let peeled = peel::peel(mesh, &shrinks);
     let mut faces = interface::faces(mesh);
     faces.retain(|face| shrinks.contains_key(&mesh.aggregate[face.cell as usize]));
     let copies = separate(mesh, &faces, false);
@@ -58,6 +59,8 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
     let image = |(point, id): (&Vec3, &u32)| shrinks.get(id).map_or(*point, |shrink| shrink.apply(point));
     let mut images: Vec<Vec3> = mesh.points.par_iter().zip(&owner).map(image).collect();
     turned::turn(mesh, &faces, &copies, &shrinks, &mut images);
+    seat::seat(mesh, &copies, &shrinks, &mut images);
+    nudge::nudge(mesh, &layer, &mut images);
     let ways = settle(mesh, &images, &layer);
     let thinner = |a: &&Aggregate| shrinks.get(&a.id).is_some_and(|s| s.thickness < thickness(a));
     let thinned = Thinned {
@@ -67,7 +70,6 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
     };
     mesh.points.par_iter_mut().zip(&images).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
     append(mesh, &layer, &copies, &ways);
-    peeled.into_iter().for_each(|(cell, aggregate)| mesh.aggregate[cell as usize] = aggregate);
     thinned
 }
 

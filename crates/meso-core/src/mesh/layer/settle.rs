@@ -5,6 +5,7 @@
 //! a layer cell is left out with its rail.
 
 use super::LayerCell;
+use super::sound::{least_of_core, least_of_layer, volume};
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
@@ -13,10 +14,6 @@ use rayon::prelude::*;
 const STEP_BACK: f64 = 0.7;
 /// Steps back before a node stays where it is: 0.7^10 is 3 %.
 const STEPS: u8 = 10;
-/// A cell of the aggregate may lose all but this share of its shape (volume over mean edge cubed).
-const KEPT_SHAPE: f64 = 0.03;
-/// A rail stands at least this high over its triangle, as a share of its length: 1 degree.
-const UPRIGHT: f64 = 0.02;
 
 /// Steps back of every node.
 pub(super) struct Ways(Vec<u8>);
@@ -49,13 +46,13 @@ pub(super) fn settle(mesh: &Mesh, images: &[Vec3], layer: &[LayerCell]) -> Ways 
     loop {
         let place = |node: u32| ways.place(node, &mesh.points[node as usize], &images[node as usize]);
         let worse = |cell: &&[u32]| {
-            let shape = |at: &dyn Fn(u32) -> Vec3| shape([0, 1, 2, 3].map(|i| at(cell[i])));
-            let fine = shape(&place) > KEPT_SHAPE * shape(&|node| mesh.points[node as usize]);
+            let at = |place: &dyn Fn(u32) -> Vec3| [0, 1, 2, 3].map(|i| place(cell[i]));
+            let (before, now) = (at(&|node| mesh.points[node as usize]), at(&place));
+            let fine = volume(now) > least_of_core(before, now);
             !fine
         };
         let fallen = |cell: &&LayerCell| {
-            let rail = cell.rail.map(place);
-            let least = UPRIGHT * cell.area * (rail[0] - rail[1]).norm() / 3.0;
+            let least = least_of_layer(cell, cell.rail.map(place));
             let fine = ways.is_pinched(cell.rail[0]) || volume(cell.nodes.map(place)) > least;
             !fine
         };
@@ -70,14 +67,4 @@ pub(super) fn settle(mesh: &Mesh, images: &[Vec3], layer: &[LayerCell]) -> Ways 
         }
         bad.iter().for_each(|&node| ways.0[node as usize] += 1);
     }
-}
-
-fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
-    (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
-}
-
-/// Volume over the cube of the edges' quadratic mean: no measure of size.
-pub(super) fn shape(p: [Vec3; 4]) -> f64 {
-    let squares: f64 = (0..4).map(|i| (0..i).map(|j| (p[i] - p[j]).norm_squared()).sum::<f64>()).sum();
-    volume(p) / (squares * squares.sqrt())
 }

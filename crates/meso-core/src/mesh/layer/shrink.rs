@@ -15,7 +15,7 @@ const DEEPEST: f64 = 0.8;
 pub(super) struct Shrink {
     pub(super) centre: Vec3,
     /// Outward normals, and the centre's distance to every face plane, mm.
-    planes: Vec<(Vec3, f64)>,
+    pub(super) planes: Vec<(Vec3, f64)>,
     /// mm.
     pub(super) thickness: f64,
 }
