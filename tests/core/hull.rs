@@ -2,7 +2,7 @@
 
 use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
 use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
-use meso_core::geometry::{HullBuilder, HullError, Polyhedron, affine_dimension, convex_hull};
+use meso_core::geometry::{Face, HullBuilder, HullError, Polyhedron, affine_dimension, convex_hull, convex_hull_like};
 use meso_core::math::Vec3;
 use num_bigint::BigInt;
 use std::collections::BTreeSet;
@@ -184,6 +184,24 @@ fn the_hull_of_a_hull_is_itself() {
         let hull = convex_hull(&cloud.points).unwrap();
         assert_eq!(convex_hull(hull.vertices()).unwrap(), hull, "{}", cloud.name);
     }
+}
+
+#[test]
+fn a_hull_like_another_is_the_hull_whether_its_faces_stay_or_not() {
+    let (mut stay, mut change) = (0, 0);
+    for cloud in solids(20) {
+        let hull = convex_hull(&cloud.points).unwrap();
+        let size = hull.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+        for share in [0.0, 1e-12, 1e-3, 0.3] {
+            let moved: Vec<Vec3> =
+                hull.vertices().iter().map(|v| v.map(|x| x + share * size * (1e3 * x).sin())).collect();
+            let like = convex_hull_like(&hull, &moved);
+            assert_eq!(like, convex_hull(&moved), "{} moved by {share}", cloud.name);
+            let same = like.is_ok_and(|like| like.faces().map(Face::to_vec).eq(hull.faces().map(Face::to_vec)));
+            *(if same { &mut stay } else { &mut change }) += 1;
+        }
+    }
+    assert!(stay > 20 && change > 20, "{stay} kept their faces, {change} did not");
 }
 
 #[test]

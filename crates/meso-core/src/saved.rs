@@ -10,7 +10,6 @@ mod read;
 pub use read::{ReadError, read};
 
 use crate::aggregate::Aggregate;
-use crate::geometry::Face;
 use crate::model::Model;
 use crate::packing::{Report, Seconds};
 use serde::Serialize;
@@ -60,7 +59,7 @@ fn write_aggregate(aggregate: &Aggregate, out: &mut impl Write) -> io::Result<()
     out.write_all(b",\"vertices\":")?;
     rows(out, aggregate.body.vertices().iter().map(|v| <[f64; 3]>::from(*v)))?;
     out.write_all(b",\"faces\":")?;
-    rows(out, aggregate.body.faces().map(Face::to_vec))?;
+    rows(out, aggregate.body.faces())?;
     out.write_all(b"}")
 }
 

@@ -1,5 +1,7 @@
 //! Polygon lists in as few bytes as their indices need: a million grains live in memory at once.
 
+use serde::{Serialize, Serializer};
+
 /// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FaceList {
@@ -41,6 +43,13 @@ impl FaceList {
             Some(ends) => (if f == 0 { 0 } else { ends.get(f - 1) as usize }, ends.get(f) as usize),
         };
         Face { corners: &self.corners, start, end }
+    }
+}
+
+/// As the list of its vertex indices.
+impl Serialize for Face<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
     }
 }
 

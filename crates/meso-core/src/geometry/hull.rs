@@ -5,6 +5,7 @@
 //! are exactly the extreme points and the faces exactly the facets.
 
 mod polygons;
+mod steady;
 mod surface;
 
 use super::Polyhedron;
@@ -60,6 +61,17 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
     } else {
         HullBuilder::default().build(points)
     }
+}
+
+/// [`convex_hull`] of points that are the vertices of `like`, moved as one body and rounded: where they keep its faces, which
+/// is found by looking, a tenth of the time.
+///
+/// # Errors
+/// See [`HullError`].
+pub fn convex_hull_like(like: &Polyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
+    check(points)?;
+    let same = points.len() == like.vertices().len() && steady::are_facets(points, like);
+    if same { Ok(like.with_vertices(points)) } else { convex_hull(points) }
 }
 
 /// [`convex_hull`] with memory that is kept from one hull to the next: for whoever makes thousands of them.

@@ -16,7 +16,7 @@ mod triangle_mesh;
 
 pub use clip::clipped;
 pub use faces::Face;
-pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull};
+pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull, convex_hull_like};
 pub use inradius::{Ball, inscribed_ball};
 pub use offset::{OffsetError, inward_offset};
 pub use polyhedron::{MassProperties, Plane, Polyhedron};

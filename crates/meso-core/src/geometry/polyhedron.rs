@@ -69,6 +69,11 @@ impl Polyhedron {
         Self { vertices, faces, volume }
     }
 
+    /// The same faces over as many other vertices.
+    pub(super) fn with_vertices(&self, vertices: &[Vec3]) -> Self {
+        Self::with_faces(vertices.into(), self.faces.clone())
+    }
+
     /// The same faces over vertices mapped by `map`, with a volume known better than the rounded vertices tell.
     pub(super) fn mapped_to_volume(self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
         Self { vertices: self.vertices.iter().map(map).collect(), faces: self.faces, volume }

@@ -100,9 +100,7 @@ impl Surface {
         self.unused.clear();
         self.local.clear();
         self.local.extend(points.iter().map(|p| p - middle));
-        // In units of the box's edges X, Y, Z and of u = 2^-53: local coordinates err by u/2, their differences by 2u,
-        // a normal's component (at most 2) by 12u, `normal . p` and `offset` by 29u each, their difference by 64u.
-        self.error_bound = 80.0 * (f64::EPSILON / 2.0) * aabb.size().product();
+        self.error_bound = error_bound(&aabb);
         self.seen_facet.clear();
         self.seen_facet.resize(n, NONE);
         // Of these an entry is read only after it was written.
@@ -271,6 +269,14 @@ impl Surface {
         let height = facet.normal.dot(at) - facet.offset;
         if height.abs() > self.error_bound { height > 0.0 } else { exact_height(points, facet, point) > 0.0 }
     }
+}
+
+/// What |normal . p - offset| must exceed for its sign to be certain, for points about the middle of their box.
+///
+/// In units of the box's edges X, Y, Z and of u = 2^-53: local coordinates err by u/2, their differences by 2u, a normal's
+/// component (at most 2) by 12u, `normal . p` and `offset` by 29u each, their difference by 64u.
+pub(super) fn error_bound(aabb: &Aabb) -> f64 {
+    80.0 * (f64::EPSILON / 2.0) * aabb.size().product()
 }
 
 /// The exact sign of a point's height above a facet.
