@@ -4,19 +4,29 @@
 //! instruction set; it only gets faster.
 #![allow(unsafe_code)]
 
-/// Runs `work`, compiled for AVX2 where the machine has it. What `work` calls must be `#[inline(always)]` to gain.
+/// Work that gains from wide registers. A trait and not a closure, since only of a named function can it be said that it
+/// must be inlined, and what is not inlined is compiled for narrow ones.
+pub(crate) trait Wide {
+    /// What comes of it.
+    type Output;
+
+    /// Does the work. Give it `#[inline(always)]`, and all that it calls.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs `work`, compiled for AVX2 where the machine has it.
 #[inline]
-pub(crate) fn widest<R>(work: impl FnOnce() -> R) -> R {
+pub(crate) fn widest<W: Wide>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") {
         // SAFETY: the feature was detected.
         return unsafe { on_avx2(work) };
     }
-    work()
+    work.run()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn on_avx2<R>(work: impl FnOnce() -> R) -> R {
-    work()
+fn on_avx2<W: Wide>(work: W) -> W::Output {
+    work.run()
 }

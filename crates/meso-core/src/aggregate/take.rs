@@ -46,6 +46,7 @@ pub const ITZ_LIMIT: f64 = 0.5;
 pub const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Rounds to the lattice of [`LATTICE_MM`].
+#[inline(always)]
 pub fn snap(v: &Vec3) -> Vec3 {
     v.map(|x| (x / LATTICE_MM).round_ties_even() * LATTICE_MM)
 }

@@ -17,8 +17,9 @@ pub use specimen::{Obstacle, Period, Periodic, Room, RoomError, Specimen, Surfac
 
 use crate::aggregate::Grading;
 use crate::aggregate::take::{Grain, snap};
-use crate::geometry::{HullError, Polyhedron, convex_hull};
+use crate::geometry::{HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
+use crate::wide::{Wide, widest};
 use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.
@@ -124,8 +125,7 @@ impl Pose {
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
     pub fn turned(&self, vertices: &[Vec3]) -> Vec<Vec3> {
         let Some(rotation) = self.rotation else { return vertices.to_vec() };
-        let matrix = rotation.to_rotation_matrix();
-        vertices.iter().map(|v| snap(&(matrix * v))).collect()
+        widest(Turned { vertices, rotation })
     }
 
     /// The grain's surface in the specimen. A turned grain gets a hull of its own, since rounding its vertices may fold
@@ -134,11 +134,32 @@ impl Pose {
     /// # Errors
     /// Where the turned vertices span no volume.
     pub fn apply(&self, body: &Polyhedron) -> Result<Polyhedron, HullError> {
-        let body = match self.rotation {
-            None => return Ok(body.translated(&self.centre)),
-            Some(_) => convex_hull(&self.turned(body.vertices()))?,
-        };
-        Ok(body.translated(&self.centre))
+        if self.rotation.is_none() {
+            return Ok(body.translated(&self.centre));
+        }
+        let mut vertices = self.turned(body.vertices());
+        vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
+        convex_hull_like(body, &vertices)
+    }
+}
+
+/// The vertices turned and rounded to the lattice, on registers that round by themselves.
+struct Turned<'a> {
+    vertices: &'a [Vec3],
+    rotation: Rotation,
+}
+
+impl Wide for Turned<'_> {
+    type Output = Vec<Vec3>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Vec3> {
+        let matrix = self.rotation.to_rotation_matrix().into_inner();
+        let mut turned = Vec::with_capacity(self.vertices.len());
+        for vertex in self.vertices {
+            turned.push(snap(&(matrix * vertex)));
+        }
+        turned
     }
 }
 

@@ -5,7 +5,7 @@ use super::walls::Walls;
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Rotation, Vec3};
 use crate::packing::{Period, Pose};
-use crate::wide::widest;
+use crate::wide::{Wide, widest};
 use nalgebra::Quaternion;
 use rayon::prelude::*;
 
@@ -219,7 +219,7 @@ impl<'a> Bodies<'a> {
         let (grains, fixed) = (self.grains, &self.fixed);
         moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
             let vertices = grains[fixed[body].grain as usize].body.vertices();
-            *moving.own_box = widest(|| turn(vertices, moving.turned, &moving.state.rotation));
+            *moving.own_box = widest(Turn { vertices, turned: moving.turned, rotation: &moving.state.rotation });
             moving.confine(walls, &fixed[body]);
         });
     }
@@ -238,9 +238,9 @@ impl<'a> Bodies<'a> {
             moving.state.advance();
             *moving.own_box = if anew {
                 let vertices = grains[fixed[body].grain as usize].body.vertices();
-                widest(|| turn(vertices, moving.turned, &moving.state.rotation))
+                widest(Turn { vertices, turned: moving.turned, rotation: &moving.state.rotation })
             } else {
-                widest(|| turn_on(moving.turned, &turn_by))
+                widest(TurnOn { turned: moving.turned, rotation: &turn_by })
             };
             moving.confine(walls, &fixed[body]);
         });
@@ -324,51 +324,111 @@ fn moving(
     });
 }
 
+/// [`turn`] on wide registers.
+struct Turn<'a> {
+    vertices: &'a [Vec3],
+    turned: &'a mut [f32],
+    rotation: &'a Rotation,
+}
+
+impl Wide for Turn<'_> {
+    type Output = (V, V);
+
+    #[inline(always)]
+    fn run(self) -> (V, V) {
+        turn(self.vertices, self.turned, self.rotation)
+    }
+}
+
+/// [`turn_on`] on wide registers.
+struct TurnOn<'a> {
+    turned: &'a mut [f32],
+    rotation: &'a Rotation,
+}
+
+impl Wide for TurnOn<'_> {
+    type Output = (V, V);
+
+    #[inline(always)]
+    fn run(self) -> (V, V) {
+        turn_on(self.turned, self.rotation)
+    }
+}
+
 /// Turns `vertices` by `rotation` into `turned`, with copies of the first to the end; returns the box of the result.
 #[inline(always)]
 fn turn(vertices: &[Vec3], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
-    let matrix = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
-    let (mut low, mut high) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
     let len = turned.len() / 3;
-    for (block, chunk) in vertices.chunks(LANES).enumerate() {
-        let vertex = |lane: usize| chunk.get(lane).unwrap_or(&vertices[0]);
-        let shape: [[f32; LANES]; 3] = [0, 1, 2].map(|axis| std::array::from_fn(|lane| vertex(lane)[axis] as f32));
-        for row in 0..3 {
-            let out = &mut turned[row * len + block * LANES..][..LANES];
-            let (low, high) = (&mut low[row], &mut high[row]);
-            for (lane, out) in out.iter_mut().enumerate() {
-                let [x, y, z] = [shape[0][lane], shape[1][lane], shape[2][lane]];
-                let v = matrix[(row, 0)] * x + matrix[(row, 1)] * y + matrix[(row, 2)] * z;
-                *out = v;
-                low[lane] = if v < low[lane] { v } else { low[lane] };
-                high[lane] = if v > high[lane] { v } else { high[lane] };
-            }
-        }
+    for i in 0..len {
+        let vertex = vertices.get(i).unwrap_or(&vertices[0]);
+        (turned[i], turned[len + i], turned[2 * len + i]) = (vertex.x as f32, vertex.y as f32, vertex.z as f32);
     }
-    (low.map(|lanes| -highest(lanes.map(|v| -v))), high.map(highest))
+    turn_on(turned, rotation)
 }
 
 /// Turns all of `turned` on by `rotation`; returns the box of the result.
 #[inline(always)]
 fn turn_on(turned: &mut [f32], rotation: &Rotation) -> (V, V) {
     let m = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
-    let rows = [0, 1, 2].map(|row| [m[(row, 0)], m[(row, 1)], m[(row, 2)]]);
-    let (mut low, mut high) = ([[f32::INFINITY; LANES]; 3], [[f32::NEG_INFINITY; LANES]; 3]);
+    let row = |i: usize| [m[(i, 0)], m[(i, 1)], m[(i, 2)]];
+    let rows = [row(0), row(1), row(2)];
+    let mut extents = [Extent::NONE; 3];
     let (x, yz) = turned.split_at_mut(turned.len() / 3);
     let (y, z) = yz.split_at_mut(x.len());
-    let blocks = x.chunks_exact_mut(LANES).zip(y.chunks_exact_mut(LANES)).zip(z.chunks_exact_mut(LANES));
+    let blocks = x.as_chunks_mut::<LANES>().0.iter_mut().zip(y.as_chunks_mut::<LANES>().0).zip(z.as_chunks_mut().0);
     for ((x, y), z) in blocks {
-        let from: [[f32; LANES]; 3] = [&x, &y, &z].map(|own| std::array::from_fn(|lane| own[lane]));
-        for (row, out) in [x, y, z].into_iter().enumerate() {
-            for lane in 0..LANES {
-                let v = rows[row][0] * from[0][lane] + rows[row][1] * from[1][lane] + rows[row][2] * from[2][lane];
-                out[lane] = v;
-                low[row][lane] = if v < low[row][lane] { v } else { low[row][lane] };
-                high[row][lane] = if v > high[row][lane] { v } else { high[row][lane] };
-            }
+        let from = (*x, *y, *z);
+        *x = along(rows[0], &from);
+        *y = along(rows[1], &from);
+        *z = along(rows[2], &from);
+        extents[0].include(x);
+        extents[1].include(y);
+        extents[2].include(z);
+    }
+    let [x, y, z] = extents;
+    ([x.low(), y.low(), z.low()], [x.high(), y.high(), z.high()])
+}
+
+/// Several values side by side.
+type Lanes = [f32; LANES];
+
+/// How far points reach in direction `d`.
+#[inline(always)]
+fn along(d: V, (x, y, z): &(Lanes, Lanes, Lanes)) -> Lanes {
+    let mut along = [0.0; LANES];
+    for lane in 0..LANES {
+        along[lane] = d[0] * x[lane] + d[1] * y[lane] + d[2] * z[lane];
+    }
+    along
+}
+
+/// Lowest and highest values, lane by lane.
+#[derive(Clone, Copy)]
+struct Extent {
+    low: Lanes,
+    high: Lanes,
+}
+
+impl Extent {
+    const NONE: Self = Self { low: [f32::INFINITY; LANES], high: [f32::NEG_INFINITY; LANES] };
+
+    #[inline(always)]
+    fn include(&mut self, values: &Lanes) {
+        for ((low, high), &value) in self.low.iter_mut().zip(&mut self.high).zip(values) {
+            *low = if value < *low { value } else { *low };
+            *high = if value > *high { value } else { *high };
         }
     }
-    (low.map(|lanes| -highest(lanes.map(|v| -v))), high.map(highest))
+
+    #[inline(always)]
+    fn low(&self) -> f32 {
+        -highest(self.low.map(|value| -value))
+    }
+
+    #[inline(always)]
+    fn high(&self) -> f32 {
+        highest(self.high)
+    }
 }
 
 /// Position along the Morton curve over the specimen's box, 21 bits a coordinate.

@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, MOST_MARGIN};
 use super::contact::{LANES, V};
 use crate::math::{Aabb, Vec3};
-use crate::wide::widest;
+use crate::wide::{Wide, widest};
 use std::ops::{Range, RangeInclusive};
 
 /// Bodies in levels of size, from the coarsest, where they stood when this was made.
@@ -69,11 +69,17 @@ impl Cells {
         found.clear();
         let level = self.level_of(bodies, a);
         for (number, coarser) in self.levels[..=level].iter().enumerate() {
-            coarser.near(bodies, a, self.want, |body| {
-                if body > a || number < level {
-                    found.push(body);
+            let start = found.len();
+            coarser.near(bodies, a, self.want, found);
+            if number == level {
+                let mut end = start;
+                for k in start..found.len() {
+                    let body = found[k];
+                    found[end] = body;
+                    end += usize::from(body > a);
                 }
-            });
+                found.truncate(end);
+            }
         }
         found.sort_unstable();
         // A partner may be found in several images.
@@ -82,23 +88,39 @@ impl Cells {
 
     /// All pairs of `body` that may come so near, first and second.
     pub(super) fn pairs(&self, bodies: &Bodies, body: u32) -> Vec<(u32, u32)> {
-        let (own, mut found) = (self.level_of(bodies, body), Vec::new());
-        for (number, level) in self.levels.iter().enumerate() {
-            widest(|| {
-                level.near(bodies, body, self.want, |other| {
-                    let first = number < own || (number == own && body < other);
-                    if other != body {
-                        found.push(if first { (body, other) } else { (other, body) });
-                    }
-                });
-            });
-        }
-        found
+        widest(PairsOf { cells: self, bodies, body })
     }
 
+    #[inline(always)]
     fn level_of(&self, bodies: &Bodies, body: u32) -> usize {
         let radius = bodies.fixed[body as usize].outer_radius;
         self.levels.iter().position(|level| radius >= LEVEL_SPAN * level.largest).unwrap_or(0)
+    }
+}
+
+/// The pairs of a body, on wide registers.
+struct PairsOf<'a> {
+    cells: &'a Cells,
+    bodies: &'a Bodies<'a>,
+    body: u32,
+}
+
+impl Wide for PairsOf<'_> {
+    type Output = Vec<(u32, u32)>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<(u32, u32)> {
+        let Self { cells, bodies, body } = self;
+        let (own, mut pairs, mut found) = (cells.level_of(bodies, body), Vec::new(), Vec::new());
+        for (number, level) in cells.levels.iter().enumerate() {
+            found.clear();
+            level.near(bodies, body, cells.want, &mut found);
+            for &other in found.iter().filter(|other| **other != body) {
+                let first = number < own || (number == own && body < other);
+                pairs.push(if first { (body, other) } else { (other, body) });
+            }
+        }
+        pairs
     }
 }
 
@@ -129,64 +151,75 @@ impl Level {
             order[next[key as usize] as usize] = item;
             next[key as usize] += 1;
         }
-        let coordinates =
-            |axis: usize| order.iter().map(|&item: &u32| placed[item as usize].1[axis] as f32).collect::<Vec<f32>>();
+        // With room at the end for a look at several.
+        let padding = || std::iter::repeat_n(0.0, LANES);
+        let coordinates = |axis: usize| -> Vec<f32> {
+            order.iter().map(|&item: &u32| placed[item as usize].1[axis] as f32).chain(padding()).collect()
+        };
         (self.x, self.y, self.z) = (coordinates(0), coordinates(1), coordinates(2));
         self.members = order.iter().map(|&item| placed[item as usize].0).collect();
-        self.radius = self.members.iter().map(|&body| far(bodies, body)).collect();
+        self.radius = self.members.iter().map(|&body| far(bodies, body)).chain(padding()).collect();
     }
 
-    /// Calls `each` with the bodies that may come within `want` of `body`.
+    /// Appends the bodies that may come within `want` of `body`, and it itself.
     #[inline(always)]
-    fn near(&self, bodies: &Bodies, body: u32, want: f32, mut each: impl FnMut(u32)) {
+    fn near(&self, bodies: &Bodies, body: u32, want: f32, found: &mut Vec<u32>) {
         let limit = want + bodies.margin(body);
         let reach = bodies.fixed[body as usize].outer_radius + limit;
+        let start = found.len();
         // The members' centres are rounded; a ten-thousandth of the distance is far more than that.
-        self.visit(&bodies.state[body as usize].centre, reach * 1.000_1, |other| {
-            if bodies.box_gap(body, other) <= limit + bodies.margin(other) {
-                each(other);
-            }
-        });
+        self.visit(&bodies.state[body as usize].centre, reach * 1.000_1, found);
+        let mut end = start;
+        for k in start..found.len() {
+            let other = found[k];
+            found[end] = other;
+            end += usize::from(bodies.box_gap(body, other) <= limit + bodies.margin(other));
+        }
+        found.truncate(end);
     }
 
-    /// Calls `each` with the bodies whose bounding spheres come within `reach` of `centre`.
+    /// Appends the bodies whose bounding spheres come within `reach` of `centre`.
     #[inline(always)]
-    fn visit(&self, centre: &Vec3, reach: f32, mut each: impl FnMut(u32)) {
+    fn visit(&self, centre: &Vec3, reach: f32, found: &mut Vec<u32>) {
         let range = Vec3::repeat(f64::from(reach + self.farthest));
         let (low, high) = (self.cell_of(&(centre - range)), self.cell_of(&(centre + range)));
         let at = [centre.x as f32, centre.y as f32, centre.z as f32];
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 let (first, last) = (self.flat([low[0], y, z]) as usize, self.flat([high[0], y, z]) as usize);
-                self.visit_row(self.starts[first] as usize..self.starts[last + 1] as usize, at, reach, &mut each);
+                self.visit_row(self.starts[first] as usize..self.starts[last + 1] as usize, at, reach, found);
             }
         }
     }
 
     /// The same among neighbouring members, several at a time.
     #[inline(always)]
-    fn visit_row(&self, row: Range<usize>, at: V, reach: f32, each: &mut impl FnMut(u32)) {
+    fn visit_row(&self, row: Range<usize>, at: V, reach: f32, found: &mut Vec<u32>) {
         for start in row.clone().step_by(LANES) {
-            let end = (start + LANES).min(row.end);
-            let mut clear = [1.0; LANES];
-            let [x, y, z, radius] = [&self.x, &self.y, &self.z, &self.radius].map(|values| &values[start..end]);
-            for lane in 0..end - start {
+            let lanes = start..start + LANES;
+            let (x, y, z) = (&self.x[lanes.clone()], &self.y[lanes.clone()], &self.z[lanes.clone()]);
+            let radius = &self.radius[lanes];
+            let mut meets = 0_u32;
+            for lane in 0..LANES {
                 let (dx, dy, dz) = (x[lane] - at[0], y[lane] - at[1], z[lane] - at[2]);
                 let touch = reach + radius[lane];
-                clear[lane] = dx * dx + dy * dy + dz * dz - touch * touch;
+                meets |= u32::from(dx * dx + dy * dy + dz * dz <= touch * touch) << lane;
             }
-            for (lane, clear) in clear.iter().enumerate().take(end - start) {
-                if *clear <= 0.0 {
-                    each(self.members[start + lane]);
-                }
+            meets &= u32::MAX >> (u32::BITS - (row.end - start).min(LANES) as u32);
+            while meets != 0 {
+                found.push(self.members[start + meets.trailing_zeros() as usize]);
+                meets &= meets - 1;
             }
         }
     }
 
+    #[inline(always)]
     fn cell_of(&self, point: &Vec3) -> [i64; 3] {
-        [0, 1, 2].map(|i| (((point[i] - self.origin[i]) / self.cell) as i64).clamp(0, self.counts[i] - 1))
+        let along = |i: usize| (((point[i] - self.origin[i]) / self.cell) as i64).clamp(0, self.counts[i] - 1);
+        [along(0), along(1), along(2)]
     }
 
+    #[inline(always)]
     fn flat(&self, cell: [i64; 3]) -> u32 {
         ((cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]) as u32
     }

@@ -42,22 +42,22 @@ pub(super) struct Contact {
 #[inline(always)]
 fn extreme(p: &Points, d: V) -> (usize, f32) {
     let mut best = [f32::NEG_INFINITY; LANES];
-    let mut block = [0u32; LANES];
-    let chunks = p.x.chunks_exact(LANES).zip(p.y.chunks_exact(LANES)).zip(p.z.chunks_exact(LANES));
-    for (i, ((x, y), z)) in chunks.enumerate() {
+    // Vertices are numbered in single precision, too: what is selected together must be of one width and kind.
+    let (mut block, mut number) = ([0.0; LANES], 0.0);
+    for reaches in p.along(d) {
         for lane in 0..LANES {
-            let reach = x[lane] * d[0] + y[lane] * d[1] + z[lane] * d[2];
-            let better = reach > best[lane];
-            best[lane] = if better { reach } else { best[lane] };
-            block[lane] = if better { i as u32 } else { block[lane] };
+            let better = reaches[lane] > best[lane];
+            best[lane] = if better { reaches[lane] } else { best[lane] };
+            block[lane] = if better { number } else { block[lane] };
         }
+        number += LANES as f32;
     }
     let most = highest(best);
-    let mut index = [0u32; LANES];
+    let mut vertex = [0.0; LANES];
     for lane in 0..LANES {
-        index[lane] = if best[lane] == most { block[lane] * LANES as u32 + lane as u32 } else { u32::MAX };
+        vertex[lane] = if best[lane] == most { -block[lane] - lane as f32 } else { f32::NEG_INFINITY };
     }
-    (lowest(index) as usize, most)
+    (-highest(vertex) as u32 as usize, most)
 }
 
 /// The highest lane, by halves: no branch depends on the values.
@@ -68,24 +68,31 @@ pub(super) fn highest(lanes: [f32; LANES]) -> f32 {
     max(max(max(a, e), max(c, g)), max(max(b, f), max(d, h)))
 }
 
-/// The lowest lane, by halves.
-#[inline(always)]
-fn lowest([a, b, c, d, e, f, g, h]: [u32; LANES]) -> u32 {
-    a.min(e).min(c.min(g)).min(b.min(f).min(d.min(h)))
-}
-
 /// How far the body reaches in direction `d`.
 #[inline(always)]
 fn reach(p: &Points, d: V) -> f32 {
     let mut best = [f32::NEG_INFINITY; LANES];
-    let chunks = p.x.chunks_exact(LANES).zip(p.y.chunks_exact(LANES)).zip(p.z.chunks_exact(LANES));
-    for ((x, y), z) in chunks {
+    for reaches in p.along(d) {
         for lane in 0..LANES {
-            let reach = x[lane] * d[0] + y[lane] * d[1] + z[lane] * d[2];
-            best[lane] = if reach > best[lane] { reach } else { best[lane] };
+            best[lane] = if reaches[lane] > best[lane] { reaches[lane] } else { best[lane] };
         }
     }
     highest(best)
+}
+
+impl Points<'_> {
+    /// How far the vertices reach in direction `d`, several at a time.
+    #[inline(always)]
+    fn along(&self, d: V) -> impl Iterator<Item = [f32; LANES]> {
+        let (x, y, z) = (self.x.as_chunks::<LANES>().0, self.y.as_chunks::<LANES>().0, self.z.as_chunks::<LANES>().0);
+        x.iter().zip(y).zip(z).map(move |((x, y), z)| {
+            let mut reaches = [0.0; LANES];
+            for lane in 0..LANES {
+                reaches[lane] = x[lane] * d[0] + y[lane] * d[1] + z[lane] * d[2];
+            }
+            reaches
+        })
+    }
 }
 
 /// Gap between `a` and `b`, whose centre is at `x` from that of `a`, along the unit direction `n`.
@@ -192,7 +199,8 @@ impl Simplex {
     #[inline(always)]
     fn push(&mut self, a: &Points, b: &Points, i: u16, j: u16, far: V) {
         let (p, q) = (at(a, i), at(b, j));
-        self.points[self.count] = [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]) - f64::from(far[k]));
+        let apart = |k: usize| f64::from(p[k]) - f64::from(q[k]) - f64::from(far[k]);
+        self.points[self.count] = [apart(0), apart(1), apart(2)];
         self.features[self.count] = (i, j);
         self.count += 1;
     }
@@ -256,18 +264,21 @@ impl Simplex {
     fn tetrahedron(&mut self) {
         let mut best: Option<([usize; 3], [f64; 3], usize, f64)> = None;
         for (face, apex) in [([0, 1, 2], 3), ([0, 1, 3], 2), ([0, 2, 3], 1), ([1, 2, 3], 0)] {
-            let [p, q, r] = face.map(|k| self.points[k]);
+            let [p, q, r] = [self.points[face[0]], self.points[face[1]], self.points[face[2]]];
             let normal = cross3(sub(q, p), sub(r, p));
             let (to_origin, to_apex) = (-dot3(normal, p), dot3(normal, sub(self.points[apex], p)));
             if to_origin * to_apex > 0.0 {
                 continue;
             }
             let (kept, weights, count) = nearest_on_triangle([p, q, r]);
-            let v =
-                (0..count).fold([0.0; 3], |v, k| [0, 1, 2].map(|i| v[i] + weights[k] * self.points[face[kept[k]]][i]));
+            let mut v = [0.0; 3];
+            for k in 0..count {
+                let point = self.points[face[kept[k]]];
+                v = [v[0] + weights[k] * point[0], v[1] + weights[k] * point[1], v[2] + weights[k] * point[2]];
+            }
             let distance2 = dot3(v, v);
             if best.is_none_or(|(.., least)| distance2 < least) {
-                best = Some((kept.map(|k| face[k]), weights, count, distance2));
+                best = Some(([face[kept[0]], face[kept[1]], face[kept[2]]], weights, count, distance2));
             }
         }
         if let Some((kept, weights, count, _)) = best {
@@ -315,6 +326,7 @@ fn nearest_on_triangle([a, b, c]: [[f64; 3]; 3]) -> ([usize; 3], [f64; 3], usize
 }
 
 /// The direction of `x`, or upwards where it has none.
+#[inline(always)]
 pub(super) fn direction_or_up(x: V) -> V {
     let length = dot(x, x).sqrt();
     if length > 1e-6 { scale(x, 1.0 / length) } else { [0.0, 0.0, 1.0] }

@@ -50,11 +50,13 @@ impl Ground<'_> {
         let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
         let radius = body.ball_radius();
-        let looks = (0..LOOKS).map(|_| {
+        let mut best = (f64::NEG_INFINITY, reach.min);
+        for _ in 0..LOOKS {
             let centre = self.inner_point(&mut stream, &reach, body.inner_radius);
-            (self.clearance(radius, &centre), centre)
-        });
-        looks.fold((f64::NEG_INFINITY, reach.min), |best, look| if look.0 > best.0 { look } else { best }).1
+            let clearance = self.clearance(radius, &centre, best.0);
+            best = if clearance > best.0 { (clearance, centre) } else { best };
+        }
+        best.1
     }
 
     /// A random point of `reach`, `depth` mm inside the walls where a few draws find one.
@@ -70,14 +72,14 @@ impl Ground<'_> {
         point
     }
 
-    /// Distance of the ball to the nearest other; negative where it overlaps one.
-    fn clearance(&self, radius: f64, centre: &Vec3) -> f64 {
+    /// Distance of the ball to the nearest other, negative where it overlaps one; or of any other, no farther than `enough`.
+    fn clearance(&self, radius: f64, centre: &Vec3, enough: f64) -> f64 {
         let half = Vec3::repeat(radius);
         let mut least = f64::INFINITY;
         self.grid.all_near(&Aabb { min: centre - half, max: centre + half }, |other| {
             let (other_radius, other_centre) = self.balls[other as usize];
             least = least.min((other_centre - centre).norm() - radius - other_radius);
-            true
+            least > enough
         });
         least
     }

@@ -6,7 +6,7 @@
 use super::bodies::{Bodies, Fixed};
 use super::cells::{Cells, starts};
 use super::contact::{Contact, V, add_scaled, cross, direction_or_up, dot, gap_along, scale};
-use crate::wide::widest;
+use crate::wide::{Wide, widest};
 use rayon::prelude::*;
 
 /// The pairs: each stands with the body of the finer level of size, or of the lower number in one level, its *first*.
@@ -119,7 +119,7 @@ impl Pairs {
     fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &Cells) {
         self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
         self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
-            widest(|| block.renew((number * BLOCK) as u32, bodies, paths, cells, scratch));
+            widest(Renew { block, first: (number * BLOCK) as u32, bodies, paths, cells, scratch });
         });
     }
 
@@ -159,8 +159,9 @@ impl Pairs {
     /// Brings every contact up to date.
     pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> Look {
         let blocks = self.blocks.par_iter_mut().enumerate();
-        let looks: Vec<Look> =
-            blocks.map(|(number, block)| widest(|| block.look((number * BLOCK) as u32, bodies, gaps))).collect();
+        let looks: Vec<Look> = blocks
+            .map(|(number, block)| widest(LookAt { block, first: (number * BLOCK) as u32, bodies, gaps }))
+            .collect();
         looks.iter().fold(Look::default(), |sum, look| Look {
             energy: sum.energy + look.energy,
             open_below: sum.open_below + look.open_below,
@@ -189,6 +190,42 @@ impl Pairs {
             push.contacts += 1;
         }
         push
+    }
+}
+
+/// [`Block::renew`] on wide registers.
+struct Renew<'a> {
+    block: &'a mut Block,
+    first: u32,
+    bodies: &'a Bodies<'a>,
+    paths: &'a [f32],
+    cells: &'a Cells,
+    scratch: &'a mut Scratch,
+}
+
+impl Wide for Renew<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.block.renew(self.first, self.bodies, self.paths, self.cells, self.scratch);
+    }
+}
+
+/// [`Block::look`] on wide registers.
+struct LookAt<'a> {
+    block: &'a mut Block,
+    first: u32,
+    bodies: &'a Bodies<'a>,
+    gaps: Gaps,
+}
+
+impl Wide for LookAt<'_> {
+    type Output = Look;
+
+    #[inline(always)]
+    fn run(self) -> Look {
+        self.block.look(self.first, self.bodies, self.gaps)
     }
 }
 
@@ -252,6 +289,7 @@ impl Block {
         *self = list.clone();
     }
 
+    #[inline(always)]
     fn push(&mut self, mut link: Link, touch: Option<&Touch>) {
         link.slot = APART;
         if let Some(touch) = touch {
@@ -295,6 +333,7 @@ impl Block {
 
 impl Link {
     /// With a first guess of its axis, and due for a look.
+    #[inline(always)]
     fn new(b: u32, offset: V) -> Self {
         Self { b, clear: f32::NEG_INFINITY, axis: Axis::new(direction_or_up(offset)), slot: APART }
     }
@@ -359,13 +398,15 @@ const LEAST_FREE: f32 = 0.25;
 struct Axis([i16; 3]);
 
 impl Axis {
+    #[inline(always)]
     fn new(v: V) -> Self {
-        Self(v.map(|x| (x * f32::from(i16::MAX)) as i16))
+        let short = |x: f32| (x * f32::from(i16::MAX)) as i16;
+        Self([short(v[0]), short(v[1]), short(v[2])])
     }
 
     /// Of unit length.
     #[inline(always)]
     fn direction(self) -> V {
-        direction_or_up(self.0.map(f32::from))
+        direction_or_up([f32::from(self.0[0]), f32::from(self.0[1]), f32::from(self.0[2])])
     }
 }

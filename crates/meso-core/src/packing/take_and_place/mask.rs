@@ -5,7 +5,7 @@
 
 use crate::geometry::{Plane, Polyhedron};
 use crate::math::{Aabb, Vec3};
-use crate::wide::widest;
+use crate::wide::{Wide, widest};
 
 /// No more voxels than this, whatever the sizes: 64 MB.
 const MOST_VOXELS: f64 = 64.0e6;
@@ -65,7 +65,7 @@ impl Mask {
             for j in low[1]..=high[1] {
                 for i in (low[0]..=high[0]).step_by(LANES) {
                     let first = self.origin + Vec3::new(i as f64, j as f64, k as f64).add_scalar(0.5) * self.voxel;
-                    let distances = widest(|| gauge.distances(&(first - centre), self.voxel));
+                    let distances = widest(Distances { gauge: &gauge, first: &(first - centre), step: self.voxel });
                     self.lower([i, j, k], &distances, LANES.min(high[0] + 1 - i), gauge.doubt);
                 }
             }
@@ -89,6 +89,22 @@ struct Gauge {
     inner_radius: f32,
     /// What rounding may take off a distance, mm.
     doubt: f64,
+}
+
+/// [`Gauge::distances`] on wide registers.
+struct Distances<'a> {
+    gauge: &'a Gauge,
+    first: &'a Vec3,
+    step: f64,
+}
+
+impl Wide for Distances<'_> {
+    type Output = [f32; LANES];
+
+    #[inline(always)]
+    fn run(self) -> [f32; LANES] {
+        self.gauge.distances(self.first, self.step)
+    }
 }
 
 impl Gauge {
