@@ -3,9 +3,10 @@
 use crate::command::Folder;
 use meso_cli::gmsh::Gmsh;
 use meso_core::aggregate::Aggregate;
+use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::geometry::{Plane, inward_offset};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
@@ -18,11 +19,16 @@ fn packed(gap_mm: f64) -> Model {
 }
 
 fn conforming(model: &Model, itz: ItzForm) -> Option<Mesh> {
+    with_options(model, MeshOptions { itz, ..Default::default() })
+}
+
+/// The conforming mesh; `None` without gmsh.
+pub(crate) fn with_options(model: &Model, options: MeshOptions) -> Option<Mesh> {
     if std::process::Command::new("gmsh").arg("--version").output().is_err() {
         eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
         return None;
     }
-    let options = MeshOptions { method: Method::Conforming, itz, ..Default::default() };
+    let options = MeshOptions { method: Method::Conforming, ..options };
     let gmsh = Gmsh::program("gmsh");
     Some(mesh::build_with(model, &options, &|surfaces| gmsh.run(surfaces)).unwrap())
 }
@@ -112,6 +118,32 @@ fn inner_side(mesh: &Mesh) -> Vec<(u32, [Vec3; 3])> {
     let between = |side: &[(u32, Phase)]| side.len() == 2 && side[0].0 == side[1].0 && side[0].1 != side[1].1;
     let inner = sides.into_iter().filter(|(_, side)| between(side));
     inner.map(|(nodes, side)| (side[0].0, nodes.map(|node| mesh.points[node as usize]))).collect()
+}
+
+#[test]
+fn a_second_order_conforming_mesh_has_the_same_shape_with_one_node_in_the_middle_of_every_edge() {
+    let model = packed(0.05);
+    let of_order = |order| with_options(&model, MeshOptions { order, element_size_mm: 3.0, ..Default::default() });
+    let (Some(first), Some(second)) = (of_order(1), of_order(2)) else { return };
+    assert_eq!(second.kind, CellKind::QuadraticTetrahedron);
+    assert_eq!((&first.phase, &first.aggregate), (&second.phase, &second.aggregate));
+    let mut middles = BTreeMap::new();
+    for (corners, cell) in first.cells().zip(second.cells()) {
+        assert_eq!(corners, &cell[..4]);
+        let at = |i: usize| second.points[cell[i] as usize];
+        for ([i, j], middle) in [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]].into_iter().zip(4..) {
+            assert!((at(middle) - (at(i) + at(j)) / 2.0).norm() < 1e-12);
+            let edge = (cell[i].min(cell[j]), cell[i].max(cell[j]));
+            assert_eq!(*middles.entry(edge).or_insert(cell[middle]), cell[middle], "an edge has one middle");
+        }
+    }
+    assert_eq!(second.points.len(), first.points.len() + middles.len());
+    let [volumes, same] = [&first, &second].map(PhaseVolumes::of_mesh);
+    assert!(volumes == same && volumes.itz > 0.0);
+    let mut deck = Vec::new();
+    abaqus::write(&second, &DeckOptions::default(), &mut deck).unwrap();
+    let deck = String::from_utf8(deck).unwrap();
+    assert!(["AGGREGATE", "ITZ", "MORTAR"].iter().all(|set| deck.contains(&format!("TYPE=C3D10, ELSET={set}"))));
 }
 
 #[test]

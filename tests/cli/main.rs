@@ -5,6 +5,7 @@ mod bad_input;
 mod bad_specs;
 mod command;
 mod conforming;
+mod conforming_rooms;
 mod files;
 mod help;
 mod interrupt;

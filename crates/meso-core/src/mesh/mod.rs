@@ -222,7 +222,8 @@ fn assemble(
         }
     };
     mesh.periodic = specimen.periodic().0;
-    if (options.method, options.fit) != (Method::Lattice, Fit::Fitted) {
+    let whole_cells = matches!((options.method, options.fit), (Method::Voxel, _) | (Method::Lattice, Fit::Plain));
+    if whole_cells {
         clip::clip(&mut mesh, &*room);
     }
     if options.itz == ItzForm::Cohesive {

@@ -92,8 +92,8 @@ impl MeshOptions {
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
         }
         let walled = specimen.periodic().is_none();
-        if self.method == Method::Conforming && !(walled && specimen.room().is_box()) {
-            let accepted = "it fills boxes with walls; this specimen takes voxel or lattice";
+        if self.method == Method::Conforming && !walled {
+            let accepted = "it fills specimens with walls; a periodic box takes voxel or lattice";
             return Err(MeshError::option("method", "conforming", accepted));
         }
         // The layer would take nodes of cut grains off the box's faces.

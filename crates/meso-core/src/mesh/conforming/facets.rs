@@ -1,15 +1,15 @@
-//! The surface of a polyhedron as triangles of a given size, every facet kept exactly.
+//! A surface of facets as triangles of a given size, every facet kept exactly.
 //!
 //! The facets' fans are refined by bisecting the longest edge of all, which keeps every angle above half the smallest one
 //! of the fan (Rosenberg and Stenger 1975), then edges within a facet are flipped to Delaunay's.
 
-use crate::geometry::Polyhedron;
+use crate::geometry::{Face, Polyhedron};
 use crate::math::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
 /// Edges longer than this share of the element size are bisected: the mean edge then is about the size.
-const LONGEST: f64 = 4.0 / 3.0;
+pub(super) const LONGEST: f64 = 4.0 / 3.0;
 /// Passes of flips; Delaunay's state is usually reached in three.
 const PASSES: usize = 10;
 
@@ -23,8 +23,22 @@ pub(super) struct Triangles {
 
 /// The facets of `body` with edges of about `size` mm.
 pub(super) fn facets(body: &Polyhedron, size: f64) -> Triangles {
-    let mut surface = Refinement::new(body);
-    surface.bisect(LONGEST * size);
+    let of_face =
+        |(facet, face): (u32, Face)| face.triangles().map(move |triangle| (triangle, facet)).collect::<Vec<_>>();
+    let triangles = (0..).zip(body.faces()).flat_map(of_face);
+    refined(body.vertices().to_vec(), triangles, LONGEST * size, |_, place| place)
+}
+
+/// A closed surface, its triangles given with their facets, cut until no edge is longer than `limit` mm. `onto(facet, place)`
+/// is where a new node of the facet goes.
+pub(super) fn refined(
+    points: Vec<Vec3>,
+    triangles: impl IntoIterator<Item = ([u32; 3], u32)>,
+    limit: f64,
+    onto: impl Fn(u32, Vec3) -> Vec3,
+) -> Triangles {
+    let mut surface = Refinement::new(points, triangles, onto);
+    surface.bisect(limit);
     for _ in 0..PASSES {
         if surface.flip() == 0 {
             break;
@@ -34,24 +48,20 @@ pub(super) fn facets(body: &Polyhedron, size: f64) -> Triangles {
 }
 
 /// A surface in the making.
-struct Refinement {
+struct Refinement<F> {
     points: Vec<Vec3>,
     /// With their facets.
     triangles: Vec<([u32; 3], u32)>,
     /// The triangle on the left of every directed edge. Looked up, never walked through: its order is no one's.
     left: HashMap<(u32, u32), u32>,
+    onto: F,
 }
 
-impl Refinement {
-    fn new(body: &Polyhedron) -> Self {
-        let mut surface = Self { points: body.vertices().to_vec(), triangles: Vec::new(), left: HashMap::new() };
-        for (facet, face) in (0..).zip(body.faces()) {
-            for triangle in face.triangles() {
-                let index = surface.triangles.len();
-                surface.triangles.push((triangle, facet));
-                surface.enter(index);
-            }
-        }
+impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
+    fn new(points: Vec<Vec3>, triangles: impl IntoIterator<Item = ([u32; 3], u32)>, onto: F) -> Self {
+        let triangles: Vec<_> = triangles.into_iter().collect();
+        let mut surface = Self { points, triangles, left: HashMap::new(), onto };
+        (0..surface.triangles.len()).for_each(|index| surface.enter(index));
         surface
     }
 
@@ -85,7 +95,9 @@ impl Refinement {
     /// Bisects an edge with its two triangles; returns the new edges.
     fn split(&mut self, a: u32, b: u32) -> Vec<(u32, u32)> {
         let middle = self.points.len() as u32;
-        self.points.push((self.points[a as usize] + self.points[b as usize]) / 2.0);
+        let straight = (self.points[a as usize] + self.points[b as usize]) / 2.0;
+        let facets = [(a, b), (b, a)].map(|side| self.triangles[self.left[&side] as usize].1);
+        self.points.push(facets.into_iter().fold(straight, |place, facet| (self.onto)(facet, place)));
         let mut edges = vec![(a, middle), (b, middle)];
         for (u, v) in [(a, b), (b, a)] {
             let index = self.left.remove(&(u, v)).expect("a closed surface has both sides") as usize;

@@ -1,16 +1,19 @@
 //! Aggregates too close to each other or to the specimen's surface for a conforming mesh, found before gmsh starts.
 
 use crate::aggregate::Aggregate;
+use crate::geometry::Polyhedron;
 use crate::gjk;
-use crate::math::{Aabb, Vec3};
+use crate::math::Aabb;
 use crate::mesh::MeshError;
+use crate::packing::{Obstacle, Room};
 use rayon::prelude::*;
 
 /// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
 pub(super) const NARROWEST_MM: f64 = 1e-3;
 
-/// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body.
-pub(super) fn refuse_near_touching(aggregates: &[Aggregate], domain: &Aabb) -> Result<(), MeshError> {
+/// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body; its triangles
+/// may lie `chord` mm inside it.
+pub(super) fn refuse_near_touching(aggregates: &[Aggregate], room: &dyn Room, chord: f64) -> Result<(), MeshError> {
     let boxes: Vec<Aabb> = aggregates.iter().map(|a| a.body.aabb()).collect();
     let mut order: Vec<usize> = (0..aggregates.len()).collect();
     order.sort_by(|&a, &b| boxes[a].min.x.total_cmp(&boxes[b].min.x));
@@ -27,7 +30,7 @@ pub(super) fn refuse_near_touching(aggregates: &[Aggregate], domain: &Aabb) -> R
         (gjk::distance(bodies[0], bodies[1]).unwrap_or(0.0), aggregates[a].id, Some(aggregates[b].id))
     };
     let pairs = (0..order.len()).into_par_iter().flat_map_iter(after).map(gap);
-    let walls = aggregates.par_iter().zip(&boxes).map(|(a, body)| (wall_gap(body, domain), a.id, None));
+    let walls = aggregates.par_iter().map(|a| (wall_gap(&a.body, room) - chord, a.id, None));
     let closest = pairs.chain(walls).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     match closest {
         Some((gap_mm, aggregate, other)) if gap_mm <= NARROWEST_MM => {
@@ -41,7 +44,12 @@ fn near(a: &Aabb, b: &Aabb) -> bool {
     (0..3).all(|i| a.min[i] <= b.max[i] + NARROWEST_MM && b.min[i] <= a.max[i] + NARROWEST_MM)
 }
 
-fn wall_gap(body: &Aabb, domain: &Aabb) -> f64 {
-    let gaps: [Vec3; 2] = [body.min - domain.min, domain.max - body.max];
-    gaps.iter().map(Vec3::min).fold(f64::INFINITY, f64::min)
+/// Distance of `body` from the surface of `room`, mm; where the room is not convex and it is beyond [`NARROWEST_MM`], infinite.
+fn wall_gap(body: &Polyhedron, room: &dyn Room) -> f64 {
+    if room.is_convex() {
+        return body.vertices().iter().map(|vertex| room.depth(vertex)).fold(f64::INFINITY, f64::min);
+    }
+    let around = room.obstacles(&body.aabb().grown(NARROWEST_MM));
+    let gap = |obstacle: &Obstacle| gjk::distance(body.vertices(), obstacle.points).unwrap_or(0.0);
+    around.iter().map(gap).fold(f64::INFINITY, f64::min)
 }

@@ -1,6 +1,6 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
-//! The facets are cut into triangles here ([`facets`], [`walls`]) and go to gmsh as discrete surfaces, without CAD and
+//! The facets are cut into triangles here ([`facets`], [`walls`], curved ones [`round`]) and go to gmsh as discrete surfaces, without CAD and
 //! without booleans. Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
 //! nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
 //! [`GMSH_OPTIONS`] and hands its output back.
@@ -8,6 +8,7 @@
 mod facets;
 mod gaps;
 mod msh;
+mod round;
 mod walls;
 
 use super::lattice::Tetrahedra;
@@ -38,10 +39,10 @@ impl<'a> Surfaces<'a> {
     /// # Errors
     /// Aggregates so close to each other or to the specimen's surface that no good mesh can be between them.
     pub fn new(aggregates: &'a [Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Self, MeshError> {
-        let (domain, size) = (specimen.aabb(), options.element_size_mm);
-        gaps::refuse_near_touching(aggregates, &domain)?;
+        let (room, size) = (specimen.room(), options.element_size_mm);
+        gaps::refuse_near_touching(aggregates, &*room, walls::chord(specimen))?;
         let mut surfaces: Vec<Triangles> = aggregates.par_iter().map(|a| facets::facets(&a.body, size)).collect();
-        surfaces.push(walls::walls(&domain, size));
+        surfaces.push(walls::walls(specimen, &*room, size));
         Ok(Self { aggregates, surfaces })
     }
 

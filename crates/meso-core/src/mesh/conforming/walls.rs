@@ -1,11 +1,53 @@
-//! The faces of a box as triangles of a grid, opposite faces alike: moved along its axis, one lies node on node on the other.
+//! The specimen's own surface as triangles.
 
-use super::facets::Triangles;
+use super::facets::{LONGEST, Triangles, refined};
+use super::round;
 use crate::math::{Aabb, Vec3};
+use crate::packing::{Room, Specimen, Surface};
 use std::collections::BTreeMap;
 
-/// The faces of `domain` with edges of about `size` mm, triangles counter-clockwise from outside.
-pub(super) fn walls(domain: &Aabb, size: f64) -> Triangles {
+/// The surface of `specimen`, whose room is `room`, with edges of about `size` mm, counter-clockwise from outside: plane
+/// faces exactly, curved ones by triangles whose nodes lie on them.
+pub(super) fn walls(specimen: &Specimen, room: &dyn Room, size: f64) -> Triangles {
+    match *specimen {
+        Specimen::Cylinder { diameter_mm, height_mm } => round::cylinder(diameter_mm, height_mm, size),
+        Specimen::Sphere { diameter_mm } => round::sphere(diameter_mm, size),
+        _ if room.is_box() => grid(&room.aabb(), size),
+        _ => polygons(room.surface(), size),
+    }
+}
+
+/// How far the triangles of [`walls`] may lie inside the specimen's surface, mm.
+pub(super) fn chord(specimen: &Specimen) -> f64 {
+    match specimen {
+        Specimen::Cylinder { .. } | Specimen::Sphere { .. } => round::CHORD_MM,
+        _ => 0.0,
+    }
+}
+
+fn polygons(surface: Surface, size: f64) -> Triangles {
+    let fans = surface.faces.iter().map(|face| fan(&surface.points, face)).collect::<Vec<_>>();
+    let triangles = (0..).zip(fans).flat_map(|(facet, fan)| fan.into_iter().map(move |triangle| (triangle, facet)));
+    refined(surface.points, triangles, LONGEST * size, |_, place| place)
+}
+
+/// The fan of a polygon whose smallest triangle is largest: a corner in the middle of a side must not begin it.
+fn fan(points: &[Vec3], face: &[u32]) -> Vec<[u32; 3]> {
+    let from = |apex: usize| -> Vec<[u32; 3]> {
+        let at = |k: usize| face[(apex + k) % face.len()];
+        (2..face.len()).map(|k| [at(0), at(k - 1), at(k)]).collect()
+    };
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| points[i as usize]);
+        (b - a).cross(&(c - a)).norm()
+    };
+    let smallest = |fan: &[[u32; 3]]| fan.iter().map(area).fold(f64::INFINITY, f64::min);
+    let fans = (0..face.len()).map(from);
+    fans.max_by(|a, b| smallest(a).total_cmp(&smallest(b))).unwrap_or_default()
+}
+
+/// A box' faces as triangles of a grid, opposite faces alike: moved along its axis, one lies node on node on the other.
+fn grid(domain: &Aabb, size: f64) -> Triangles {
     let counts = [0, 1, 2].map(|i| (domain.size()[i] / size).round().max(1.0) as usize);
     let mut walls = Triangles::default();
     let mut numbers = BTreeMap::new();
