@@ -311,6 +311,53 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[placement]\ntime_limit_s = -5", "placement.time_limit_s", "is -5;"),
     ("[placement]\ntime_limit_s = nan", "placement.time_limit_s", "is nan;"),
     ("[placement]\ngap = 1", "placement.gap", "is not a known key"),
+    // voids
+    ("[voids]\ndiameter_mm = [1, 2]", "voids.fraction", "is missing"),
+    ("[voids]\nfraction = 0.02", "voids.diameter_mm", "is missing"),
+    ("[voids]\nfraction = 2\ndiameter_mm = [1, 2]", "voids.fraction", "for 2 % write 0.02"),
+    (
+        "[voids]\nfraction = 0\ndiameter_mm = [1, 2]",
+        "voids.fraction",
+        "is 0; the accepted range is above 0 and below 1 (void",
+    ),
+    ("[voids]\nfraction = 0.02\ndiameter_mm = [2, 1]", "voids.diameter_mm", "the lower limit comes first"),
+    ("[voids]\nfraction = 0.02\ndiameter_mm = [0, 1]", "voids.diameter_mm", "is 0; the accepted range is 0.001 to"),
+    ("[voids]\nfraction = 0.02\ndiameter_mm = 1", "voids.diameter_mm", "a list of length 2"),
+    ("[voids]\nfraction = 0.02\ndiameter_mm = [1, 149]", "voids.diameter_mm", "the specimen has only 150 of room"),
+    (
+        "[voids]\nfraction = 0.02\ndiameter_mm = [0.01, 0.02]",
+        "voids.diameter_mm",
+        "voids in this specimen; at most 1e7",
+    ),
+    ("[voids]\nfraction = 0.02\ndiameters_mm = [1, 2]", "voids.diameters_mm", "did you mean diameter_mm?"),
+    ("fraction = 0.6\n[voids]\nfraction = 0.4\ndiameter_mm = [1, 2]", "fraction", "makes 1, and all together"),
+    ("voids = 0.02", "voids", "it must be a table"),
+    // fibres
+    ("[fibres]\nfraction = 0.01\ndiameter_mm = 0.5", "fibres.length_mm", "is missing"),
+    ("[fibres]\nfraction = 0.01\ndiameter_mm = 0\nlength_mm = 30", "fibres.diameter_mm", "is 0;"),
+    ("[fibres]\nfraction = 0.01\ndiameter_mm = 30\nlength_mm = 0.5", "fibres.length_mm", "longer than it is thick"),
+    ("[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 150", "fibres.length_mm", "has only 150 of room"),
+    (
+        "specimen = { kind = 'cube', side_mm = 30, periodic = ['z'] }\n[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30",
+        "fibres.length_mm",
+        "of room",
+    ),
+    (
+        "[placement]\nmin_gap_mm = 1\n[specimen]\nkind = 'box'\nsize_mm = [150, 150, 31]\nperiodic = ['z']\n[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30",
+        "fibres.length_mm",
+        "repeats itself after 30",
+    ),
+    (
+        "[fibres]\nfraction = 0.1\ndiameter_mm = 0.5\nlength_mm = 30",
+        "fibres.fraction",
+        "fill at most 0.090 at random; take fewer, shorter or thicker",
+    ),
+    (
+        "[fibres]\nfraction = 0.01\ndiameter_mm = 0.005\nlength_mm = 1",
+        "fibres.diameter_mm",
+        "fibres in this specimen; at most 1e7",
+    ),
+    ("[fibers]\nfraction = 0.01", "fibers", "did you mean fibres?"),
     // too much
     (
         "[specimen]\nkind = 'cube'\nside_mm = 1e6\n[grading]\nd_min_mm = 1e-3\nclasses_mm = [1e-3, 20]",

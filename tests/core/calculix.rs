@@ -50,17 +50,17 @@ pub(crate) fn modulus(mesh: &Mesh, area: f64) -> Option<f64> {
 /// Hashin-Shtrikman bounds of Young's modulus from the mesh's own fractions: Z(z) = (sum f_i / (k_i + z))^-1 - z, with
 /// z from the softest and the stiffest phase; E = 9 K G / (3 K + G).
 pub(crate) fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) -> [f64; 2] {
-    let fractions = [volumes.aggregate, volumes.itz, volumes.mortar].map(|v| v / volumes.total());
+    let fractions = Phase::ALL.map(|phase| volumes.of(phase) / volumes.total());
     let moduli = Phase::ALL.map(|phase| {
         let elastic = materials.elastic(phase);
         let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
         (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)))
     });
-    let mean = |x: [f64; 3], z: f64| 1.0 / (0..3).map(|i| fractions[i] / (x[i] + z)).sum::<f64>() - z;
+    let mean = |x: [f64; 4], z: f64| 1.0 / (0..4).map(|i| fractions[i] / (x[i] + z)).sum::<f64>() - z;
     let present = |i: &usize| fractions[*i] > 0.0;
     [false, true].map(|upper| {
-        let pick = |x: [f64; 3]| {
-            let values = (0..3).filter(present).map(|i| x[i]);
+        let pick = |x: [f64; 4]| {
+            let values = (0..4).filter(present).map(|i| x[i]);
             if upper { values.fold(0.0, f64::max) } else { values.fold(f64::MAX, f64::min) }
         };
         let (bulk, shear) = (moduli.map(|m| m.0), moduli.map(|m| m.1));

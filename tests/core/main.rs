@@ -11,6 +11,7 @@ mod folder;
 mod gjk;
 mod grading;
 mod hull;
+mod inclusions;
 mod mesh;
 mod mesh_distance;
 mod mesh_itz;

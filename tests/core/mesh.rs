@@ -1,6 +1,6 @@
 //! Voxel meshes and what decks say of them.
 
-use meso_core::aggregate::Aggregate;
+use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::vtk::Encoding;
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::Polyhedron;
@@ -16,7 +16,7 @@ pub(crate) fn block(min: [f64; 3], max: [f64; 3]) -> Polyhedron {
 }
 
 pub(crate) fn aggregate(id: u32, body: Polyhedron, itz_thickness_mm: f64) -> Aggregate {
-    Aggregate { id, class: 0, itz_thickness_mm, body }
+    Aggregate { id, kind: Kind::Aggregate, class: 0, itz_thickness_mm, body }
 }
 
 /// Blocks turned at random in the cells of a 4 x 4 x 4 grid of 10 mm: disjoint, and not aligned with any mesh.

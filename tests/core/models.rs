@@ -1,7 +1,7 @@
 //! Small models made by hand, for the tests of what is done with a model.
 
 use meso_core::Model;
-use meso_core::aggregate::Aggregate;
+use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
 use meso_core::packing::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
@@ -21,8 +21,9 @@ pub(crate) fn box_body(min: [f64; 3], max: [f64; 3]) -> Polyhedron {
 pub(crate) fn model_of(bodies: Vec<Polyhedron>) -> Model {
     let spec = Spec::default();
     let report = report_of(&spec, bodies.len());
-    let aggregate = |(i, body)| Aggregate { id: i as u32, class: 0, itz_thickness_mm: 1.0 / 3.0, body };
-    Model { spec, aggregates: bodies.into_iter().enumerate().map(aggregate).collect(), report }
+    let aggregate =
+        |(i, body)| Aggregate { id: i as u32, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 1.0 / 3.0, body };
+    Model { spec, aggregates: bodies.into_iter().enumerate().map(aggregate).collect(), inclusions: Vec::new(), report }
 }
 
 /// Two boxes of 1,000 and 343 mm3 with coordinates that no short decimal hits.
@@ -59,6 +60,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         grading: "by hand".into(),
         strategy: "by hand".into(),
         classes: classes.collect(),
+        phases: Vec::new(),
         itz_limited: Vec::new(),
         stop_reason: StopReason::AttemptsExhausted,
         stop_detail: "made by hand".into(),

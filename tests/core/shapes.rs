@@ -1,7 +1,7 @@
 //! Rounded gravel, crushed rock, a user's own grains.
 
 use crate::folder::Folder;
-use meso_core::aggregate::Aggregate;
+use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::stl;
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::{Aabb, Vec3};
@@ -69,7 +69,8 @@ fn cube_stl() -> Vec<u8> {
     let corners: Vec<Vec3> = (0..8).map(|k| Vec3::new(k as f64 % 2.0, (k / 2) as f64 % 2.0, (k / 4) as f64)).collect();
     let body = convex_hull(&corners).unwrap();
     let mut bytes = Vec::new();
-    stl::write(&[Aggregate { id: 0, class: 0, itz_thickness_mm: 0.0, body }], &mut bytes).unwrap();
+    stl::write(&[Aggregate { id: 0, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body }], &mut bytes)
+        .unwrap();
     bytes
 }
 

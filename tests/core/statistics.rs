@@ -1,7 +1,7 @@
 //! Statistics of packings whose figures are known.
 
 use crate::solids::{Source, block};
-use meso_core::aggregate::Aggregate;
+use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::Vec3;
 use meso_core::packing::Specimen;
@@ -15,8 +15,10 @@ fn model(side_mm: f64, bodies: Vec<Polyhedron>) -> Model {
     spec.grading.classes_mm = vec![5.0, 10.0];
     let mut model = pack(&spec, &Silent).unwrap();
     model.spec.specimen = Specimen::cube(side_mm);
-    model.aggregates =
-        (0..).zip(bodies).map(|(id, body)| Aggregate { id, class: 0, itz_thickness_mm: 0.0, body }).collect();
+    model.aggregates = (0..)
+        .zip(bodies)
+        .map(|(id, body)| Aggregate { id, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body })
+        .collect();
     model
 }
 

@@ -3,10 +3,11 @@
 //! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are saved,
 //! and exact orientation signs for convexity. What it finds is listed, never repaired.
 
+mod inclusions;
 mod pairs;
 mod solid;
 
-use crate::aggregate::{Aggregate, SizeDefinition};
+use crate::aggregate::{Aggregate, Kind, SizeDefinition};
 use crate::geometry::sieve_size;
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
@@ -17,7 +18,8 @@ use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;
 
-/// What a check looked at and found.
+/// What a check looked at and found. Voids and fibres are meant, too, where a finding speaks of an aggregate: their ids
+/// count on from the last aggregate's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// Aggregates looked at.
@@ -76,6 +78,13 @@ pub enum Finding {
         /// Its size by the spec's definition, mm.
         size_mm: f64,
     },
+    /// A void or fibre is not as large as the spec says.
+    Shape {
+        /// Id.
+        body: u32,
+        /// What is wrong.
+        reason: String,
+    },
     /// The report does not say what the aggregates say.
     Report {
         /// What differs.
@@ -93,6 +102,7 @@ impl fmt::Display for Finding {
             }
             Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is no convex solid: {reason}"),
             Self::Itz { aggregate, reason } => write!(f, "aggregate {aggregate} has no sound ITZ: {reason}"),
+            Self::Shape { body, reason } => write!(f, "body {body} is not what the spec asks for: {reason}"),
             Self::Size { aggregate, size_mm } => {
                 write!(f, "aggregate {aggregate} has the size {size_mm} mm, outside its class")
             }
@@ -121,19 +131,21 @@ impl Check {
 /// Checks every promise of `model`.
 pub fn check(model: &Model) -> Check {
     let room = model.spec.specimen.room();
-    let placed = placed(model, room.aabb());
-    let (pairs_tested, mut findings) = pairs::check(&placed, model.aggregates.len(), model.spec.placement.min_gap_mm);
-    findings.par_extend(model.aggregates.par_iter().flat_map_iter(|aggregate| single(model, &*room, aggregate)));
+    let bodies = model.bodies();
+    let placed = placed(model, &bodies, room.aabb());
+    let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
+    findings.par_extend(bodies.par_iter().flat_map_iter(|body| single(model, &*room, body)));
     // Summed in the order of the aggregates, whatever the threads.
     let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
     let fraction = volumes.iter().sum::<f64>() / room.volume();
     findings.extend(report(model, fraction));
+    findings.extend(inclusions::report(model));
     Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings }
 }
 
-/// The aggregates, then their images that one of them may meet.
-fn placed(model: &Model, domain: Aabb) -> Vec<Placed<'_>> {
-    let own = (0..).zip(&model.aggregates);
+/// The bodies, then their images that one of them may meet.
+fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Placed<'a>> {
+    let own = (0..).zip(bodies);
     let mut placed: Vec<Placed> =
         own.map(|(body, a)| Placed { body, vertices: Cow::Borrowed(a.body.vertices()) }).collect();
     let period = model.spec.specimen.period();
@@ -141,12 +153,12 @@ fn placed(model: &Model, domain: Aabb) -> Vec<Placed<'_>> {
         return placed;
     }
     let (mut reached, gap) = (domain, Vec3::repeat(model.spec.placement.min_gap_mm));
-    model.aggregates.iter().flat_map(|a| a.body.vertices()).for_each(|v| reached.include(v));
+    bodies.iter().flat_map(|a| a.body.vertices()).for_each(|v| reached.include(v));
     // An aggregate far off is a finding of its own; its images would be without number.
     let most = domain.size();
     let reached = Aabb { min: reached.min.sup(&(domain.min - most)), max: reached.max.inf(&(domain.max + most)) };
     let reached = Aabb { min: reached.min - gap, max: reached.max + gap };
-    for (id, aggregate) in (0..).zip(&model.aggregates) {
+    for (id, aggregate) in (0..).zip(bodies) {
         let shifts = period.shifts(&aggregate.body.aabb(), &reached).into_iter().filter(|s| *s != Vec3::zeros());
         placed.extend(shifts.map(|shift| {
             let vertices = aggregate.body.vertices().iter().map(|v| v + shift).collect();
@@ -161,7 +173,7 @@ fn single(model: &Model, room: &dyn Room, aggregate: &Aggregate) -> Vec<Finding>
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
     // The offset of what is no convex solid means nothing.
-    let itz = if convex.is_none() { itz(aggregate) } else { None };
+    let itz = if convex.is_none() && aggregate.kind == Kind::Aggregate { itz(aggregate) } else { None };
     [convex, itz, outside(model, room, aggregate), size(model, aggregate)].into_iter().flatten().collect()
 }
 
@@ -201,7 +213,10 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
 
 /// Sizes are drawn within the class; turning an aggregate rounds its vertices by far less than 1e-6 mm.
 fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
-    let class = *model.spec.grading.classes().get(usize::from(aggregate.class))?;
+    let class = match aggregate.kind {
+        Kind::Aggregate => *model.spec.grading.classes().get(usize::from(aggregate.class))?,
+        _ => return inclusions::size(&model.spec.inclusions(), aggregate),
+    };
     let size_mm = match model.spec.grading.size {
         SizeDefinition::LongestAxis => longest_distance(aggregate.body.vertices()),
         SizeDefinition::Sieve => sieve_size(&aggregate.body),

@@ -69,8 +69,8 @@ impl Format {
     /// Those of `out`; what the format cannot hold.
     pub fn write(self, model: &Model, surfaces: Surfaces, out: impl Write) -> io::Result<()> {
         let shown = || match surfaces.images {
-            Images::None => Cow::Borrowed(&model.aggregates[..]),
-            images => Cow::Owned(images.of(&model.aggregates, &model.spec.specimen)),
+            Images::None => model.bodies(),
+            images => Cow::Owned(images.of(&model.bodies(), &model.spec.specimen)),
         };
         match self {
             Self::Json => saved::write(model, out),

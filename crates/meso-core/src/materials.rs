@@ -7,7 +7,7 @@
 use crate::mesh::Phase;
 use serde::{Deserialize, Serialize};
 
-/// Values of the three phases.
+/// Values of the phases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Materials {
@@ -17,6 +17,8 @@ pub struct Materials {
     pub itz: Elastic,
     /// Mortar.
     pub mortar: Elastic,
+    /// Fibres, which stay elastic: steel.
+    pub fibre: Elastic,
     /// Strength of the mortar.
     pub mortar_strength: Strength,
     /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
@@ -77,6 +79,7 @@ impl Default for Materials {
             aggregate: Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 },
             itz: Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 },
             mortar: Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 },
+            fibre: Elastic { youngs_modulus_mpa: 200_000.0, poisson_ratio: 0.3, density_t_per_mm3: 7.85e-9 },
             mortar_strength: Strength::default(),
             itz_strength_ratio: 0.7,
             cohesive_thickness_mm: 0.03,
@@ -126,14 +129,15 @@ impl Materials {
             Phase::Mortar => &self.mortar,
             Phase::Itz => &self.itz,
             Phase::Aggregate => &self.aggregate,
+            Phase::Fibre => &self.fibre,
         }
     }
 
-    /// The strength of `phase`; aggregates stay elastic and have none.
+    /// The strength of `phase`; aggregates and fibres stay elastic and have none.
     pub fn strength(&self, phase: Phase) -> Option<Strength> {
         let (mortar, ratio) = (self.mortar_strength, self.itz_strength_ratio);
         match phase {
-            Phase::Aggregate => None,
+            Phase::Aggregate | Phase::Fibre => None,
             Phase::Mortar => Some(mortar),
             Phase::Itz => Some(Strength {
                 compressive_mpa: ratio * mortar.compressive_mpa,

@@ -1,11 +1,12 @@
 //! A packed specimen: what `pack` returns, `.json` holds and every other command reads.
 
-use crate::aggregate::Aggregate;
 use crate::aggregate::take::{Grain, Recipe, take};
+use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
 use crate::packing::{self, Pose, Progress, Report, Request, Seconds, Strategy};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +15,8 @@ pub struct Model {
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
+    /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of them.
+    pub inclusions: Vec<Aggregate>,
     /// What was reached.
     pub report: Report,
 }
@@ -26,7 +29,8 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
     let start = progress.seconds();
     let grains = take_grains(spec, progress)?;
-    let longest = grains.iter().map(|grain| 2.0 * grain.outer_radius).fold(0.0, f64::max);
+    let aggregates = grains.iter().filter(|grain| grain.kind == Kind::Aggregate);
+    let longest = aggregates.map(|grain| 2.0 * grain.outer_radius).fold(0.0, f64::max);
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
@@ -34,11 +38,21 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     let mut outcome = packing::place(&request(spec, &grains, progress));
     outcome.note(&grains, spec.grading.classes().len());
     // Every grain is freed as it settles: there is no moment with all of both.
-    let aggregates = settle(grains, &outcome.poses)?;
+    let (aggregates, inclusions) = settle(grains, &outcome.poses)?;
     let placed = progress.seconds();
-    let mut report = packing::report(&request(spec, &[], progress), &aggregates, &outcome);
+    let mut report = packing::report(&request(spec, &[], progress), &aggregates, &inclusions, &outcome);
     report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
-    Ok(Model { spec: spec.clone(), aggregates, report })
+    Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
+}
+
+impl Model {
+    /// All that was placed, aggregates first: the body with id i is the i-th.
+    pub fn bodies(&self) -> Cow<'_, [Aggregate]> {
+        if self.inclusions.is_empty() {
+            return Cow::Borrowed(&self.aggregates);
+        }
+        Cow::Owned([&self.aggregates[..], &self.inclusions].concat())
+    }
 }
 
 fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress) -> Request<'a> {
@@ -46,6 +60,7 @@ fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress) 
         specimen: &spec.specimen,
         fraction: spec.fraction,
         grading: &spec.grading,
+        inclusions: spec.inclusions(),
         grains,
         seed: spec.seed,
         placement: &spec.placement,
@@ -55,27 +70,31 @@ fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress) 
 
 fn take_grains(spec: &Spec, progress: &dyn Progress) -> Result<Vec<Grain>, SpecError> {
     let go_on = || progress.update(0.0, spec.fraction);
-    let recipe = Recipe { grading: &spec.grading, shape: &spec.shape, itz: &spec.itz, seed: spec.seed, go_on: &go_on };
+    let Spec { grading, shape, itz, seed, .. } = spec;
+    let recipe = Recipe { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
-    take(&recipe, spec.fraction * spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))
+    take(&recipe, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))
 }
 
 fn flat_shape(error: &HullError) -> SpecError {
     SpecError::value("shape", format!("gives aggregates without volume: {error}"))
 }
 
-/// The placed grains in the specimen's frame.
-fn settle(grains: Vec<Grain>, poses: &[Option<Pose>]) -> Result<Vec<Aggregate>, SpecError> {
+/// The placed grains in the specimen's frame: aggregates, and what is not.
+fn settle(grains: Vec<Grain>, poses: &[Option<Pose>]) -> Result<(Vec<Aggregate>, Vec<Aggregate>), SpecError> {
     let settled: Vec<Option<Aggregate>> = grains
         .into_par_iter()
         .zip(poses)
         .map(|(grain, pose)| {
             let Some(pose) = pose else { return Ok(None) };
             let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
-            Ok(Some(Aggregate { id: 0, class: grain.class, itz_thickness_mm: grain.itz_thickness_mm, body }))
+            let Grain { kind, class, itz_thickness_mm, .. } = grain;
+            Ok(Some(Aggregate { id: 0, kind, class, itz_thickness_mm, body }))
         })
         .collect::<Result<_, _>>()?;
     let mut aggregates: Vec<Aggregate> = settled.into_iter().flatten().collect();
-    (0..).zip(&mut aggregates).for_each(|(id, aggregate)| aggregate.id = id);
-    Ok(aggregates)
+    let mut inclusions: Vec<Aggregate> = aggregates.extract_if(.., |body| body.kind != Kind::Aggregate).collect();
+    inclusions.sort_by_key(|body| body.kind);
+    (0..).zip(aggregates.iter_mut().chain(&mut inclusions)).for_each(|(id, body)| body.id = id);
+    Ok((aggregates, inclusions))
 }

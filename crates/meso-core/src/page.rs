@@ -55,7 +55,12 @@ fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
 
 /// Three sections through the middle, and the block as one sees it with its corner cut away.
 fn pictures(model: &Model, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "<h2>Sections through the middle</h2>\n<div class=\"row\">")?;
+    writeln!(out, "<h2>Sections through the middle</h2>")?;
+    if !model.inclusions.is_empty() {
+        writeln!(out, "<style>.vo{{fill:#fff}}.fi{{fill:#2f3b4c}}</style>")?;
+        writeln!(out, "<p class=\"note\">Voids are white, fibres dark blue.</p>")?;
+    }
+    writeln!(out, "<div class=\"row\">")?;
     let aabb = model.spec.specimen.aabb();
     let middle = (aabb.min + aabb.max) / 2.0;
     for axis in 0..3 {

@@ -30,6 +30,7 @@ pub const ALL: &[Recipe] = &[
     Recipe { name: "rilem-notched-150", text: include_str!("recipes/rilem-notched-150.toml") },
     Recipe { name: "dogbone-200", text: include_str!("recipes/dogbone-200.toml") },
     Recipe { name: "rve-60", text: include_str!("recipes/rve-60.toml") },
+    Recipe { name: "fibres-voids-100", text: include_str!("recipes/fibres-voids-100.toml") },
     Recipe { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
 ];
 

@@ -3,13 +3,15 @@
 //! `{"mesocrete": version, "spec", "seed", "specimen", "report", "aggregates": [{"id", "class", "itz_thickness_mm",
 //! "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, ...]}`. One line per aggregate; coordinates in the
 //! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
-//! counter-clockwise from outside. `report` leaves out `seconds`, so that the same spec and seed give the same bytes.
+//! counter-clockwise from outside. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
+//! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so that the same spec and seed give the same bytes.
 
 mod read;
 
 pub use read::{ReadError, read};
 
 use crate::aggregate::Aggregate;
+use crate::geometry::Polyhedron;
 use crate::model::Model;
 use crate::packing::{Report, Seconds};
 use serde::Serialize;
@@ -30,13 +32,28 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     entry(&mut out, "seed", &model.spec.seed)?;
     entry(&mut out, "specimen", &model.spec.specimen)?;
     entry(&mut out, "report", &without_seconds(&model.report)?)?;
-    out.write_all(b"\"aggregates\": [")?;
-    for (i, aggregate) in model.aggregates.iter().enumerate() {
-        out.write_all(if i == 0 { b"\n" } else { b",\n" })?;
-        write_aggregate(aggregate, &mut out)?;
+    list(&mut out, "aggregates", &model.aggregates, write_aggregate)?;
+    if !model.inclusions.is_empty() {
+        out.write_all(b",\n")?;
+        list(&mut out, "inclusions", &model.inclusions, write_inclusion)?;
     }
-    out.write_all(b"\n]}\n")?;
+    out.write_all(b"}\n")?;
     out.flush()
+}
+
+/// One line per body.
+fn list<W: Write>(
+    out: &mut W,
+    key: &str,
+    bodies: &[Aggregate],
+    write: impl Fn(&Aggregate, &mut W) -> io::Result<()>,
+) -> io::Result<()> {
+    write!(out, "\"{key}\": [")?;
+    for (i, body) in bodies.iter().enumerate() {
+        out.write_all(if i == 0 { b"\n" } else { b",\n" })?;
+        write(body, out)?;
+    }
+    out.write_all(b"\n]")
 }
 
 fn entry(out: &mut impl Write, key: &str, value: &(impl Serialize + ?Sized)) -> io::Result<()> {
@@ -56,10 +73,19 @@ fn without_seconds(report: &Report) -> io::Result<serde_json::Value> {
 fn write_aggregate(aggregate: &Aggregate, out: &mut impl Write) -> io::Result<()> {
     write!(out, "{{\"id\":{},\"class\":{},\"itz_thickness_mm\":", aggregate.id, aggregate.class)?;
     serde_json::to_writer(&mut *out, &aggregate.itz_thickness_mm)?;
+    write_body(&aggregate.body, out)
+}
+
+fn write_inclusion(inclusion: &Aggregate, out: &mut impl Write) -> io::Result<()> {
+    write!(out, "{{\"id\":{},\"phase\":\"{}\"", inclusion.id, inclusion.kind.name())?;
+    write_body(&inclusion.body, out)
+}
+
+fn write_body(body: &Polyhedron, out: &mut impl Write) -> io::Result<()> {
     out.write_all(b",\"vertices\":")?;
-    rows(out, aggregate.body.vertices().iter().map(|v| <[f64; 3]>::from(*v)))?;
+    rows(out, body.vertices().iter().map(|v| <[f64; 3]>::from(*v)))?;
     out.write_all(b",\"faces\":")?;
-    rows(out, aggregate.body.faces())?;
+    rows(out, body.faces())?;
     out.write_all(b"}")
 }
 

@@ -5,6 +5,7 @@
 
 mod error;
 mod files;
+mod inclusions;
 mod library;
 mod limits;
 mod mix;
@@ -19,7 +20,7 @@ pub use files::{Files, NoFiles};
 pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
 pub use mix::Mix;
 
-use crate::aggregate::{Grading, Itz, Shape};
+use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use crate::packing::{Placement, Specimen};
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +42,12 @@ pub struct Spec {
     pub itz: Itz,
     /// Placement.
     pub placement: Placement,
+    /// Spherical voids, if any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub voids: Option<Voids>,
+    /// Straight fibres, if any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibres: Option<Fibres>,
 }
 
 impl Default for Spec {
@@ -53,6 +60,8 @@ impl Default for Spec {
             shape: Shape::default(),
             itz: Itz::default(),
             placement: Placement::default(),
+            voids: None,
+            fibres: None,
         }
     }
 }
@@ -90,6 +99,11 @@ impl Spec {
     /// As [`Spec::from_toml_with`], without a line.
     pub fn from_value_with(value: &serde_json::Value, files: &mut dyn Files) -> Result<Self, SpecError> {
         Self::from_tree(tree::from_json(value), files)
+    }
+
+    /// The further phases.
+    pub fn inclusions(&self) -> Inclusions {
+        Inclusions { voids: self.voids, fibres: self.fibres }
     }
 
     fn from_tree(mut tree: tree::Node, files: &mut dyn Files) -> Result<Self, SpecError> {

@@ -207,15 +207,16 @@ fn flag_names(message: &str) -> String {
 pub(super) fn describe(mesh: &Mesh, model: &Model) {
     let volumes = PhaseVolumes::of_mesh(mesh);
     let share = |volume: f64| volume / model.spec.specimen.volume();
+    let fibre = if volumes.fibre > 0.0 { format!(", fibre {:.4}", share(volumes.fibre)) } else { String::new() };
     say::line(format!(
-        "meshed {} elements, {} nodes: aggregate {:.4}, ITZ {:.4}, mortar {:.4} of the specimen",
+        "meshed {} elements, {} nodes: aggregate {:.4}, ITZ {:.4}, mortar {:.4}{fibre} of the specimen",
         say::count(mesh.cell_count()),
         say::count(mesh.points.len()),
         share(volumes.aggregate),
         share(volumes.itz),
         share(volumes.mortar)
     ));
-    let distance = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
+    let distance = InterfaceDistance::of(mesh, &model.bodies(), &model.spec.specimen);
     say::line(format!(
         "interface nodes lie {:.4} mm rms from the aggregates' surfaces, {:.4} mm at most",
         distance.rms_mm, distance.max_mm

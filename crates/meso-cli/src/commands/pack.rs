@@ -125,7 +125,7 @@ impl Args {
 
 /// Says so before the work where the target is more than the strategy has ever reached.
 fn warn_of_reach(spec: &Spec) {
-    let (target, reach) = (spec.fraction, spec.placement.reach());
+    let (target, reach) = (spec.fraction + spec.inclusions().fractions().iter().sum::<f64>(), spec.placement.reach());
     if target <= reach {
         return;
     }
@@ -217,6 +217,10 @@ fn tell(report: &Report) {
             "  {limits:>11}  {:>10.5}  {:>10.5}  {aggregates:>10}",
             class.target_fraction, class.fraction
         ));
+    }
+    for phase in &report.phases {
+        let (name, bodies) = (phase.phase.plural(), say::count(phase.bodies));
+        say::line(format!("  {name:>11}  {:>10.5}  {:>10.5}  {bodies:>10}", phase.target_fraction, phase.fraction));
     }
 }
 

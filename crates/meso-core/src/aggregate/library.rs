@@ -43,8 +43,7 @@ impl Template {
 
     /// Its outline with `length` mm between the two vertices farthest apart.
     pub(super) fn scaled_to(&self, length: f64) -> Outline {
-        let vertices = self.unit.vertices.iter().map(|v| v * length).collect();
-        Outline { vertices, semi_axes: self.unit.semi_axes * length }
+        self.unit.scaled(length)
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod aspect_ratio;
 pub mod grading;
+pub mod inclusions;
 pub mod itz;
 mod library;
 pub mod random;
@@ -10,18 +11,21 @@ pub mod take;
 
 pub use aspect_ratio::AspectRatio;
 pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
+pub use inclusions::{Fibres, Inclusions, Kind, Voids};
 pub use itz::Itz;
 pub use library::Template;
 pub use shape::{Outline, Shape, ShapeKind};
 
 use crate::geometry::{OffsetError, Polyhedron, inward_offset};
 
-/// One aggregate at its place in the specimen.
+/// One aggregate, or one void or fibre, at its place in the specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aggregate {
-    /// Position in the model's list, from 0.
+    /// Position in the model's list, from 0; voids and fibres count on from the last aggregate.
     pub id: u32,
-    /// Index of its size class, from the finest.
+    /// What it is.
+    pub kind: Kind,
+    /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,
     /// Thickness of its ITZ shell, measured inwards, mm; 0 where the model has none.
     pub itz_thickness_mm: f64,

@@ -88,6 +88,14 @@ pub struct Outline {
     pub semi_axes: Vec3,
 }
 
+impl Outline {
+    /// The same, larger by a factor.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        let vertices = self.vertices.iter().map(|vertex| vertex * factor).collect();
+        Self { vertices, semi_axes: self.semi_axes * factor }
+    }
+}
+
 /// Fixed vertices on the axes (Sec. 2.1).
 const AXIS_VERTICES: usize = 6;
 /// Redraws of one vertex that comes too near to another; then the last draw is kept. At the default spacing of

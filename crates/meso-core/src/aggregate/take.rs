@@ -1,7 +1,7 @@
 //! The *take*: enough grains of every class, each made from its own random stream (Sec. 2.1).
 
 use super::random::{Purpose, Stream};
-use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
+use super::{Grading, Inclusions, Itz, Kind, Outline, Shape, SizeClass, SizeDefinition, inclusions};
 use crate::geometry::{HullError, Polyhedron, convex_hull, sieve_size};
 use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;
@@ -9,7 +9,9 @@ use rayon::prelude::*;
 /// A grain that has a shape and an orientation, but no place yet.
 #[derive(Clone, Debug)]
 pub struct Grain {
-    /// Index of its size class, from the finest.
+    /// What it is.
+    pub kind: Kind,
+    /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,
     /// Number within its class; with the class it names the grain's random streams.
     pub index: u32,
@@ -60,38 +62,52 @@ pub struct Recipe<'a> {
     pub shape: &'a Shape,
     /// ITZ.
     pub itz: &'a Itz,
+    /// Further phases.
+    pub inclusions: &'a Inclusions,
     /// Seed of all streams.
     pub seed: u64,
     /// Asked now and then; `false` ends the take with the grains it has.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Makes grains of every class until each class holds `volume * share * (1 + surplus)` mm3, as nearly as whole grains
-/// allow; in descending volume.
+/// Makes grains of every class until each class holds `fraction * volume * share * (1 + surplus)` mm3, as nearly as whole
+/// grains allow, and the further phases likewise; the specimen's `volume` is in mm3. Fibres come first, since nothing
+/// else is as long, then all else in descending volume.
 ///
 /// # Errors
 /// A shape without volume.
-pub fn take(recipe: &Recipe, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
+pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
+    let (classes, beyond) = (recipe.grading.classes(), 1.0 + surplus);
     let mut grains = Vec::new();
-    for (class, limits) in recipe.grading.classes().iter().enumerate() {
-        grains.append(&mut take_class(recipe, class as u16, limits, volume * limits.share * (1.0 + surplus))?);
+    for (class, limits) in (0..).zip(&classes) {
+        let target = fraction * volume * limits.share * beyond;
+        grains.append(&mut fill(target, recipe.go_on, |index| make(recipe, class, limits, index))?);
     }
+    grains.append(&mut inclusions::take(recipe, classes.len() as u16, volume * beyond)?);
     grains.shrink_to_fit();
-    grains.sort_by(|p, q| q.volume.total_cmp(&p.volume).then((p.class, p.index).cmp(&(q.class, q.index))));
+    let last = |grain: &Grain| grain.kind != Kind::Fibre;
+    grains.sort_by(|p, q| {
+        let by_volume = q.volume.total_cmp(&p.volume);
+        last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
+    });
     Ok(grains)
 }
 
 /// Grains made at once: enough to share among threads, few enough not to overshoot much.
 const CHUNK: u32 = 256;
 
-fn take_class(recipe: &Recipe, class: u16, limits: &SizeClass, target: f64) -> Result<Vec<Grain>, HullError> {
+/// Makes grains by their numbers until they hold `target` mm3.
+pub(super) fn fill(
+    target: f64,
+    go_on: &(dyn Fn() -> bool + Sync),
+    make: impl Fn(u32) -> Result<Grain, HullError> + Sync,
+) -> Result<Vec<Grain>, HullError> {
     let (mut grains, mut volume) = (Vec::new(), 0.0);
     for start in (0..).step_by(CHUNK as usize) {
-        if !(recipe.go_on)() {
+        if !go_on() {
             return Ok(grains);
         }
-        let chunk: Vec<Grain> =
-            (start..start + CHUNK).into_par_iter().map(|i| make(recipe, class, limits, i)).collect::<Result<_, _>>()?;
+        let chunk: Vec<Grain> = (start..start + CHUNK).into_par_iter().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
             // The last grain goes in when that brings the class nearer to its target.
             if volume + grain.volume / 2.0 >= target {
@@ -110,24 +126,37 @@ fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<G
     let mut outline = recipe.shape.outline(size, limits.d_min_mm, stream);
     if recipe.grading.size == SizeDefinition::Sieve {
         let scale = size / sieve_size(&convex_hull(&outline.vertices)?);
-        outline.semi_axes *= scale;
-        outline.vertices.iter_mut().for_each(|vertex| *vertex *= scale);
+        outline = outline.scaled(scale);
     }
-    let rotation = stream.rotation().to_rotation_matrix();
-    let vertices: Vec<Vec3> = outline.vertices.iter().map(|v| snap(&(rotation * v))).collect();
-    let body = convex_hull(&vertices)?;
-    let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
+    let bare = Grain::turned(Kind::Aggregate, (class, index), &outline, stream)?;
     let drawn = stream.uniform(recipe.itz.thickness_mm[0], recipe.itz.thickness_mm[1]);
-    Ok(Grain {
-        class,
-        index,
-        itz_thickness_mm: drawn.min(ITZ_LIMIT * inner_radius),
-        itz_limited: drawn > ITZ_LIMIT * inner_radius,
-        semi_axes: outline.semi_axes,
-        rotation: rotation.into_inner(),
-        volume: body.volume(),
-        outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),
-        inner_radius,
-        body,
-    })
+    let most = ITZ_LIMIT * bare.inner_radius;
+    Ok(Grain { itz_thickness_mm: drawn.min(most), itz_limited: drawn > most, ..bare })
+}
+
+impl Grain {
+    /// The grain of an outline in a random orientation, without ITZ.
+    pub(super) fn turned(
+        kind: Kind,
+        (class, index): (u16, u32),
+        outline: &Outline,
+        stream: &mut Stream,
+    ) -> Result<Self, HullError> {
+        let rotation = stream.rotation().to_rotation_matrix();
+        let vertices: Vec<Vec3> = outline.vertices.iter().map(|v| snap(&(rotation * v))).collect();
+        let body = convex_hull(&vertices)?;
+        Ok(Self {
+            kind,
+            class,
+            index,
+            itz_thickness_mm: 0.0,
+            itz_limited: false,
+            semi_axes: outline.semi_axes,
+            rotation: rotation.into_inner(),
+            volume: body.volume(),
+            outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),
+            inner_radius: body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min),
+            body,
+        })
+    }
 }

@@ -20,7 +20,7 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "{HEADER}")?;
     for aggregate in aggregates {
-        let Aggregate { id, class, itz_thickness_mm, body } = aggregate;
+        let Aggregate { id, class, itz_thickness_mm, body, .. } = aggregate;
         let (mass, area) = (body.mass_properties(), body.area());
         let size = longest_distance(body.vertices());
         let sphericity = libm::cbrt(PI) * libm::cbrt(6.0 * mass.volume).powi(2) / area;

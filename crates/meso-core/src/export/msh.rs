@@ -1,6 +1,6 @@
 //! Meshes as gmsh's `.msh` 4.1, binary: gmsh itself, FEniCSx, MOOSE, meshio.
 //!
-//! Physical volumes AGGREGATE, ITZ and MORTAR, numbered like the phases of a `.vtu` plus 1; the physical surfaces XMIN to
+//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical surfaces XMIN to
 //! ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or hexahedra without
 //! volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
 //! on a bounding plane has that of its cell (meshio reads a view only where it names all elements in their order).
@@ -50,7 +50,8 @@ fn blocks(mesh: &Mesh) -> Vec<Block> {
     let sides = Sides::of(mesh);
     let sides = (1..).zip(sides.faces()).map(|(tag, faces)| side(mesh, tag, faces));
     let phases = [Phase::Mortar, Phase::Itz, Phase::Aggregate].map(|phase| volume(mesh, phase));
-    sides.chain(phases).chain([cohesive(mesh)]).filter(|block| !block.connectivity.is_empty()).collect()
+    let last = [cohesive(mesh), volume(mesh, Phase::Fibre)];
+    sides.chain(phases).chain(last).filter(|block| !block.connectivity.is_empty()).collect()
 }
 
 fn side(mesh: &Mesh, tag: i32, faces: &[(u32, usize)]) -> Block {
@@ -102,7 +103,8 @@ impl Block {
             (2, tag) => SIDES[tag as usize - 1].2,
             (_, 1) => Phase::Mortar.name(),
             (_, 2) => Phase::Itz.name(),
-            _ => Phase::Aggregate.name(),
+            (_, 3) => Phase::Aggregate.name(),
+            _ => Phase::Fibre.name(),
         }
     }
 }

@@ -1,15 +1,17 @@
 //! Aggregate surfaces as polygons in a VTK unstructured grid (`.vtu`), what ParaView, PyVista and meshio read.
 //!
-//! Cell data: `aggregate` (id), `class`, `phase` (2), `itz_thickness_mm`.
+//! Cell data: `aggregate` (id), `class`, `phase` (2 aggregate, 3 void, 4 fibre), `itz_thickness_mm`.
 
 use super::vtk::{Array, Encoding, Grid};
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Face;
 use crate::mesh::Phase;
 use std::io::{self, Write};
 
 /// VTK's number of a polygon cell.
 const POLYGON: u8 = 7;
+/// The phase of voids, which meshes do not have.
+const VOID: u8 = 3;
 
 /// Writes the outer surfaces of `aggregates` to `out`, one polygon per face.
 ///
@@ -36,13 +38,21 @@ pub fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> i
         cell_data: vec![
             Array::new("Int32", "aggregate", faces, || per_face(aggregates, |a| (a.id as i32).to_le_bytes())),
             Array::new("Int32", "class", faces, || per_face(aggregates, |a| i32::from(a.class).to_le_bytes())),
-            Array::new("UInt8", "phase", faces, || std::iter::repeat_n([Phase::Aggregate as u8], faces)),
+            Array::new("UInt8", "phase", faces, || per_face(aggregates, |a| [phase(a.kind)])),
             Array::new("Float64", "itz_thickness_mm", faces, || {
                 per_face(aggregates, |a| a.itz_thickness_mm.to_le_bytes())
             }),
         ],
     };
     grid.write(encoding, out)
+}
+
+fn phase(kind: Kind) -> u8 {
+    match kind {
+        Kind::Aggregate => Phase::Aggregate as u8,
+        Kind::Void => VOID,
+        Kind::Fibre => Phase::Fibre as u8,
+    }
 }
 
 /// The faces' node numbers: every aggregate brings its own points.

@@ -1,6 +1,6 @@
 //! Volume meshes as VTK unstructured grids (`.vtu`): what ParaView, PyVista and meshio read.
 //!
-//! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
+//! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
 //! `radius_ratio` and `min_dihedral_deg`.
 
 use super::vtk::{Array, Encoding, Grid};

@@ -1,8 +1,8 @@
-//! The ITZ as zero-thickness cohesive elements between every aggregate and what it meets.
+//! The ITZ as zero-thickness cohesive elements between every aggregate and what it meets; fibres are bonded.
 
 use super::interface::{self, InterfaceFace};
 use super::separate::separate;
-use super::{Mesh, NO_AGGREGATE};
+use super::{Mesh, NO_AGGREGATE, Phase};
 
 /// Parts the aggregates from the mortar and from each other, and joins them by cohesive elements.
 ///
@@ -11,6 +11,7 @@ use super::{Mesh, NO_AGGREGATE};
 /// of the aggregate. Between two aggregates the bottom is that of the lower id.
 pub(super) fn add(mesh: &mut Mesh) {
     let mut faces = interface::faces(mesh);
+    faces.retain(|face| mesh.phase[face.cell as usize] != Phase::Fibre);
     let copies = separate(mesh, &faces, true);
     faces.retain(|face| mesh.aggregate[face.cell as usize] < mesh.aggregate[face.behind as usize]);
     let join = |face: &InterfaceFace| {

@@ -1,5 +1,6 @@
 //! Aggregates as the mesh builders ask of them: face planes, point location, where a line leaves a grain.
 
+use super::Phase;
 use crate::aggregate::Aggregate;
 use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
@@ -8,6 +9,8 @@ use rayon::prelude::*;
 /// A grain by its face planes.
 pub(crate) struct Grain {
     pub(crate) id: u32,
+    /// Of its inside.
+    pub(crate) phase: Phase,
     pub(crate) aabb: Aabb,
     pub(crate) planes: Vec<Plane>,
     /// Shell thickness in this mesh, mm; 0: no shell.
@@ -17,8 +20,13 @@ pub(crate) struct Grain {
 impl Grain {
     /// `shell(aggregate)` is the thickness of its shell in the mesh, mm.
     pub(crate) fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
-        let grain =
-            |a: &Aggregate| Self { id: a.id, aabb: a.body.aabb(), planes: a.body.planes().collect(), shell: shell(a) };
+        let grain = |a: &Aggregate| Self {
+            id: a.id,
+            phase: Phase::inside(a.kind),
+            aabb: a.body.aabb(),
+            planes: a.body.planes().collect(),
+            shell: shell(a),
+        };
         aggregates.par_iter().map(grain).collect()
     }
 

@@ -25,7 +25,7 @@ pub use error::MeshError;
 pub use options::{Fit, ItzForm, MeshOptions, Method};
 pub use volumes::PhaseVolumes;
 
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{Specimen, images_near};
@@ -42,11 +42,21 @@ pub enum Phase {
     Itz = 1,
     /// The inside of an aggregate.
     Aggregate = 2,
+    /// A fibre. 3 is what surfaces of voids have in a file: meshes have no cells there.
+    Fibre = 4,
 }
 
 impl Phase {
     /// All phases, in the order decks list them.
-    pub const ALL: [Self; 3] = [Self::Aggregate, Self::Itz, Self::Mortar];
+    pub const ALL: [Self; 4] = [Self::Aggregate, Self::Itz, Self::Mortar, Self::Fibre];
+
+    /// What a body has inside its ITZ; cells of voids are left out before anyone sees them.
+    fn inside(kind: Kind) -> Self {
+        match kind {
+            Kind::Aggregate | Kind::Void => Self::Aggregate,
+            Kind::Fibre => Self::Fibre,
+        }
+    }
 
     /// The name of its element set and of its material.
     pub fn name(self) -> &'static str {
@@ -54,6 +64,7 @@ impl Phase {
             Self::Mortar => "MORTAR",
             Self::Itz => "ITZ",
             Self::Aggregate => "AGGREGATE",
+            Self::Fibre => "FIBRE",
         }
     }
 }
@@ -119,7 +130,7 @@ pub struct Mesh {
     pub cells: Vec<u32>,
     /// Phase of every cell.
     pub phase: Vec<Phase>,
-    /// Id of the aggregate every cell belongs to; `u32::MAX` in the mortar.
+    /// Id of the aggregate or fibre every cell belongs to; `u32::MAX` in the mortar.
     pub aggregate: Vec<u32>,
     /// Zero-thickness cohesive elements: the aggregate side's face, then the nodes over it (6 or 8 in all).
     pub cohesive: Vec<u32>,
@@ -178,7 +189,7 @@ pub type Gmsh<'a> = &'a dyn Fn(&conforming::Surfaces) -> Result<Vec<u8>, MeshErr
 /// # Errors
 /// Options that cannot be met are named before any work starts; see [`MeshError`].
 pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
-    build_parts(&model.aggregates, &model.spec.specimen, options)
+    build_parts(&model.bodies(), &model.spec.specimen, options)
 }
 
 /// Meshes a packed specimen; `gmsh` runs gmsh where the method is conforming.
@@ -186,10 +197,10 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
 /// # Errors
 /// As [`build`], and those of `gmsh`.
 pub fn build_with(model: &Model, options: &MeshOptions, gmsh: Gmsh) -> Result<Mesh, MeshError> {
-    assemble(&model.aggregates, &model.spec.specimen, options, gmsh)
+    assemble(&model.bodies(), &model.spec.specimen, options, gmsh)
 }
 
-/// Meshes `aggregates`, which must be disjoint and inside `specimen`.
+/// Meshes `aggregates`, which must be disjoint and inside `specimen`; voids among them are left out of the mesh.
 ///
 /// # Errors
 /// As [`build`].
@@ -226,6 +237,7 @@ fn assemble(
     if whole_cells {
         clip::clip(&mut mesh, &*room);
     }
+    clip::leave_out_voids(&mut mesh, aggregates);
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
     }
@@ -249,7 +261,7 @@ fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], options: &MeshOptions) -
 
 /// Tetrahedra as a mesh of aggregates and mortar.
 fn of_tetrahedra(tetrahedra: Tetrahedra, aggregates: &[Aggregate], notes: Notes) -> Mesh {
-    let phase = |&g: &u32| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::Aggregate };
+    let phase = |&g: &u32| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::inside(aggregates[g as usize].kind) };
     let id = |&g: &u32| if g == NO_AGGREGATE { g } else { aggregates[g as usize].id };
     Mesh {
         kind: CellKind::Tetrahedron,

@@ -1,7 +1,7 @@
 //! Every aggregate gets nodes of its own where it meets other materials: what a layer or cohesive elements go between.
 
 use super::interface::InterfaceFace;
-use super::{Mesh, NO_AGGREGATE};
+use super::{Mesh, NO_AGGREGATE, Phase};
 use rayon::prelude::*;
 
 /// The nodes that aggregates have of their own.
@@ -23,8 +23,8 @@ impl Copies {
     }
 }
 
-/// Gives each aggregate copies of its interface nodes, at the same places, and its cells the copies. The mortar keeps the
-/// originals; with `keep_lone`, so does the lowest aggregate at a node that no mortar cell has.
+/// Gives each aggregate copies of its interface nodes, at the same places, and its cells the copies. Mortar and fibres keep
+/// the originals; with `keep_lone`, so does the lowest aggregate at a node that no such cell has.
 pub(super) fn separate(mesh: &mut Mesh, faces: &[InterfaceFace], keep_lone: bool) -> Copies {
     let mut keys: Vec<(u32, u32)> = faces
         .iter()
@@ -51,10 +51,11 @@ pub(super) fn separate(mesh: &mut Mesh, faces: &[InterfaceFace], keep_lone: bool
     copies
 }
 
-/// Leaves the original to the lowest aggregate at nodes without mortar, so that no node is left without cells.
+/// Leaves the original to the lowest aggregate where nothing else keeps it, so that no node is left without cells.
 fn drop_lone(mesh: &Mesh, keys: &mut Vec<(u32, u32)>) {
     let mut owned = vec![false; mesh.points.len()];
-    for (cell, _) in mesh.cells().zip(&mesh.aggregate).filter(|(_, aggregate)| **aggregate == NO_AGGREGATE) {
+    let keeps = |phase: &Phase| matches!(phase, Phase::Mortar | Phase::Fibre);
+    for (cell, _) in mesh.cells().zip(&mesh.phase).filter(|(_, phase)| keeps(phase)) {
         cell.iter().for_each(|&node| owned[node as usize] = true);
     }
     keys.retain(|&(_, node)| std::mem::replace(&mut owned[node as usize], true));

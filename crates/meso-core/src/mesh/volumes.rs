@@ -1,7 +1,7 @@
 //! How much of the specimen each phase fills: in the mesh, and exactly.
 
-use super::{CellKind, Mesh, MeshError};
-use crate::aggregate::Aggregate;
+use super::{CellKind, Mesh, MeshError, Phase};
+use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::OffsetError;
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -15,19 +15,36 @@ pub struct PhaseVolumes {
     pub aggregate: f64,
     /// Shells.
     pub itz: f64,
-    /// Everything else.
+    /// Everything else, but for voids.
     pub mortar: f64,
+    /// Fibres.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub fibre: f64,
+}
+
+fn is_zero(volume: &f64) -> bool {
+    *volume == 0.0
 }
 
 impl PhaseVolumes {
     /// The phases' volumes in `mesh`.
     pub fn of_mesh(mesh: &Mesh) -> Self {
-        let mut sums = [0.0; 3];
+        let mut sums = [0.0; 5];
         for (cell, phase) in mesh.cells().zip(&mesh.phase) {
             sums[*phase as usize] += cell_volume(mesh.kind, cell, &mesh.points);
         }
-        let [mortar, itz, aggregate] = sums;
-        Self { aggregate, itz, mortar }
+        let [mortar, itz, aggregate, _, fibre] = sums;
+        Self { aggregate, itz, mortar, fibre }
+    }
+
+    /// That of one phase.
+    pub fn of(&self, phase: Phase) -> f64 {
+        match phase {
+            Phase::Mortar => self.mortar,
+            Phase::Itz => self.itz,
+            Phase::Aggregate => self.aggregate,
+            Phase::Fibre => self.fibre,
+        }
     }
 
     /// The exact volumes, from the polyhedra; `shell(aggregate)` is the thickness of its shell, mm.
@@ -39,18 +56,27 @@ impl PhaseVolumes {
         specimen: &Specimen,
         shell: impl Fn(&Aggregate) -> f64,
     ) -> Result<Self, OffsetError> {
-        let (mut outer, mut core) = (0.0, 0.0);
+        let (mut all, mut outer, mut core, mut fibre) = (0.0, 0.0, 0.0, 0.0);
         for aggregate in aggregates {
-            outer += aggregate.body.volume();
+            let volume = aggregate.body.volume();
+            all += volume;
+            match aggregate.kind {
+                Kind::Aggregate => outer += volume,
+                Kind::Void => continue,
+                Kind::Fibre => {
+                    fibre += volume;
+                    continue;
+                }
+            }
             let inner = crate::geometry::inward_offset(&aggregate.body, shell(aggregate))?;
             core += inner.map_or(0.0, |body| body.volume());
         }
-        Ok(Self { aggregate: core, itz: outer - core, mortar: specimen.volume() - outer })
+        Ok(Self { aggregate: core, itz: outer - core, mortar: specimen.volume() - all, fibre })
     }
 
     /// Sum of the phases, mm3.
     pub fn total(&self) -> f64 {
-        self.aggregate + self.itz + self.mortar
+        self.aggregate + self.itz + self.mortar + self.fibre
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) fn build(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
     let voxels = Voxels::of(specimen, options.element_size_mm);
     let grains = Grain::all(aggregates, |a| shell_thickness(a, voxels.spacing.max(), options));
     let labels = voxels.labels(&grains, options.subsamples as usize);
-    let phase = labels.par_iter().map(|&label| phase_of(label)).collect();
+    let phase = labels.par_iter().map(|&label| phase_of(label, &grains)).collect();
     let aggregate =
         labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
     Mesh {
@@ -41,11 +41,11 @@ fn shell_thickness(aggregate: &Aggregate, voxel_mm: f64, options: &MeshOptions) 
     }
 }
 
-fn phase_of(label: Label) -> Phase {
+fn phase_of(label: Label, grains: &[Grain]) -> Phase {
     match label.grain() {
         None => Phase::Mortar,
         Some(_) if label.in_shell() => Phase::Itz,
-        Some(_) => Phase::Aggregate,
+        Some(grain) => grains[grain as usize].phase,
     }
 }
 

@@ -12,11 +12,11 @@ mod take_and_place;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
-pub use report::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
+pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
 pub use specimen::{Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
 
-use crate::aggregate::Grading;
 use crate::aggregate::take::{Grain, snap};
+use crate::aggregate::{Grading, Inclusions, Kind};
 use crate::geometry::{HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
 use crate::wide::{Wide, widest};
@@ -98,6 +98,8 @@ pub struct Request<'a> {
     pub fraction: f64,
     /// What the classes are asked to hold.
     pub grading: &'a Grading,
+    /// Voids and fibres asked for.
+    pub inclusions: Inclusions,
     /// The grains in the order they are placed.
     pub grains: &'a [Grain],
     /// Seed of the positions.
@@ -175,10 +177,12 @@ pub struct Outcome {
     pub dead_end: StopReason,
     /// The strategy's name.
     pub strategy: &'static str,
-    /// Placed grains whose drawn ITZ was thinner than asked, by their number among the placed.
+    /// Placed aggregates whose drawn ITZ was thinner than asked, by their number among the placed ones.
     pub itz_limited: Vec<u32>,
-    /// Volume of the largest grain taken of each class, mm3.
+    /// Volume of the largest grain taken of each class, mm3; those of voids and of fibres follow the grading's.
     pub largest_mm3: Vec<f64>,
+    /// Aggregates among the grains.
+    pub aggregates_taken: usize,
 }
 
 impl Outcome {
@@ -192,17 +196,20 @@ impl Outcome {
             strategy,
             itz_limited: Vec::new(),
             largest_mm3: Vec::new(),
+            aggregates_taken: 0,
         }
     }
 
-    /// Notes of the `grains` what the report needs of them when they are gone.
+    /// Notes of the `grains`, in so many `classes` of aggregates, what the report needs of them when they are gone.
     pub fn note(&mut self, grains: &[Grain], classes: usize) {
-        self.largest_mm3 = vec![0.0; classes];
+        self.largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {
             let largest = &mut self.largest_mm3[usize::from(grain.class)];
             *largest = grain.volume.max(*largest);
         }
-        let placed = grains.iter().zip(&self.poses).filter(|(_, pose)| pose.is_some());
+        let aggregates = || grains.iter().zip(&self.poses).filter(|(grain, _)| grain.kind == Kind::Aggregate);
+        self.aggregates_taken = aggregates().count();
+        let placed = aggregates().filter(|(_, pose)| pose.is_some());
         let limited = (0..).zip(placed).filter(|(_, (grain, _))| grain.itz_limited);
         self.itz_limited = limited.map(|(id, _)| id).collect();
     }

@@ -46,12 +46,16 @@ impl<'a> Task<'a> {
         let (volume, period) = (room.volume(), request.specimen.period());
         let (wanted, limit) = (request.fraction * volume, request.placement.time_limit_s);
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
+        let classes = request.grading.classes();
+        let aggregates = classes.iter().map(|class| class.share * wanted * bound);
+        // Of a phase that is not asked for there are no grains, whatever its target.
+        let inclusions = request.inclusions.fractions().map(|fraction| fraction * volume * bound);
         Self {
             request: *request,
             room,
             volume,
             period,
-            class_targets: request.grading.classes().iter().map(|class| class.share * wanted * bound).collect(),
+            class_targets: aggregates.chain(inclusions).collect(),
             deadline: limit.map_or(f64::INFINITY, |limit| request.progress.seconds() + limit),
         }
     }

@@ -1,7 +1,7 @@
 //! What a packing run reached, and what it cost.
 
 use super::{Outcome, Request};
-use crate::aggregate::{Aggregate, Grading};
+use crate::aggregate::{Aggregate, Grading, Inclusions, Kind};
 use crate::gjk::Counters;
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,9 @@ pub struct Report {
     pub strategy: String,
     /// Per size class, from the finest.
     pub classes: Vec<ClassReport>,
+    /// Voids and fibres, where the spec asks for some.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phases: Vec<PhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
     /// Why it ended.
@@ -64,6 +67,19 @@ pub struct ClassReport {
     pub fraction: f64,
     /// Number of aggregates.
     pub aggregates: usize,
+}
+
+/// Asked and reached volume of a further phase, over the specimen's volume.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PhaseReport {
+    /// Voids or fibres.
+    pub phase: Kind,
+    /// Asked.
+    pub target_fraction: f64,
+    /// Reached.
+    pub fraction: f64,
+    /// Number of bodies.
+    pub bodies: usize,
 }
 
 /// Why a run ended.
@@ -120,12 +136,16 @@ pub struct Work {
 const REACHED: f64 = 0.002;
 
 /// Sums up what `outcome` reached of `request`. Volumes are those of the placed polyhedra.
-pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) -> Report {
+pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggregate], outcome: &Outcome) -> Report {
     let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
     let classes = ClassReport::all(request.grading, request.fraction, aggregates, specimen.volume_mm3);
-    let largest = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3);
-    let is_short = |(class, largest): &(&ClassReport, f64)| class.is_short(*largest);
-    let short: Vec<&ClassReport> = classes.iter().zip(largest).filter(is_short).map(|(class, _)| class).collect();
+    let phases = PhaseReport::all(&request.inclusions, inclusions, specimen.volume_mm3);
+    let largest: Vec<f64> = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
+    let (of_classes, of_phases) = largest.split_at(classes.len());
+    let short_classes = classes.iter().zip(of_classes).filter_map(|(class, largest)| class.lack(*largest));
+    let largest_of = |phase: &PhaseReport| of_phases[usize::from(phase.phase == Kind::Fibre)];
+    let short: Vec<String> =
+        short_classes.chain(phases.iter().filter_map(|phase| phase.lack(largest_of(phase)))).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -133,7 +153,7 @@ pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) ->
         target_fraction: request.fraction,
         fraction,
         aggregates: aggregates.len(),
-        discarded: outcome.poses.len() - aggregates.len(),
+        discarded: outcome.aggregates_taken - aggregates.len(),
         specimen,
         grading: request.grading.describe(),
         strategy: outcome.strategy.into(),
@@ -145,6 +165,7 @@ pub fn report(request: &Request, aggregates: &[Aggregate], outcome: &Outcome) ->
         }),
         stop_detail: detail(request.fraction, fraction, &short),
         classes,
+        phases,
         seconds: Seconds::default(),
         work: outcome.work,
     }
@@ -170,24 +191,43 @@ impl ClassReport {
         classes
     }
 
-    /// `largest` is the share of the specimen that the class's largest grain takes.
-    fn is_short(&self, largest: f64) -> bool {
-        self.target_fraction - self.fraction > (REACHED * self.target_fraction).max(largest)
+    /// What the class lacks, in words; `largest` is the share of the specimen that its largest grain takes.
+    fn lack(&self, largest: f64) -> Option<String> {
+        let percent = lack(self.target_fraction, self.fraction, largest)?;
+        Some(format!("{}-{} mm lacks {percent}", self.d_min_mm, self.d_max_mm))
     }
 }
 
-fn detail(target: f64, fraction: f64, short: &[&ClassReport]) -> String {
+impl PhaseReport {
+    /// Every further phase that is asked for, and what `bodies` hold of a specimen of `volume_mm3`.
+    pub(crate) fn all(asked: &Inclusions, bodies: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
+        let phases = Kind::FURTHER.into_iter().zip(asked.fractions()).filter(|(_, target)| *target > 0.0);
+        let phase = |(phase, target_fraction)| {
+            let own = || bodies.iter().filter(|body| body.kind == phase);
+            let fraction = own().map(|body| body.body.volume() / volume_mm3).sum();
+            Self { phase, target_fraction, fraction, bodies: own().count() }
+        };
+        phases.map(phase).collect()
+    }
+
+    /// As [`ClassReport::lack`].
+    fn lack(&self, largest: f64) -> Option<String> {
+        let percent = lack(self.target_fraction, self.fraction, largest)?;
+        Some(format!("{} lack {percent}", self.phase.plural()))
+    }
+}
+
+/// How much of its target a class or phase lacks, if it does, in words.
+fn lack(target: f64, reached: f64, largest: f64) -> Option<String> {
+    let short = target - reached > (REACHED * target).max(largest);
+    short.then(|| format!("{:.1} %", 100.0 * (1.0 - reached / target)))
+}
+
+fn detail(target: f64, fraction: f64, short: &[String]) -> String {
     if short.is_empty() {
         return format!("reached {fraction:.5} of {target}, every class as graded");
     }
-    let classes: Vec<String> = short
-        .iter()
-        .map(|class| {
-            let missing = 100.0 * (1.0 - class.fraction / class.target_fraction);
-            format!("{}-{} mm lacks {missing:.1} %", class.d_min_mm, class.d_max_mm)
-        })
-        .collect();
-    format!("reached {fraction:.5} of {target}; {}", classes.join(", "))
+    format!("reached {fraction:.5} of {target}; {}", short.join(", "))
 }
 
 impl Work {

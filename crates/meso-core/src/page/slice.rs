@@ -1,6 +1,6 @@
 //! Where a plane meets the aggregates: exact polygons as SVG.
 
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::model::Model;
@@ -66,11 +66,11 @@ pub(super) fn block(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "</svg>")
 }
 
-/// Mortar, aggregates with their rims, and cores on top, in mm.
+/// Mortar, aggregates with their rims, and cores on top, voids and fibres, in mm.
 fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
     let mortar = outlines(&model.spec.specimen.room().surface(), axis, place);
     mortar.iter().try_for_each(|outline| path("m", outline, out))?;
-    let shown = Images::Whole.of(&model.aggregates, &model.spec.specimen);
+    let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
     shown.iter().try_for_each(|aggregate| cut(aggregate, axis, place, out))
 }
 
@@ -79,7 +79,11 @@ fn cut(aggregate: &Aggregate, axis: usize, place: f64, out: &mut impl Write) -> 
     if outline.len() < 3 {
         return Ok(());
     }
-    path("i", &outline, out)?;
+    match aggregate.kind {
+        Kind::Aggregate => path("i", &outline, out)?,
+        Kind::Void => return path("vo", &outline, out),
+        Kind::Fibre => return path("fi", &outline, out),
+    }
     // A body whose core has no trustworthy answer is drawn as all rim.
     let core = aggregate.core().ok().flatten().map(|core| polygon(&core, axis, place)).unwrap_or_default();
     if core.len() < 3 { Ok(()) } else { path(&format!("c{}", aggregate.class % 6), &core, out) }

@@ -24,6 +24,11 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
             class.aggregates
         )?;
     }
+    for phase in &report.phases {
+        let (name, deviation) = (phase.phase.plural(), 100.0 * (phase.fraction / phase.target_fraction - 1.0));
+        let (asked, reached, bodies) = (phase.target_fraction, phase.fraction, phase.bodies);
+        writeln!(out, "<tr><td>{name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
+    }
     writeln!(out, "</table>")?;
     let volume = report.specimen.volume_mm3;
     writeln!(

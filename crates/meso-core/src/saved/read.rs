@@ -3,11 +3,11 @@
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
 use super::VERSION;
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::model::Model;
-use crate::packing::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
+use crate::packing::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, Spec, SpecError};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -30,6 +30,14 @@ pub enum ReadError {
     /// Two entries that must agree do not.
     #[error("{0}")]
     Contradiction(String),
+    /// A void or fibre that is none of those the spec asks for, or no closed surface.
+    #[error("body {index}, one of the inclusions: {reason}")]
+    Inclusion {
+        /// Position in the file, counted from the first aggregate.
+        index: usize,
+        /// What is wrong.
+        reason: String,
+    },
     /// An aggregate that is no closed surface.
     #[error("aggregate {index}: {reason}")]
     Aggregate {
@@ -48,6 +56,8 @@ struct File {
     specimen: serde_json::Value,
     report: Option<Report>,
     aggregates: Vec<FileAggregate>,
+    #[serde(default)]
+    inclusions: Vec<FileInclusion>,
 }
 
 #[derive(Deserialize)]
@@ -55,6 +65,14 @@ struct FileAggregate {
     id: u32,
     class: u16,
     itz_thickness_mm: f64,
+    vertices: Vec<[f64; 3]>,
+    faces: Vec<Vec<u32>>,
+}
+
+#[derive(Deserialize)]
+struct FileInclusion {
+    id: u32,
+    phase: Kind,
     vertices: Vec<[f64; 3]>,
     faces: Vec<Vec<u32>>,
 }
@@ -73,11 +91,13 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     let classes = spec.grading.classes().len();
     let aggregates = file.aggregates.into_iter().enumerate();
     let aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes)).collect::<Result<Vec<_>, _>>()?;
+    let inclusions = (aggregates.len()..).zip(file.inclusions);
+    let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
     let report = match file.report {
         Some(report) => accept_report(report, &spec, aggregates.len())?,
-        None => figures(&spec, &aggregates),
+        None => figures(&spec, &aggregates, &inclusions),
     };
-    Ok(Model { spec, aggregates, report })
+    Ok(Model { spec, aggregates, inclusions, report })
 }
 
 /// The same major and minor version, or an older minor one.
@@ -131,13 +151,33 @@ fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggreg
     if !(0.0..=MAX_LENGTH_MM).contains(&file.itz_thickness_mm) {
         return Err(wrong(format!("its itz_thickness_mm is {}; it must be 0 or more", file.itz_thickness_mm)));
     }
-    let in_reach = |v: &[f64; 3]| v.iter().all(|x| x.abs() <= 2.0 * MAX_LENGTH_MM);
-    if let Some(vertex) = file.vertices.iter().position(|v| !in_reach(v)) {
-        return Err(wrong(format!("vertex {vertex} is farther than {} mm from the origin", 2.0 * MAX_LENGTH_MM)));
+    let FileAggregate { id, class, itz_thickness_mm, vertices, faces } = file;
+    let body = body(vertices, faces).map_err(wrong)?;
+    Ok(Aggregate { id, kind: Kind::Aggregate, class, itz_thickness_mm, body })
+}
+
+/// A void or fibre, of the phases that the spec asks for.
+fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate, ReadError> {
+    let wrong = |reason: String| ReadError::Inclusion { index, reason };
+    if file.id as usize != index {
+        return Err(wrong(format!("its id is {}; ids count on from the last aggregate's", file.id)));
     }
-    closed_surface(file.vertices.len(), &file.faces).map_err(wrong)?;
-    let body = Polyhedron::from_parts(file.vertices.into_iter().map(Vec3::from).collect(), file.faces);
-    Ok(Aggregate { id: file.id, class: file.class, itz_thickness_mm: file.itz_thickness_mm, body })
+    let mut asked = Kind::FURTHER.into_iter().zip(spec.inclusions().fractions());
+    let Some(place) = asked.position(|(kind, fraction)| kind == file.phase && fraction > 0.0) else {
+        return Err(wrong(format!("its phase is {}; the spec asks for none", file.phase.name())));
+    };
+    let class = (spec.grading.classes().len() + place) as u16;
+    let body = body(file.vertices, file.faces).map_err(wrong)?;
+    Ok(Aggregate { id: file.id, kind: file.phase, class, itz_thickness_mm: 0.0, body })
+}
+
+fn body(vertices: Vec<[f64; 3]>, faces: Vec<Vec<u32>>) -> Result<Polyhedron, String> {
+    let in_reach = |v: &[f64; 3]| v.iter().all(|x| x.abs() <= 2.0 * MAX_LENGTH_MM);
+    if let Some(vertex) = vertices.iter().position(|v| !in_reach(v)) {
+        return Err(format!("vertex {vertex} is farther than {} mm from the origin", 2.0 * MAX_LENGTH_MM));
+    }
+    closed_surface(vertices.len(), &faces)?;
+    Ok(Polyhedron::from_parts(vertices.into_iter().map(Vec3::from).collect(), faces))
 }
 
 /// Every face has three corners or more, all of them there, and every edge is passed once in each direction.
@@ -169,7 +209,7 @@ fn closed_surface(vertices: usize, faces: &[Vec<u32>]) -> Result<(), String> {
 }
 
 /// The report of a file that brings none: what follows from its aggregates.
-fn figures(spec: &Spec, aggregates: &[Aggregate]) -> Report {
+fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Report {
     let volume = spec.specimen.volume();
     let classes = ClassReport::all(&spec.grading, spec.fraction, aggregates, volume);
     let fraction = classes.iter().map(|class| class.fraction).sum();
@@ -185,6 +225,7 @@ fn figures(spec: &Spec, aggregates: &[Aggregate]) -> Report {
         grading: "not recorded in the file".to_owned(),
         strategy: "not recorded in the file".to_owned(),
         classes,
+        phases: PhaseReport::all(&spec.inclusions(), inclusions, volume),
         itz_limited: Vec::new(),
         stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
         stop_detail: "not recorded in the file".to_owned(),

@@ -1,7 +1,7 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
 use super::words::number;
-use super::{Spec, SpecError};
+use super::{Spec, SpecError, inclusions};
 use crate::aggregate::{AspectRatio, Curve, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 
@@ -15,7 +15,7 @@ pub const MAX_AGGREGATES: f64 = 1e7;
 /// Most corners of a specimen's surface.
 const MAX_VERTICES: usize = 1_000_000;
 
-type Checked = Result<(), SpecError>;
+pub(super) type Checked = Result<(), SpecError>;
 
 impl Spec {
     /// Names the first value that cannot be: its key, the value, the accepted range and the way out.
@@ -30,7 +30,8 @@ impl Spec {
         itz(&self.itz, &self.grading)?;
         placement(&self.placement)?;
         room(self)?;
-        count(self)
+        count(self)?;
+        inclusions::check(self)
     }
 
     /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own image.
@@ -62,18 +63,23 @@ impl Spec {
 }
 
 fn fraction(value: f64) -> Checked {
-    let accepted = "the accepted range is above 0 and below 1 (aggregate volume over specimen volume)";
+    share("fraction", "aggregate", value)
+}
+
+/// A share of the specimen's volume that `what` takes.
+pub(super) fn share(key: &str, what: &str, value: f64) -> Checked {
+    let accepted = format!("the accepted range is above 0 and below 1 ({what} volume over specimen volume)");
     if value > 0.0 && value < 1.0 {
         return Ok(());
     }
     if (2.0..100.0).contains(&value) {
         let share = number(value / 100.0);
         return Err(SpecError::value(
-            "fraction",
+            key,
             format!("is {}; {accepted}: for {} % write {share}", number(value), number(value)),
         ));
     }
-    Err(SpecError::value("fraction", format!("is {}; {accepted}", number(value))))
+    Err(SpecError::value(key, format!("is {}; {accepted}", number(value))))
 }
 
 fn specimen(specimen: &Specimen) -> Checked {
@@ -395,7 +401,7 @@ fn count(spec: &Spec) -> Checked {
     Err(SpecError::value("grading.d_min_mm", message))
 }
 
-fn length(key: &str, value: f64) -> Checked {
+pub(super) fn length(key: &str, value: f64) -> Checked {
     within(key, value, MIN_LENGTH_MM, MAX_LENGTH_MM)
 }
 

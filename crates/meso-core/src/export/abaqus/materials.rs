@@ -42,12 +42,7 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
 
 /// Cube root of the phase's mean element volume, mm, of second-order elements half of it: Abaqus' own characteristic length.
 fn crack_band(mesh: &Mesh, phase: Phase) -> f64 {
-    let volumes = PhaseVolumes::of_mesh(mesh);
-    let volume = match phase {
-        Phase::Mortar => volumes.mortar,
-        Phase::Itz => volumes.itz,
-        Phase::Aggregate => volumes.aggregate,
-    };
+    let volume = PhaseVolumes::of_mesh(mesh).of(phase);
     let across = libm::cbrt(volume / mesh.phase.iter().filter(|p| **p == phase).count() as f64);
     if mesh.kind == CellKind::QuadraticTetrahedron { across / 2.0 } else { across }
 }

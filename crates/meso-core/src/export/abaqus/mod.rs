@@ -2,8 +2,8 @@
 //!
 //! gmsh writes such decks but has no reader for them (none in 4.15); [`msh`](super::msh) is for gmsh.
 //!
-//! Element sets, node sets, surfaces and materials have the names AGGREGATE, ITZ, MORTAR, XMIN to ZMAX and S_XMIN to
-//! S_ZMAX. Node and element numbers are the mesh's indices plus 1. The rules kept throughout: keyword lines under 80
+//! Element sets, node sets, surfaces and materials have the names AGGREGATE, ITZ, MORTAR (and FIBRE, where there are
+//! fibres), XMIN to ZMAX and S_XMIN to S_ZMAX. Node and element numbers are the mesh's indices plus 1. The rules kept throughout: keyword lines under 80
 //! characters, data lines of at most 16 entries and 256 characters, numbers of at most 20.
 
 mod damage;

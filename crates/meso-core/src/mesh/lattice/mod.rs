@@ -75,7 +75,7 @@ fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
     match locator.find(x) {
         None => (Phase::Mortar, NO_AGGREGATE),
         Some((g, height)) if height > -grains[g].shell => (Phase::Itz, grains[g].id),
-        Some((g, _)) => (Phase::Aggregate, grains[g].id),
+        Some((g, _)) => (grains[g].phase, grains[g].id),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
 use super::contact::{LANES, Points, V, highest, length};
+use super::slender;
 use super::walls::Walls;
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Rotation, Vec3};
@@ -86,6 +87,8 @@ pub(super) struct Bodies<'a> {
     pub(super) fixed: Vec<Fixed>,
     pub(super) state: Vec<State>,
     spans: Vec<Span>,
+    /// From the centre of every fibre to its end, before it is turned, mm; zero for all else, empty without fibres.
+    axes: Vec<V>,
     /// Turned vertices about the centre: x, then y, then z, each padded to a multiple of `LANES`.
     turned: Vec<f32>,
     /// Box of every body about its centre: lowest and highest coordinates.
@@ -109,6 +112,7 @@ impl<'a> Bodies<'a> {
             fixed: Vec::new(),
             state: Vec::new(),
             spans: Vec::new(),
+            axes: Vec::new(),
             turned: Vec::new(),
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
             paths: vec![0.0; poses.len()],
@@ -122,6 +126,7 @@ impl<'a> Bodies<'a> {
             end += bodies.push(*grain, &grains[*grain as usize], pose, end);
         }
         bodies.turned = vec![0.0; end as usize];
+        bodies.axes = slender::axes(poses.iter().map(|(grain, _)| &grains[*grain as usize]));
         bodies
     }
 
@@ -133,7 +138,7 @@ impl<'a> Bodies<'a> {
             grain: index,
             outer_radius: grain.outer_radius as f32 * 1.000_001,
             inverse_mass: (1.0 / mass) as f32,
-            inverse_inertia: (1.0 / (0.8 * mass * ball_radius * ball_radius)) as f32,
+            inverse_inertia: (1.0 / slender::inertia(grain, mass)) as f32,
             ball_radius: ball_radius as f32,
         });
         self.state.push(State {
@@ -167,6 +172,22 @@ impl<'a> Bodies<'a> {
     pub(super) fn offset(&self, i: u32, j: u32) -> V {
         let d = self.period.nearest(&(self.state[j as usize].centre - self.state[i as usize].centre));
         [d.x as f32, d.y as f32, d.z as f32]
+    }
+
+    /// From the middle of `i` to that of `j`, whose centre is at `x` from its own; the middle of a fibre is the point of its
+    /// axis that is nearest.
+    #[inline(always)]
+    pub(super) fn way_apart(&self, i: u32, j: u32, x: V) -> V {
+        if self.axes.is_empty() { x } else { slender::between_axes(self.axis(i), self.axis(j), x) }
+    }
+
+    fn axis(&self, body: u32) -> V {
+        let axis = self.axes[body as usize];
+        if axis == [0.0; 3] {
+            axis
+        } else {
+            (self.state[body as usize].rotation * widened(axis)).map(|x| x as f32).into()
+        }
     }
 
     /// A lower bound of the gap between two bodies, by their boxes, mm.

@@ -105,6 +105,8 @@ pub(super) fn gap_along(a: &Points, b: &Points, x: V, n: V) -> f32 {
 const LEAST_SPREAD: f32 = 0.05;
 /// Spread grows by this where the bodies still overlap.
 const MORE_SPREAD: f32 = 1.5;
+/// Long bodies whose remembered direction has less than this share of `w` begin with the direction of `w`.
+const LEAST_ALONG: f32 = 0.2;
 const MOST_STEPS: usize = 12;
 /// The query ends when a support point is no nearer than this share of the distance.
 const TOLERANCE: f64 = 1e-4;
@@ -115,19 +117,26 @@ impl Contact {
         Self { normal, gap: f32::INFINITY, ..Self::default() }
     }
 
-    /// Finds the contact anew, starting from the remembered one, whose `gap` must be current.
+    /// Finds the contact anew, starting from the remembered one, whose `gap` must be current. The bodies are moved apart
+    /// along `w`: for compact ones that is `x`, from centre to centre.
     #[inline(always)]
-    pub(super) fn refresh(&mut self, a: &Points, b: &Points, x: V) {
-        let along = dot(self.normal, x).max(1e-6);
+    pub(super) fn refresh(&mut self, a: &Points, b: &Points, x: V, w: V) {
+        let aside = add_scaled(x, w, -1.0);
+        if aside != [0.0; 3] && dot(self.normal, w) < LEAST_ALONG * length(w) {
+            self.normal = direction_or_up(w);
+            self.gap = gap_along(a, b, x, self.normal);
+            self.count = 0;
+        }
+        let along = dot(self.normal, w).max(1e-6);
         let mut spread = 1.0 + (LEAST_SPREAD * (along - self.gap.max(-along)) + 1.2 * (-self.gap).max(0.0)) / along;
         for _ in 0..16 {
-            if self.query(a, b, scale(x, spread), x) {
+            if self.query(a, b, add_scaled(scale(w, spread), aside, 1.0), x) {
                 return;
             }
             self.count = 0;
             spread *= MORE_SPREAD;
         }
-        self.normal = direction_or_up(x);
+        self.normal = direction_or_up(w);
         self.gap = gap_along(a, b, x, self.normal);
         (self.on_a, self.on_b) = ([0.0; 3], [0.0; 3]);
     }

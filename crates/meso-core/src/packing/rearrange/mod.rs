@@ -12,6 +12,7 @@ mod drop;
 mod obstacle;
 mod pairs;
 mod prove;
+mod slender;
 mod walls;
 
 use super::place::Task;

@@ -100,6 +100,6 @@ fn contact(a: &Points, b: &Points, x: &Vec3) -> Contact {
     let x = [x.x as f32, x.y as f32, x.z as f32];
     let mut contact = Contact::towards(direction_or_up(x));
     contact.gap = gap_along(a, b, x, contact.normal);
-    contact.refresh(a, b, x);
+    contact.refresh(a, b, x, x);
     contact
 }

@@ -369,7 +369,7 @@ impl Link {
             contact.gap = gap_along(&p, &q, x, contact.normal);
         }
         if contact.gap < want {
-            contact.refresh(&p, &q, x);
+            contact.refresh(&p, &q, x, bodies.way_apart(a, b, x));
             self.axis = Axis::new(contact.normal);
         }
         self.clear = contact.gap + paths;

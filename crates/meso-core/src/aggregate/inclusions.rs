@@ -1,0 +1,174 @@
+//! Further phases: spherical voids and straight fibres, polyhedra that are placed together with the aggregates.
+//!
+//! A void is the hull of the 12 corners of an icosahedron and the 20 of its dual on one sphere (a pentakis dodecahedron):
+//! 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both have exactly the
+//! volume of the sphere or the cylinder they stand for. They have no ITZ.
+
+use super::random::{Purpose, Stream};
+use super::take::{Grain, Recipe, fill};
+use super::{Outline, SizeLaw};
+use crate::geometry::{HullError, convex_hull};
+use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
+
+/// What a placed body is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// An aggregate, with its ITZ.
+    #[default]
+    Aggregate,
+    /// A spherical void.
+    Void,
+    /// A straight fibre.
+    Fibre,
+}
+
+/// Spherical voids, `[voids]` in a spec.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Voids {
+    /// Their volume over the specimen's, 0 to 1.
+    pub fraction: f64,
+    /// Smallest and largest diameter, mm; every diameter between them is drawn equally often.
+    pub diameter_mm: [f64; 2],
+}
+
+/// Straight fibres, `[fibres]` in a spec; all directions are equally likely before they are placed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fibres {
+    /// Their volume over the specimen's, 0 to 1.
+    pub fraction: f64,
+    /// Diameter of the cylinder of the same volume and length, mm.
+    pub diameter_mm: f64,
+    /// Length, mm.
+    pub length_mm: f64,
+}
+
+/// The further phases of a spec.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inclusions {
+    /// `[voids]`.
+    pub voids: Option<Voids>,
+    /// `[fibres]`.
+    pub fibres: Option<Fibres>,
+}
+
+impl Kind {
+    /// All kinds but the aggregates, in the order of their classes.
+    pub const FURTHER: [Self; 2] = [Self::Void, Self::Fibre];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aggregate => "aggregate",
+            Self::Void => "void",
+            Self::Fibre => "fibre",
+        }
+    }
+
+    /// Many of it, which is the name of its table in a spec.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Aggregate => "aggregates",
+            Self::Void => "voids",
+            Self::Fibre => "fibres",
+        }
+    }
+}
+
+impl Voids {
+    /// Volume of a void in the mean, mm3.
+    pub fn mean_volume(&self) -> f64 {
+        let [low, high] = self.diameter_mm;
+        if low == high { PI / 6.0 * low * low * low } else { PI / 6.0 * SizeLaw::Uniform.mean_cube(low, high) }
+    }
+
+    /// The largest polyhedron's longest diagonal, mm.
+    pub fn longest(&self) -> f64 {
+        self.diameter_mm[1] * ball().semi_axes.x
+    }
+}
+
+impl Fibres {
+    /// Volume of a fibre, mm3.
+    pub fn volume(&self) -> f64 {
+        PI / 4.0 * self.diameter_mm * self.diameter_mm * self.length_mm
+    }
+
+    /// The prism's longest diagonal, mm.
+    pub fn longest(&self) -> f64 {
+        let across = 2.0 * OCTAGON.sqrt() * self.diameter_mm;
+        (self.length_mm * self.length_mm + across * across).sqrt()
+    }
+}
+
+impl Inclusions {
+    /// Their volume over the specimen's, in the order of [`Kind::FURTHER`]; 0 where there are none.
+    pub fn fractions(&self) -> [f64; 2] {
+        [self.voids.map_or(0.0, |voids| voids.fraction), self.fibres.map_or(0.0, |fibres| fibres.fraction)]
+    }
+}
+
+/// Square of an octagon's circumradius over that of a circle's diameter, of the same area: pi / (8 sqrt 2).
+const OCTAGON: f64 = PI / (8.0 * SQRT_2);
+
+/// Makes voids and fibres for a specimen of `volume` mm3; their classes begin at `first_class`.
+///
+/// # Errors
+/// A body so small that the lattice of coordinates flattens it.
+pub(super) fn take(recipe: &Recipe, first_class: u16, volume: f64) -> Result<Vec<Grain>, HullError> {
+    let Inclusions { voids, fibres } = recipe.inclusions;
+    let mut grains = Vec::new();
+    if let Some(voids) = voids {
+        let (ball, [low, high], class) = (ball(), voids.diameter_mm, first_class);
+        let make = |index| {
+            let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
+            let outline = ball.scaled(stream.uniform(low, high) / 2.0);
+            Grain::turned(Kind::Void, (class, index), &outline, stream)
+        };
+        grains.append(&mut fill(voids.fraction * volume, recipe.go_on, make)?);
+    }
+    if let Some(fibres) = fibres {
+        let (prism, class) = (prism(fibres), first_class + 1);
+        let make = |index| {
+            let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
+            Grain::turned(Kind::Fibre, (class, index), &prism, stream)
+        };
+        grains.append(&mut fill(fibres.fraction * volume, recipe.go_on, make)?);
+    }
+    Ok(grains)
+}
+
+/// Corners on a sphere, whose hull has the volume of a ball of radius 1.
+fn ball() -> Outline {
+    let golden = (1.0 + 5.0f64.sqrt()) / 2.0;
+    let mut corners = Vec::with_capacity(32);
+    for [p, q] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+        // The icosahedron's corners, then the dual's.
+        for [x, y, z] in [[0.0, p, q * golden], [p / golden, 0.0, q * golden]] {
+            corners.extend([[x, y, z], [y, z, x], [z, x, y]]);
+        }
+        corners.extend([[p, q, 1.0], [p, q, -1.0]]);
+    }
+    let corners: Vec<Vec3> = corners.into_iter().map(|corner| Vec3::from(corner).normalize()).collect();
+    let hull = convex_hull(&corners).expect("the corners lie all around the origin");
+    let radius = libm::cbrt(4.0 / 3.0 * PI / hull.volume());
+    let vertices = corners.iter().map(|corner| corner * radius).collect();
+    Outline { vertices, semi_axes: Vec3::repeat(radius) }
+}
+
+/// The prism along x, and the smallest ellipsoid through its corners.
+fn prism(fibres: &Fibres) -> Outline {
+    let (half, radius) = (fibres.length_mm / 2.0, OCTAGON.sqrt() * fibres.diameter_mm);
+    const S: f64 = FRAC_1_SQRT_2;
+    let around = [[1.0, 0.0], [S, S], [0.0, 1.0], [-S, S], [-1.0, 0.0], [-S, -S], [0.0, -1.0], [S, -S]];
+    let corner = |x: f64| around.map(|[y, z]| Vec3::new(x, y * radius, z * radius));
+    let across = radius * 1.5f64.sqrt();
+    Outline {
+        vertices: [corner(-half), corner(half)].concat(),
+        semi_axes: Vec3::new(half * 3.0f64.sqrt(), across, across),
+    }
+}

@@ -1,0 +1,59 @@
+//! Voids and fibres: as large as the spec says, and as many as the report says.
+
+use super::Finding;
+use crate::aggregate::{Aggregate, Inclusions, Kind};
+use crate::math::longest_distance;
+use crate::model::Model;
+use std::f64::consts::PI;
+
+/// What rounding to the lattice takes of a length, mm, and more.
+const ROUNDING_MM: f64 = 1e-6;
+
+/// A void has the volume of a sphere of one of the diameters asked for; a fibre has the volume and the length of the
+/// cylinder.
+pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
+    let volume = body.body.volume();
+    let reason = match (body.kind, asked.voids, asked.fibres) {
+        (Kind::Void, Some(voids), _) => {
+            let [low, high] = voids.diameter_mm;
+            let diameter = libm::cbrt(volume * 6.0 / PI);
+            let fits = diameter >= low - ROUNDING_MM && diameter <= high + ROUNDING_MM;
+            (!fits).then(|| format!("its sphere is {diameter} mm across, not {low} to {high}"))
+        }
+        (Kind::Fibre, _, Some(fibres)) => {
+            let longest = longest_distance(body.body.vertices());
+            let diameter = (volume / fibres.length_mm * 4.0 / PI).sqrt();
+            let fits = (longest - fibres.longest()).abs() <= ROUNDING_MM
+                && (diameter - fibres.diameter_mm).abs() <= ROUNDING_MM;
+            (!fits).then(|| format!("its diagonal is {longest} mm and its cylinder {diameter} mm across"))
+        }
+        _ => Some(format!("there are to be no {}", body.kind.plural())),
+    };
+    Some(Finding::Shape { body: body.id, reason: reason? })
+}
+
+/// The report's figures of every further phase against those of its bodies.
+pub(super) fn report(model: &Model) -> Option<Finding> {
+    let room = model.spec.specimen.volume();
+    let wrong = model.report.phases.iter().find_map(|phase| {
+        let own = || model.inclusions.iter().filter(|body| body.kind == phase.phase);
+        let fraction = own().map(|body| body.body.volume()).sum::<f64>() / room;
+        // 1e-9 covers the order of summation.
+        let fits = phase.bodies == own().count() && (phase.fraction - fraction).abs() <= 1e-9;
+        let name = phase.phase.plural();
+        (!fits).then(|| {
+            format!(
+                "it gives {} {name} of the fraction {}, there are {} of {fraction}",
+                phase.bodies,
+                phase.fraction,
+                own().count()
+            )
+        })
+    });
+    let missing = Kind::FURTHER.into_iter().find(|kind| {
+        let reported = model.report.phases.iter().any(|phase| phase.phase == *kind);
+        !reported && model.inclusions.iter().any(|body| body.kind == *kind)
+    });
+    let missing = missing.map(|kind| format!("it does not speak of the {}", kind.plural()));
+    Some(Finding::Report { reason: wrong.or(missing)? })
+}

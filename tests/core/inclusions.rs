@@ -1,0 +1,294 @@
+//! Voids and fibres: as many as asked, as large as asked, apart from everything, and without them nothing changes.
+
+use crate::models::two_boxes;
+use meso_core::aggregate::{Aggregate, Kind};
+use meso_core::check::{Finding, check};
+use meso_core::export::abaqus;
+use meso_core::formats::{Format, Surfaces};
+use meso_core::math::longest_distance;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes};
+use meso_core::packing::{Images, StopReason};
+use meso_core::statistics::{Options, statistics};
+use meso_core::{Model, Silent, Spec, pack, page, saved};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+
+const BOTH: &str = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 50 }\n\
+                    [voids]\nfraction = 0.03\ndiameter_mm = [2, 4]\n\
+                    [fibres]\nfraction = 0.01\ndiameter_mm = 0.8\nlength_mm = 20\n";
+
+fn spec(text: &str) -> Spec {
+    Spec::from_toml(text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn packed(text: &str) -> Model {
+    let model = pack(&spec(text), &Silent).unwrap();
+    assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
+    model
+}
+
+fn of(model: &Model, kind: Kind) -> Vec<&Aggregate> {
+    model.inclusions.iter().filter(|body| body.kind == kind).collect()
+}
+
+/// Every phase within half of its largest body of what was asked.
+fn assert_delivered(model: &Model) {
+    let room = model.spec.specimen.volume();
+    for (phase, asked) in model.report.phases.iter().zip([0.03, 0.01]) {
+        let bodies = of(model, phase.phase);
+        let largest = bodies.iter().map(|body| body.body.volume()).fold(0.0, f64::max) / room;
+        assert_eq!((phase.target_fraction, phase.bodies), (asked, bodies.len()));
+        assert!(bodies.len() > 50 && (phase.fraction - asked).abs() <= largest, "{phase:?}");
+    }
+    for class in &model.report.classes {
+        let one_grain = class.fraction / class.aggregates as f64;
+        assert!((class.fraction - class.target_fraction).abs() <= one_grain, "{class:?}");
+    }
+    assert_eq!(check(model).findings, []);
+}
+
+#[test]
+fn both_strategies_deliver_the_grading_and_the_further_phases() {
+    let model = packed(BOTH);
+    assert_eq!(model.report.phases.iter().map(|phase| phase.phase).collect::<Vec<_>>(), [Kind::Void, Kind::Fibre]);
+    assert_delivered(&model);
+    let literal = packed(&format!("{BOTH}[placement]\nstrategy = 'take-and-place'"));
+    assert_eq!(literal.report.strategy, "take-and-place");
+    assert_delivered(&literal);
+}
+
+#[test]
+fn voids_and_fibres_have_the_volume_of_the_spheres_and_cylinders_they_stand_for() {
+    let model = packed(BOTH);
+    for void in of(&model, Kind::Void) {
+        let (volume, across) = (void.body.volume(), longest_distance(void.body.vertices()));
+        let diameter = (volume * 6.0 / PI).cbrt();
+        assert!((2.0 - 1e-8..=4.0 + 1e-8).contains(&diameter), "{diameter}");
+        assert!(across / diameter < 1.07, "corners lie near the sphere: {across} over {diameter}");
+        let sphericity = (36.0 * PI * volume * volume).cbrt() / void.body.area();
+        assert!(sphericity > 0.95, "{sphericity}");
+    }
+    for fibre in of(&model, Kind::Fibre) {
+        assert!((fibre.body.volume() - PI / 4.0 * 0.64 * 20.0).abs() < 1e-6);
+        assert!((longest_distance(fibre.body.vertices()) - 20.0).abs() < 0.02);
+    }
+}
+
+#[test]
+fn fibres_point_in_all_directions() {
+    let model = packed(BOTH);
+    let fibres = of(&model, Kind::Fibre);
+    let mean_square = |axis: usize| {
+        let along = fibres.iter().map(|fibre| (fibre.body.aabb().size()[axis] / 20.0).powi(2));
+        along.sum::<f64>() / fibres.len() as f64
+    };
+    // One third each; what the box of a thick fibre adds, and walls that turn fibres along them, stays below 0.12.
+    assert!(fibres.len() > 100);
+    (0..3).for_each(|axis| assert!((mean_square(axis) - 1.0 / 3.0).abs() < 0.12, "{}", mean_square(axis)));
+}
+
+#[test]
+fn a_packing_with_further_phases_is_identical_on_one_and_four_threads() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| packed(BOTH))
+    };
+    assert_eq!(on(1), on(4));
+}
+
+#[test]
+fn fibres_leave_the_voids_that_were_taken_as_they_are() {
+    let volumes = |text: &str| {
+        let model = packed(text);
+        of(&model, Kind::Void).iter().map(|void| void.body.volume()).collect::<Vec<_>>()
+    };
+    let (with, without) = (volumes(BOTH), volumes(BOTH.split("[fibres]").next().unwrap()));
+    assert_eq!(with.len(), without.len());
+    // Turned and rounded to the lattice otherwise, they hold the same but for that.
+    assert!(with.iter().zip(&without).all(|(p, q)| (p - q).abs() < 1e-6));
+}
+
+#[test]
+fn what_crosses_a_periodic_face_meets_no_image() {
+    let text = BOTH.replace("side_mm = 50", "side_mm = 50, periodic = ['x', 'y', 'z']");
+    let model = packed(&text);
+    assert_delivered(&model);
+    let crosses = |body: &&Aggregate| {
+        let aabb = body.body.aabb();
+        aabb.min.min() < 0.0 || aabb.max.max() > 50.0
+    };
+    assert!(model.inclusions.iter().filter(crosses).count() > 30, "many cross a face, so images are put to the test");
+}
+
+fn bytes(model: &Model, format: Format) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    format.write(model, Surfaces::default(), &mut bytes).unwrap();
+    bytes
+}
+
+fn tree(model: &Model) -> Value {
+    serde_json::from_slice(&bytes(model, Format::Json)).unwrap()
+}
+
+#[test]
+fn a_saved_model_brings_its_voids_and_fibres_back_bit_for_bit() {
+    let mut model = packed(BOTH);
+    model.report.seconds = Default::default();
+    assert_eq!(saved::read(&bytes(&model, Format::Json)).unwrap(), model);
+    let tree = tree(&model);
+    let first = model.aggregates.len();
+    assert_eq!(tree["aggregates"].as_array().unwrap().len(), first);
+    assert_eq!(tree["inclusions"][0]["id"], first);
+    assert_eq!(tree["inclusions"][0]["phase"], "void");
+    assert_eq!(tree["inclusions"].as_array().unwrap().last().unwrap()["phase"], "fibre");
+    assert_eq!(tree["report"]["phases"][1]["phase"], "fibre");
+}
+
+#[test]
+fn a_model_without_further_phases_says_nothing_of_them() {
+    let text = String::from_utf8(bytes(&two_boxes(), Format::Json)).unwrap();
+    assert!(["inclusions", "phase", "void", "fibre"].iter().all(|word| !text.contains(word)), "{text}");
+}
+
+#[test]
+fn a_file_whose_inclusions_do_not_fit_is_refused_by_name() {
+    type Change = fn(&mut Value, usize);
+    let cases: [(Change, &str); 5] = [
+        (|t, _| t["inclusions"][0]["id"] = json!(0), "its id is 0; ids count on from the last aggregate's"),
+        (|t, _| t["inclusions"][0]["phase"] = json!("bubble"), "unknown variant `bubble`"),
+        (|t, _| t["inclusions"][0]["phase"] = json!("aggregate"), "its phase is aggregate; the spec asks for none"),
+        (|t, _| t["inclusions"][0]["faces"] = json!([[0, 1, 2]]), "a solid has at least 4 of each"),
+        (|t, _| drop(t["spec"].as_object_mut().unwrap().remove("voids")), "its phase is void; the spec asks for none"),
+    ];
+    let good = tree(&packed(BOTH));
+    let first = good["aggregates"].as_array().unwrap().len();
+    for (change, part) in cases {
+        let mut tree = good.clone();
+        change(&mut tree, first);
+        let error = saved::read(tree.to_string().as_bytes()).expect_err(part).to_string();
+        assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn a_file_without_a_report_gets_the_figures_of_its_phases() {
+    let model = packed(BOTH);
+    let mut tree = tree(&model);
+    tree.as_object_mut().unwrap().remove("report");
+    assert_eq!(saved::read(tree.to_string().as_bytes()).unwrap().report.phases, model.report.phases);
+}
+
+#[test]
+fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
+    let good = packed(BOTH);
+    let (void, fibre) = (0, good.inclusions.len() - 1);
+    let found = |change: &dyn Fn(&mut Model)| {
+        let mut model = good.clone();
+        change(&mut model);
+        check(&model).findings
+    };
+    let aggregate = good.aggregates[0].body.mass_properties().centroid;
+    let moved = found(&|m| {
+        let to = aggregate - m.inclusions[void].body.mass_properties().centroid;
+        m.inclusions[void].body = m.inclusions[void].body.translated(&to);
+    });
+    let id = good.inclusions[void].id;
+    assert!(moved.contains(&Finding::Overlap { a: 0, b: id }), "{moved:?}");
+    let shrunk = found(&|m| {
+        let middle = m.inclusions[fibre].body.mass_properties().centroid;
+        m.inclusions[fibre].body = m.inclusions[fibre].body.mapped(|v| middle + (v - middle) * 0.99);
+    });
+    let id = good.inclusions[fibre].id;
+    let shape = |finding: &Finding| matches!(finding, Finding::Shape { body, .. } if *body == id);
+    assert!(shrunk.iter().any(shape), "{shrunk:?}");
+    assert!(matches!(shrunk.last(), Some(Finding::Report { .. })), "{shrunk:?}");
+    let fewer = found(&|m| drop(m.inclusions.pop()));
+    assert!(matches!(&fewer[..], [Finding::Report { reason }] if reason.contains("fibres")), "{fewer:?}");
+    let outside = found(&|m| {
+        let up = 60.0 * meso_core::math::Vec3::z();
+        m.inclusions[fibre].body = m.inclusions[fibre].body.translated(&up);
+    });
+    assert!(outside.contains(&Finding::Outside { aggregate: id }), "{outside:?}");
+}
+
+#[test]
+fn surfaces_are_written_with_the_phase_they_bound() {
+    let model = packed(BOTH);
+    let text = String::from_utf8_lossy(&bytes(&model, Format::Vtu)).into_owned();
+    let faces: usize = model.bodies().iter().map(|body| body.body.faces().len()).sum();
+    assert!(text.contains(&format!("NumberOfCells=\"{faces}\"")), "every face of every body is a cell");
+    let triangles: usize = model.bodies().iter().map(|body| body.body.triangles().count()).sum();
+    assert_eq!(bytes(&model, Format::Stl).len(), 84 + 50 * triangles);
+    let images = Images::Cut.of(&model.bodies(), &model.spec.specimen);
+    assert_eq!(images.iter().filter(|body| body.kind == Kind::Fibre).count(), of(&model, Kind::Fibre).len());
+}
+
+#[test]
+fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
+    let page_of = |model: &Model| {
+        let options = Options { lines: 100, points: 100, ..Options::default() };
+        let mut out = Vec::new();
+        page::write(model, &statistics(model, &options).unwrap(), &mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    };
+    let page = page_of(&packed(BOTH));
+    let shown = ["class=\"vo\"", "class=\"fi\"", "<tr><td>voids<td>0.03000", "<tr><td>fibres<td>0.01000"];
+    assert!(shown.iter().all(|part| page.contains(part)));
+    let plain = page_of(&two_boxes());
+    assert!(["voids", "fibres", ".vo"].iter().all(|part| !plain.contains(part)));
+}
+
+fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
+    let options = MeshOptions { method, itz, element_size_mm: 1.0, ..Default::default() };
+    mesh::build(model, &options).unwrap()
+}
+
+#[test]
+fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
+    let model = packed(BOTH);
+    let exact = PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, |_| 0.0).unwrap();
+    let holes = model.report.phases[0].fraction * model.spec.specimen.volume();
+    assert!((exact.total() - (model.spec.specimen.volume() - holes)).abs() < 1e-6);
+    for method in [Method::Voxel, Method::Lattice] {
+        let mesh = meshed(&model, method, ItzForm::None);
+        let volumes = PhaseVolumes::of_mesh(&mesh);
+        let off = |own: f64, exact: f64| (own / exact - 1.0).abs();
+        let missing = model.spec.specimen.volume() - volumes.total();
+        assert!(off(missing, holes) < 0.1, "{method:?}: {missing} of {holes} mm3 are left out");
+        assert!(off(volumes.aggregate, exact.aggregate) < 0.03, "{method:?}: {volumes:?} {exact:?}");
+        assert!(volumes.fibre > 0.0, "{method:?}");
+        let ids: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|&id| id != NO_AGGREGATE).collect();
+        assert!(of(&model, Kind::Void).iter().all(|void| !ids.contains(&void.id)));
+        let used: BTreeSet<u32> = mesh.cells.iter().copied().collect();
+        assert_eq!(used.len(), mesh.points.len(), "no node is left without cells");
+    }
+}
+
+#[test]
+fn a_deck_gives_fibres_a_set_and_a_material_and_voids_none() {
+    let model = packed(BOTH);
+    let mesh = meshed(&model, Method::Voxel, ItzForm::Solid);
+    let mut out = Vec::new();
+    abaqus::write(&mesh, &Default::default(), &mut out).unwrap();
+    let deck = String::from_utf8(out).unwrap();
+    for line in
+        ["*ELEMENT, TYPE=C3D8, ELSET=FIBRE", "*MATERIAL, NAME=FIBRE", "*SOLID SECTION, ELSET=FIBRE, MATERIAL=FIBRE"]
+    {
+        assert_eq!(deck.lines().filter(|l| *l == line).count(), 1, "{line}");
+    }
+    assert!(deck.contains("*MATERIAL, NAME=FIBRE\n*DENSITY\n7.85e-9,\n*ELASTIC\n200000.0, 0.3\n"));
+    assert!(!deck.contains("VOID"));
+}
+
+#[test]
+fn fibres_are_bonded_where_aggregates_get_cohesive_elements() {
+    let model = packed(BOTH);
+    let mesh = meshed(&model, Method::Voxel, ItzForm::Cohesive);
+    assert!(mesh.phase.contains(&Phase::Fibre) && mesh.cohesive().len() > 1000);
+    assert!(mesh.cohesive_aggregate.iter().all(|&id| (id as usize) < model.aggregates.len()));
+    for element in mesh.cohesive() {
+        let (bottom, top) = element.split_at(element.len() / 2);
+        assert!(bottom.iter().zip(top).all(|(p, q)| p != q), "every element joins two sets of nodes");
+    }
+}
