@@ -5,16 +5,16 @@ use crate::boundary::guard;
 use crate::polyhedron::{PyPolyhedron, offset_error};
 use crate::tree::type_name;
 use meso_core::Model;
-use meso_core::aggregate::Aggregate;
+use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::Face;
 use numpy::PyArray2;
-use pyo3::exceptions::{PyIndexError, PyTypeError};
+use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice, PyTuple};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// One aggregate at its place in the specimen.
+/// One aggregate, or one void or fibre, at its place in the specimen.
 #[pyclass(name = "Aggregate", module = "mesocrete", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyAggregate(Aggregate);
@@ -25,13 +25,19 @@ pub(crate) struct PyAggregates(pub(crate) Arc<Model>);
 
 #[pymethods]
 impl PyAggregate {
-    /// Position in the packing, from 0.
+    /// Position in the packing, from 0; voids and fibres count on from the last aggregate.
     #[getter]
     fn id(&self) -> u32 {
         self.0.id
     }
 
-    /// Index of the size class, from the finest.
+    /// What it is: "aggregate", "void" or "fibre".
+    #[getter]
+    fn phase(&self) -> &'static str {
+        self.0.kind.name()
+    }
+
+    /// Index of the size class, from the finest; those of voids and of fibres follow the grading's.
     #[getter]
     fn size_class(&self) -> u16 {
         self.0.class
@@ -82,8 +88,11 @@ impl PyAggregate {
     }
 
     fn __repr__(&self) -> String {
-        let Aggregate { id, class, itz_thickness_mm, body } = &self.0;
+        let Aggregate { id, class, itz_thickness_mm, body, kind } = &self.0;
         let volume = body.volume();
+        if *kind != Kind::Aggregate {
+            return format!("Aggregate(id={id}, phase={:?}, volume={volume} mm3)", kind.name());
+        }
         format!("Aggregate(id={id}, size_class={class}, volume={volume} mm3, itz_thickness={itz_thickness_mm} mm)")
     }
 
@@ -98,15 +107,29 @@ impl PyAggregate {
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_aggregate")?;
         let Aggregate { id, class, itz_thickness_mm, .. } = self.0;
-        (restore, (self.body(), id, class, itz_thickness_mm)).into_pyobject(py)
+        (restore, (self.body(), id, class, itz_thickness_mm, self.phase())).into_pyobject(py)
     }
 }
 
 /// Unpickles an `Aggregate`.
-#[pyfunction(name = "_restore_aggregate")]
-pub(crate) fn restore_aggregate(body: &PyPolyhedron, id: u32, size_class: u16, itz_thickness: f64) -> PyAggregate {
+#[pyfunction(name = "_restore_aggregate", signature = (body, id, size_class, itz_thickness, phase="aggregate"))]
+pub(crate) fn restore_aggregate(
+    body: &PyPolyhedron,
+    id: u32,
+    size_class: u16,
+    itz_thickness: f64,
+    phase: &str,
+) -> PyResult<PyAggregate> {
+    let kind = [Kind::Aggregate, Kind::Void, Kind::Fibre].into_iter().find(|kind| kind.name() == phase);
+    let kind =
+        kind.ok_or_else(|| PyValueError::new_err(format!("the pickle is damaged: there is no phase {phase:?}")))?;
     let body = body.0.as_ref().clone();
-    PyAggregate(Aggregate { id, class: size_class, itz_thickness_mm: itz_thickness, body })
+    Ok(PyAggregate(Aggregate { id, kind, class: size_class, itz_thickness_mm: itz_thickness, body }))
+}
+
+/// The voids and fibres of a packing, as copies.
+pub(crate) fn inclusions(model: &Model) -> Vec<PyAggregate> {
+    model.inclusions.iter().cloned().map(PyAggregate).collect()
 }
 
 impl PyAggregates {

@@ -78,20 +78,21 @@ impl PyMesh {
         }
     }
 
-    /// Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate; a copy.
+    /// Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_vec(py, self.0.phase.iter().map(|&phase| phase as u8).collect())
     }
 
-    /// Id of the aggregate every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
+    /// Id of the aggregate or fibre every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let id = |&id: &u32| if id == NO_AGGREGATE { -1 } else { i64::from(id) };
         PyArray1::from_vec(py, self.0.aggregate.iter().map(id).collect())
     }
 
-    /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`.
+    /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where
+    /// there are fibres.
     fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let volumes = py.detach(|| PhaseVolumes::of_mesh(&self.0));
         plain(py, &volumes)
@@ -117,7 +118,7 @@ impl PyMesh {
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (mesh, model) = (&*self.0, &*self.1);
         let report = py.detach(|| {
-            let distance = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
+            let distance = InterfaceDistance::of(mesh, &model.bodies(), &model.spec.specimen);
             quality::report(mesh, &quality::cells(mesh), distance, &Materials::default())
         });
         plain(py, &report)

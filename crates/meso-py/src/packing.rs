@@ -1,6 +1,6 @@
 //! `pack`, `load` and the `Packing` they return.
 
-use crate::aggregate::PyAggregates;
+use crate::aggregate::{PyAggregate, PyAggregates, inclusions};
 use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
 use crate::run::{beside_python, check_callable};
@@ -165,6 +165,12 @@ impl PyPacking {
         PyAggregates(Arc::clone(&self.0))
     }
 
+    /// Voids in descending volume, then fibres: a list of `Aggregate`, empty where the spec asks for none.
+    #[getter]
+    fn inclusions(&self) -> Vec<PyAggregate> {
+        inclusions(&self.0)
+    }
+
     /// The specimen's bounding box: lowest and highest corner, mm.
     #[getter]
     fn bounds(&self) -> ([f64; 3], [f64; 3]) {
@@ -284,7 +290,7 @@ impl PyPacking {
         })
     }
 
-    /// The aggregates' outer surfaces as PyVista polygons (needs the extra `plot`); `images` as for `write`.
+    /// The bodies' outer surfaces as PyVista polygons (needs the extra `plot`); `images` as for `write`.
     #[pyo3(signature = (**options))]
     fn to_pyvista<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         call_view("packing_to_pyvista", slf, options)
@@ -302,9 +308,9 @@ impl PyPacking {
         call_view("plot_grading", slf, options)
     }
 
-    /// Points, faces in VTK's padded form, and the aggregate of every face, for `to_pyvista`.
+    /// Points, faces in VTK's padded form, and the id of every face's body, for `to_pyvista`.
     fn _surfaces<'py>(&self, py: Python<'py>, images: &str) -> PyResult<SurfaceArrays<'py>> {
-        let shown = named_images(images)?.of(&self.0.aggregates, &self.0.spec.specimen);
+        let shown = named_images(images)?.of(&self.0.bodies(), &self.0.spec.specimen);
         let (mut points, mut faces, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for aggregate in &shown {
             let first = points.len() as i64;
@@ -322,9 +328,10 @@ impl PyPacking {
         self.0.aggregates.len()
     }
 
-    /// Same spec and, bit for bit, the same aggregates; how long it took does not count.
+    /// Same spec and, bit for bit, the same aggregates, voids and fibres; how long it took does not count.
     fn __eq__(&self, other: &Self) -> bool {
-        self.0.spec == other.0.spec && self.0.aggregates == other.0.aggregates
+        let (own, other) = (&self.0, &other.0);
+        own.spec == other.spec && own.aggregates == other.aggregates && own.inclusions == other.inclusions
     }
 
     fn __repr__(&self) -> String {

@@ -12,7 +12,10 @@ import numpy as np
 
 # VTK's numbers for the cells a mesh is made of.
 _VTK_TYPES = {"tetra": 10, "hexahedron": 12, "wedge": 13, "tetra10": 24}
-_PHASES = ("mortar", "ITZ", "aggregate")
+_PHASES = {"mortar": 0, "ITZ": 1, "aggregate": 2}
+_FIBRE = 4
+# Of surfaces; 3 is a void, which meshes do not have.
+_KINDS = {"aggregate": 2, "void": 3, "fibre": _FIBRE}
 
 
 def _need(module: str, extra: str) -> Any:
@@ -25,22 +28,23 @@ def _need(module: str, extra: str) -> Any:
 
 
 def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
-    """Return the aggregates' outer surfaces as PyVista polygons with their id, class and ITZ thickness.
+    """Return the outer surfaces of aggregates, voids and fibres as PyVista polygons with id, phase, class and ITZ thickness.
 
     `images` ("none", "whole" or "cut") is for aggregates that cross a face of a periodic specimen.
     """
     pyvista = _need("pyvista", "plot")
     points, faces, owner = packing._surfaces(images)
     data = pyvista.PolyData(points, faces)
-    aggregates = packing.aggregates
+    bodies = [*packing.aggregates, *packing.inclusions]
     data.cell_data["aggregate"] = owner
-    data.cell_data["class"] = np.array([a.size_class for a in aggregates], dtype=np.int64)[owner]
-    data.cell_data["itz_thickness_mm"] = np.array([a.itz_thickness for a in aggregates], dtype=np.float64)[owner]
+    data.cell_data["phase"] = np.array([_KINDS[b.phase] for b in bodies], dtype=np.uint8)[owner]
+    data.cell_data["class"] = np.array([b.size_class for b in bodies], dtype=np.int64)[owner]
+    data.cell_data["itz_thickness_mm"] = np.array([b.itz_thickness for b in bodies], dtype=np.float64)[owner]
     return data
 
 
 def plot_packing(packing: Any, *, screenshot: Any = None, **options: Any) -> Any:
-    """Show the aggregates, coloured by size class, inside the specimen's edges; those of periodic specimens cut.
+    """Show the bodies, coloured by size class (voids and fibres as further ones), inside the specimen's edges; those of periodic specimens cut.
 
     With `screenshot` (a path) the picture is written off screen instead. `options` go to `pyvista.Plotter.add_mesh`.
     """
@@ -91,7 +95,8 @@ def mesh_to_meshio(mesh: Any) -> Any:
     """Return the mesh as a meshio mesh with the phase and the aggregate of every cell, and a cell set per phase."""
     meshio = _need("meshio", "mesh")
     phase = mesh.phase
-    sets = {name.upper(): [np.flatnonzero(phase == value)] for value, name in enumerate(_PHASES)}
+    phases = _PHASES | ({"fibre": _FIBRE} if (phase == _FIBRE).any() else {})
+    sets = {name.upper(): [np.flatnonzero(phase == value)] for name, value in phases.items()}
     data = {"phase": [phase], "aggregate": [mesh.aggregate]}
     return meshio.Mesh(mesh.points, [(mesh.cell_type, mesh.cells)], cell_data=data, cell_sets=sets)
 
