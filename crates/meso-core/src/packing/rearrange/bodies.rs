@@ -132,7 +132,7 @@ impl<'a> Bodies<'a> {
 
     /// Returns how many coordinates the body takes from `start` on.
     fn push(&mut self, index: u32, grain: &Grain, pose: &Pose, start: u32) -> u32 {
-        let mass = libm::pow(grain.volume, MASS_EXPONENT);
+        let mass = libm::pow(grain.volume, MASS_EXPONENT) * slender::weight(grain);
         let ball_radius = grain.ball_radius();
         self.fixed.push(Fixed {
             grain: index,

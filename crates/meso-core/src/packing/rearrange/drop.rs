@@ -1,5 +1,6 @@
 //! The start: grains are dropped, largest first, where they overlap least.
 
+use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
@@ -9,23 +10,53 @@ use crate::packing::place::Task;
 
 /// Random points looked at per dropped grain.
 const LOOKS: usize = 12;
+/// The same for a fibre. With 12 a 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm jammed; with 60 it does not.
+const LOOKS_FOR_A_LINE: usize = 60;
 /// Draws per look until a point lies deep enough in a specimen that does not fill its box.
 const DRAWS: usize = 100;
 
-/// For every grain, of the random positions looked at, the one that leaves it most room among those before it.
+/// For every grain, of the random positions looked at, the one that leaves it most room among those before it. Fibres come
+/// last: they look for a line that the others leave free.
 pub(super) fn fill(task: &Task) -> Vec<Pose> {
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
     let domain = task.domain();
     let mut ground = Ground { task, domain, grid: Grid::new(&domain, middle), balls: Vec::new() };
-    grains
-        .iter()
-        .map(|grain| {
-            let centre = ground.roomiest(grain);
-            ground.insert(grain.ball_radius(), centre);
-            Pose::at(centre)
-        })
-        .collect()
+    let mut poses = vec![Pose::at(Vec3::zeros()); grains.len()];
+    for long in [false, true] {
+        for (grain, pose) in grains.iter().zip(&mut poses).filter(|(grain, _)| (grain.kind == Kind::Fibre) == long) {
+            let row = Row::of(grain);
+            *pose = Pose::at(ground.roomiest(grain, &row));
+            row.balls.iter().for_each(|ball| ground.insert(row.radius, pose.centre + ball));
+        }
+    }
+    poses
+}
+
+/// A grain as balls of one radius (mm), about its centre: the one of its volume, or a row of thin ones along a fibre.
+struct Row {
+    radius: f64,
+    balls: Vec<Vec3>,
+}
+
+/// Distance of the balls in a row over their radius, and most of them on either side of the middle.
+const STEP: f64 = 4.0;
+const MOST_BALLS: f64 = 16.0;
+
+impl Row {
+    fn of(grain: &Grain) -> Self {
+        if grain.kind != Kind::Fibre {
+            return Self { radius: grain.ball_radius(), balls: vec![Vec3::zeros()] };
+        }
+        let (radius, end) = (grain.inner_radius, grain.rotation.column(0) * grain.outer_radius);
+        let count = (grain.outer_radius / (STEP * radius)).ceil().clamp(1.0, MOST_BALLS);
+        let shares = (-(count as i32)..=count as i32).map(|k| f64::from(k) / count);
+        Self { radius, balls: shares.map(|share| end * share).collect() }
+    }
+
+    fn looks(&self) -> usize {
+        if self.balls.len() > 1 { LOOKS_FOR_A_LINE } else { LOOKS }
+    }
 }
 
 /// What lies there already, as balls of the same volume.
@@ -46,17 +77,28 @@ impl Ground<'_> {
         }
     }
 
-    fn roomiest(&self, body: &Grain) -> Vec3 {
+    fn roomiest(&self, body: &Grain, row: &Row) -> Vec3 {
         let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
-        let radius = body.ball_radius();
         let mut best = (f64::NEG_INFINITY, reach.min);
-        for _ in 0..LOOKS {
+        for _ in 0..row.looks() {
             let centre = self.inner_point(&mut stream, &reach, body.inner_radius);
-            let clearance = self.clearance(radius, &centre, best.0);
+            let clearance = self.room(row, &centre, best.0);
             best = if clearance > best.0 { (clearance, centre) } else { best };
         }
         best.1
+    }
+
+    /// The distance of a ball to the nearest other, as [`Ground::clearance`]; of a row of balls the sum of their overlaps,
+    /// negative.
+    fn room(&self, row: &Row, centre: &Vec3, enough: f64) -> f64 {
+        match row.balls[..] {
+            [_] => self.clearance(row.radius, centre, enough),
+            _ => {
+                let overlap = |ball: &Vec3| self.clearance(row.radius, &(centre + ball), f64::NEG_INFINITY).min(0.0);
+                row.balls.iter().map(overlap).sum()
+            }
+        }
     }
 
     /// A random point of `reach`, `depth` mm inside the walls where a few draws find one.

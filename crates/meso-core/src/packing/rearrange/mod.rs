@@ -239,12 +239,12 @@ impl<'a> Dynamics<'a> {
     }
 }
 
-/// The share of the room that the grains take with half of the least gap around each.
+/// The share of the room that the grains take with half of the least gap around each; fibres count for more.
 fn crowding(task: &Task) -> f64 {
     let half_gap = task.request.placement.min_gap_mm / 2.0;
     let grown = |grain: &Grain| {
         let scale = 1.0 + half_gap / grain.ball_radius();
-        grain.volume * (scale * scale * scale)
+        grain.volume * (scale * scale * scale) * slender::weight(grain)
     };
     task.request.grains.iter().map(grown).sum::<f64>() / task.volume
 }

@@ -16,11 +16,25 @@ pub(super) fn axes<'a>(grains: impl Iterator<Item = &'a Grain> + Clone) -> Vec<V
     if grains.clone().any(|grain| grain.kind == Kind::Fibre) { grains.map(axis).collect() } else { Vec::new() }
 }
 
-/// Moment of inertia for a mass: of a hollow ball of the same volume; of a rod about its middle.
+/// How much more than its volume a fibre counts, as mass and as crowding: grains are to make way for it, and of its own
+/// mass it would give way to them. A 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm (here 20) jammed with a factor of
+/// 1, a third of the fibres left out; with 10, 20 and 40 it took 361, 265 and 241 sweeps; with 100 it jammed, and so it did
+/// with 20 for the mass and none for the crowding, which sets the momentum.
+pub(super) fn weight(grain: &Grain) -> f64 {
+    match grain.kind {
+        Kind::Fibre => (SLENDER * grain.outer_radius / grain.inner_radius).max(1.0),
+        Kind::Aggregate | Kind::Void => 1.0,
+    }
+}
+
+const SLENDER: f64 = 1.0 / 3.0;
+
+/// Moment of inertia for a mass: of a hollow ball of the same volume; of two halves at the ends of a fibre (153 sweeps
+/// where that of a rod, a third of it, took 265).
 pub(super) fn inertia(grain: &Grain, mass: f64) -> f64 {
     let (ball_radius, outer_radius) = (grain.ball_radius(), grain.outer_radius);
     match grain.kind {
-        Kind::Fibre => mass * outer_radius * outer_radius / 3.0,
+        Kind::Fibre => mass * outer_radius * outer_radius,
         Kind::Aggregate | Kind::Void => 0.8 * mass * ball_radius * ball_radius,
     }
 }
