@@ -146,6 +146,22 @@ fn a_second_order_conforming_mesh_has_the_same_shape_with_one_node_in_the_middle
     assert!(["AGGREGATE", "ITZ", "MORTAR"].iter().all(|set| deck.contains(&format!("TYPE=C3D10, ELSET={set}"))));
 }
 
+/// gmsh did not end here before it had nodes at the aggregates' centres.
+#[test]
+fn elements_as_coarse_as_the_aggregates_end() {
+    let mut spec = Spec { fraction: 0.5, specimen: Specimen::cube(60.0), ..Default::default() };
+    (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
+    let model = meso_core::pack(&spec, &Silent).unwrap();
+    assert!(model.aggregates.len() > 800);
+    let options = MeshOptions { element_size_mm: 4.0, itz: ItzForm::None, ..Default::default() };
+    let Some(mesh) = with_options(&model, options) else { return };
+    let exact: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
+    assert!((PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0).abs() < 1e-9);
+    let centres = model.aggregates.iter().map(|a| a.body.centroid());
+    let near = |centre: Vec3| mesh.points.iter().any(|point| (point - centre).norm() < 1e-9);
+    assert!(centres.take(20).all(near), "each aggregate has a node at its centre");
+}
+
 #[test]
 fn aggregates_that_nearly_touch_are_named_at_once_with_the_remedy() {
     let (model, options) = (packed(0.0), MeshOptions { method: Method::Conforming, ..Default::default() });

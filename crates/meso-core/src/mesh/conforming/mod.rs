@@ -14,6 +14,7 @@ mod walls;
 use super::lattice::Tetrahedra;
 use super::{Mesh, MeshError, MeshOptions, NO_AGGREGATE, Notes};
 use crate::aggregate::Aggregate;
+use crate::math::Vec3;
 use crate::packing::Specimen;
 use facets::Triangles;
 use rayon::prelude::*;
@@ -31,6 +32,8 @@ pub struct Surfaces<'a> {
     aggregates: &'a [Aggregate],
     /// One per aggregate, then the specimen's.
     surfaces: Vec<Triangles>,
+    /// Edge length asked of the elements, mm.
+    size: f64,
 }
 
 impl<'a> Surfaces<'a> {
@@ -43,12 +46,13 @@ impl<'a> Surfaces<'a> {
         gaps::refuse_near_touching(aggregates, &*room, walls::chord(specimen))?;
         let mut surfaces: Vec<Triangles> = aggregates.par_iter().map(|a| facets::facets(&a.body, size)).collect();
         surfaces.push(walls::walls(specimen, &*room, size));
-        Ok(Self { aggregates, surfaces })
+        Ok(Self { aggregates, surfaces, size })
     }
 
     /// gmsh's script, which reads the surfaces from `file`.
     pub fn script(&self, file: &str) -> String {
-        msh::script(file, self.surfaces.len())
+        let centres: Vec<Vec3> = self.aggregates.iter().map(|a| a.body.centroid()).collect();
+        msh::script(file, &centres, self.size)
     }
 
     /// Writes the surfaces for gmsh.

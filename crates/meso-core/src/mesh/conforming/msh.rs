@@ -7,18 +7,29 @@ use super::facets::Triangles;
 use crate::math::{Aabb, Vec3};
 use std::io::{self, BufWriter, Write};
 
-/// gmsh's script: the volumes within and between the surfaces of `file`, which has `surfaces` of them.
-pub(super) fn script(file: &str, surfaces: usize) -> String {
+/// gmsh's script: the volumes within and between the surfaces of `file`, one for each of `centres` and the specimen's, with
+/// a node at each centre.
+///
+/// Where grains are small for the elements all nodes lie on surfaces, in more than seven tetrahedra each, and there gmsh
+/// (4.8 and 4.15) begins to look through all tetrahedra at every step, so that it does not end: 850 grains at 4 mm took
+/// more than 108 CPU seconds, and with nodes at their centres 7.
+pub(super) fn script(file: &str, centres: &[Vec3], size: f64) -> String {
     let mut script = format!("Merge \"{file}\";\n");
-    for tag in 1..=surfaces {
+    let specimen = centres.len() + 1;
+    for tag in 1..=specimen {
         script += &format!("Surface Loop({tag}) = {{{tag}}};\n");
     }
-    for tag in 1..surfaces {
+    for tag in 1..specimen {
         script += &format!("Volume({tag}) = {{{tag}}};\n");
     }
     // The specimen's surface first, then those that bound holes.
-    let holes: String = (1..surfaces).map(|tag| format!(",\n{tag}")).collect();
-    script + &format!("Volume({surfaces}) = {{{surfaces}{holes}}};\n")
+    let holes: String = (1..specimen).map(|tag| format!(",\n{tag}")).collect();
+    script += &format!("Volume({specimen}) = {{{specimen}{holes}}};\n");
+    for (tag, centre) in (1..specimen).zip(centres) {
+        let (x, y, z) = (centre.x, centre.y, centre.z);
+        script += &format!("Point({tag}) = {{{x}, {y}, {z}, {size}}};\nPoint{{{tag}}} In Volume{{{tag}}};\n");
+    }
+    script
 }
 
 /// Writes the grains' surfaces, then the specimen's.
