@@ -271,4 +271,10 @@ fn notes(mesh: &Mesh) {
             say::count(notes.pinched_itz_nodes)
         ));
     }
+    if notes.shifted_itz_nodes > 0 {
+        let nodes = say::count(notes.shifted_itz_nodes);
+        say::line(format!(
+            "{nodes} inner nodes of the ITZ had to leave its exact thickness to keep angles from getting too sharp"
+        ));
+    }
 }

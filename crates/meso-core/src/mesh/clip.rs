@@ -33,7 +33,7 @@ pub(super) fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
 }
 
 /// Keeps some of the cells, and the nodes they have.
-fn retain(mesh: &mut Mesh, cells: &[bool]) {
+pub(super) fn retain(mesh: &mut Mesh, cells: &[bool]) {
     let mut kept = cells.iter().flat_map(|kept| std::iter::repeat_n(*kept, mesh.kind.nodes()));
     mesh.cells.retain(|_| kept.next().unwrap_or(true));
     let mut kept = cells.iter();

@@ -157,8 +157,10 @@ pub struct Notes {
     pub thinned_itz_aggregates: usize,
     /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
     pub thinned_itz_nodes: usize,
-    /// Of these, the nodes where the layer has no thickness at all.
+    /// The nodes where the layer has no thickness at all.
     pub pinched_itz_nodes: usize,
+    /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
+    pub shifted_itz_nodes: usize,
 }
 
 /// [`Mesh::aggregate`] of a cell that belongs to none.
@@ -255,6 +257,11 @@ fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], options: &MeshOptions) -
         mesh.notes.thinned_itz_aggregates = thinned.aggregates;
         mesh.notes.thinned_itz_nodes = thinned.nodes;
         mesh.notes.pinched_itz_nodes = thinned.pinched;
+        if options.method == Method::Lattice {
+            let blunted = layer::blunt(&mut mesh, &thinned.rails, options.element_size_mm);
+            mesh.notes.shifted_itz_nodes = blunted.shifted;
+            mesh.notes.pinched_itz_nodes += blunted.collapsed;
+        }
     }
     mesh
 }

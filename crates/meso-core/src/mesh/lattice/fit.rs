@@ -51,7 +51,7 @@ pub(super) fn fit(
 ) -> usize {
     let mut roles_now = roles(mesh, domain, skin);
     let active = near_surface(mesh, &roles_now);
-    let stars = Stars::new(mesh, &active);
+    let stars = Stars::new(&mesh.cells, &active);
     let colours = patches(mesh, &active, domain, size * PATCH);
     let places = Places::new(&mesh.points);
     for round in 0..ROUNDS {

@@ -75,7 +75,7 @@ fn better(fit: &Fit, node: u32, released: bool) -> bool {
 }
 
 /// To the 26 neighbours in a grid.
-fn ways() -> impl Iterator<Item = Vec3> {
+pub(in crate::mesh) fn ways() -> impl Iterator<Item = Vec3> {
     let way = |i: i32| Vec3::new(f64::from(i % 3 - 1), f64::from(i / 3 % 3 - 1), f64::from(i / 9 - 1));
     (0..27).map(way).filter_map(|way| way.try_normalize(0.5))
 }

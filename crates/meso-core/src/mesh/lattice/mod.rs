@@ -27,9 +27,11 @@ use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::{Room, Specimen};
 use bcc::Bcc;
+pub(in crate::mesh) use mend::ways;
 use outline::Outline;
 use rayon::prelude::*;
 use skin::Skin;
+pub(in crate::mesh) use star::{Star, Stars, sharpness, sharpness_of};
 use surface::Surface;
 
 /// Tetrahedra before they are a mesh: nodes, and the grain each lies in.

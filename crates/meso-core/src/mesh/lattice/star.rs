@@ -5,21 +5,21 @@ use super::places::Places;
 use crate::math::Vec3;
 
 /// For every node the tetrahedra around it, as indices.
-pub(super) struct Stars {
+pub(in crate::mesh) struct Stars {
     start: Vec<u32>,
     cells: Vec<u32>,
 }
 
 impl Stars {
     /// The stars of the nodes that `wanted` marks; the others' are empty.
-    pub(super) fn new(mesh: &Tetrahedra, wanted: &[bool]) -> Self {
-        let mut start = vec![0_u32; mesh.points.len() + 1];
-        let corners = || mesh.cells.iter().flatten().filter(|&&node| wanted[node as usize]);
+    pub(in crate::mesh) fn new(mesh: &[[u32; 4]], wanted: &[bool]) -> Self {
+        let mut start = vec![0_u32; wanted.len() + 1];
+        let corners = || mesh.iter().flatten().filter(|&&node| wanted[node as usize]);
         corners().for_each(|&node| start[node as usize + 1] += 1);
         (1..start.len()).for_each(|i| start[i] += start[i - 1]);
         let mut next = start.clone();
         let mut cells = vec![0; corners().count()];
-        for (index, cell) in mesh.cells.iter().enumerate() {
+        for (index, cell) in mesh.iter().enumerate() {
             for &node in cell.iter().filter(|&&node| wanted[node as usize]) {
                 cells[next[node as usize] as usize] = index as u32;
                 next[node as usize] += 1;
@@ -28,31 +28,42 @@ impl Stars {
         Self { start, cells }
     }
 
-    pub(super) fn cells(&self, node: u32) -> &[u32] {
+    pub(in crate::mesh) fn cells(&self, node: u32) -> &[u32] {
         &self.cells[self.start[node as usize] as usize..self.start[node as usize + 1] as usize]
     }
 }
 
 /// The star of one node: its tetrahedra as the opposite faces (a, b, c), with positive volume over the node.
-pub(super) struct Star {
+pub(in crate::mesh) struct Star {
     pub(super) centre: Vec3,
     faces: Vec<([Vec3; 3], u32)>,
 }
 
 impl Star {
     pub(super) fn new(mesh: &Tetrahedra, stars: &Stars, node: u32, places: &Places) -> Self {
-        let face = |&cell: &u32| {
-            let nodes = mesh.cells[cell as usize];
+        let cells = stars.cells(node).iter();
+        Self::of_cells(node, cells.map(|&cell| (mesh.cells[cell as usize], mesh.grain[cell as usize])), |n| {
+            places.get(n)
+        })
+    }
+
+    /// The star of `node` from its cells and their labels.
+    pub(in crate::mesh) fn of_cells(
+        node: u32,
+        cells: impl Iterator<Item = ([u32; 4], u32)>,
+        place: impl Fn(u32) -> Vec3,
+    ) -> Self {
+        let face = |(nodes, label): ([u32; 4], u32)| {
             let at = nodes.iter().position(|&n| n == node).expect("a star's cells hold its node");
             // Even permutations that bring the node to the front.
             let [i, j, k] = [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]][at];
-            ([nodes[i], nodes[j], nodes[k]].map(|n| places.get(n)), mesh.grain[cell as usize])
+            ([nodes[i], nodes[j], nodes[k]].map(&place), label)
         };
-        Self { centre: places.get(node), faces: stars.cells(node).iter().map(face).collect() }
+        Self { centre: place(node), faces: cells.map(face).collect() }
     }
 
     /// [`sharpness`] of the sharpest tetrahedron with the node at `x`. The search ends at the first above `limit`.
-    pub(super) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
+    pub(in crate::mesh) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
         let mut worst: f64 = -1.0;
         for ([a, b, c], _) in &self.faces {
             worst = worst.max(sharpness([*x, *a, *b, *c]));
@@ -65,7 +76,7 @@ impl Star {
 
     /// [`worst`](Self::worst) of the node's own place; the sharpest tetrahedron comes first from now on, where searches
     /// with a limit end soonest.
-    pub(super) fn sharpest_first(&mut self) -> f64 {
+    pub(in crate::mesh) fn sharpest_first(&mut self) -> f64 {
         let x = self.centre;
         let (mut worst, mut at) = (-1.0, 0);
         for (i, ([a, b, c], _)) in self.faces.iter().enumerate() {
@@ -98,7 +109,7 @@ impl Star {
 
 /// How sharp a tetrahedron's smallest dihedral angle is: its cosine times the cosine's size, so that no root is needed;
 /// 2 where the tetrahedron has no positive volume.
-pub(super) fn sharpness([a, b, c, d]: [Vec3; 4]) -> f64 {
+pub(in crate::mesh) fn sharpness([a, b, c, d]: [Vec3; 4]) -> f64 {
     let (u, v, w) = (b - a, c - a, d - a);
     let (vw, wu, uv) = (v.cross(&w), w.cross(&u), u.cross(&v));
     if vw.dot(&u) <= 0.0 {
@@ -118,7 +129,7 @@ pub(super) fn sharpness([a, b, c, d]: [Vec3; 4]) -> f64 {
 }
 
 /// The [`sharpness`] of an angle, degrees.
-pub(super) fn sharpness_of(degrees: f64) -> f64 {
+pub(in crate::mesh) fn sharpness_of(degrees: f64) -> f64 {
     let cosine = libm::cos(degrees.to_radians());
     cosine * cosine.abs()
 }

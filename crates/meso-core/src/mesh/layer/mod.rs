@@ -6,6 +6,8 @@
 //! cell would turn over, its nodes move aside ([`nudge`]); where that does not help they go less far, at last not at all
 //! ([`settle`]); a rail of no length takes just one of the three tetrahedra of each prism with it, so neighbours still match.
 
+mod blunt;
+mod collapse;
 mod nudge;
 mod seat;
 mod settle;
@@ -19,6 +21,7 @@ use super::separate::{Copies, separate};
 use super::{Mesh, NO_AGGREGATE, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
+pub(super) use blunt::blunt;
 use rayon::prelude::*;
 use settle::{Ways, settle};
 use shrink::Shrink;
@@ -32,6 +35,8 @@ pub(super) struct Thinned {
     pub(super) nodes: usize,
     /// Of these, the ones that did not move: there the layer has no thickness.
     pub(super) pinched: usize,
+    /// Inner and outer ends.
+    pub(super) rails: Vec<[u32; 2]>,
 }
 
 /// A tetrahedron of the layer; it holds both ends of one rail.
@@ -63,18 +68,20 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
     nudge::nudge(mesh, &layer, &mut images);
     let ways = settle(mesh, &images, &layer);
     let thinner = |a: &&Aggregate| shrinks.get(&a.id).is_some_and(|s| s.thickness < thickness(a));
-    let thinned = Thinned {
+    let mut thinned = Thinned {
         aggregates: aggregates.iter().filter(thinner).count(),
         nodes: copies.iter().filter(|(.., copy)| ways.is_short(*copy)).count(),
         pinched: copies.iter().filter(|(.., copy)| ways.is_pinched(*copy)).count(),
+        rails: Vec::new(),
     };
     mesh.points.par_iter_mut().zip(&images).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
-    append(mesh, &layer, &copies, &ways);
+    thinned.rails = append(mesh, &layer, &copies, &ways);
     thinned
 }
 
 /// Adds the layer's cells, and takes back the copies that did not move, with the cells on their rails.
-fn append(mesh: &mut Mesh, layer: &[LayerCell], copies: &Copies, ways: &Ways) {
+fn append(mesh: &mut Mesh, layer: &[LayerCell], copies: &Copies, ways: &Ways) -> Vec<[u32; 2]> {
+    let mut rails = Vec::new();
     for cell in layer.iter().filter(|cell| !ways.is_pinched(cell.rail[0])) {
         mesh.cells.extend(cell.nodes);
         mesh.phase.push(Phase::Itz);
@@ -88,11 +95,13 @@ fn append(mesh: &mut Mesh, layer: &[LayerCell], copies: &Copies, ways: &Ways) {
         } else {
             mesh.points[next as usize] = mesh.points[copy as usize];
             number[copy as usize] = next;
+            rails.push([next, node]);
             next += 1;
         }
     }
     mesh.points.truncate(next as usize);
     mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+    rails
 }
 
 /// The aggregate whose cells a node has, [`NO_AGGREGATE`] for nodes of the mortar and of interfaces.
