@@ -28,7 +28,7 @@ def _need(module: str, extra: str) -> Any:
 
 
 def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
-    """Return the outer surfaces of aggregates, voids and fibres as PyVista polygons with id, phase, class and ITZ thickness.
+    """Return the bodies' outer surfaces as PyVista polygons with id, class, ITZ thickness, and phase where that differs.
 
     `images` ("none", "whole" or "cut") is for aggregates that cross a face of a periodic specimen.
     """
@@ -37,7 +37,8 @@ def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
     data = pyvista.PolyData(points, faces)
     bodies = [*packing.aggregates, *packing.inclusions]
     data.cell_data["aggregate"] = owner
-    data.cell_data["phase"] = np.array([_KINDS[b.phase] for b in bodies], dtype=np.uint8)[owner]
+    if packing.inclusions:
+        data.cell_data["phase"] = np.array([_KINDS[b.phase] for b in bodies], dtype=np.uint8)[owner]
     data.cell_data["class"] = np.array([b.size_class for b in bodies], dtype=np.int64)[owner]
     data.cell_data["itz_thickness_mm"] = np.array([b.itz_thickness for b in bodies], dtype=np.float64)[owner]
     return data
