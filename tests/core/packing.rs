@@ -143,8 +143,8 @@ impl Progress for StopAfter {
 
 #[test]
 fn an_interrupted_run_keeps_a_sound_packing() {
-    // In the take; among the random positions; among the sweeps.
-    for (questions, least) in [(1, 0.0), (12, 0.0), (60, 0.2)] {
+    // In the take; among the first sweeps; among later ones.
+    for (questions, least) in [(1, 0.0), (12, 0.35), (60, 0.35)] {
         let model = pack(&small(0.6), &StopAfter(AtomicI32::new(questions))).unwrap();
         assert_eq!(model.report.stop_reason, StopReason::Interrupted, "after {questions} questions");
         assert!((least..0.6).contains(&model.report.fraction), "{} after {questions}", model.report.fraction);
@@ -152,6 +152,29 @@ fn an_interrupted_run_keeps_a_sound_packing() {
             assert!(!gjk::intersects(a.body.vertices(), b.body.vertices()).unwrap());
         }
     }
+}
+
+/// A clock that goes on by a hundredth of a second whenever it is asked.
+struct Ticking(AtomicI32);
+
+impl Progress for Ticking {
+    fn update(&self, _: f64, _: f64) -> bool {
+        true
+    }
+    fn seconds(&self) -> f64 {
+        f64::from(self.0.fetch_add(1, Ordering::Relaxed)) / 100.0
+    }
+}
+
+#[test]
+fn a_run_short_of_time_leaves_grains_out_in_time() {
+    let mut spec = small(0.68);
+    spec.placement.time_limit_s = Some(4.0);
+    let model = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap();
+    assert_eq!(model.report.stop_reason, StopReason::TimeLimit);
+    assert_eq!(model.report.strategy, "rearrange", "few were left when it stopped");
+    assert!((0.5..0.68).contains(&model.report.fraction), "{}", model.report.fraction);
+    assert_apart(&model);
 }
 
 #[test]

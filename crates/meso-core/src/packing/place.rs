@@ -1,7 +1,8 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::{
-    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Request, Room, StopReason, Strategy, rearrange, take_and_place,
+    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Progress, Request, Room, StopReason, Strategy, rearrange,
+    take_and_place,
 };
 use crate::math::Aabb;
 
@@ -15,7 +16,8 @@ pub(super) struct Task<'a> {
     /// Volume each class may take, mm3; a grain that would pass it by more than half of itself is left out. Without
     /// bound where no surplus was taken.
     pub(super) class_targets: Vec<f64>,
-    /// `progress.seconds()` at which to stop.
+    /// `progress.seconds()` when it began, and at which to stop.
+    started: f64,
     deadline: f64,
 }
 
@@ -36,7 +38,47 @@ pub fn place(request: &Request) -> Outcome {
     let task = Task::new(request);
     match request.placement.chosen() {
         Strategy::TakeAndPlace => take_and_place::place(&task, request.placement.attempts.unwrap_or(DEFAULT_ATTEMPTS)),
-        _ => rearrange::place(&task),
+        _ => better_if_stopped(&task, rearrange::place(&task)),
+    }
+}
+
+/// Attempts of the take-and-place that follows a rearrangement which was stopped.
+const BRIEF_ATTEMPTS: u32 = 100;
+/// It may last so many seconds, and so much of what was spent before.
+const BRIEF_S: f64 = 1.0;
+const BRIEF_SHARE: f64 = 0.1;
+
+/// Bodies stopped on their way overlap, and few of them can stay: then take-and-place, given a moment, holds more.
+fn better_if_stopped(task: &Task, moved: Outcome) -> Outcome {
+    let grains = task.request.grains;
+    let volume = |outcome: &Outcome| -> f64 {
+        let placed = grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
+        placed.map(|(grain, _)| grain.volume).sum()
+    };
+    let reached = volume(&moved) / task.volume;
+    // Where nothing was reached, the stop came before the grains were all there.
+    if moved.stop.is_none() || reached == 0.0 || reached >= Placement::brief_reach() {
+        return moved;
+    }
+    let progress = Unstoppable(task.request.progress);
+    let mut brief = Task::new(&Request { progress: &progress, ..task.request });
+    brief.deadline = progress.seconds() + BRIEF_S + BRIEF_SHARE * (progress.seconds() - task.started);
+    let mut placed = take_and_place::place(&brief, BRIEF_ATTEMPTS);
+    placed.stop = moved.stop;
+    if volume(&placed) > volume(&moved) { placed } else { moved }
+}
+
+/// The same clock, but no more stops.
+struct Unstoppable<'a>(&'a dyn Progress);
+
+impl Progress for Unstoppable<'_> {
+    fn update(&self, fraction: f64, target: f64) -> bool {
+        self.0.update(fraction, target);
+        true
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
     }
 }
 
@@ -44,7 +86,7 @@ impl<'a> Task<'a> {
     fn new(request: &Request<'a>) -> Self {
         let room = request.specimen.room();
         let (volume, period) = (room.volume(), request.specimen.period());
-        let (wanted, limit) = (request.fraction * volume, request.placement.time_limit_s);
+        let (wanted, started) = (request.fraction * volume, request.progress.seconds());
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
         let classes = request.grading.classes();
         let aggregates = classes.iter().map(|class| class.share * wanted * bound);
@@ -56,7 +98,8 @@ impl<'a> Task<'a> {
             volume,
             period,
             class_targets: aggregates.chain(inclusions).collect(),
-            deadline: limit.map_or(f64::INFINITY, |limit| request.progress.seconds() + limit),
+            started,
+            deadline: request.placement.time_limit_s.map_or(f64::INFINITY, |limit| started + limit),
         }
     }
 
@@ -75,6 +118,11 @@ impl<'a> Task<'a> {
         let largest = self.request.grains.iter().map(|grain| grain.outer_radius).fold(0.0, f64::max);
         let margin = (largest + self.request.placement.min_gap_mm) * (1.0 + 1e-9);
         self.period.mixed(&aabb.grown(margin), &aabb)
+    }
+
+    /// Share of the time limit that has gone by; 0 where there is none.
+    pub(super) fn spent(&self) -> f64 {
+        (self.request.progress.seconds() - self.started) / (self.deadline - self.started)
     }
 
     /// Reports `volume` mm3 placed; the reason to stop now, if there is one.

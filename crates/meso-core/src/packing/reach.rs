@@ -11,6 +11,11 @@ const TAKE_AND_PLACE: [(u32, f64); 4] = [(100, 0.42), (1000, 0.47), (10_000, 0.5
 const REARRANGE: f64 = 0.70;
 
 impl Placement {
+    /// What a brief take-and-place reaches.
+    pub(super) fn brief_reach() -> f64 {
+        TAKE_AND_PLACE[0].1
+    }
+
     /// The largest fraction that the chosen strategy has been measured to reach.
     pub fn reach(&self) -> f64 {
         if self.chosen() == Strategy::Rearrange {

@@ -100,7 +100,7 @@ pub(super) struct Bodies<'a> {
 }
 
 /// Sweeps after which the vertices are turned from the grain's own again, before rounding shows.
-const TURN_ANEW: u32 = 16;
+const TURN_ANEW: u32 = 128;
 
 impl<'a> Bodies<'a> {
     /// The grains (by number) at their poses, ordered along a space-filling curve.

@@ -7,6 +7,7 @@ use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
 use crate::packing::grid::Grid;
 use crate::packing::place::Task;
+use rayon::prelude::*;
 
 /// Random points looked at per dropped grain.
 const LOOKS: usize = 12;
@@ -14,6 +15,8 @@ const LOOKS: usize = 12;
 const LOOKS_FOR_A_LINE: usize = 60;
 /// Draws per look until a point lies deep enough in a specimen that does not fill its box.
 const DRAWS: usize = 100;
+/// Grains that are dropped together, blind to each other, as a share of those that lie there.
+const TOGETHER: f64 = 1.0 / 32.0;
 
 /// For every grain, of the random positions looked at, the one that leaves it most room among those before it. Fibres come
 /// last: they look for a line that the others leave free.
@@ -22,12 +25,19 @@ pub(super) fn fill(task: &Task) -> Vec<Pose> {
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
     let domain = task.domain();
     let mut ground = Ground { task, domain, grid: Grid::new(&domain, middle), balls: Vec::new() };
+    let (long, short): (Vec<usize>, Vec<usize>) =
+        (0..grains.len()).partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = vec![Pose::at(Vec3::zeros()); grains.len()];
-    for long in [false, true] {
-        for (grain, pose) in grains.iter().zip(&mut poses).filter(|(grain, _)| (grain.kind == Kind::Fibre) == long) {
-            let row = Row::of(grain);
-            *pose = Pose::at(ground.roomiest(grain, &row));
-            row.balls.iter().for_each(|ball| ground.insert(row.radius, pose.centre + ball));
+    for order in [short, long] {
+        let mut rest = order.as_slice();
+        while !rest.is_empty() {
+            let dropped = order.len() - rest.len();
+            let together = rest.len().min(1 + (TOGETHER * dropped as f64) as usize);
+            for (number, row, centre) in ground.look_for(&rest[..together]) {
+                poses[number] = Pose::at(centre);
+                row.balls.iter().for_each(|ball| ground.insert(row.radius, centre + ball));
+            }
+            rest = &rest[together..];
         }
     }
     poses
@@ -75,6 +85,17 @@ impl Ground<'_> {
             self.grid.insert(&aabb.moved(&shift));
             self.balls.push((radius, centre + shift));
         }
+    }
+
+    /// The grains of these numbers, and where each has most room.
+    fn look_for(&self, numbers: &[usize]) -> Vec<(usize, Row, Vec3)> {
+        let look = |&number: &usize| {
+            let grain = &self.task.request.grains[number];
+            let row = Row::of(grain);
+            let centre = self.roomiest(grain, &row);
+            (number, row, centre)
+        };
+        numbers.par_iter().map(look).collect()
     }
 
     fn roomiest(&self, body: &Grain, row: &Row) -> Vec3 {
