@@ -76,6 +76,16 @@ fn voids_and_fibres_have_the_volume_of_the_spheres_and_cylinders_they_stand_for(
 }
 
 #[test]
+fn voids_far_smaller_than_the_specimen_take_no_memory_of_their_own_size() {
+    // Cells as small as these voids would be a thousand million, 4 GB.
+    let text =
+        BOTH.split("[voids]").next().unwrap().to_owned() + "[voids]\nfraction = 1e-6\ndiameter_mm = [0.05, 0.1]\n";
+    let model = packed(&text);
+    assert!(of(&model, Kind::Void).len() > 300);
+    assert_eq!(check(&model).findings, []);
+}
+
+#[test]
 fn fibres_point_in_all_directions() {
     let model = packed(BOTH);
     let fibres = of(&model, Kind::Fibre);

@@ -55,7 +55,7 @@ type Row = (&'static str, fn(&Finding) -> bool);
 
 fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
     let gap = model.spec.placement.min_gap_mm;
-    let rows: [Row; 7] = [
+    let mut rows: Vec<Row> = vec![
         ("overlapping pairs", |f| matches!(f, Finding::Overlap { .. })),
         ("pairs nearer than the gap", |f| matches!(f, Finding::Gap { .. })),
         ("aggregates outside the specimen", |f| matches!(f, Finding::Outside { .. })),
@@ -65,6 +65,10 @@ fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
         ("figures of the report that differ", |f| matches!(f, Finding::Report { .. })),
     ];
     writeln!(out, "{:34} {:>12}", "aggregates", say::count(check.aggregates))?;
+    if !model.inclusions.is_empty() {
+        writeln!(out, "{:34} {:>12}", "voids and fibres", say::count(model.inclusions.len()))?;
+        rows.push(("voids and fibres of a wrong size", |f| matches!(f, Finding::Shape { .. })));
+    }
     writeln!(out, "{:34} {:>12.6}", "fraction", check.fraction)?;
     writeln!(out, "{:34} {:>12}", "pairs put to the exact test", say::count(check.pairs_tested as usize))?;
     writeln!(out, "{:34} {gap:>12}", "gap asked between aggregates, mm")?;

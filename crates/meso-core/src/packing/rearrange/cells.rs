@@ -134,7 +134,8 @@ impl Level {
         let margin = f64::from(reach + farthest) * 1.000_1;
         let placed: Vec<(u32, Vec3)> = bodies.with_images(members(), margin);
         let aabb = Aabb::around(placed.iter().map(|(_, centre)| centre));
-        let cell = f64::from(CELL * largest);
+        let most = MOST_CELLS * placed.len() as f64 + LEAST_CELLS;
+        let cell = f64::from(CELL * largest).max(libm::cbrt(aabb.size().product() / most));
         let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
         let mut level = Self { origin: aabb.min.into(), cell, counts, largest, farthest, ..Self::default() };
         level.fill(bodies, &placed);
@@ -231,6 +232,10 @@ fn far(bodies: &Bodies, body: u32) -> f32 {
     fixed.outer_radius + (MOST_DRIFT + MOST_MARGIN) * fixed.ball_radius
 }
 
+/// No more cells than this for each body, and some: bodies may be few and small, as voids are, in a large specimen. Levels
+/// of a usual grading have one to six for each.
+const MOST_CELLS: f64 = 32.0;
+const LEAST_CELLS: f64 = 32_768.0;
 /// Side of a cell over the largest radius in it.
 const CELL: f32 = 1.0;
 
