@@ -94,10 +94,53 @@ fn equations_that_cannot_be_are_named_with_the_way_out() {
     assert!(error(&mesh, &tied(Analysis::Elastic)).starts_with("deck.analysis is elastic; with periodic_equations"));
     mesh.periodic = [false; 3];
     assert!(error(&mesh, &tied(Analysis::None)).contains("pack with specimen.periodic"));
+}
+
+#[test]
+fn materials_that_meet_across_a_face_of_voxels_are_joined_there() {
+    // The block ends at the upper face across x, behind which it is mortar again; across y it goes on.
     let specimen = Specimen::Cube { side_mm: 4.0, periodic: Periodic([true; 3]) };
     let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::Cohesive, ..Default::default() };
-    let parted = mesh::build_parts(&[aggregate(0, block([1.0; 3], [3.0; 3]), 0.1)], &specimen, &options).unwrap();
-    assert!(error(&parted, &tied(Analysis::None)).contains("take itz solid or none"));
+    let grains = [aggregate(0, block([2.0, 0.0, 1.0], [4.0, 4.0, 3.0]), 0.1)];
+    let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+    assert_eq!(mesh.cohesive().len(), 8 + 8 + 8 + 8, "two sides across x, two across z, none across y");
+    let on_upper = |nodes: &&[u32]| nodes.iter().all(|&node| mesh.points[node as usize].x == 4.0);
+    let mut across = 0;
+    for nodes in mesh.cohesive().filter(on_upper) {
+        let p = |i: usize| mesh.points[nodes[i] as usize];
+        assert!((p(1) - p(0)).cross(&(p(2) - p(0))).x > 0.0, "out of the aggregate");
+        across += 1;
+    }
+    assert_eq!(across, 8);
+    assert_eq!(tied(Analysis::None).validate(&mesh), Ok(()));
+}
+
+#[test]
+fn copies_for_cohesive_elements_match_on_opposite_faces_material_by_material() {
+    let specimen = Specimen::Cube { side_mm: 30.0, periodic: Periodic::ALL };
+    let model = meso_core::pack(&Spec { fraction: 0.45, specimen, seed: 4, ..Default::default() }, &Silent).unwrap();
+    for (method, element_size_mm) in [(Method::Voxel, 1.5), (Method::Lattice, 2.0)] {
+        let options = MeshOptions { method, element_size_mm, itz: ItzForm::Cohesive, ..Default::default() };
+        let mesh = mesh::build(&model, &options).unwrap();
+        let mut owners = vec![None; mesh.points.len()];
+        for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
+            cell.iter().for_each(|&node| owners[node as usize] = Some(*id));
+        }
+        for axis in 0..3 {
+            let [low, high] = [0.0, 30.0].map(|at| mesh.points.iter().filter(|p| (p[axis] - at).abs() < 1e-9).count());
+            assert_eq!(low, high, "{method:?} across {axis}");
+        }
+        let (mut same, mut copies) = (0, 0);
+        for terms in equations(&deck(&mesh, &tied(Analysis::None))) {
+            match [0, 1].map(|i| owners[terms[i].0 as usize - 1]) {
+                [Some(a), Some(b)] if a == b => same += 1,
+                // A copy that only one of the two sides has cells for.
+                [None, Some(_)] | [Some(_), None] | [None, None] => copies += 1,
+                differ => panic!("{method:?}: {differ:?}"),
+            }
+        }
+        assert!(same > 3000 && copies > 0 && copies < same, "{method:?}: {same} {copies}");
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod grains;
 mod interface;
 mod lattice;
 mod layer;
+pub(crate) mod opposite;
 mod options;
 pub mod quality;
 mod second_order;
@@ -242,6 +243,9 @@ fn assemble(
     clip::leave_out_voids(&mut mesh, aggregates);
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
+        if mesh.periodic != [false; 3] {
+            opposite::complete(&mut mesh);
+        }
     }
     volumes::all_positive(&mesh)?;
     if options.order == 2 {

@@ -110,10 +110,6 @@ impl DeckOptions {
                     "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
                 no("periodic_equations", "true", accepted)
             }
-            // Where an aggregate ends at a face, the nodes are parted on one side and not on the other.
-            _ if !mesh.cohesive.is_empty() => {
-                no("periodic_equations", "true", "with a cohesive itz faces do not match; take itz solid or none")
-            }
             Analysis::None => periodic::check(mesh),
             Analysis::Elastic if self.geometry_only || fully_tied => periodic::check(mesh),
             Analysis::Elastic => {

@@ -3,22 +3,19 @@
 //! u(x + L e) - u(x) = u(REF), with one reference node for every direction in which the box repeats itself: the
 //! displacement of REF_X, REF_Y or REF_Z is the macroscopic displacement gradient's column times the box's length. A node
 //! on several upper faces, on an edge or in a corner, is tied at once to the image that lies on none of them. So every
-//! node is eliminated at most once, and no equation uses a node that another one eliminates.
+//! node is eliminated at most once, and no equation uses a node that another one eliminates. Where cohesive elements part
+//! the materials, images are of one aggregate, or both of the mortar.
 
 use super::DeckError;
 use super::lines::Lines;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
+use crate::mesh::opposite::{Spots, owners, upper};
 use crate::mesh::sides::{SIDES, Sides};
 use std::io::{self, Write};
 
 /// Names of the reference nodes' sets, one per direction.
 pub(super) const REFERENCES: [&str; 3] = ["REF_X", "REF_Y", "REF_Z"];
-
-/// Images are this close to where they should be, in sizes of the mesh.
-const SLACK: f64 = 1e-9;
-/// Edge of the cells that nodes are looked up by, in sizes of the mesh.
-const CELL: f64 = 1e-6;
 
 /// A node on upper faces and its image on none.
 struct Pair {
@@ -66,18 +63,18 @@ pub(super) fn check(mesh: &Mesh) -> Result<(), DeckError> {
 /// Every node on an upper face of a direction that repeats itself, ascending, with its image.
 fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
     let size = Aabb::around(&mesh.points).size();
-    let upper = |node: u32| [0, 1, 2].map(|axis| mesh.periodic[axis] && sides.on(node) >> (2 * axis + 1) & 1 == 1);
-    let images = Images::new(
-        mesh,
-        (0..mesh.points.len() as u32).filter(|&node| sides.on(node) != 0 && upper(node) == [false; 3]),
-    );
+    let owners = owners(mesh, sides);
+    let nodes = 0..mesh.points.len() as u32;
+    let low = nodes.clone().filter(|&node| sides.on(node) != 0 && upper(mesh, sides, node) == [false; 3]);
+    let images = Spots::new(mesh, low);
     let mut pairs = Vec::new();
-    for node in 0..mesh.points.len() as u32 {
-        let along = upper(node);
+    for node in nodes {
+        let along = upper(mesh, sides, node);
         if along != [false; 3] {
             let place = mesh.points[node as usize];
             let target = Vec3::from_fn(|axis, _| place[axis] - if along[axis] { size[axis] } else { 0.0 });
-            let image = images.at(&target).ok_or_else(|| unmatched(&place, &along))?;
+            let mut own = images.at(target).filter(|image| owners[*image as usize] == owners[node as usize]);
+            let image = own.next().ok_or_else(|| unmatched(&place, &along))?;
             pairs.push(Pair { node, image, along });
         }
     }
@@ -101,37 +98,4 @@ fn unmatched(place: &Vec3, along: &[bool; 3]) -> DeckError {
 fn faces_differ(what: &str) -> DeckError {
     let remedy = "opposite faces must match node for node, as in voxels and lattices";
     DeckError { key: "periodic_equations", value: "true".into(), accepted: format!("{remedy}; here {what}") }
-}
-
-/// Nodes by where they are.
-struct Images<'a> {
-    mesh: &'a Mesh,
-    size: f64,
-    /// By the cell that a node lies in.
-    cells: Vec<([i64; 3], u32)>,
-}
-
-impl<'a> Images<'a> {
-    fn new(mesh: &'a Mesh, nodes: impl Iterator<Item = u32>) -> Self {
-        let size = Aabb::around(&mesh.points).size().max();
-        let cell = |node: u32| [0, 1, 2].map(|axis| (mesh.points[node as usize][axis] / (CELL * size)).floor() as i64);
-        let mut cells: Vec<_> = nodes.map(|node| (cell(node), node)).collect();
-        cells.sort_unstable();
-        Self { mesh, size, cells }
-    }
-
-    /// The node at `place`, in the cell there or, hard by its border, in the next.
-    fn at(&self, place: &Vec3) -> Option<u32> {
-        let near = |node: &u32| (self.mesh.points[*node as usize] - place).amax() <= SLACK * self.size;
-        let cells = [-SLACK, SLACK].map(|slack| place.map(|x| ((x / self.size + slack) / CELL).floor() as i64));
-        let [x, y, z] = [0, 1, 2].map(|axis| cells[0][axis]..=cells[1][axis]);
-        let around =
-            x.flat_map(|i| y.clone().flat_map(move |j| [(i, j)])).flat_map(|(i, j)| z.clone().map(move |k| [i, j, k]));
-        around.flat_map(|cell| self.in_cell(cell)).find(near)
-    }
-
-    fn in_cell(&self, cell: [i64; 3]) -> impl Iterator<Item = u32> {
-        let start = self.cells.partition_point(|entry| entry.0 < cell);
-        self.cells[start..].iter().take_while(move |entry| entry.0 == cell).map(|entry| entry.1)
-    }
 }
