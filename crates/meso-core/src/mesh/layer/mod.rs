@@ -64,9 +64,10 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
     let image = |(point, id): (&Vec3, &u32)| shrinks.get(id).map_or(*point, |shrink| shrink.apply(point));
     let mut images: Vec<Vec3> = mesh.points.par_iter().zip(&owner).map(image).collect();
     turned::turn(mesh, &faces, &copies, &shrinks, &mut images);
-    seat::seat(mesh, &copies, &shrinks, &mut images);
-    nudge::nudge(mesh, &layer, &mut images);
-    let ways = settle(mesh, &images, &layer);
+    let mut seats = images.clone();
+    seat::seat(mesh, &copies, &shrinks, &mut seats);
+    nudge::nudge(mesh, &layer, &images, &mut seats);
+    let ways = settle(mesh, &seats, &layer);
     let thinner = |a: &&Aggregate| shrinks.get(&a.id).is_some_and(|s| s.thickness < thickness(a));
     let mut thinned = Thinned {
         aggregates: aggregates.iter().filter(thinner).count(),
@@ -74,7 +75,7 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
         pinched: copies.iter().filter(|(.., copy)| ways.is_pinched(*copy)).count(),
         rails: Vec::new(),
     };
-    mesh.points.par_iter_mut().zip(&images).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
+    mesh.points.par_iter_mut().zip(&seats).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
     thinned.rails = append(mesh, &layer, &copies, &ways);
     thinned
 }
