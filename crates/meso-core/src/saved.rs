@@ -47,7 +47,8 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// One line per body; some of them are made at a time, on all threads.
+/// One line per body; some of them are made at a time, on the threads of the pool that this is called in. Outside of any it
+/// starts none: a process that was forked from one with a pool would wait for threads that it does not have.
 fn list(
     out: &mut impl Write,
     key: &str,
@@ -61,7 +62,10 @@ fn list(
     };
     let mut separator: &[u8] = b"\n";
     for several in bodies.chunks(AT_ONCE) {
-        for line in several.par_iter().map(line).collect::<io::Result<Vec<Vec<u8>>>>()? {
+        let in_pool = rayon::current_thread_index().is_some();
+        let lines: io::Result<Vec<Vec<u8>>> =
+            if in_pool { several.par_iter().map(line).collect() } else { several.iter().map(line).collect() };
+        for line in lines? {
             out.write_all(separator)?;
             out.write_all(&line)?;
             separator = b",\n";

@@ -67,11 +67,15 @@ enum Content {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    threads::with(args.threads, || on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let spec = args.spec()?;
     let plan = args.plan()?;
     warn_of_reach(&spec);
     let watch = Watch::start(args.quiet);
-    let model = threads::with(args.threads, || meso_core::pack(&spec, &watch))?;
+    let model = meso_core::pack(&spec, &watch);
     watch.finish();
     let mut model = model.map_err(|error| args.name_flag(error))?;
     let mesh = plan.mesh(&model)?;
