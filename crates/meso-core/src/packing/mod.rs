@@ -1,5 +1,6 @@
 //! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
 
+mod cell_lists;
 mod grid;
 mod images;
 mod place;

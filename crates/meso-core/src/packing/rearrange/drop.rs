@@ -5,7 +5,7 @@ use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
-use crate::packing::grid::Grid;
+use crate::packing::cell_lists::CellLists;
 use crate::packing::place::Task;
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ pub(super) fn fill(task: &Task) -> Vec<Pose> {
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
     let domain = task.domain();
-    let mut ground = Ground { task, domain, grid: Grid::new(&domain, middle), balls: Vec::new() };
+    let mut ground = Ground { task, domain, balls: CellLists::new(&domain, middle) };
     let (long, short): (Vec<usize>, Vec<usize>) =
         (0..grains.len()).partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = vec![Pose::at(Vec3::zeros()); grains.len()];
@@ -73,8 +73,8 @@ impl Row {
 struct Ground<'a> {
     task: &'a Task<'a>,
     domain: Aabb,
-    grid: Grid,
-    balls: Vec<(f64, Vec3)>,
+    /// Radius and centre, in the lists themselves: the looks go to random places, where every read waits for memory.
+    balls: CellLists<(f64, Vec3)>,
 }
 
 impl Ground<'_> {
@@ -82,8 +82,7 @@ impl Ground<'_> {
         let half = Vec3::repeat(radius);
         let aabb = Aabb { min: centre - half, max: centre + half };
         for shift in self.task.period.shifts(&aabb, &self.domain) {
-            self.grid.insert(&aabb.moved(&shift));
-            self.balls.push((radius, centre + shift));
+            self.balls.insert(&aabb.moved(&shift), (radius, centre + shift));
         }
     }
 
@@ -139,8 +138,7 @@ impl Ground<'_> {
     fn clearance(&self, radius: f64, centre: &Vec3, enough: f64) -> f64 {
         let half = Vec3::repeat(radius);
         let mut least = f64::INFINITY;
-        self.grid.all_near(&Aabb { min: centre - half, max: centre + half }, |other| {
-            let (other_radius, other_centre) = self.balls[other as usize];
+        self.balls.all(&Aabb { min: centre - half, max: centre + half }, |_, (other_radius, other_centre)| {
             least = least.min((other_centre - centre).norm() - radius - other_radius);
             least > enough
         });
