@@ -1,6 +1,7 @@
 //! The fitted lattice in specimens that are not boxes: its sides are the specimen's own.
 
 use crate::mesh::deck;
+use crate::models::angle_piece;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::math::Vec3;
 use meso_core::mesh::sides::Sides;
@@ -20,19 +21,10 @@ fn cylinder() -> Specimen {
     Specimen::Cylinder { diameter_mm: 50.0, height_mm: 40.0 }
 }
 
-/// An L of two boxes as triangles, turned by 20 degrees so that no side lies in its box's.
-fn angle_piece() -> Specimen {
-    let profile = [[0.0, 0.0], [60.0, 0.0], [60.0, 25.0], [25.0, 25.0], [25.0, 60.0], [0.0, 60.0]];
+/// An L turned by 20 degrees, so that no side lies in its box's.
+fn turned_angle_piece() -> Specimen {
     let (sin, cos) = (libm::sin(PI / 9.0), libm::cos(PI / 9.0));
-    let at = |z: f64| profile.map(|[x, y]| [x * cos - y * sin, x * sin + y * cos, z]);
-    let caps = [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]];
-    let mut triangles: Vec<[u32; 3]> = caps.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    triangles.extend(caps.iter().map(|t| t.map(|i| i + 6)));
-    for i in 0..6u32 {
-        let j = (i + 1) % 6;
-        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-    }
-    Specimen::Mesh { vertices_mm: [at(0.0), at(30.0)].concat(), triangles }
+    angle_piece([60.0, 25.0, 30.0], |[x, y, z]| [x * cos - y * sin, x * sin + y * cos, z])
 }
 
 fn rooms() -> Vec<Specimen> {
@@ -56,7 +48,7 @@ fn rooms() -> Vec<Specimen> {
             neck_length_mm: 10.0,
             radius_mm: 70.0,
         },
-        angle_piece(),
+        turned_angle_piece(),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! Specimens: grains lie wholly inside each of them, by formulas of our own, and volumes are exact.
 
-use crate::models::parry_shapes;
+use crate::models::{angle_piece, parry_shapes};
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Fit, MeshOptions, Method};
@@ -138,23 +138,14 @@ fn grains_lie_inside_a_dogbone() {
     assert_inside(&specimen, |v| side(v).min(v.z).min(25.0 - v.z).min(v.x).min(150.0 - v.x) + 0.006);
 }
 
-/// An L of two boxes as triangles, away from the origin.
-fn angle_piece() -> Specimen {
-    let profile = [[0.0, 0.0], [90.0, 0.0], [90.0, 35.0], [35.0, 35.0], [35.0, 90.0], [0.0, 90.0]];
-    let at = |z: f64| profile.map(|[x, y]| [x - 11.0, y + 5.0, z + 3.0]);
-    let caps = [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]];
-    let mut triangles: Vec<[u32; 3]> = caps.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    triangles.extend(caps.iter().map(|t| t.map(|i| i + 6)));
-    for i in 0..6u32 {
-        let j = (i + 1) % 6;
-        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-    }
-    Specimen::Mesh { vertices_mm: [at(0.0), at(40.0)].concat(), triangles }
+/// An L away from the origin.
+fn moved_angle_piece() -> Specimen {
+    angle_piece([90.0, 35.0, 40.0], |[x, y, z]| [x - 11.0, y + 5.0, z + 3.0])
 }
 
 #[test]
 fn grains_lie_inside_a_closed_surface_that_is_not_convex() {
-    let specimen = angle_piece();
+    let specimen = moved_angle_piece();
     assert!((specimen.volume() - (90.0 * 35.0 + 35.0 * 55.0) * 40.0).abs() < 1e-6);
     let side = |v: &Vec3| 35.0 - v.x.min(v.y);
     assert_inside(&specimen, |v| v.min().min(90.0 - v.x).min(90.0 - v.y).min(40.0 - v.z) + 1e-12);
@@ -172,7 +163,7 @@ fn grains_lie_inside_a_closed_surface_that_is_not_convex() {
 
 #[test]
 fn voxels_of_specimens_that_are_not_convex_have_their_volume() {
-    for specimen in [angle_piece(), notched()] {
+    for specimen in [moved_angle_piece(), notched()] {
         let model = packed(specimen.clone(), Strategy::TakeAndPlace, 0.0);
         let mesh = mesh::build(&model, &MeshOptions { element_size_mm: 1.0, ..Default::default() }).unwrap();
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
@@ -222,7 +213,7 @@ fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
         Specimen::Sphere { diameter_mm: 75.0 },
         frustum(),
         notched(),
-        angle_piece(),
+        moved_angle_piece(),
         Specimen::Dogbone {
             length_mm: 150.0,
             width_mm: 100.0,
