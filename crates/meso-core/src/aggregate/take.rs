@@ -4,6 +4,7 @@ use super::random::{Purpose, Stream};
 use super::{Grading, Inclusions, Itz, Kind, Outline, Shape, SizeClass, SizeDefinition, inclusions};
 use crate::geometry::{HullError, Polyhedron, convex_hull, sieve_size};
 use crate::math::{Mat3, Vec3};
+use crate::wide::{Wide, widest};
 use rayon::prelude::*;
 
 /// A grain that has a shape and an orientation, but no place yet.
@@ -51,6 +52,30 @@ pub const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
 #[inline(always)]
 pub fn snap(v: &Vec3) -> Vec3 {
     v.map(|x| (x / LATTICE_MM).round_ties_even() * LATTICE_MM)
+}
+
+/// The vertices turned and rounded to the lattice.
+pub(crate) fn turned(vertices: &[Vec3], rotation: &Mat3) -> Vec<Vec3> {
+    widest(Turned { vertices, rotation })
+}
+
+/// [`turned`] on registers that round by themselves.
+struct Turned<'a> {
+    vertices: &'a [Vec3],
+    rotation: &'a Mat3,
+}
+
+impl Wide for Turned<'_> {
+    type Output = Vec<Vec3>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Vec3> {
+        let mut turned = Vec::with_capacity(self.vertices.len());
+        for vertex in self.vertices {
+            turned.push(snap(&(self.rotation * vertex)));
+        }
+        turned
+    }
 }
 
 /// What the take needs of a spec.
@@ -142,9 +167,8 @@ impl Grain {
         outline: &Outline,
         stream: &mut Stream,
     ) -> Result<Self, HullError> {
-        let rotation = stream.rotation().to_rotation_matrix();
-        let vertices: Vec<Vec3> = outline.vertices.iter().map(|v| snap(&(rotation * v))).collect();
-        let body = convex_hull(&vertices)?;
+        let rotation = stream.rotation().to_rotation_matrix().into_inner();
+        let body = convex_hull(&turned(&outline.vertices, &rotation))?;
         Ok(Self {
             kind,
             class,
@@ -152,7 +176,7 @@ impl Grain {
             itz_thickness_mm: 0.0,
             itz_limited: false,
             semi_axes: outline.semi_axes,
-            rotation: rotation.into_inner(),
+            rotation,
             volume: body.volume(),
             outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),
             inner_radius: body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min),

@@ -40,8 +40,8 @@ impl<T: Copy> CellLists<T> {
         self.list(self.cell_of(point))
     }
 
-    /// Every item of every cell that `aabb` reaches into, once for each such cell, with the cell, the last first; stops and returns false
-    /// when `visit` returns false.
+    /// Every item of every cell that `aabb` reaches into, once for each such cell, with the cell, the last first; stops
+    /// and returns false when `visit` returns false.
     #[inline]
     pub(super) fn all(&self, aabb: &Aabb, mut visit: impl FnMut([i32; 3], T) -> bool) -> bool {
         let (low, high) = self.range(aabb);

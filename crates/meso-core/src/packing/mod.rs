@@ -16,11 +16,10 @@ pub use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
 pub use specimen::{Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
 
-use crate::aggregate::take::{Grain, snap};
+use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
 use crate::geometry::{HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
-use crate::wide::{Wide, widest};
 use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.
@@ -128,7 +127,7 @@ impl Pose {
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
     pub fn turned(&self, vertices: &[Vec3]) -> Vec<Vec3> {
         let Some(rotation) = self.rotation else { return vertices.to_vec() };
-        widest(Turned { vertices, rotation })
+        take::turned(vertices, &rotation.to_rotation_matrix().into_inner())
     }
 
     /// The grain's surface in the specimen. A turned grain gets a hull of its own, since rounding its vertices may fold
@@ -143,26 +142,6 @@ impl Pose {
         let mut vertices = self.turned(body.vertices());
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
         convex_hull_like(body, &vertices)
-    }
-}
-
-/// The vertices turned and rounded to the lattice, on registers that round by themselves.
-struct Turned<'a> {
-    vertices: &'a [Vec3],
-    rotation: Rotation,
-}
-
-impl Wide for Turned<'_> {
-    type Output = Vec<Vec3>;
-
-    #[inline(always)]
-    fn run(self) -> Vec<Vec3> {
-        let matrix = self.rotation.to_rotation_matrix().into_inner();
-        let mut turned = Vec::with_capacity(self.vertices.len());
-        for vertex in self.vertices {
-            turned.push(snap(&(matrix * vertex)));
-        }
-        turned
     }
 }
 

@@ -240,7 +240,7 @@ impl<'a> Bodies<'a> {
         let (grains, fixed) = (self.grains, &self.fixed);
         moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
             let vertices = grains[fixed[body].grain as usize].body.vertices();
-            *moving.own_box = widest(Turn { vertices, turned: moving.turned, rotation: &moving.state.rotation });
+            *moving.own_box = turn(vertices, moving.turned, &moving.state.rotation);
             moving.confine(walls, &fixed[body]);
         });
     }
@@ -259,9 +259,9 @@ impl<'a> Bodies<'a> {
             moving.state.advance();
             *moving.own_box = if anew {
                 let vertices = grains[fixed[body].grain as usize].body.vertices();
-                widest(Turn { vertices, turned: moving.turned, rotation: &moving.state.rotation })
+                turn(vertices, moving.turned, &moving.state.rotation)
             } else {
-                widest(TurnOn { turned: moving.turned, rotation: &turn_by })
+                turn_on(moving.turned, &turn_by)
             };
             moving.confine(walls, &fixed[body]);
         });
@@ -345,20 +345,19 @@ fn moving(
     });
 }
 
-/// [`turn`] on wide registers.
-struct Turn<'a> {
-    vertices: &'a [Vec3],
-    turned: &'a mut [f32],
-    rotation: &'a Rotation,
+/// Turns `vertices` by `rotation` into `turned`, with copies of the first to the end; returns the box of the result.
+fn turn(vertices: &[Vec3], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
+    let len = turned.len() / 3;
+    for i in 0..len {
+        let vertex = vertices.get(i).unwrap_or(&vertices[0]);
+        (turned[i], turned[len + i], turned[2 * len + i]) = (vertex.x as f32, vertex.y as f32, vertex.z as f32);
+    }
+    turn_on(turned, rotation)
 }
 
-impl Wide for Turn<'_> {
-    type Output = (V, V);
-
-    #[inline(always)]
-    fn run(self) -> (V, V) {
-        turn(self.vertices, self.turned, self.rotation)
-    }
+/// Turns all of `turned` on by `rotation`; returns the box of the result.
+fn turn_on(turned: &mut [f32], rotation: &Rotation) -> (V, V) {
+    widest(TurnOn { turned, rotation })
 }
 
 /// [`turn_on`] on wide registers.
@@ -372,42 +371,26 @@ impl Wide for TurnOn<'_> {
 
     #[inline(always)]
     fn run(self) -> (V, V) {
-        turn_on(self.turned, self.rotation)
+        let Self { turned, rotation } = self;
+        let m = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
+        let row = |i: usize| [m[(i, 0)], m[(i, 1)], m[(i, 2)]];
+        let rows = [row(0), row(1), row(2)];
+        let mut extents = [Extent::NONE; 3];
+        let (x, yz) = turned.split_at_mut(turned.len() / 3);
+        let (y, z) = yz.split_at_mut(x.len());
+        let blocks = x.as_chunks_mut::<LANES>().0.iter_mut().zip(y.as_chunks_mut::<LANES>().0).zip(z.as_chunks_mut().0);
+        for ((x, y), z) in blocks {
+            let from = (*x, *y, *z);
+            *x = along(rows[0], &from);
+            *y = along(rows[1], &from);
+            *z = along(rows[2], &from);
+            extents[0].include(x);
+            extents[1].include(y);
+            extents[2].include(z);
+        }
+        let [x, y, z] = extents;
+        ([x.low(), y.low(), z.low()], [x.high(), y.high(), z.high()])
     }
-}
-
-/// Turns `vertices` by `rotation` into `turned`, with copies of the first to the end; returns the box of the result.
-#[inline(always)]
-fn turn(vertices: &[Vec3], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
-    let len = turned.len() / 3;
-    for i in 0..len {
-        let vertex = vertices.get(i).unwrap_or(&vertices[0]);
-        (turned[i], turned[len + i], turned[2 * len + i]) = (vertex.x as f32, vertex.y as f32, vertex.z as f32);
-    }
-    turn_on(turned, rotation)
-}
-
-/// Turns all of `turned` on by `rotation`; returns the box of the result.
-#[inline(always)]
-fn turn_on(turned: &mut [f32], rotation: &Rotation) -> (V, V) {
-    let m = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
-    let row = |i: usize| [m[(i, 0)], m[(i, 1)], m[(i, 2)]];
-    let rows = [row(0), row(1), row(2)];
-    let mut extents = [Extent::NONE; 3];
-    let (x, yz) = turned.split_at_mut(turned.len() / 3);
-    let (y, z) = yz.split_at_mut(x.len());
-    let blocks = x.as_chunks_mut::<LANES>().0.iter_mut().zip(y.as_chunks_mut::<LANES>().0).zip(z.as_chunks_mut().0);
-    for ((x, y), z) in blocks {
-        let from = (*x, *y, *z);
-        *x = along(rows[0], &from);
-        *y = along(rows[1], &from);
-        *z = along(rows[2], &from);
-        extents[0].include(x);
-        extents[1].include(y);
-        extents[2].include(z);
-    }
-    let [x, y, z] = extents;
-    ([x.low(), y.low(), z.low()], [x.high(), y.high(), z.high()])
 }
 
 /// Several values side by side.
