@@ -102,6 +102,26 @@ fn far_points_of_a_real_packing_are_independent() {
     assert!(wall[0] < 0.5 * wall[10], "at the wall {}, inside {}", wall[0], wall[10]);
 }
 
+/// Where nothing ends at a wall, the curves themselves meet their limits: S2(0) = L(0) = f, slopes of -s/4, S2 -> f^2.
+#[test]
+fn correlations_of_a_periodic_packing_meet_their_limits() {
+    let grading = "grading = { d_min_mm = 4, d_max_mm = 12 }";
+    let text = "fraction = 0.5\nspecimen = { kind = 'box', size_mm = [40, 45, 50], periodic = ['x', 'y', 'z'] }\n";
+    let model = pack(&Spec::from_toml(&format!("{text}{grading}")).unwrap(), &Silent).unwrap();
+    let found = statistics(&model, &Options::default()).unwrap();
+    let (f, slope) = (found.fraction, -found.specific_surface_per_mm / 4.0);
+    let c = &found.correlation;
+    assert!(close(c.slope_per_mm, slope, 0.01), "slope {}, -s/4 {slope}", c.slope_per_mm);
+    assert!(close(c.mean_chord_mm, -f / slope, 0.01), "mean chord {}, 4 f / s {}", c.mean_chord_mm, -f / slope);
+    let far = &c.two_point[40..60];
+    assert!(close(far.iter().sum::<f64>() / 20.0, f * f, 0.02), "{far:?} against {}", f * f);
+    let near = statistics(&model, &Options { lag_mm: 0.01, lags: 2, ..Options::default() }).unwrap().correlation;
+    for curve in [&near.two_point, &near.lineal_path] {
+        assert!(close(curve[0], f, 0.01), "{} at 0, f is {f}", curve[0]);
+        assert!(close((curve[1] - curve[0]) / 0.01, slope, 0.01), "{curve:?}, -s/4 {slope}");
+    }
+}
+
 #[test]
 fn nearest_distances_of_a_lattice_are_its_gaps() {
     let found = measured(60.0, balls()).nearest_distance_mm.unwrap();

@@ -2,8 +2,10 @@
 //!
 //! S2(r) is the chance that two points at distance r, both in the specimen, both lie in aggregates; the lineal path
 //! L(r) that the whole segment between them lies in one aggregate. Along a line both follow exactly from the chords of
-//! the aggregates, so that the only error is that of the choice of lines. Known limits: S2(0) = L(0) = f; S2 falls at
-//! first with a quarter of the specific surface, and tends to f^2 (Torquato, Random Heterogeneous Materials, 2002).
+//! the aggregates, so that the only error is that of the choice of lines. Known limits: S2(0) = L(0) = f; both fall at
+//! first with a quarter of the specific surface, and S2 tends to f^2 (Torquato, Random Heterogeneous Materials, 2002).
+//! Where there are walls, which no aggregate reaches, the curves fall less: the share of the pairs that lose one of
+//! their points to the empty rim grows with r.
 
 use super::{Sample, in_order};
 use crate::aggregate::random::{Purpose, Stream};
@@ -28,7 +30,7 @@ pub struct Correlation {
     pub two_point: Vec<f64>,
     /// L(r).
     pub lineal_path: Vec<f64>,
-    /// Slope of the pairs' measure at r = 0, from the number of chords, 1/mm: minus a quarter of the specific surface.
+    /// Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific surface.
     pub slope_per_mm: f64,
     /// Mean length of the chords, mm.
     pub mean_chord_mm: f64,
@@ -40,6 +42,9 @@ pub struct Correlation {
 struct Line {
     length: f64,
     chords: Vec<(f64, f64)>,
+    /// Ends of chords at an aggregate's surface. A specimen that repeats itself cuts chords at its faces: these ends are
+    /// none.
+    ends: u32,
 }
 
 /// Sums over lines.
@@ -107,7 +112,7 @@ impl Sums {
             self.pairs[k] += weight * line.overlap_with_itself(r);
             self.segments[k] += weight * line.chords.iter().map(|(from, to)| (to - from - r).max(0.0)).sum::<f64>();
         }
-        self.chords += weight * line.chords.len() as f64;
+        self.chords += weight * f64::from(line.ends) / 2.0;
         self.chord_length += weight * line.chords.iter().map(|(from, to)| to - from).sum::<f64>();
         self.length += weight * line.length;
     }
@@ -125,6 +130,16 @@ impl Sums {
 }
 
 impl Line {
+    /// The parts of the chords `whole` that lie between 0 and `length`.
+    fn of(length: f64, whole: impl Iterator<Item = (f64, f64)>) -> Self {
+        let reaching: Vec<(f64, f64)> = whole.filter(|&(from, to)| from < length && to > 0.0).collect();
+        let ends = reaching.iter().map(|&(from, to)| u32::from(from > 0.0) + u32::from(to < length)).sum();
+        let mut chords: Vec<(f64, f64)> =
+            reaching.into_iter().map(|(from, to)| (from.max(0.0), to.min(length))).collect();
+        chords.sort_by(|x, y| x.0.total_cmp(&y.0));
+        Self { length, chords, ends }
+    }
+
     /// Length of the points that lie in a chord and, `r` further on, in a chord again.
     fn overlap_with_itself(&self, r: f64) -> f64 {
         let (mut sum, mut first) = (0.0, 0);
@@ -153,14 +168,10 @@ fn line(sample: &Sample, stream: &mut Stream) -> Line {
     let (ahead, behind) = (reach(sample, &point, &direction), reach(sample, &point, &-direction));
     let origin = point - direction * behind;
     let length = ahead + behind;
-    let mut chords: Vec<(f64, f64)> = near_line(sample, &origin, &direction, length)
+    let whole = near_line(sample, &origin, &direction, length)
         .into_iter()
-        .filter_map(|a| chord(&sample.aggregates[a as usize].body, &origin, &direction))
-        .map(|(from, to)| (from.max(0.0), to.min(length)))
-        .filter(|(from, to)| from < to)
-        .collect();
-    chords.sort_by(|x, y| x.0.total_cmp(&y.0));
-    Line { length, chords }
+        .filter_map(|a| chord(&sample.aggregates[a as usize].body, &origin, &direction));
+    Line::of(length, whole)
 }
 
 /// True for points of the specimen; of one that repeats itself, in its box alone.
