@@ -52,9 +52,26 @@ fn a_report_is_the_same_on_1_and_2_threads() {
 }
 
 #[test]
+fn a_report_in_json_holds_the_statistics() {
+    let folder = Folder::with_model();
+    let run = folder.run(&["report", "small.json", "-o", "figures.json"]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, "wrote figures.json\n"));
+    let figures: serde_json::Value = serde_json::from_slice(&folder.read("figures.json")).unwrap();
+    for part in ["classes", "shapes", "orientation", "wall_effect", "nearest_distance_mm", "correlation"] {
+        assert!(!figures[part].is_null(), "{part} is missing");
+    }
+    let (f, s2) = (figures["fraction"].as_f64().unwrap(), figures["correlation"]["two_point"][0].as_f64().unwrap());
+    assert!((s2 / f - 1.0).abs() < 0.02, "S2(0) is {s2}, f is {f}");
+}
+
+#[test]
 fn a_report_is_a_page_by_name() {
     let folder = Folder::with_model();
     let run = folder.run(&["report", "small.json", "-o", "page.pdf"]);
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("page.pdf: a report is a page; its name must end in .html"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("page.pdf: a report is a page or its figures; its name must end in .html or .json"),
+        "{}",
+        run.stderr
+    );
 }

@@ -249,6 +249,33 @@ fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
     assert!(["voids", "fibres", ".vo"].iter().all(|part| !plain.contains(part)));
 }
 
+#[test]
+fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
+    let model = packed(BOTH);
+    let figures = statistics(&model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap();
+    assert!((figures.fraction - model.report.fraction).abs() < 1e-9, "of the aggregates alone");
+    assert_eq!(figures.phases.iter().map(|figures| figures.phase).collect::<Vec<_>>(), [Kind::Void, Kind::Fibre]);
+    for (figures, reported) in figures.phases.iter().zip(&model.report.phases) {
+        assert_eq!(figures.bodies, reported.bodies);
+        assert!((figures.volume_mm3 / reported.volume_mm3 - 1.0).abs() < 1e-9);
+        assert!((figures.fraction - reported.fraction).abs() < 1e-9);
+        // A ball's surface is 6 / d of its volume, a long cylinder's 4 / d; polyhedra have a little more.
+        let ratio = figures.specific_surface_per_mm / figures.fraction;
+        let expected = if figures.phase == Kind::Void { 6.0 / 4.0..6.0 / 2.0 } else { 5.0..5.6 };
+        assert!(expected.contains(&ratio), "{figures:?}: {ratio}");
+        assert_eq!(figures.orientation.is_some(), figures.phase == Kind::Fibre);
+    }
+    let table = String::from_utf8(bytes(&model, Format::Csv)).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0].last(), Some(&"phase"));
+    for (name, bodies) in [("aggregate", model.aggregates.len())]
+        .into_iter()
+        .chain(model.report.phases.iter().map(|phase| (phase.phase.name(), phase.bodies)))
+    {
+        assert_eq!(rows.iter().filter(|row| row.last() == Some(&name)).count(), bodies, "{name}");
+    }
+}
+
 fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
     let options = MeshOptions { method, itz, element_size_mm: 1.0, ..Default::default() };
     mesh::build(model, &options).unwrap()

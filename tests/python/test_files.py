@@ -167,6 +167,7 @@ def test_the_csv_has_one_row_per_aggregate(packing, tmp_path):
     assert len(rows) == len(packing)
     assert [float(row["volume_mm3"]) for row in rows] == pytest.approx([a.volume for a in packing.aggregates], rel=1e-12)
     assert [float(row["itz_thickness_mm"]) for row in rows] == [a.itz_thickness for a in packing.aggregates]
+    assert {row["phase"] for row in rows} == {"aggregate"}
 
 
 def volumes_of_closed_surfaces(points, faces, owners):

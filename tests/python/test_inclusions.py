@@ -33,8 +33,16 @@ def test_voids_and_fibres_come_beside_the_aggregates(reinforced):
         assert len(own) == phase["bodies"] > 20
         assert math.fsum(b.volume for b in own) / 40**3 == pytest.approx(phase["fraction"], rel=1e-12)
         assert phase["fraction"] == pytest.approx(phase["target_fraction"], rel=0.05)
+        assert phase["volume_mm3"] == pytest.approx(phase["fraction"] * 40**3, rel=1e-12)
     assert reinforced.fraction == pytest.approx(0.3, abs=0.005)
     assert reinforced.check()["sound"]
+
+
+def test_statistics_tell_of_each_phase(reinforced):
+    figures = {p["phase"]: p for p in reinforced.statistics(lines=64, points=64)["phases"]}
+    assert {p["phase"]: p["bodies"] for p in reinforced.report()["phases"]} == {n: p["bodies"] for n, p in figures.items()}
+    assert sum(figures["fibre"]["orientation"]["eigenvalues"]) == pytest.approx(1.0)
+    assert "orientation" not in figures["void"]
 
 
 def test_a_fibre_meets_no_other_body_by_our_own_gjk(reinforced):

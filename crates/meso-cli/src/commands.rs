@@ -39,7 +39,7 @@ pub(crate) enum Command {
     Mesh(mesh::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     Check(check::Args),
-    /// Write one page about a saved model: pictures, grading plot, statistics
+    /// Write one page about a saved model: pictures, grading plot, statistics; or the statistics alone
     Report(report::Args),
     /// Write a saved model in another format
     Convert(convert::Args),

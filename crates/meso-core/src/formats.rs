@@ -29,7 +29,7 @@ pub enum Format {
     Vtu,
     /// Surfaces as triangles.
     Stl,
-    /// One row per aggregate.
+    /// One row per body.
     Csv,
 }
 
@@ -53,7 +53,7 @@ impl Format {
             Self::Json => "the saved model, bit for bit; every other command reads it",
             Self::Vtu => "aggregate surfaces as polygons with ids, classes, ITZ: ParaView, PyVista, meshio",
             Self::Stl => "aggregate surfaces as triangles: CAD, 3D printers",
-            Self::Csv => "one row per aggregate: size, volume, area, centroid, ITZ",
+            Self::Csv => "one row per aggregate, void and fibre: size, volume, area, centroid, ITZ",
         }
     }
 
@@ -76,7 +76,7 @@ impl Format {
             Self::Json => saved::write(model, out),
             Self::Vtu => vtu::write(&shown(), surfaces.encoding, out),
             Self::Stl => stl::write(&shown(), out),
-            Self::Csv => csv::write(&model.aggregates, out),
+            Self::Csv => csv::write(model.aggregates.iter().chain(&model.inclusions), out),
         }
     }
 }

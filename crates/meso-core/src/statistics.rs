@@ -7,11 +7,13 @@ mod correlation;
 mod distribution;
 mod index;
 mod nearest;
+mod phases;
 mod shape;
 mod wall;
 
 pub use correlation::Correlation;
 pub use distribution::Distribution;
+pub use phases::PhaseFigures;
 pub use shape::{Orientation, Shapes, Zingg};
 pub use wall::WallEffect;
 
@@ -88,6 +90,9 @@ pub struct Statistics {
     pub nearest_distance_mm: Option<Distribution>,
     /// Two-point correlation and lineal path.
     pub correlation: Correlation,
+    /// Voids and fibres, where there are some; all other figures are of the aggregates alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phases: Vec<PhaseFigures>,
 }
 
 /// Measures a packed model.
@@ -110,6 +115,7 @@ pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkErr
         wall_effect: wall::wall_effect(&sample),
         nearest_distance_mm: nearest::nearest_distances(&images, aggregates.len(), &index)?,
         correlation: correlation::correlation(&sample),
+        phases: PhaseFigures::all(&model.inclusions, room.volume()),
     })
 }
 

@@ -236,7 +236,8 @@ impl PyPacking {
         })
     }
 
-    /// Measures grading, shape, orientation, wall effect, gaps and correlation functions.
+    /// Measures grading, shape, orientation, wall effect, gaps and correlation functions of the aggregates, and counts
+    /// voids and fibres under `phases`.
     ///
     /// Parameters
     /// ----------

@@ -1,18 +1,19 @@
-//! `mesocrete report`: one self-contained page about a saved model.
+//! `mesocrete report`: a saved model in pictures and figures, as one self-contained page or as JSON.
 
 use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::{inputs, say, threads};
 use meso_core::page;
-use meso_core::statistics::{Options, statistics};
+use meso_core::statistics::{Options, Statistics, statistics};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// A saved model (.json); `-` is standard input
     model: PathBuf,
-    /// Page to write (.html); `-` is standard output
+    /// Page to write (.html), or the statistics alone (.json); `-` writes the page to standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Number of threads; all cores when absent
@@ -27,13 +28,17 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    let target = plan(&args.output, args.force)?;
+    let content = content(&args.output)?;
+    let target = Target::new(&args.output, args.force)?;
     outputs::distinct(&[&target], &[&args.model])?;
     let model = inputs::model(&args.model)?;
     let figures = threads::with(args.threads, || statistics(&model, &Options::default()))?;
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();
-    unit.fill(&target, args.force, |out| page::write(&model, &figures, out))?;
+    unit.fill(&target, args.force, |out| match content {
+        Content::Page => page::write(&model, &figures, out),
+        Content::Figures => write_figures(&figures, out),
+    })?;
     unit.commit()?;
     if let (Some(path), false) = (target.file(), args.quiet) {
         say::line(format!("wrote {}", path.display()));
@@ -41,10 +46,26 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
-fn plan(path: &Path, force: bool) -> Result<Target, Failure> {
-    let is_page = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"));
-    if path != Path::new("-") && !is_page {
-        return Err(Failure::Usage(format!("{}: a report is a page; its name must end in .html", path.display())));
+/// What the output's name asks for.
+#[derive(Clone, Copy)]
+enum Content {
+    Page,
+    Figures,
+}
+
+fn content(path: &Path) -> Result<Content, Failure> {
+    let ends_in = |wanted| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
+    if path == Path::new("-") || ends_in("html") {
+        return Ok(Content::Page);
     }
-    Target::new(path, force)
+    if ends_in("json") {
+        return Ok(Content::Figures);
+    }
+    let message = "a report is a page or its figures; its name must end in .html or .json";
+    Err(Failure::Usage(format!("{}: {message}", path.display())))
+}
+
+fn write_figures(figures: &Statistics, out: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, figures)?;
+    writeln!(out)
 }

@@ -1,4 +1,4 @@
-//! One row per aggregate, for spreadsheets and pandas.
+//! One row per aggregate, void and fibre, for spreadsheets and pandas.
 
 use crate::aggregate::Aggregate;
 use crate::math::longest_distance;
@@ -7,20 +7,19 @@ use std::io::{self, BufWriter, Write};
 
 /// The columns; lengths in mm.
 const HEADER: &str = "id,class,size_mm,volume_mm3,area_mm2,sphericity,centroid_x_mm,centroid_y_mm,centroid_z_mm,\
-itz_thickness_mm,vertices,faces";
+itz_thickness_mm,vertices,faces,phase";
 
-/// Writes a header and one row per aggregate to `out`; numbers are the shortest that read back the same.
+/// Writes a header and one row per body to `out`; numbers are the shortest that read back the same.
 ///
 /// `size_mm` is the longest distance between two vertices: the longest axis 2a of the ellipsoid they were drawn on.
-/// `sphericity` is Wadell's: the area of the sphere of equal volume over the aggregate's area.
+/// `sphericity` is Wadell's: the area of the sphere of equal volume over the body's area.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
+pub fn write<'a>(bodies: impl IntoIterator<Item = &'a Aggregate>, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "{HEADER}")?;
-    for aggregate in aggregates {
-        let Aggregate { id, class, itz_thickness_mm, body, .. } = aggregate;
+    for Aggregate { id, kind, class, itz_thickness_mm, body } in bodies {
         let (mass, area) = (body.mass_properties(), body.area());
         let size = longest_distance(body.vertices());
         let sphericity = libm::cbrt(PI) * libm::cbrt(6.0 * mass.volume).powi(2) / area;
@@ -28,8 +27,9 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
         let (vertices, faces) = (body.vertices().len(), body.faces().len());
         writeln!(
             out,
-            "{id},{class},{size},{},{area},{sphericity},{x},{y},{z},{itz_thickness_mm},{vertices},{faces}",
-            mass.volume
+            "{id},{class},{size},{},{area},{sphericity},{x},{y},{z},{itz_thickness_mm},{vertices},{faces},{}",
+            mass.volume,
+            kind.name()
         )?;
     }
     out.flush()

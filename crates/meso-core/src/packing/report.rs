@@ -78,6 +78,8 @@ pub struct PhaseReport {
     pub target_fraction: f64,
     /// Reached.
     pub fraction: f64,
+    /// Volume of the bodies, mm3.
+    pub volume_mm3: f64,
     /// Number of bodies.
     pub bodies: usize,
 }
@@ -204,8 +206,8 @@ impl PhaseReport {
         let phases = Kind::FURTHER.into_iter().zip(asked.fractions()).filter(|(_, target)| *target > 0.0);
         let phase = |(phase, target_fraction)| {
             let own = || bodies.iter().filter(|body| body.kind == phase);
-            let fraction = own().map(|body| body.body.volume() / volume_mm3).sum();
-            Self { phase, target_fraction, fraction, bodies: own().count() }
+            let volume: f64 = own().map(|body| body.body.volume()).sum();
+            Self { phase, target_fraction, fraction: volume / volume_mm3, volume_mm3: volume, bodies: own().count() }
         };
         phases.map(phase).collect()
     }

@@ -2,7 +2,7 @@
 
 use super::plot::escape;
 use crate::model::Model;
-use crate::statistics::{Distribution, Statistics};
+use crate::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
 use std::io::{self, Write};
 
 /// What was asked and what was reached, by class.
@@ -74,7 +74,20 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
         zingg.blade,
         statistics.specific_surface_per_mm,
         statistics.correlation.mean_chord_mm
-    )
+    )?;
+    statistics.phases.iter().try_for_each(|phase| further(phase, out))
+}
+
+/// Voids or fibres in a sentence.
+fn further(figures: &PhaseFigures, out: &mut impl Write) -> io::Result<()> {
+    let PhaseFigures { phase, bodies, volume_mm3, specific_surface_per_mm: surface, orientation, .. } = figures;
+    let mut name = phase.plural().to_owned();
+    name[..1].make_ascii_uppercase();
+    write!(out, "<p>{name}: {bodies}, {volume_mm3:.1} mm\u{b3}, specific surface {surface:.4} mm\u{207b}\u{b9}")?;
+    if let Some(Orientation { eigenvalues: [low, middle, high], .. }) = orientation {
+        write!(out, "; eigenvalues of their orientation tensor: {low:.4}, {middle:.4}, {high:.4}")?;
+    }
+    writeln!(out, ".</p>")
 }
 
 /// What was asked, to the letter.
