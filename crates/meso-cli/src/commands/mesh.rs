@@ -257,10 +257,10 @@ fn notes(mesh: &Mesh) {
             notes.widest_closed_gap_mm
         ));
     }
-    if notes.released_nodes > 0 {
-        let nodes = say::count(notes.released_nodes);
+    if notes.off_surface_nodes > 0 {
+        let nodes = say::count(notes.off_surface_nodes);
         say::line(format!(
-            "{nodes} interface nodes had to leave the aggregates' surfaces to keep angles from getting too sharp"
+            "{nodes} nodes could not be put on the surfaces with angles of 8 degrees, mostly in gaps to the specimen's sides"
         ));
     }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {

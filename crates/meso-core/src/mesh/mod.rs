@@ -152,8 +152,8 @@ pub struct Notes {
     pub closed_gap_pairs: usize,
     /// The widest gap closed, mm.
     pub widest_closed_gap_mm: f64,
-    /// Interface nodes of a fitted lattice that had to leave the surfaces, so that no angle is too sharp.
-    pub released_nodes: usize,
+    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
+    pub off_surface_nodes: usize,
     /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
     pub thinned_itz_aggregates: usize,
     /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
@@ -226,7 +226,8 @@ fn assemble(
         (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
         (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
         (Method::Lattice, Fit::Fitted) => {
-            let (tetrahedra, notes) = lattice::fitted(aggregates, &*room, options.element_size_mm);
+            let (tetrahedra, notes) =
+                lattice::fitted(aggregates, &*room, specimen.periodic().0, options.element_size_mm);
             with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, options)
         }
         (Method::Conforming, _) => {

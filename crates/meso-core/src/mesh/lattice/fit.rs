@@ -9,9 +9,9 @@ use super::balance::lacks;
 use super::places::Places;
 use super::roles::{Role, near_surface, relabel, roles};
 use super::skin::Skin;
-use super::star::{Star, Stars};
+use super::star::{Star, Stars, sharpness};
 use super::surface::Surface;
-use super::{Tetrahedra, mend, slide, smooth};
+use super::{Tetrahedra, back, mend, slide, smooth};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::grains::Locator;
 use rayon::prelude::*;
@@ -36,18 +36,17 @@ pub(super) struct Fit<'a> {
     pub(super) lacks: &'a [f64],
     /// Of the elements, mm.
     pub(super) size: f64,
-    /// The specimen's own surface, where it is not a box.
-    pub(super) skin: Option<&'a Skin<'a>>,
+    pub(super) skin: &'a Skin<'a>,
 }
 
-/// Fits `mesh`, with elements of about `size` mm, to the surfaces; returns how many nodes had to leave them for the angles.
+/// Fits `mesh`, with elements of about `size` mm, to the surfaces; returns how many nodes that belong on a surface lie off it.
 pub(super) fn fit(
     mesh: &mut Tetrahedra,
     surfaces: &[Surface],
     locator: &Locator,
     domain: &Aabb,
     size: f64,
-    skin: Option<&Skin>,
+    skin: &Skin,
 ) -> usize {
     let mut roles_now = roles(mesh, domain, skin);
     let active = near_surface(mesh, &roles_now);
@@ -71,9 +70,11 @@ pub(super) fn fit(
         }
     }
     let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &[], size, skin };
-    let released = mend::mend(&fit);
+    // No way leads back to the specimen's own surface.
+    let released = mend::mend(&fit).into_iter().filter(|&node| matches!(roles_now[node as usize], Role::Skin(_)));
+    let off = released.count() + back::back(&fit).len();
     mesh.points = places.into_points();
-    released
+    off
 }
 
 /// The steps, as [`Places::take_turn`] counts them.
@@ -111,6 +112,11 @@ impl Fit<'_> {
 
     pub(super) fn star(&self, node: u32) -> Star {
         Star::new(self.mesh, self.stars, node, self.places)
+    }
+
+    /// Of a tetrahedron as it stands.
+    pub(super) fn sharpness(&self, cell: u32) -> f64 {
+        sharpness(self.mesh.cells[cell as usize].map(|node| self.places.get(node)))
     }
 
     /// Moves the node; all around it are to be looked at again.

@@ -1,12 +1,12 @@
 //! The last of the fit: tetrahedra still sharper than the guard, one by one.
 //!
 //! Their nodes look further around than [`smooth`](super::smooth) does, and volume counts no more. Where that does not
-//! help, the nodes of surfaces are let off them: angles come first.
+//! help, the nodes of surfaces are let off them: angles come first ([`back`](super::back) brings back what it can).
 
 use super::fit::{Fit, GUARD_DEG};
 use super::roles::Role;
 use super::smooth::Track;
-use super::star::{sharpness, sharpness_of};
+use super::star::sharpness_of;
 use crate::math::Vec3;
 use rayon::prelude::*;
 
@@ -15,8 +15,8 @@ const TRIES: usize = 12;
 /// Lengths of the steps tried, in elements.
 const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
-/// Mends what can be mended; returns how many nodes were let off the surfaces for it.
-pub(super) fn mend(fit: &Fit) -> usize {
+/// Mends what can be mended; returns the nodes that were let off the surfaces for it.
+pub(super) fn mend(fit: &Fit) -> Vec<u32> {
     let limit = sharpness_of(GUARD_DEG);
     let mut suspects: Vec<u32> = (0..fit.mesh.cells.len() as u32).collect();
     let mut released = Vec::new();
@@ -40,17 +40,16 @@ pub(super) fn mend(fit: &Fit) -> usize {
     }
     released.sort_unstable();
     released.dedup();
-    released.len()
+    released
 }
 
 /// Those of `cells` that are sharper than `limit`.
 fn sharper(fit: &Fit, cells: Vec<u32>, limit: f64) -> Vec<u32> {
-    let sharp = |cell: &u32| sharpness(fit.mesh.cells[*cell as usize].map(|node| fit.places.get(node))) > limit;
-    cells.into_par_iter().filter(sharp).collect()
+    cells.into_par_iter().filter(|&cell| fit.sharpness(cell) > limit).collect()
 }
 
 /// Moves the node to the best place around it; false where it is there already.
-fn better(fit: &Fit, node: u32, released: bool) -> bool {
+pub(super) fn better(fit: &Fit, node: u32, released: bool) -> bool {
     let role = fit.roles[node as usize];
     if role == Role::Fixed || fit.stars.cells(node).is_empty() {
         return false;

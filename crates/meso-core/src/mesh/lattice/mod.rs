@@ -5,6 +5,7 @@
 //! that still cross one are cut there ([`cut`]). So it goes with the specimen's own surface where that is no box
 //! ([`outline`]), and what is outside is left out ([`trim`]).
 
+mod back;
 mod balance;
 mod bcc;
 mod cut;
@@ -82,7 +83,12 @@ fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
 }
 
 /// The fitted lattice: grains and mortar within `room`, its own surface included.
-pub(super) fn fitted(aggregates: &[Aggregate], room: &dyn Room, element_size: f64) -> (Tetrahedra, Notes) {
+pub(super) fn fitted(
+    aggregates: &[Aggregate],
+    room: &dyn Room,
+    repeats: [bool; 3],
+    element_size: f64,
+) -> (Tetrahedra, Notes) {
     let grains = Grain::all(aggregates, |_| 0.0);
     let outline = Outline::new(room);
     let bcc =
@@ -92,9 +98,10 @@ pub(super) fn fitted(aggregates: &[Aggregate], room: &dyn Room, element_size: f6
     field.snap();
     let mut notes = field.notes();
     let mut mesh = cut::Cutter::new(&field, &locator).cells();
-    let skin = outline.as_ref().map(|outline| Skin { outline, outer: trim::trim(&mut mesh) });
+    let outline = outline.as_ref().map(|outline| (outline, trim::trim(&mut mesh)));
+    let skin = Skin { outline, repeats };
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
-    notes.released_nodes = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, skin.as_ref());
+    notes.off_surface_nodes = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &skin);
     (mesh, notes)
 }
 

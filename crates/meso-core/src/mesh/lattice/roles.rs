@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// What a node may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Nothing: it lies on the box's faces.
+    /// Nothing: it lies on a side of a box that has to match the opposite one.
     Fixed,
     /// Slide along a grain it lies on, where a gap was closed between several grains.
     Contact,
@@ -25,15 +25,17 @@ pub(super) enum Role {
 
 /// The roles of all nodes.
 ///
-/// Nodes on the faces of a box stay where they are, those on the flat sides of other specimens slide in these.
-pub(super) fn roles(mesh: &Tetrahedra, domain: &Aabb, skin: Option<&Skin>) -> Vec<Role> {
+/// Nodes on sides that have to match opposite ones stay where they are, those on other flat sides slide in these.
+pub(super) fn roles(mesh: &Tetrahedra, domain: &Aabb, skin: &Skin) -> Vec<Role> {
     let wall = |p: &Vec3| [0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]);
-    let held = |node: usize, p: &Vec3| {
-        let hold = Hold { axes: wall(p), outer: skin.is_some_and(|skin| skin.outer[node]) };
-        (hold.outer || hold.axes.contains(&true)).then_some(hold)
-    };
     let role = |(node, (point, around)): (usize, (&Vec3, &Around))| match around {
-        _ if let Some(hold) = held(node, point) => skin.map_or(Role::Fixed, |_| Role::Skin(hold)),
+        _ if let Some(hold) = skin.hold(node, wall(point)) => {
+            if skin.fixes(hold) {
+                Role::Fixed
+            } else {
+                Role::Skin(hold)
+            }
+        }
         Around::Unseen | Around::One(_) => Role::Free,
         Around::Two(NO_AGGREGATE, grain) | Around::Two(grain, NO_AGGREGATE) => Role::Surface(*grain),
         Around::Two(..) | Around::Many => Role::Contact,

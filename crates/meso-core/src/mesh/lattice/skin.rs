@@ -4,10 +4,25 @@ use super::outline::Outline;
 use super::star::Star;
 use crate::math::Vec3;
 
-/// The outline, and which nodes lie on it.
+/// What holds the nodes on the specimen's surface.
 pub(super) struct Skin<'a> {
-    pub(super) outline: &'a Outline<'a>,
-    pub(super) outer: Vec<bool>,
+    /// The surface where it is not the lattice's box, and which nodes lie on it.
+    pub(super) outline: Option<(&'a Outline<'a>, Vec<bool>)>,
+    /// The axes along which the specimen repeats itself: nodes on the sides across these stay where they are.
+    pub(super) repeats: [bool; 3],
+}
+
+impl Skin<'_> {
+    /// What holds node number `node`, which lies on the box's sides across `axes`.
+    pub(super) fn hold(&self, node: usize, axes: [bool; 3]) -> Option<Hold> {
+        let outer = self.outline.as_ref().is_some_and(|(_, outer)| outer[node]);
+        (outer || axes.contains(&true)).then_some(Hold { axes, outer })
+    }
+
+    /// Whether a node held like this stays where it is.
+    pub(super) fn fixes(&self, hold: Hold) -> bool {
+        (0..3).any(|axis| hold.axes[axis] && self.repeats[axis])
+    }
 }
 
 /// Which coordinates a node keeps, since it lies on a flat side across that axis, and whether it lies on the outline.
@@ -52,9 +67,9 @@ impl Slope {
     /// `x` after the part of `step` that the surface allows, with elements of `size` mm.
     pub(super) fn after(&self, skin: &Skin, x: &Vec3, step: &Vec3, size: f64) -> Option<Vec3> {
         let place = x + self.allowed(step);
-        match &self.outwards {
-            None => Some(place),
-            Some(outwards) => skin.outline.along(&place, outwards, REACH * size),
+        match (&self.outwards, &skin.outline) {
+            (Some(outwards), Some((outline, _))) => outline.along(&place, outwards, REACH * size),
+            _ => Some(place),
         }
     }
 
@@ -67,13 +82,13 @@ impl Slope {
     /// onto its edges.
     pub(super) fn places(&self, skin: &Skin, star: &Star, size: f64) -> Vec<(f64, Vec3)> {
         let x = &star.centre;
-        let Some(outwards) = &self.outwards else { return Vec::new() };
-        if !skin.outline.has(x, outwards) {
-            return skin.outline.along(x, outwards, RETURN * size).map(|place| (0.0, place)).into_iter().collect();
+        let (Some(outwards), Some((outline, _))) = (&self.outwards, &skin.outline) else { return Vec::new() };
+        if !outline.has(x, outwards) {
+            return outline.along(x, outwards, RETURN * size).map(|place| (0.0, place)).into_iter().collect();
         }
         let gain = star.gain(|_| 1.0);
         let mut places = Vec::new();
-        skin.outline.edges_near(x, EDGE * size, |place, stands_out| {
+        outline.edges_near(x, EDGE * size, |place, stands_out| {
             let step = place - x;
             let gained = stands_out * gain.dot(&step);
             let leaves = (0..3).any(|axis| self.axes[axis] && step[axis].abs() > 1e-9 * size);

@@ -40,7 +40,7 @@ pub(super) fn slide(fit: &Fit, star: &mut Star, role: Role) -> Option<Vec3> {
             gaining(fit, &fit.surfaces[own as usize], x, &gain, &mut places);
         }
         Role::Skin(hold) => {
-            places = fit.skin.map_or_else(Vec::new, |skin| Slope::of(star, hold).places(skin, star, fit.size));
+            places = Slope::of(star, hold).places(fit.skin, star, fit.size);
         }
         Role::Fixed | Role::Free => {}
     }

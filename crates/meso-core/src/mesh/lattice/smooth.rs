@@ -74,7 +74,7 @@ impl Track {
         match self {
             Self::Still => None,
             Self::Along(grain) => fit.surfaces[grain as usize].along_face(x, step),
-            Self::Slope(slope) => fit.skin.and_then(|skin| slope.after(skin, x, step, fit.size)),
+            Self::Slope(slope) => slope.after(fit.skin, x, step, fit.size),
             Self::Anywhere => Some(x + step),
         }
     }
