@@ -1,5 +1,6 @@
 //! CalculiX, a solver we did not write, on our elastic decks. Skipped, with a message, where `ccx` is not installed.
 
+use crate::mesh::deck;
 use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
@@ -11,11 +12,12 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-/// Sums of the reactions (x, y, z) of ZMIN and ZMAX, N; `None` without a solver.
-fn reactions(mesh: &Mesh) -> Option<[[f64; 3]; 2]> {
+/// Sums of the reactions (x, y, z) of ZMIN and ZMAX that a deck gives, N; `files` lie beside it. `None` without a solver.
+fn reactions(deck: &str, files: &[(&str, &str)]) -> Option<[[f64; 3]; 2]> {
     let folder = tempfile::tempdir().unwrap();
-    let options = DeckOptions { analysis: Analysis::Elastic, ..Default::default() };
-    abaqus::write(mesh, &options, std::fs::File::create(folder.path().join("job.inp")).unwrap()).unwrap();
+    for (name, text) in files.iter().chain(&[("job.inp", deck)]) {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
     let Ok(run) = Command::new("ccx").args(["-i", "job"]).current_dir(folder.path()).output() else {
         eprintln!("skipped: no `ccx` here (Debian: calculix-ccx)");
         return None;
@@ -40,7 +42,16 @@ fn totals(dat: &Path) -> [[f64; 3]; 2] {
 
 /// Effective modulus, MPa, after checking that the reactions balance.
 pub(crate) fn modulus(mesh: &Mesh, area: f64) -> Option<f64> {
-    let [bottom, top] = reactions(mesh)?;
+    modulus_of(&deck(mesh, &elastic()), &[], area)
+}
+
+pub(crate) fn elastic() -> DeckOptions {
+    DeckOptions { analysis: Analysis::Elastic, ..Default::default() }
+}
+
+/// That of a deck and the files beside it.
+pub(crate) fn modulus_of(deck: &str, files: &[(&str, &str)], area: f64) -> Option<f64> {
+    let [bottom, top] = reactions(deck, files)?;
     for axis in 0..3 {
         assert!((bottom[axis] + top[axis]).abs() < 1e-6 * bottom[2].abs(), "{bottom:?} {top:?}");
     }
@@ -101,6 +112,19 @@ fn calculix_finds_moduli_between_the_hashin_shtrikman_bounds_that_agree() {
     assert!(most / least < 1.03, "{moduli:?}");
 }
 
+#[test]
+fn calculix_reads_the_geometry_through_include() {
+    let options = MeshOptions { itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
+    let mesh = mesh::build(&packed(), &options).unwrap();
+    let whole = deck(&mesh, &elastic());
+    let geometry = deck(&mesh, &DeckOptions { geometry_only: true, ..elastic() });
+    // A user's own deck: what follows the geometry, after one line.
+    let rest = &whole[whole.find("*MATERIAL").unwrap()..];
+    let own = format!("*INCLUDE, INPUT=geometry.inp\n{rest}");
+    let Some(included) = modulus_of(&own, &[("geometry.inp", &geometry)], 1600.0) else { return };
+    assert_eq!(Some(included), modulus_of(&whole, &[], 1600.0));
+}
+
 /// Runs gmsh; where it cannot be run there is no output.
 fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
     let folder = tempfile::tempdir().unwrap();
@@ -114,7 +138,7 @@ fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
 }
 
 /// What CalculiX 2.20 cannot read of the explicit decks; docs/meshing.md lists the same.
-const UNKNOWN_TO_CALCULIX: [&str; 12] = [
+const UNKNOWN_TO_CALCULIX: [&str; 13] = [
     "*COHESIVESECTION",
     "*CONCRETECOMPRESSIONDAMAGE",
     "*CONCRETECOMPRESSIONHARDENING",
@@ -125,6 +149,7 @@ const UNKNOWN_TO_CALCULIX: [&str; 12] = [
     "*DAMAGEINITIATION",
     "*ENERGYOUTPUT",
     "*FIXEDMASSSCALING",
+    "COH3D6",
     "COH3D8",
     "R3D4",
 ];
@@ -133,8 +158,12 @@ const UNKNOWN_TO_CALCULIX: [&str; 12] = [
 fn calculix_knows_all_of_the_explicit_decks_but_the_documented_keywords() {
     let model = packed();
     let mut unknown = BTreeSet::new();
-    for (analysis, itz) in [(Analysis::Compression, ItzForm::None), (Analysis::Tension, ItzForm::Cohesive)] {
-        let options = MeshOptions { itz, element_size_mm: 5.0, ..Default::default() };
+    for (analysis, itz, method) in [
+        (Analysis::Compression, ItzForm::None, Method::Voxel),
+        (Analysis::Tension, ItzForm::Cohesive, Method::Voxel),
+        (Analysis::Compression, ItzForm::Cohesive, Method::Lattice),
+    ] {
+        let options = MeshOptions { method, itz, element_size_mm: 5.0, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let deck = std::fs::File::create(folder.path().join("job.inp")).unwrap();

@@ -4,6 +4,8 @@
 mod bad_specs;
 mod calculix;
 mod check;
+mod cohesive_decks;
+mod decks;
 mod erosion;
 mod exact;
 mod export;

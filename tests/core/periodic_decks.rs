@@ -15,7 +15,7 @@ use std::process::Command;
 const SIDE_MM: f64 = 24.0;
 
 /// A packing of 24 mm with grains of 6 to 12 mm, at 30 %, that repeats itself along `axes`.
-fn packed(axes: [bool; 3]) -> Model {
+pub(crate) fn packed(axes: [bool; 3]) -> Model {
     let specimen = Specimen::Cube { side_mm: SIDE_MM, periodic: Periodic(axes) };
     let mut spec = Spec { fraction: 0.3, specimen, ..Default::default() };
     spec.grading = Grading { d_min_mm: 6.0, d_max_mm: 12.0, classes_mm: vec![6.0, 12.0], ..spec.grading };
@@ -30,7 +30,7 @@ fn meshed(axes: [bool; 3], method: Method) -> Mesh {
     mesh::build(&packed(axes), &options).unwrap()
 }
 
-fn tied(analysis: Analysis) -> DeckOptions {
+pub(crate) fn tied(analysis: Analysis) -> DeckOptions {
     DeckOptions { analysis, periodic_equations: true, ..Default::default() }
 }
 
@@ -158,7 +158,7 @@ fn faces_that_do_not_match_are_told_where() {
 }
 
 /// What CalculiX finds.
-struct Solved {
+pub(crate) struct Solved {
     /// Displacement of every node, the reference nodes' last, mm.
     displacement: BTreeMap<usize, Vec3>,
     /// N mm.
@@ -167,8 +167,12 @@ struct Solved {
 
 /// The elastic deck's answer; `None` without a solver.
 fn solve(mesh: &Mesh, materials: Materials) -> Option<Solved> {
+    solve_deck(&deck(mesh, &DeckOptions { materials, ..tied(Analysis::Elastic) }))
+}
+
+/// That of an elastic deck of a periodic box of [`SIDE_MM`].
+pub(crate) fn solve_deck(text: &str) -> Option<Solved> {
     let folder = tempfile::tempdir().unwrap();
-    let text = deck(mesh, &DeckOptions { materials, ..tied(Analysis::Elastic) });
     assert!(text.contains("REF_Z, 3, 3, -2.400000000000e-2\n"));
     // CalculiX leaves the forces of equations out of its reactions; the energy it does count.
     let asked = "*NODE PRINT, NSET=ALLNODES\nU\n*EL PRINT, ELSET=AGGREGATE, TOTALS=ONLY\nELSE\n\
@@ -199,7 +203,7 @@ fn solve(mesh: &Mesh, materials: Materials) -> Option<Solved> {
 const STRAIN: f64 = 0.001;
 
 /// MPa: with all other mean stresses zero, the energy is E strain^2 / 2 times the volume.
-fn modulus(solved: &Solved) -> f64 {
+pub(crate) fn modulus(solved: &Solved) -> f64 {
     2.0 * solved.energy / (SIDE_MM.powi(3) * STRAIN * STRAIN)
 }
 

@@ -3,7 +3,7 @@
 //! Compression: two rigid plates with friction, the lower one held, the upper one moved down along a smooth step.
 //! Tension: the same loading of two rigid bodies that hold the nodes of ZMIN and ZMAX, as glued platens do.
 
-use super::lines::Lines;
+use super::lines::{Lines, real};
 use super::{Analysis, DeckOptions};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
@@ -81,18 +81,18 @@ fn held_faces(lines: &mut Lines<impl Write>, sides: &Sides, references: [u64; 2]
 fn contact(lines: &mut Lines<impl Write>, friction: f64) -> io::Result<()> {
     lines.line("*SURFACE INTERACTION, NAME=PLATEN")?;
     lines.line("*FRICTION")?;
-    lines.line(format!("{friction:?},"))
+    lines.line(format!("{},", real(friction)))
 }
 
 fn step(lines: &mut Lines<impl Write>, options: &DeckOptions, travel: f64, contact: bool) -> io::Result<()> {
     let loading = &options.loading;
-    let duration = loading.duration_s;
+    let duration = real(loading.duration_s);
     lines.line("*AMPLITUDE, NAME=SMOOTH, DEFINITION=SMOOTH STEP")?;
-    lines.line(format!("0.0, 0.0, {duration:?}, 1.0"))?;
+    lines.line(format!("0.0, 0.0, {duration}, 1.0"))?;
     lines.line("*STEP, NLGEOM=YES")?;
     lines.line("*DYNAMIC, EXPLICIT")?;
-    lines.line(format!(", {duration:?}"))?;
-    lines.line(format!("*FIXED MASS SCALING, DT={:e}, TYPE=BELOW MIN", loading.time_increment_s))?;
+    lines.line(format!(", {duration}"))?;
+    lines.line(format!("*FIXED MASS SCALING, DT={}, TYPE=BELOW MIN", real(loading.time_increment_s)))?;
     lines.line("*BOUNDARY")?;
     lines.line("REF_BOTTOM, 1, 6")?;
     lines.line("REF_TOP, 1, 2")?;
@@ -116,7 +116,7 @@ fn output(lines: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()
     lines.line("U, RF")?;
     lines.line("*ELEMENT OUTPUT")?;
     lines.line("S, LE, PE, DAMAGEC, DAMAGET, SDEG, STATUS")?;
-    lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={:e}", options.loading.duration_s / HISTORY))?;
+    lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={}", real(options.loading.duration_s / HISTORY)))?;
     for set in ["REF_BOTTOM", "REF_TOP"] {
         lines.line(format!("*NODE OUTPUT, NSET={set}"))?;
         lines.line("U3, RF3")?;

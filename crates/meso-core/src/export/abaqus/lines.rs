@@ -7,6 +7,12 @@ const ENTRIES: usize = 16;
 /// The buffer goes to `out` when it is this full.
 const FLUSH_AT: usize = 1 << 16;
 
+/// A number as a deck can hold it: Abaqus reads at most 20 characters of one, so 13 digits where all of them are longer.
+pub(super) fn real(x: f64) -> String {
+    let shortest = format!("{x:?}");
+    if shortest.len() <= 20 { shortest } else { format!("{x:.12e}") }
+}
+
 /// A buffered writer of decks.
 pub(super) struct Lines<W> {
     out: W,
@@ -146,6 +152,17 @@ mod tests {
             let text = coordinate(x);
             assert!(text.len() <= 20, "{text}");
             assert!((text.parse::<f64>().unwrap() / x - 1.0).abs() <= 1e-12, "{text}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_at_most_twenty_characters() {
+        assert_eq!(
+            [0.1, 26_000.0, 2.2e-9, 0.03 * 2.2e-9].map(real),
+            ["0.1", "26000.0", "2.2e-9", "6.600000000000e-11"]
+        );
+        for x in [f64::MIN_POSITIVE, -f64::MAX, 1.0 / 3.0, -1e-300 / 7.0] {
+            assert!(real(x).len() <= 20 && (real(x).parse::<f64>().unwrap() / x - 1.0).abs() < 1e-12, "{}", real(x));
         }
     }
 

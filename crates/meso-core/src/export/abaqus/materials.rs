@@ -2,7 +2,7 @@
 
 use super::damage::{self, Row};
 use super::geometry::present;
-use super::lines::Lines;
+use super::lines::{Lines, real};
 use super::{Analysis, DeckOptions};
 use crate::materials::{Elastic, Materials, Strength};
 use crate::mesh::{CellKind, Mesh, Phase, PhaseVolumes};
@@ -35,9 +35,9 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::Result<()> {
     lines.line(format!("*MATERIAL, NAME={name}"))?;
     lines.line("*DENSITY")?;
-    lines.line(format!("{:e},", elastic.density_t_per_mm3))?;
+    lines.line(format!("{},", real(elastic.density_t_per_mm3)))?;
     lines.line("*ELASTIC")?;
-    lines.line(format!("{:?}, {:?}", elastic.youngs_modulus_mpa, elastic.poisson_ratio))
+    lines.line(format!("{}, {}", real(elastic.youngs_modulus_mpa), real(elastic.poisson_ratio)))
 }
 
 /// Cube root of the phase's mean element volume, mm, of second-order elements half of it: Abaqus' own characteristic length.
@@ -55,10 +55,9 @@ fn plasticity(
     width: f64,
 ) -> io::Result<()> {
     let (elastic, p) = (materials.elastic(phase), &materials.plasticity);
-    let [angle, e, ratio, kc, viscosity] =
-        [p.dilation_angle_deg, p.eccentricity, p.biaxial_ratio, p.meridian_ratio, p.viscosity_s];
+    let values = [p.dilation_angle_deg, p.eccentricity, p.biaxial_ratio, p.meridian_ratio, p.viscosity_s];
     lines.line("*CONCRETE DAMAGED PLASTICITY")?;
-    lines.line(format!("{angle:?}, {e:?}, {ratio:?}, {kc:?}, {viscosity:?}"))?;
+    lines.line(values.map(real).join(", "))?;
     let (compression, tension) = (damage::compression(elastic, strength, width), damage::tension(strength));
     lines.line("*CONCRETE COMPRESSION HARDENING")?;
     curve(lines, &compression, |row| row.stress)?;
@@ -84,7 +83,7 @@ fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials) -> io::Result<
     let cohesion = (strength.compressive_mpa * strength.tensile_mpa).sqrt() / 2.0;
     lines.line("*MATERIAL, NAME=ITZ")?;
     lines.line("*DENSITY")?;
-    lines.line(format!("{:e},", itz.density_t_per_mm3 * t))?;
+    lines.line(format!("{},", real(itz.density_t_per_mm3 * t)))?;
     lines.line("*ELASTIC, TYPE=TRACTION")?;
     lines.line(format!("{normal:.6e}, {shear:.6e}, {shear:.6e}"))?;
     lines.line("*DAMAGE INITIATION, CRITERION=QUADS")?;

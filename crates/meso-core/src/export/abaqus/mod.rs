@@ -10,6 +10,7 @@ mod damage;
 mod elastic;
 mod explicit;
 mod geometry;
+mod limits;
 mod lines;
 mod materials;
 mod periodic;
@@ -17,6 +18,7 @@ mod periodic;
 use crate::materials::Materials;
 use crate::mesh::Mesh;
 use crate::mesh::sides::Sides;
+pub use limits::DeckError;
 use lines::Lines;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
@@ -80,43 +82,32 @@ impl Default for Loading {
     }
 }
 
-/// What a deck cannot hold.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("deck.{key} is {value}; {accepted}")]
-pub struct DeckError {
-    /// The option's name.
-    key: &'static str,
-    /// What was given.
-    value: String,
-    /// What is accepted.
-    accepted: String,
-}
-
 impl DeckOptions {
     /// Finds out whether `mesh` can be written as a deck with these options.
     ///
     /// # Errors
     /// Names the option, its value and what is accepted.
     pub fn validate(&self, mesh: &Mesh) -> Result<(), DeckError> {
+        self.validate_for(mesh.periodic)?;
+        if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
+    }
+
+    /// What can be said before there is a mesh: of a specimen that repeats itself along the `periodic` axes.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate).
+    pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), DeckError> {
+        limits::check(self)?;
         if !self.periodic_equations {
             return Ok(());
         }
-        let no =
-            |key, value: &str, accepted: &str| Err(DeckError { key, value: value.into(), accepted: accepted.into() });
-        let fully_tied = mesh.periodic == [true; 3];
+        let no = |key, value, accepted| Err(DeckError::new(key, value, accepted));
+        let tie = "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
+        let step = "with periodic_equations it needs a box without any wall; take none and a step of your own";
         match self.analysis {
-            _ if mesh.periodic == [false; 3] => {
-                let accepted =
-                    "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
-                no("periodic_equations", "true", accepted)
-            }
-            Analysis::None => periodic::check(mesh),
-            Analysis::Elastic if self.geometry_only || fully_tied => periodic::check(mesh),
-            Analysis::Elastic => {
-                let accepted =
-                    "with periodic_equations it needs a box without any wall; take none and a step of your own";
-                no("analysis", "elastic", accepted)
-            }
+            _ if periodic == [false; 3] => no("periodic_equations", "true", tie),
+            Analysis::Elastic if !self.geometry_only && periodic != [true; 3] => no("analysis", "elastic", step),
+            Analysis::None | Analysis::Elastic => Ok(()),
             Analysis::Compression | Analysis::Tension => {
                 no("periodic_equations", "true", "plates need free faces; take analysis elastic or none")
             }

@@ -97,5 +97,5 @@ fn unmatched(place: &Vec3, along: &[bool; 3]) -> DeckError {
 
 fn faces_differ(what: &str) -> DeckError {
     let remedy = "opposite faces must match node for node, as in voxels and lattices";
-    DeckError { key: "periodic_equations", value: "true".into(), accepted: format!("{remedy}; here {what}") }
+    DeckError::new("periodic_equations", "true", format!("{remedy}; here {what}"))
 }

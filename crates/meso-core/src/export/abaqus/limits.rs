@@ -1,0 +1,104 @@
+//! What a deck cannot hold: values out of their ranges, by name.
+
+use super::DeckOptions;
+use crate::materials::{Elastic, Materials};
+
+/// An option that a deck cannot hold.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("deck.{key} is {value}; {accepted}")]
+pub struct DeckError {
+    /// The option's name.
+    key: String,
+    /// What was given.
+    value: String,
+    /// What is accepted.
+    accepted: String,
+}
+
+impl DeckError {
+    pub(super) fn new(key: impl Into<String>, value: impl ToString, accepted: impl Into<String>) -> Self {
+        Self { key: key.into(), value: value.to_string(), accepted: accepted.into() }
+    }
+}
+
+/// Every value against its range; NaN lies in none.
+pub(super) fn check(options: &DeckOptions) -> Result<(), DeckError> {
+    let loading = &options.loading;
+    let strain = options.strain.unwrap_or(0.001);
+    require(
+        "strain",
+        strain,
+        strain > 0.0 && strain < 1.0,
+        "it must lie between 0 and 1; the analysis gives its sign",
+    )?;
+    require("friction", loading.friction, (0.0..=10.0).contains(&loading.friction), "it must be 0 to 10")?;
+    require("frames", f64::from(loading.frames), loading.frames > 0, "it must be 1 or more")?;
+    positive("duration_s", loading.duration_s)?;
+    positive("time_increment_s", loading.time_increment_s)?;
+    materials(&options.materials)
+}
+
+fn materials(values: &Materials) -> Result<(), DeckError> {
+    for (name, phase) in
+        [("aggregate", &values.aggregate), ("itz", &values.itz), ("mortar", &values.mortar), ("fibre", &values.fibre)]
+    {
+        elastic(name, phase)?;
+    }
+    let (strength, plasticity) = (&values.mortar_strength, &values.plasticity);
+    for (name, value) in [
+        ("compressive_mpa", strength.compressive_mpa),
+        ("peak_strain", strength.peak_strain),
+        ("tensile_mpa", strength.tensile_mpa),
+        ("fracture_energy_n_per_mm", strength.fracture_energy_n_per_mm),
+        ("crushing_energy_n_per_mm", strength.crushing_energy_n_per_mm),
+    ] {
+        positive(&format!("materials.mortar_strength.{name}"), value)?;
+    }
+    let ratio = values.itz_strength_ratio;
+    require(
+        "materials.itz_strength_ratio",
+        ratio,
+        ratio > 0.0 && ratio <= 1.0,
+        "it must lie above 0 and at most at 1",
+    )?;
+    positive("materials.cohesive_thickness_mm", values.cohesive_thickness_mm)?;
+    // Abaqus' own limits.
+    let (angle, kc) = (plasticity.dilation_angle_deg, plasticity.meridian_ratio);
+    require("materials.plasticity.dilation_angle_deg", angle, angle > 0.0 && angle < 90.0, "it must be 0 to 90")?;
+    require(
+        "materials.plasticity.meridian_ratio",
+        kc,
+        kc > 0.5 && kc <= 1.0,
+        "it must lie above 0.5 and at most at 1",
+    )?;
+    for (name, value) in [("eccentricity", plasticity.eccentricity), ("viscosity_s", plasticity.viscosity_s)] {
+        require(
+            &format!("materials.plasticity.{name}"),
+            value,
+            value >= 0.0 && value.is_finite(),
+            "it must be 0 or more",
+        )?;
+    }
+    positive("materials.plasticity.biaxial_ratio", plasticity.biaxial_ratio)
+}
+
+fn elastic(name: &str, values: &Elastic) -> Result<(), DeckError> {
+    let (key, ratio) = (format!("materials.{name}"), values.poisson_ratio);
+    positive(&format!("{key}.youngs_modulus_mpa"), values.youngs_modulus_mpa)?;
+    positive(&format!("{key}.density_t_per_mm3"), values.density_t_per_mm3)?;
+    let stable = ratio > -1.0 && ratio < 0.5;
+    require(
+        &format!("{key}.poisson_ratio"),
+        ratio,
+        stable,
+        "it must lie between -1 and 0.5, where a material is stable",
+    )
+}
+
+fn positive(key: &str, value: f64) -> Result<(), DeckError> {
+    require(key, value, value > 0.0 && value.is_finite(), "it must be a positive number")
+}
+
+fn require(key: &str, value: f64, met: bool, accepted: &str) -> Result<(), DeckError> {
+    if met { Ok(()) } else { Err(DeckError::new(key, value, accepted)) }
+}
