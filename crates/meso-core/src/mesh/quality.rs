@@ -1,11 +1,13 @@
-//! How good a mesh is: angles, shapes, the time step it allows, and how near its interfaces lie to the grains.
+//! How good a mesh is: the angles and shapes of its cells, and the report on them.
+
+mod report;
+
+pub use report::{BAD_DEG, DIHEDRAL_BINS, QualityReport};
 
 use super::volumes::cell_volume;
-use super::{CellKind, InterfaceDistance, Mesh, Phase};
-use crate::materials::Materials;
+use super::{CellKind, Mesh};
 use crate::math::Vec3;
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// One cell's measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,80 +24,21 @@ pub struct CellQuality {
     pub volume_mm3: f64,
 }
 
-/// The worst of all cells, with a histogram.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct QualityReport {
-    /// Number of cells.
-    pub cells: usize,
-    /// Smallest dihedral angle, degrees, and the cell's index.
-    pub min_dihedral_deg: (f64, usize),
-    /// Largest dihedral angle, degrees, and the cell's index.
-    pub max_dihedral_deg: (f64, usize),
-    /// Smallest radius ratio and the cell's index.
-    pub min_radius_ratio: (f64, usize),
-    /// Shortest altitude, mm, and the cell's index.
-    pub shortest_altitude_mm: (f64, usize),
-    /// Cells by smallest dihedral angle: below 1, 2, 5, 8, 10, 15, 30 degrees and the rest.
-    pub dihedral_histogram: [usize; 8],
-    /// Cells with no positive volume.
-    pub inverted: usize,
-    /// Longest stable time step of explicit dynamics, s: altitude over dilatational wave speed, of the worst cell.
-    pub stable_time_step_s: f64,
-    /// How near the interfaces lie to the aggregates' surfaces.
-    pub interface_distance: InterfaceDistance,
-}
-
-/// Upper limits of the histogram's bins, degrees.
-pub const DIHEDRAL_BINS: [f64; 7] = [1.0, 2.0, 5.0, 8.0, 10.0, 15.0, 30.0];
-
 /// Every cell's measures, in the cells' order.
 pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
-    let measure = |cell: &[u32]| match mesh.kind {
-        CellKind::Hexahedron => voxel(cell, mesh),
-        _ => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
-    };
-    mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(measure).collect()
+    mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(|cell| measured(mesh, cell)).collect()
 }
 
-/// The worst of `cells`, which with `interface_distance` are `mesh`'s.
-pub fn report(
-    mesh: &Mesh,
-    cells: &[CellQuality],
-    interface_distance: InterfaceDistance,
-    materials: &Materials,
-) -> QualityReport {
-    let least = |value: fn(&CellQuality) -> f64| {
-        let worst = (0..).zip(cells).map(|(i, q)| (value(q), i));
-        worst.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::NAN, 0))
-    };
-    let steps = cells.iter().zip(&mesh.phase);
-    let step =
-        |(q, phase): (&CellQuality, &Phase)| q.shortest_altitude_mm / materials.elastic(*phase).wave_speed_mm_per_s();
-    let largest = least(|q| -q.max_dihedral_deg);
-    QualityReport {
-        cells: cells.len(),
-        min_dihedral_deg: least(|q| q.min_dihedral_deg),
-        max_dihedral_deg: (-largest.0, largest.1),
-        min_radius_ratio: least(|q| q.radius_ratio),
-        shortest_altitude_mm: least(|q| q.shortest_altitude_mm),
-        dihedral_histogram: histogram(cells),
-        inverted: cells.iter().filter(|q| q.volume_mm3 <= 0.0).count(),
-        stable_time_step_s: steps.map(step).fold(f64::INFINITY, f64::min),
-        interface_distance,
+fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
+    match mesh.kind {
+        CellKind::Hexahedron => voxel(cell, mesh),
+        _ => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
     }
 }
 
 /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
 pub fn bad_cells(cells: &[CellQuality], degrees: f64) -> Vec<usize> {
     (0..).zip(cells).filter(|(_, q)| q.min_dihedral_deg < degrees).map(|(index, _)| index).collect()
-}
-
-fn histogram(cells: &[CellQuality]) -> [usize; 8] {
-    let mut bins = [0; 8];
-    for cell in cells {
-        bins[DIHEDRAL_BINS.iter().position(|limit| cell.min_dihedral_deg < *limit).unwrap_or(7)] += 1;
-    }
-    bins
 }
 
 /// Smallest and largest cosine of a tetrahedron's dihedral angles.

@@ -54,24 +54,25 @@ impl PhaseVolumes {
     pub fn exact(
         aggregates: &[Aggregate],
         specimen: &Specimen,
-        shell: impl Fn(&Aggregate) -> f64,
+        shell: impl Fn(&Aggregate) -> f64 + Sync,
     ) -> Result<Self, OffsetError> {
-        let (mut all, mut outer, mut core, mut fibre) = (0.0, 0.0, 0.0, 0.0);
-        for aggregate in aggregates {
+        let core = |aggregate: &Aggregate| {
+            let inner = if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 };
+            Ok(crate::geometry::inward_offset(&aggregate.body, inner)?.map_or(0.0, |body| body.volume()))
+        };
+        // Summed in the aggregates' order: the same on any number of threads.
+        let cores = aggregates.par_iter().map(core).collect::<Result<Vec<f64>, OffsetError>>()?;
+        let (mut all, mut outer, mut inside, mut fibre) = (0.0, 0.0, 0.0, 0.0);
+        for (aggregate, core) in aggregates.iter().zip(cores) {
             let volume = aggregate.body.volume();
             all += volume;
             match aggregate.kind {
-                Kind::Aggregate => outer += volume,
-                Kind::Void => continue,
-                Kind::Fibre => {
-                    fibre += volume;
-                    continue;
-                }
+                Kind::Aggregate => (outer, inside) = (outer + volume, inside + core),
+                Kind::Void => {}
+                Kind::Fibre => fibre += volume,
             }
-            let inner = crate::geometry::inward_offset(&aggregate.body, shell(aggregate))?;
-            core += inner.map_or(0.0, |body| body.volume());
         }
-        Ok(Self { aggregate: core, itz: outer - core, mortar: specimen.volume() - all, fibre })
+        Ok(Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre })
     }
 
     /// Sum of the phases, mm3.
