@@ -1,5 +1,7 @@
 //! What a mesh cannot be made of.
 
+use super::conforming::ROOM_MM;
+
 /// Why there is no mesh: what, where, and the way out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
@@ -33,8 +35,8 @@ pub enum MeshError {
     Gmsh(String),
     /// Two aggregates, or one and the specimen's surface, are too close for a conforming mesh.
     #[error(
-        "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with min_gap_mm = 0.05 \
-         and wall_gap_mm = 0.05 or more under [placement], or mesh by the method lattice",
+        "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with min_gap_mm = {ROOM_MM} \
+         and wall_gap_mm = {ROOM_MM} or more under [placement], or mesh by the method lattice",
         other.map_or("the specimen's surface".to_owned(), |id| format!("aggregate {id}"))
     )]
     NearTouching {

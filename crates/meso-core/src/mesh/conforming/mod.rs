@@ -11,9 +11,11 @@ mod msh;
 mod round;
 mod walls;
 
+pub use gaps::ROOM_MM;
+
 use super::lattice::Tetrahedra;
 use super::{Mesh, MeshError, MeshOptions, NO_AGGREGATE, Notes};
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::packing::Specimen;
 use facets::Triangles;
@@ -51,8 +53,8 @@ impl<'a> Surfaces<'a> {
 
     /// gmsh's script, which reads the surfaces from `file`.
     pub fn script(&self, file: &str) -> String {
-        let centres: Vec<Vec3> = self.aggregates.iter().map(|a| a.body.centroid()).collect();
-        msh::script(file, &centres, self.size)
+        let centre = |body: &Aggregate| (body.kind != Kind::Void).then(|| body.body.centroid());
+        msh::script(file, &self.aggregates.iter().map(centre).collect::<Vec<Option<Vec3>>>(), self.size)
     }
 
     /// Writes the surfaces for gmsh.
@@ -72,9 +74,10 @@ impl<'a> Surfaces<'a> {
         let mortar = self.aggregates.len() as u32 + 1;
         let grain = |&tag: &u32| if tag == mortar { NO_AGGREGATE } else { tag - 1 };
         let filled = volumes.volume.iter().collect::<BTreeSet<_>>().len();
-        if filled < self.surfaces.len() {
-            let empty = self.surfaces.len() - filled;
-            return Err(MeshError::Gmsh(format!("gmsh left {empty} of {mortar} volumes without elements")));
+        let wanted = self.surfaces.len() - self.aggregates.iter().filter(|body| body.kind == Kind::Void).count();
+        if filled < wanted {
+            let empty = wanted - filled;
+            return Err(MeshError::Gmsh(format!("gmsh left {empty} of {wanted} volumes without elements")));
         }
         let cells = volumes.cells.par_iter().map(|cell| super::lattice::oriented(*cell, &volumes.points)).collect();
         let grain = volumes.volume.iter().map(grain).collect();
