@@ -2,14 +2,14 @@
 
 use crate::command::Folder;
 use meso_cli::gmsh::Gmsh;
-use meso_core::aggregate::Aggregate;
+use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::geometry::{Plane, inward_offset};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A dense packing of 30 mm with room to mesh between its grains.
 fn packed(gap_mm: f64) -> Model {
@@ -22,10 +22,18 @@ fn conforming(model: &Model, itz: ItzForm) -> Option<Mesh> {
     with_options(model, MeshOptions { itz, ..Default::default() })
 }
 
+/// Whether gmsh is here.
+fn has_gmsh() -> bool {
+    let here = Gmsh::program("gmsh").check().is_ok();
+    if !here {
+        eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
+    }
+    here
+}
+
 /// The conforming mesh; `None` without gmsh.
 pub(crate) fn with_options(model: &Model, options: MeshOptions) -> Option<Mesh> {
-    if std::process::Command::new("gmsh").arg("--version").output().is_err() {
-        eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
+    if !has_gmsh() {
         return None;
     }
     let options = MeshOptions { method: Method::Conforming, ..options };
@@ -168,6 +176,73 @@ fn aggregates_that_nearly_touch_are_named_at_once_with_the_remedy() {
     let error = mesh::build_with(&model, &options, &|_| panic!("gmsh must not be asked")).unwrap_err().to_string();
     assert!(error.starts_with("aggregate ") && error.contains("too close for a conforming mesh"), "{error}");
     assert!(error.contains("min_gap_mm = 0.05 and wall_gap_mm = 0.05 or more under [placement]"), "{error}");
+}
+
+#[test]
+fn one_command_packs_with_the_gaps_that_gmsh_needs_and_writes_the_deck() {
+    if !has_gmsh() {
+        return;
+    }
+    let folder = Folder::with_spec();
+    let conforming = ["--method", "conforming", "--element-size-mm", "5", "--analysis", "elastic"];
+    let run = folder.run(&[&["pack", "small.toml", "-o", "m.inp", "-o", "m.json"][..], &conforming[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("packing with gaps of 0.05 mm, which a conforming mesh needs"), "{}", run.stderr);
+    assert!(folder.read("m.inp").windows(7).any(|w| w == b"*STATIC"));
+    let model = meso_core::saved::read(&folder.read("m.json")).unwrap();
+    assert_eq!((model.spec.placement.min_gap_mm, model.spec.placement.wall_gap_mm), (0.05, 0.05));
+    // Gaps that are asked for are kept.
+    let wider = ["--min-gap-mm", "0.2", "--wall-gap-mm", "0.1", "--quiet"];
+    let run = folder.run(&[&["pack", "small.toml", "-o", "w.json"][..], &conforming[..2], &wider].concat());
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    let model = meso_core::saved::read(&folder.read("w.json")).unwrap();
+    assert_eq!((model.spec.placement.min_gap_mm, model.spec.placement.wall_gap_mm), (0.2, 0.1));
+}
+
+#[test]
+fn the_command_that_refuses_a_packing_names_the_one_that_leaves_room() {
+    let folder = Folder::new();
+    std::fs::write(folder.path("tight.json"), {
+        let mut bytes = Vec::new();
+        meso_core::saved::write(&packed(0.0), &mut bytes).unwrap();
+        bytes
+    })
+    .unwrap();
+    let run = folder.run(&["mesh", "tight.json", "-o", "m.inp", "--method", "conforming"]);
+    assert!(run.code == 1 && run.stderr.contains("min_gap_mm = 0.05"), "{}", run.stderr);
+    assert!(run.stderr.contains("`mesocrete pack --method conforming` leaves such gaps by itself"), "{}", run.stderr);
+}
+
+#[test]
+fn voids_are_holes_and_fibres_bodies_of_their_exact_volumes_in_a_conforming_mesh() {
+    let spec = "fraction = 0.25\nspecimen = { kind = 'cube', side_mm = 30 }\n\
+                placement = { min_gap_mm = 0.05, wall_gap_mm = 0.05 }\n\
+                voids = { fraction = 0.02, diameter_mm = [2, 4] }\n\
+                fibres = { fraction = 0.005, length_mm = 10, diameter_mm = 1 }\n";
+    let model = meso_core::pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap();
+    let bodies = model.bodies();
+    let count = |kind| bodies.iter().filter(|body| body.kind == kind).count();
+    assert!(count(Kind::Void) > 10 && count(Kind::Fibre) > 10, "{} {}", count(Kind::Void), count(Kind::Fibre));
+    for itz in [ItzForm::None, ItzForm::Solid, ItzForm::Cohesive] {
+        let options = MeshOptions { itz, element_size_mm: 4.0, ..Default::default() };
+        let Some(mesh) = with_options(&model, options) else { return };
+        let [meshed, exact] = [
+            PhaseVolumes::of_mesh(&mesh),
+            PhaseVolumes::exact(&bodies, &model.spec.specimen, |a| {
+                if itz == ItzForm::Solid { a.itz_thickness_mm } else { 0.0 }
+            })
+            .unwrap(),
+        ];
+        for (phase, within) in [(Phase::Mortar, 1e-9), (Phase::Fibre, 1e-9), (Phase::Aggregate, 0.01)] {
+            assert!(
+                (meshed.of(phase) / exact.of(phase) - 1.0).abs() < within,
+                "{itz:?} {phase:?} {meshed:?} {exact:?}"
+            );
+        }
+        let held: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|id| *id != mesh::NO_AGGREGATE).collect();
+        let solid: BTreeSet<u32> = bodies.iter().filter(|b| b.kind != Kind::Void).map(|b| b.id).collect();
+        assert_eq!(held, solid);
+    }
 }
 
 #[test]

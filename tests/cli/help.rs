@@ -44,7 +44,7 @@ fn messages_of_pack_and_tables_of_check() {
     let table = folder.run(&["check", "model.json"]).stdout().to_owned();
     let json = folder.run(&["check", "model.json", "--json"]).stdout().to_owned();
     // The figures are the algorithms' business; here it is the words.
-    with_settings!({ filters => [(r" +\d[\d,.]*", " #")] }, {
+    with_settings!({ filters => [(r" +[+-]?\d[\d,.]*", " #")] }, {
         assert_snapshot!("pack_messages", packed);
         assert_snapshot!("check_table", table);
         assert_snapshot!("check_json", json);

@@ -9,5 +9,6 @@ mod conforming_rooms;
 mod files;
 mod help;
 mod interrupt;
+mod meshing;
 mod report;
 mod same_bytes;

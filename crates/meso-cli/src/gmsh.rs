@@ -29,6 +29,15 @@ impl Gmsh {
         Self { program: python.as_ref().to_owned(), first: vec!["-c".into(), script.into()] }
     }
 
+    /// Finds out whether gmsh is there.
+    ///
+    /// # Errors
+    /// Where it is missing, with the remedy.
+    pub fn check(&self) -> Result<(), MeshError> {
+        let asked = Command::new(&self.program).args(&self.first).arg("--version").output();
+        asked.map(drop).map_err(|error| self.missing(&error))
+    }
+
     /// Fills `surfaces` with tetrahedra; the bytes of gmsh's output.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! `mesocrete pack`: a spec becomes a packed specimen and its files.
 
+use super::meshing::{Meshing, wrong_deck};
+use super::told::Told;
 use super::{mesh, names, values};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{self, Target, Unit};
@@ -8,8 +10,9 @@ use crate::{inputs, say, threads};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
-use meso_core::mesh::{Mesh, MeshOptions};
-use meso_core::packing::{Images, Report, StopReason, Strategy};
+use meso_core::mesh::Mesh;
+use meso_core::mesh::conforming::ROOM_MM;
+use meso_core::packing::{Images, Placement, Report, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
@@ -31,8 +34,14 @@ pub(crate) struct Args {
     #[arg(help = format!("How aggregates are placed: {}", names::list::<Strategy>()))]
     strategy: Option<Strategy>,
     /// Random positions tried per aggregate
-    #[arg(long, value_name = "N", value_parser = values::attempts, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     attempts: Option<u32>,
+    /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is asked for
+    #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
+    min_gap_mm: Option<f64>,
+    /// The same between an aggregate and the specimen's surface
+    #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
+    wall_gap_mm: Option<f64>,
     /// Stop after S seconds with the best packing found
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     time_limit: Option<f64>,
@@ -57,6 +66,8 @@ pub(crate) struct Args {
     /// Write the figures of the run as JSON; `-` is standard output
     #[arg(long, value_name = "FILE")]
     summary_json: Option<PathBuf>,
+    #[command(flatten)]
+    meshing: Meshing,
 }
 
 /// What one output holds.
@@ -73,16 +84,20 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let spec = args.spec()?;
     let plan = args.plan()?;
+    let deck = args.meshing.deck(&spec.specimen)?;
+    if plan.has_mesh() {
+        args.meshing.check(&spec.specimen)?;
+    }
     warn_of_reach(&spec);
     let watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
     let mut model = model.map_err(|error| args.name_flag(error))?;
-    let mesh = plan.mesh(&model)?;
-    plan.write(&mut model, mesh.as_ref(), &watch)?;
+    let mesh = plan.has_mesh().then(|| args.meshing.build(&model)).transpose()?;
+    plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         tell(&model.report);
-        mesh.iter().for_each(|mesh| mesh::describe(mesh, &model));
+        mesh.iter().for_each(|mesh| Told::of(mesh, &model, &deck.materials).tell());
         plan.files().for_each(|path| say::line(format!("wrote {}", path.display())));
     }
     Ok(exit_code(&model.report, args.strict))
@@ -96,6 +111,12 @@ impl Args {
         spec.fraction = self.fraction.unwrap_or(spec.fraction);
         spec.placement.strategy = self.strategy.unwrap_or(spec.placement.strategy);
         spec.placement.attempts = self.attempts.or(spec.placement.attempts);
+        let Placement { min_gap_mm, wall_gap_mm, .. } = &mut spec.placement;
+        *min_gap_mm = self.min_gap_mm.unwrap_or(*min_gap_mm);
+        *wall_gap_mm = self.wall_gap_mm.unwrap_or(*wall_gap_mm);
+        if self.meshing.leave_room(&mut spec.placement) && !self.quiet {
+            say::line(format!("packing with gaps of {ROOM_MM} mm, which a conforming mesh needs"));
+        }
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| self.name_flag(error))?;
         Ok(spec)
@@ -106,6 +127,8 @@ impl Args {
         let flag = match error.key.as_str() {
             "fraction" if self.fraction.is_some() => "--fraction",
             "placement.attempts" if self.attempts.is_some() => "--attempts",
+            "placement.min_gap_mm" if self.min_gap_mm.is_some() => "--min-gap-mm",
+            "placement.wall_gap_mm" if self.wall_gap_mm.is_some() => "--wall-gap-mm",
             "placement.time_limit_s" if self.time_limit.is_some() => "--time-limit",
             _ => return Failure::Usage(error.to_string()),
         };
@@ -121,7 +144,7 @@ impl Args {
         let targets = paths.iter().map(target).collect::<Result<Vec<_>, _>>()?;
         let summary = self.summary_json.as_ref().map(target).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
-        outputs::distinct(&all, &self.spec.as_deref().into_iter().collect::<Vec<_>>())?;
+        outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
         let surfaces = Surfaces { encoding: Encoding::compressed(self.compress), images: self.images };
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force, surfaces })
     }
@@ -167,14 +190,12 @@ impl Plan {
         self.outputs.iter().map(|(target, _)| target).chain(&self.summary).filter_map(Target::file)
     }
 
-    /// The default mesh, where an output needs one.
-    fn mesh(&self, model: &Model) -> Result<Option<Mesh>, Failure> {
-        let wanted = self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)));
-        wanted.then(|| mesh::build(model, &MeshOptions::default(), Path::new("gmsh"))).transpose()
+    fn has_mesh(&self) -> bool {
+        self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
     }
 
     /// Writes all files; the summary last, since it tells how long the others took.
-    fn write(&self, model: &mut Model, mesh: Option<&Mesh>, watch: &Watch) -> Result<(), Failure> {
+    fn write(&self, model: &mut Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
         let mut unit = Unit::default();
         let start = watch.elapsed();
         for (target, content) in &self.outputs {
@@ -183,8 +204,8 @@ impl Plan {
                     unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
                 }
                 (Content::Mesh(format), Some(mesh)) => {
-                    let (deck, encoding) = (DeckOptions::default(), self.surfaces.encoding);
-                    mesh::fill(&mut unit, target, self.force, *format, mesh, &deck, encoding)?;
+                    deck.validate(mesh).map_err(|error| wrong_deck(&error))?;
+                    mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.encoding)?;
                 }
                 (Content::Mesh(_), None) => {}
             }

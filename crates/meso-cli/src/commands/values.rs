@@ -13,8 +13,8 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
     whole(text, 0, u64::MAX)
 }
 
-/// A count of attempts.
-pub(super) fn attempts(text: &str) -> Result<u32, String> {
+/// A number of things, at least one.
+pub(super) fn count(text: &str) -> Result<u32, String> {
     whole(text, 1, u32::MAX)
 }
 

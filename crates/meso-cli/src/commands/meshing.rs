@@ -1,0 +1,168 @@
+//! The flags of a mesh and its deck, the same for `pack` and `mesh`, and the mesh they ask for.
+
+use super::{names, values};
+use crate::failure::Failure;
+use crate::gmsh::Gmsh;
+use meso_core::Model;
+use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
+use meso_core::materials::Materials;
+use meso_core::mesh::conforming::ROOM_MM;
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method};
+use meso_core::packing::{Placement, Specimen};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Meshes and decks")]
+pub(super) struct Meshing {
+    #[arg(long, default_value = "voxel", value_parser = names::parse::<Method>)]
+    #[arg(help = format!("How the specimen is divided: {}", names::list::<Method>()))]
+    method: Method,
+    /// Edge length of the elements, mm
+    #[arg(long, value_name = "H", default_value_t = MeshOptions::default().element_size_mm, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
+    element_size_mm: f64,
+    #[arg(long, default_value = "solid", value_parser = names::parse::<ItzForm>)]
+    #[arg(help = format!("How the interfacial transition zone enters the mesh: {}", names::list::<ItzForm>()))]
+    itz: ItzForm,
+    #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
+    #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
+    fit: Fit,
+    /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10); lattice and conforming
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    order: u32,
+    /// Let the ITZ be thinner than one voxel, with holes in it
+    #[arg(long)]
+    thin_itz: bool,
+    /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    subsamples: u32,
+    /// Hexahedra with reduced integration (C3D8R)
+    #[arg(long)]
+    reduced_integration: bool,
+    /// Only nodes, elements, sets and surfaces, for *INCLUDE
+    #[arg(long)]
+    geometry_only: bool,
+    /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
+    #[arg(long)]
+    periodic_equations: bool,
+    #[arg(long, default_value = "none", value_parser = names::parse::<Analysis>)]
+    #[arg(help = format!("What a deck computes: {}", names::list::<Analysis>()))]
+    analysis: Analysis,
+    /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
+    #[arg(long, value_name = "E", value_parser = values::number)]
+    strain: Option<f64>,
+    /// Friction between plates and specimen in compression
+    #[arg(long, value_name = "MU", default_value_t = Loading::default().friction, value_parser = values::number)]
+    friction: f64,
+    /// Frames of field output in compression and tension
+    #[arg(long, value_name = "N", default_value_t = Loading::default().frames, value_parser = values::count)]
+    frames: u32,
+    /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
+    /// The program gmsh, for --method conforming
+    #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
+    gmsh: PathBuf,
+}
+
+impl Meshing {
+    pub(super) fn options(&self) -> MeshOptions {
+        MeshOptions {
+            method: self.method,
+            element_size_mm: self.element_size_mm,
+            itz: self.itz,
+            thin_itz: self.thin_itz,
+            subsamples: self.subsamples,
+            fit: self.fit,
+            order: self.order,
+        }
+    }
+
+    /// What a deck holds; what it cannot hold of a mesh of `specimen` is wrong usage.
+    pub(super) fn deck(&self, specimen: &Specimen) -> Result<DeckOptions, Failure> {
+        let deck = DeckOptions {
+            analysis: self.analysis,
+            strain: self.strain,
+            loading: Loading { friction: self.friction, frames: self.frames, ..Loading::default() },
+            materials: materials(self.materials.as_deref())?,
+            geometry_only: self.geometry_only,
+            reduced_integration: self.reduced_integration,
+            periodic_equations: self.periodic_equations,
+            ..DeckOptions::default()
+        };
+        deck.validate_for(specimen.periodic().0).map_err(|error| wrong_deck(&error))?;
+        Ok(deck)
+    }
+
+    /// The files that are read.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.materials.iter().map(PathBuf::as_path)
+    }
+
+    /// Refuses what `specimen` cannot be meshed with, and a gmsh that is not there, before the specimen is packed.
+    pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
+        self.options().validate(specimen).map_err(|error| self.wrong_mesh(&error))?;
+        if self.method == Method::Conforming {
+            Gmsh::program(&self.gmsh).check().map_err(|error| self.wrong_mesh(&error))?;
+        }
+        Ok(())
+    }
+
+    /// Where a conforming mesh is wanted and no gaps are asked for, asks for those it needs; whether it did.
+    pub(super) fn leave_room(&self, placement: &mut Placement) -> bool {
+        let mut wanted = false;
+        for gap in [&mut placement.min_gap_mm, &mut placement.wall_gap_mm] {
+            if self.method == Method::Conforming && *gap == 0.0 {
+                (*gap, wanted) = (ROOM_MM, true);
+            }
+        }
+        wanted
+    }
+
+    /// Meshes; options that cannot be are wrong usage.
+    pub(super) fn build(&self, model: &Model) -> Result<Mesh, Failure> {
+        let gmsh = Gmsh::program(&self.gmsh);
+        mesh::build_with(model, &self.options(), &|surfaces| gmsh.run(surfaces))
+            .map_err(|error| self.wrong_mesh(&error))
+    }
+
+    fn wrong_mesh(&self, error: &MeshError) -> Failure {
+        match error {
+            MeshError::Option { .. } => Failure::Usage(flag_names(&error.to_string())),
+            MeshError::NearTouching { .. } => {
+                Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
+            }
+            _ => Failure::Run(error.to_string()),
+        }
+    }
+}
+
+/// What a deck cannot hold is wrong usage.
+pub(super) fn wrong_deck(error: &DeckError) -> Failure {
+    Failure::Usage(flag_names(&error.to_string()))
+}
+
+/// The core speaks of `mesh.element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag.
+fn flag_names(message: &str) -> String {
+    let rest = message.strip_prefix("mesh.").or(message.strip_prefix("deck."));
+    match rest.and_then(|rest| rest.split_once(' ')) {
+        Some((key, rest)) if !key.contains('.') => format!("--{} {rest}", key.replace('_', "-")),
+        Some((key, rest)) => format!("{key} {rest}"),
+        None => message.to_owned(),
+    }
+}
+
+/// A file that holds material values.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MaterialsFile {
+    materials: Materials,
+}
+
+fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
+    let Some(path) = path else { return Ok(Materials::default()) };
+    let text = std::fs::read_to_string(path).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    let file: MaterialsFile =
+        toml::from_str(&text).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
+    Ok(file.materials)
+}

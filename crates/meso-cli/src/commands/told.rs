@@ -1,0 +1,160 @@
+//! What is told of a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
+
+use crate::say;
+use meso_core::Model;
+use meso_core::materials::Materials;
+use meso_core::mesh::quality::{BAD_DEG, QualityReport};
+use meso_core::mesh::{CellKind, Mesh, Notes, Phase, PhaseVolumes};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// The figures of a mesh.
+#[derive(Serialize)]
+pub(super) struct Told {
+    version: &'static str,
+    elements: usize,
+    cohesive_elements: usize,
+    nodes: usize,
+    specimen_volume_mm3: f64,
+    /// The numbers that the bad cells have in a deck.
+    bad_elements: Vec<usize>,
+    quality: QualityReport,
+    notes: Notes,
+    #[serde(skip)]
+    voxels: bool,
+}
+
+/// An ITZ of more than this of its exact volume is worth a word.
+const FAR_TOO_MUCH: f64 = 1.2;
+
+/// The first few bad elements are named on stderr.
+const NAMED: usize = 5;
+
+impl Told {
+    pub(super) fn of(mesh: &Mesh, model: &Model, materials: &Materials) -> Self {
+        let specimen = &model.spec.specimen;
+        let quality = QualityReport::of(mesh, &model.bodies(), specimen, materials);
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            elements: mesh.cell_count(),
+            cohesive_elements: mesh.cohesive().len(),
+            nodes: mesh.points.len(),
+            specimen_volume_mm3: specimen.volume(),
+            bad_elements: quality.bad_cells.iter().map(|cell| cell + 1).collect(),
+            quality,
+            notes: mesh.notes,
+            voxels: mesh.kind == CellKind::Hexahedron,
+        }
+    }
+
+    /// Writes all figures as JSON.
+    pub(super) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        serde_json::to_writer_pretty(&mut *out, self)?;
+        writeln!(out)
+    }
+
+    /// Says the most of it on stderr.
+    pub(super) fn tell(&self) {
+        let cohesive = match self.cohesive_elements {
+            0 => String::new(),
+            elements => format!(" and {} cohesive ones", say::count(elements)),
+        };
+        let (elements, nodes) = (say::count(self.elements), say::count(self.nodes));
+        say::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes"));
+        self.volumes();
+        self.thick_shells();
+        let distance = &self.quality.interface_distance;
+        say::line(format!(
+            "interface nodes lie {:.4} mm rms from the aggregates' surfaces, {:.4} mm at most",
+            distance.rms_mm, distance.max_mm
+        ));
+        notes(&self.notes);
+        self.worst();
+    }
+
+    /// A row for each phase that is there or should be.
+    fn volumes(&self) {
+        let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.specimen_volume_mm3;
+        say::line("        phase  of specimen       exact     error");
+        for phase in Phase::ALL {
+            let (meshed, exact) = (&self.quality.volumes_mm3, self.quality.exact_volumes_mm3.as_ref());
+            let share = of_specimen(meshed, phase);
+            let wanted = exact.map_or(f64::NAN, |exact| of_specimen(exact, phase));
+            if share > 0.0 || wanted > 0.0 {
+                // Rounding is no error.
+                let error = (1e5 * (share / wanted - 1.0)).round() / 1e3 + 0.0;
+                say::line(format!(
+                    "  {:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%",
+                    phase.name().to_lowercase()
+                ));
+            }
+        }
+    }
+
+    /// Says where the shells are far from their own thickness, which voxels of at least a layer make them.
+    fn thick_shells(&self) {
+        let Some(exact) = self.quality.exact_volumes_mm3 else { return };
+        if self.voxels && exact.itz > 0.0 && self.quality.volumes_mm3.itz > FAR_TOO_MUCH * exact.itz {
+            say::line(
+                "the ITZ is at least one voxel thick here, at the aggregates' expense: take --method lattice, --itz \
+                 cohesive or none, or --thin-itz",
+            );
+        }
+    }
+
+    fn worst(&self) {
+        let quality = &self.quality;
+        let (altitude, cell) = quality.shortest_altitude_mm;
+        say::line(format!(
+            "shortest altitude {altitude:.4} mm (element {}): a stable time step of {:.1e} s",
+            cell + 1,
+            quality.stable_time_step_s
+        ));
+        if self.voxels {
+            return;
+        }
+        let ((angle, sharpest), (ratio, flattest)) = (quality.min_dihedral_deg, quality.min_radius_ratio);
+        let (sharpest, flattest) = (sharpest + 1, flattest + 1);
+        say::line(format!(
+            "smallest dihedral angle {angle:.2} degrees (element {sharpest}), radius ratio {ratio:.4} (element {flattest})"
+        ));
+        let bad = &self.bad_elements;
+        let named: Vec<String> = bad.iter().take(NAMED).map(usize::to_string).collect();
+        let more = if bad.len() > NAMED { ", ...; --summary-json of `mesocrete mesh` names all" } else { "" };
+        let which = if bad.is_empty() { String::new() } else { format!(" (elements {}{more})", named.join(", ")) };
+        say::line(format!("{} elements with an angle below {BAD_DEG} degrees{which}", say::count(bad.len())));
+    }
+}
+
+/// What the builder had to decide: gaps closed, layers thinned.
+fn notes(notes: &Notes) {
+    if notes.closed_gaps > 0 {
+        say::line(format!(
+            "closed {} places where {} pairs of aggregates come closer than the lattice can show (widest {:.2} mm); \
+             a smaller --element-size-mm or a larger min_gap_mm keeps mortar there",
+            say::count(notes.closed_gaps),
+            say::count(notes.closed_gap_pairs),
+            notes.widest_closed_gap_mm
+        ));
+    }
+    if notes.off_surface_nodes > 0 {
+        let nodes = say::count(notes.off_surface_nodes);
+        say::line(format!(
+            "{nodes} nodes could not be put on the surfaces with angles of 8 degrees, mostly in gaps to the specimen's sides"
+        ));
+    }
+    if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
+        say::line(format!(
+            "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of them it has no thickness",
+            say::count(notes.thinned_itz_aggregates),
+            say::count(notes.thinned_itz_nodes),
+            say::count(notes.pinched_itz_nodes)
+        ));
+    }
+    if notes.shifted_itz_nodes > 0 {
+        let nodes = say::count(notes.shifted_itz_nodes);
+        say::line(format!(
+            "{nodes} inner nodes of the ITZ had to leave its exact thickness to keep angles from getting too sharp"
+        ));
+    }
+}

@@ -1,0 +1,154 @@
+//! The flags of meshes and decks, in `pack` and in `mesh`, and what is told of a mesh.
+
+use crate::command::{Folder, SMALL};
+use serde_json::Value;
+
+fn json(folder: &Folder, name: &str) -> Value {
+    serde_json::from_slice(&folder.read(name)).unwrap()
+}
+
+fn text(folder: &Folder, name: &str) -> String {
+    String::from_utf8(folder.read(name)).unwrap()
+}
+
+#[test]
+fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in_turn_give_too() {
+    let folder = Folder::with_model();
+    let flags = ["--method", "lattice", "--element-size-mm", "4", "--analysis", "compression", "--frames", "7"];
+    let run = folder.run(&[&["pack", "small.toml", "-o", "once.inp"][..], &flags[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stderr.contains("meshed ") && run.stderr.contains("wrote once.inp"), "{}", run.stderr);
+    assert_eq!(folder.run(&[&["mesh", "small.json", "-o", "twice.inp"][..], &flags[..]].concat()).code, 0);
+    let deck = text(&folder, "once.inp");
+    assert_eq!(deck, text(&folder, "twice.inp"));
+    assert!(deck.contains("TYPE=C3D4") && deck.contains("TYPE=R3D4") && deck.contains("NUMBER INTERVAL=7\n"));
+}
+
+#[test]
+fn gaps_can_be_asked_for_on_the_command_line() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["pack", "small.toml", "-o", "gaps.json", "--min-gap-mm", "0.3", "--wall-gap-mm", "0.2"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let placement = &json(&folder, "gaps.json")["spec"]["placement"];
+    assert_eq!((&placement["min_gap_mm"], &placement["wall_gap_mm"]), (&0.3.into(), &0.2.into()));
+    let check = folder.run(&["check", "gaps.json"]);
+    assert_eq!(check.code, 0, "{}", check.stdout());
+    for flag in ["--min-gap-mm", "--wall-gap-mm"] {
+        let run = folder.run(&["pack", "small.toml", "-o", "no.json", flag, "-1"]);
+        assert!(run.code == 2 && run.stderr.contains(&format!("{flag} is -1")), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn a_mesh_that_cannot_be_is_refused_before_anything_is_packed() {
+    let folder = Folder::with_spec();
+    folder.write("box.toml", SMALL.replace("side_mm = 40", "side_mm = 40, periodic = ['x', 'y', 'z']"));
+    for (spec, flags, code, said) in [
+        ("small.toml", &["--element-size-mm", "99"][..], 2, "--element-size-mm is 99; it must lie within"),
+        ("box.toml", &["--method", "conforming"], 2, "--method is conforming; it fills specimens with walls"),
+        ("small.toml", &["--method", "conforming", "--gmsh", "./no-gmsh"], 1, "./no-gmsh cannot be run"),
+        ("small.toml", &["--periodic-equations"], 2, "--periodic-equations is true; only a box without walls"),
+        ("small.toml", &["--materials", "nowhere.toml"], 2, "nowhere.toml"),
+    ] {
+        let run = folder.run(&[&["pack", spec, "-o", "m.inp", "-o", "m.json"], flags].concat());
+        assert!(run.code == code && run.stderr.contains(said), "{flags:?}: {} {}", run.code, run.stderr);
+        assert!(!run.stderr.contains("packed"), "{}", run.stderr);
+    }
+    assert_eq!(folder.names(), ["box.toml", "small.toml"]);
+}
+
+#[test]
+fn values_that_no_deck_can_hold_are_named() {
+    let folder = Folder::with_model();
+    for (flag, value, said) in [
+        ("--friction", "-0.1", "--friction is -0.1; it must be 0 to 10"),
+        ("--strain", "nan", "--strain is NaN; it must lie between 0 and 1"),
+        ("--strain", "0", "--strain is 0; it must lie between 0 and 1"),
+        ("--frames", "0", "it must be a whole number from 1"),
+    ] {
+        let run = folder.run(&["mesh", "small.json", "-o", "m.inp", &format!("{flag}={value}")]);
+        assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);
+    }
+    for (line, said) in [
+        ("itz_strength_ratio = 1.2", "materials.itz_strength_ratio is 1.2; it must lie above 0 and at most at 1"),
+        (
+            "mortar_strength = { tensile_mpa = -3 }",
+            "materials.mortar_strength.tensile_mpa is -3; it must be a positive",
+        ),
+        (
+            "mortar = { youngs_modulus_mpa = 2e4, poisson_ratio = 0.5, density_t_per_mm3 = 2e-9 }",
+            "materials.mortar.poisson_ratio is 0.5; it must lie between -1 and 0.5",
+        ),
+    ] {
+        folder.write("m.toml", format!("[materials]\n{line}\n"));
+        let run = folder.run(&["mesh", "small.json", "-o", "m.inp", "--materials", "m.toml"]);
+        assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);
+    }
+    assert!(!folder.names().contains(&"m.inp".to_owned()));
+}
+
+#[test]
+fn the_strength_of_the_itz_is_its_ratio_of_the_mortars() {
+    let folder = Folder::with_model();
+    let strengths = |ratio: &str| {
+        folder.write("m.toml", format!("[materials]\nitz_strength_ratio = {ratio}\n"));
+        let run = folder.run(&[
+            "mesh",
+            "small.json",
+            "-fo",
+            "m.inp",
+            "--element-size-mm",
+            "4",
+            "--analysis",
+            "tension",
+            "--materials",
+            "m.toml",
+        ]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let deck = text(&folder, "m.inp");
+        let first = |block: &str| -> f64 { block.lines().nth(1).unwrap().split(',').next().unwrap().parse().unwrap() };
+        let of = |name: &str| {
+            let material = deck.split("*MATERIAL, NAME=").find(|part| part.starts_with(name)).unwrap();
+            first(material.split("*CONCRETE TENSION STIFFENING").nth(1).unwrap())
+        };
+        [of("ITZ"), of("MORTAR")]
+    };
+    assert_eq!(strengths("0.5"), [1.5, 3.0]);
+    assert_eq!(strengths("0.9"), [2.7, 3.0]);
+}
+
+#[test]
+fn a_mesh_is_told_with_its_phases_against_the_exact_ones_and_its_bad_elements_by_number() {
+    let folder = Folder::with_model();
+    let run = folder.run(&[
+        "mesh",
+        "small.json",
+        "-o",
+        "m.inp",
+        "--method",
+        "lattice",
+        "--element-size-mm",
+        "3",
+        "--summary-json",
+        "m.json",
+    ]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let told = json(&folder, "m.json");
+    let quality = &told["quality"];
+    let volume = |of: &str, phase: &str| quality[of][phase].as_f64().unwrap();
+    for phase in ["aggregate", "itz", "mortar"] {
+        let (meshed, exact) = (volume("volumes_mm3", phase), volume("exact_volumes_mm3", phase));
+        assert!((meshed / exact - 1.0).abs() < 0.2, "{phase}: {meshed} {exact}");
+        let row = run.stderr.lines().find(|line| line.trim_start().starts_with(phase)).expect(phase);
+        assert!(row.contains(&format!("{:.5}", meshed / 64_000.0)), "{row}");
+        assert!(row.contains(&format!("{:.5}", exact / 64_000.0)), "{row}");
+    }
+    let bad: Vec<u64> = told["bad_elements"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect();
+    let sharp: u64 = quality["dihedral_histogram"].as_array().unwrap()[..4].iter().map(|n| n.as_u64().unwrap()).sum();
+    assert!(bad.len() as u64 == sharp && sharp > 0, "thin layers have sharp angles: {sharp}");
+    let worst = quality["min_dihedral_deg"][1].as_u64().unwrap() + 1;
+    assert!(bad.contains(&worst) && run.stderr.contains(&format!("(element {worst})")), "{}", run.stderr);
+    assert!(run.stderr.contains(&format!("(elements {}, {}", bad[0], bad[1])), "{}", run.stderr);
+    let deck = text(&folder, "m.inp");
+    assert!(deck.lines().any(|line| line.starts_with(&format!("{worst}, ")) && line.split(", ").count() == 5));
+}
