@@ -87,3 +87,44 @@ fn the_estimate_of_the_papers_specimen_is_near_the_counted_12_685() {
     let estimate = Spec::default().estimated_aggregates();
     assert!((10_000.0..16_000.0).contains(&estimate), "{estimate}");
 }
+
+/// The paper's spec with a target, a specimen and lines of `[placement]`.
+fn crowded(fraction: f64, specimen: &str, placement: &str) -> Result<Spec, meso_core::spec::SpecError> {
+    Spec::from_toml(&format!("fraction = {fraction}\nspecimen = {{ {specimen} }}\n[placement]\n{placement}"))
+}
+
+#[test]
+fn gaps_that_leave_no_room_are_named_before_the_work() {
+    let cube = "kind = 'cube', side_mm = 61";
+    for (fraction, placement, key, part) in [
+        (0.4, "wall_gap_mm = 20", "placement.wall_gap_mm", "is 20, which leaves no room for a fraction of 0.4"),
+        (0.5, "min_gap_mm = 6", "placement.min_gap_mm", "is 6, which leaves no room for a fraction of 0.5"),
+        (0.5, "min_gap_mm = 6\nwall_gap_mm = 3", "placement.min_gap_mm", "lower the gap or the fraction"),
+    ] {
+        let error = crowded(fraction, cube, placement).unwrap_err();
+        assert!(error.key == key && error.message.contains(part), "{error}");
+    }
+    // A fraction of 0.04 fills the room of 21 mm that a gap of 20 mm leaves; without walls there is no such gap.
+    assert!(crowded(0.03, cube, "wall_gap_mm = 20").is_ok());
+    assert!(crowded(0.4, "kind = 'cube', side_mm = 61, periodic = ['x', 'y', 'z']", "wall_gap_mm = 20").is_ok());
+}
+
+#[test]
+fn a_target_beyond_reach_is_doubted_before_the_work() {
+    let doubt =
+        |fraction, specimen, placement| crowded(fraction, specimen, placement).unwrap().doubts().into_iter().next();
+    let paper = "kind = 'cube', side_mm = 150";
+    assert_eq!(Spec::default().doubts(), [""; 0]);
+    assert_eq!(doubt(0.69, paper, ""), None);
+    assert_eq!(doubt(0.50, paper, "min_gap_mm = 0.5"), None);
+    assert_eq!(doubt(0.70, "kind = 'cube', side_mm = 60, periodic = ['x', 'y', 'z']", ""), None);
+    for (fraction, specimen, placement, part) in [
+        (0.85, paper, "", "0.85 is more than this strategy has been seen to reach, 0.70"),
+        (0.65, "kind = 'cube', side_mm = 40", "", "0.65 is more than this strategy has been seen to reach, 0.61"),
+        (0.60, paper, "min_gap_mm = 1", "0.6 with its gaps is as dense as 0.89 without"),
+        (0.45, paper, "attempts = 100", "give more attempts, or take the strategy rearrange"),
+    ] {
+        let found = doubt(fraction, specimen, placement).unwrap_or_else(|| panic!("{fraction} {specimen} {placement}"));
+        assert!(found.contains(part), "{found}");
+    }
+}

@@ -105,3 +105,15 @@ def test_what_a_panic_becomes_is_caught_by_except_exception():
     open_body = restore(vertices, [[0, 1, 2]])
     only_documented(lambda: open_body.offset(0.1))
     only_documented(lambda: open_body.volume)
+
+
+def test_a_target_beyond_reach_is_a_warning_at_the_callers_line():
+    spec = {"specimen": {"kind": "cube", "side_mm": 20}, "grading": {"d_min_mm": 5, "d_max_mm": 10}}
+    with pytest.warns(UserWarning, match="0.72 is more than this strategy has been seen to reach") as caught:
+        mc.pack(spec, fraction=0.72)
+    assert caught[0].filename == __file__
+
+
+def test_a_gap_without_room_is_named():
+    with pytest.raises(ValueError, match="placement.wall_gap_mm is 20, which leaves no room for a fraction of 0.4"):
+        mc.pack({"specimen": {"kind": "cube", "side_mm": 61}, "placement": {"wall_gap_mm": 20}}, fraction=0.4)

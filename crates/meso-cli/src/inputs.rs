@@ -35,7 +35,9 @@ impl Files for Beside<'_> {
     }
 
     fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
-        let entries = std::fs::read_dir(self.0.join(folder))?;
+        let path = self.0.join(folder);
+        let fail = |error| io::Error::other(Failure::file(&path, &error).message().to_owned());
+        let entries = std::fs::read_dir(&path).map_err(fail)?;
         entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
     }
 }

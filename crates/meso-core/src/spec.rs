@@ -3,6 +3,7 @@
 //! Reading goes text -> [`tree`] (values with line numbers) -> [`read`] (serde, with the path of whatever is wrong) ->
 //! [`limits`] (values that cannot be). Every error names the key, the value and the way out.
 
+mod crowding;
 mod error;
 mod files;
 mod inclusions;

@@ -11,12 +11,13 @@ use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
 use meso_core::packing::Images;
 use meso_core::statistics::{Options, statistics};
-use meso_core::{Model, saved};
+use meso_core::{Model, Spec, saved};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyDict, PyTuple};
 use serde::Serialize;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -61,6 +62,12 @@ pub(crate) struct PyPacking(pub(crate) Arc<Model>);
 ///     Where the spec's file cannot be read.
 /// KeyboardInterrupt
 ///     On Ctrl-C, within 0.2 s.
+///
+/// Warns
+/// -----
+/// UserWarning
+///     Before the work, where the target is more than the strategy has been seen to reach, or a class is too small for a
+///     single aggregate.
 #[pyfunction]
 #[pyo3(signature = (spec=None, *, seed=None, fraction=None, progress=None))]
 pub(crate) fn pack(
@@ -80,9 +87,16 @@ pub(crate) fn pack(
         }
         spec.validate().map_err(|error| spec::spec_error(&error))?;
         check_callable(progress)?;
+        warn_of(py, &spec)?;
         let model = beside_python(py, progress, move |watch| meso_core::pack(&spec, watch))?;
         Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
     })
+}
+
+/// A target that was never seen to be reached, and the like, are `UserWarning`s at the caller's line, before the work.
+fn warn_of(py: Python<'_>, spec: &Spec) -> PyResult<()> {
+    let category = py.get_type::<PyUserWarning>();
+    spec.doubts().into_iter().try_for_each(|doubt| PyErr::warn(py, &category, &CString::new(doubt)?, 1))
 }
 
 fn checked_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {

@@ -42,7 +42,7 @@ pub(crate) struct Args {
     /// The same between an aggregate and the specimen's surface
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     wall_gap_mm: Option<f64>,
-    /// Stop after S seconds with the best packing found
+    /// Stop after S seconds with the best packing found; where little is in place by then, it is given a second more
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     time_limit: Option<f64>,
     /// Number of threads; all cores when absent. It changes the time, never the result
@@ -88,7 +88,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if plan.has_mesh() {
         args.meshing.check(&spec.specimen)?;
     }
-    warn_of_reach(&spec);
+    // Before the work: a hopeless target is named while nothing is lost.
+    spec.doubts().iter().for_each(|doubt| say::line(format!("warning: {doubt}")));
     let watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
@@ -150,22 +151,6 @@ impl Args {
     }
 }
 
-/// Says so before the work where the target is more than the strategy has ever reached.
-fn warn_of_reach(spec: &Spec) {
-    let (target, reach) = (spec.fraction + spec.inclusions().fractions().iter().sum::<f64>(), spec.placement.reach());
-    if target <= reach {
-        return;
-    }
-    let way_out = match spec.placement.chosen() {
-        Strategy::TakeAndPlace => "give more --attempts, or take --strategy rearrange",
-        _ => "take a lower fraction or a wider grading",
-    };
-    say::line(format!(
-        "warning: {target} is more than this strategy has been seen to reach, {reach} in the paper's specimen; it may end \
-         short of it: {way_out}"
-    ));
-}
-
 fn content(path: &Path) -> Result<Content, Failure> {
     if path == Path::new("-") {
         return Ok(Content::Packing(Format::Json));
@@ -224,12 +209,14 @@ impl Plan {
 
 /// What was reached, as a table.
 fn tell(report: &Report) {
+    // A raw curve places less than the target; a mix design's has many decimals.
+    let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
     say::line(format!(
         "packed {} aggregates in {:.2} s: fraction {:.5} of {} asked ({}, seed {})",
         say::count(report.aggregates),
         report.seconds.take + report.seconds.place,
         report.fraction,
-        report.target_fraction,
+        (asked * 1e5).round() / 1e5,
         report.strategy,
         report.seed
     ));

@@ -1,7 +1,7 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
 use super::words::number;
-use super::{Spec, SpecError, inclusions};
+use super::{Spec, SpecError, crowding, inclusions};
 use crate::aggregate::{AspectRatio, Curve, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 
@@ -31,7 +31,8 @@ impl Spec {
         placement(&self.placement)?;
         room(self)?;
         count(self)?;
-        inclusions::check(self)
+        inclusions::check(self)?;
+        crowding::check(self)
     }
 
     /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own image.
@@ -312,7 +313,7 @@ fn aspect_ratio(key: &str, law: &AspectRatio) -> Checked {
 }
 
 /// Volume of a grain whose longest axis is 1 long, roughly.
-fn mean_volume(shape: &Shape) -> f64 {
+pub(super) fn mean_volume(shape: &Shape) -> f64 {
     if shape.kind == ShapeKind::Library {
         return shape.grains.iter().map(Template::relative_volume).sum::<f64>() / shape.grains.len() as f64;
     }
