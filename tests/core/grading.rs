@@ -82,12 +82,43 @@ fn every_standard_curve_rises_to_1() {
 }
 
 #[test]
-fn din_lines_have_the_k_values_of_the_leaflet() {
-    // k: the sum of the shares retained, in percent, on the nine sieves from 0.25 to 63 mm, over 100.
+fn din_lines_have_the_k_values_of_the_handbook() {
+    // k: the sum of the shares retained, in percent, on the nine sieves from 0.25 to 63 mm, over 100 (betontechnische-daten.de,
+    // Sec. 2.7.2).
     let k = |standard: Standard| standard.points().map(|(_, passing)| 1.0 - passing).sum::<f64>();
-    for (standard, expected) in [(Standard::DinA32, 5.48), (Standard::DinB32, 4.20), (Standard::DinC32, 3.30)] {
+    for (standard, expected) in [
+        (Standard::DinA8, 3.63),
+        (Standard::DinB8, 2.90),
+        (Standard::DinC8, 2.27),
+        (Standard::DinA16, 4.60),
+        (Standard::DinB16, 3.66),
+        (Standard::DinC16, 2.75),
+        (Standard::DinA32, 5.48),
+        (Standard::DinB32, 4.20),
+        (Standard::DinC32, 3.30),
+    ] {
         assert!((k(standard) - expected).abs() < 1e-9, "{standard:?}: {}", k(standard));
     }
+}
+
+#[test]
+fn bands_of_the_standards_narrow_to_all_and_do_not_cross() {
+    for standard in Standard::ALL {
+        let rows = standard.rows();
+        assert!(rows.iter().all(|row| 0.0 <= row.1 && row.1 <= row.2 && row.2 <= 100.0), "{standard:?}: {rows:?}");
+        assert!(rows.windows(2).all(|w| w[0].1 <= w[1].1 && w[0].2 <= w[1].2), "{standard:?}: {rows:?}");
+    }
+}
+
+#[test]
+fn an_astm_size_of_three_digits_spans_the_sizes_it_is_made_of() {
+    // 467 is 4, 6 and 7 together: from the finest of 7 to the coarsest of 4.
+    let sieves = |standard: Standard| standard.rows().iter().map(|row| row.0).collect::<Vec<_>>();
+    for (whole, coarse) in [(Standard::Astm357, Standard::Astm3), (Standard::Astm467, Standard::Astm4)] {
+        assert_eq!(sieves(whole).last(), sieves(coarse).last(), "{whole:?}");
+    }
+    assert_eq!(sieves(Standard::Astm67), [2.36, 4.75, 9.5, 19.0, 25.0]);
+    assert_eq!(Standard::Astm7.rows()[2], (9.5, 40.0, 70.0));
 }
 
 #[test]

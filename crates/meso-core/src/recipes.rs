@@ -27,6 +27,7 @@ pub const ALL: &[Recipe] = &[
     Recipe { name: "gb-cube-150", text: include_str!("recipes/gb-cube-150.toml") },
     Recipe { name: "astm-cylinder-100", text: include_str!("recipes/astm-cylinder-100.toml") },
     Recipe { name: "astm-cylinder-150", text: include_str!("recipes/astm-cylinder-150.toml") },
+    Recipe { name: "astm-beam-150", text: include_str!("recipes/astm-beam-150.toml") },
     Recipe { name: "rilem-notched-150", text: include_str!("recipes/rilem-notched-150.toml") },
     Recipe { name: "dogbone-200", text: include_str!("recipes/dogbone-200.toml") },
     Recipe { name: "rve-60", text: include_str!("recipes/rve-60.toml") },

@@ -1,11 +1,14 @@
 //! Grading curves of the standards, in percent by volume passing.
 //!
-//! - DIN 1045-2, lines A, B, C for 8, 16 and 32 mm: the values of betontechnische-daten.de; those for 32 mm reproduce
-//!   the D-sums and k-values of Zement-Merkblatt B 20 (352 and 5.48, 480 and 4.20, 570 and 3.30).
-//! - EN 12620, coarse d/D of category Gc 85/20: 0 to 20 % pass d, 85 to 99 % pass D, 100 % pass 2D.
-//! - ASTM C33, Table "Grading requirements for coarse aggregates", sizes 57 and 67.
-//! - GB/T 14685-2011, pebble and crushed stone, continuous gradings (those of JGJ 52-2006, Table 3.2.1-2, too), which
-//!   give shares retained; turned into shares passing here.
+//! - DIN 1045-2, lines A, B, C for 8, 16 and 32 mm. All nine reproduce the D-sums and k-values that betontechnische-daten.de
+//!   gives in its Sec. 2.7.2 (A8 537 and 3.63, B16 534 and 3.66, C32 570 and 3.30, ...); a test holds them.
+//! - EN 12620, coarse d/D of category Gc 85/20 (Table 2; betontechnische-daten.de, Sec. 2.2.3): 0 to 5 % pass d/2, 0 to 20 %
+//!   pass d, 85 to 99 % pass D, 98 to 100 % pass 1.4 D, all pass 2 D.
+//! - ASTM C33, Table "Grading requirements for coarse aggregates", and the same sizes in AASHTO M 43, from which Table 703-1
+//!   of the Colorado Department of Transportation's specifications repeats those given here.
+//! - GB/T 14685-2011 and -2022, Table 1, pebble and crushed stone, continuous gradings (those of JGJ 52-2006, Table
+//!   3.2.1-2, too), which give shares retained; turned into shares passing here. Held against two public programs, one with
+//!   the table of JGJ 52, one with that of GB/T 14685-2022: the latter differs for 5-40 mm, the former does not.
 
 use serde::{Deserialize, Serialize};
 
@@ -48,12 +51,33 @@ pub enum Standard {
     /// EN 12620, 16/32.
     #[serde(rename = "en-12620-16-32")]
     En16To32,
+    /// ASTM C33, size 3 (50 to 25 mm).
+    #[serde(rename = "astm-c33-3")]
+    Astm3,
+    /// ASTM C33, size 357 (50 to 4.75 mm).
+    #[serde(rename = "astm-c33-357")]
+    Astm357,
+    /// ASTM C33, size 4 (37.5 to 19 mm).
+    #[serde(rename = "astm-c33-4")]
+    Astm4,
+    /// ASTM C33, size 467 (37.5 to 4.75 mm).
+    #[serde(rename = "astm-c33-467")]
+    Astm467,
     /// ASTM C33, size 57 (25 to 4.75 mm).
     #[serde(rename = "astm-c33-57")]
     Astm57,
+    /// ASTM C33, size 6 (19 to 9.5 mm).
+    #[serde(rename = "astm-c33-6")]
+    Astm6,
     /// ASTM C33, size 67 (19 to 4.75 mm).
     #[serde(rename = "astm-c33-67")]
     Astm67,
+    /// ASTM C33, size 7 (12.5 to 4.75 mm).
+    #[serde(rename = "astm-c33-7")]
+    Astm7,
+    /// ASTM C33, size 8 (9.5 to 2.36 mm).
+    #[serde(rename = "astm-c33-8")]
+    Astm8,
     /// GB/T 14685, continuous 5-16 mm.
     #[serde(rename = "gbt-14685-5-16")]
     Gb5To16,
@@ -79,7 +103,7 @@ const DIN: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 31.5];
 
 impl Standard {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 26] = [
         Self::DinA8,
         Self::DinB8,
         Self::DinC8,
@@ -92,8 +116,15 @@ impl Standard {
         Self::En4To8,
         Self::En8To16,
         Self::En16To32,
+        Self::Astm3,
+        Self::Astm357,
+        Self::Astm4,
+        Self::Astm467,
         Self::Astm57,
+        Self::Astm6,
         Self::Astm67,
+        Self::Astm7,
+        Self::Astm8,
         Self::Gb5To16,
         Self::Gb5To20,
         Self::Gb5To25,
@@ -116,8 +147,15 @@ impl Standard {
             Self::En4To8 => "EN 12620 4/8, middle of Gc 85/20",
             Self::En8To16 => "EN 12620 8/16, middle of Gc 85/20",
             Self::En16To32 => "EN 12620 16/32, middle of Gc 85/20",
+            Self::Astm3 => "ASTM C33 size 3, middle of the band",
+            Self::Astm357 => "ASTM C33 size 357, middle of the band",
+            Self::Astm4 => "ASTM C33 size 4, middle of the band",
+            Self::Astm467 => "ASTM C33 size 467, middle of the band",
             Self::Astm57 => "ASTM C33 size 57, middle of the band",
+            Self::Astm6 => "ASTM C33 size 6, middle of the band",
             Self::Astm67 => "ASTM C33 size 67, middle of the band",
+            Self::Astm7 => "ASTM C33 size 7, middle of the band",
+            Self::Astm8 => "ASTM C33 size 8, middle of the band",
             Self::Gb5To16 => "GB/T 14685 continuous 5-16 mm, middle of the band",
             Self::Gb5To20 => "GB/T 14685 continuous 5-20 mm, middle of the band",
             Self::Gb5To25 => "GB/T 14685 continuous 5-25 mm, middle of the band",
@@ -143,14 +181,39 @@ impl Standard {
             Self::DinA32 => din(&[2, 5, 8, 14, 23, 38, 62, 100]),
             Self::DinB32 => din(&[8, 18, 28, 37, 47, 62, 80, 100]),
             Self::DinC32 => din(&[15, 29, 42, 53, 65, 77, 89, 100]),
-            Self::En4To8 => en(4.0, 8.0),
-            Self::En8To16 => en(8.0, 16.0),
-            Self::En16To32 => en(16.0, 31.5),
+            Self::En4To8 => en([2.0, 4.0, 8.0, 11.2, 16.0]),
+            Self::En8To16 => en([4.0, 8.0, 16.0, 22.4, 31.5]),
+            Self::En16To32 => en([8.0, 16.0, 31.5, 45.0, 63.0]),
+            Self::Astm3 => {
+                vec![(12.5, 0.0, 5.0), (25.0, 0.0, 15.0), (37.5, 35.0, 70.0), (50.0, 90.0, 100.0), (63.0, 100.0, 100.0)]
+            }
+            Self::Astm357 => vec![
+                (4.75, 0.0, 5.0),
+                (12.5, 10.0, 30.0),
+                (25.0, 35.0, 70.0),
+                (50.0, 95.0, 100.0),
+                (63.0, 100.0, 100.0),
+            ],
+            Self::Astm4 => {
+                vec![(9.5, 0.0, 5.0), (19.0, 0.0, 15.0), (25.0, 20.0, 55.0), (37.5, 90.0, 100.0), (50.0, 100.0, 100.0)]
+            }
+            Self::Astm467 => {
+                vec![(4.75, 0.0, 5.0), (9.5, 10.0, 30.0), (19.0, 35.0, 70.0), (37.5, 95.0, 100.0), (50.0, 100.0, 100.0)]
+            }
             Self::Astm57 => {
                 vec![(2.36, 0.0, 5.0), (4.75, 0.0, 10.0), (12.5, 25.0, 60.0), (25.0, 95.0, 100.0), (37.5, 100.0, 100.0)]
             }
+            Self::Astm6 => {
+                vec![(4.75, 0.0, 5.0), (9.5, 0.0, 15.0), (12.5, 20.0, 55.0), (19.0, 90.0, 100.0), (25.0, 100.0, 100.0)]
+            }
             Self::Astm67 => {
                 vec![(2.36, 0.0, 5.0), (4.75, 0.0, 10.0), (9.5, 20.0, 55.0), (19.0, 90.0, 100.0), (25.0, 100.0, 100.0)]
+            }
+            Self::Astm7 => {
+                vec![(2.36, 0.0, 5.0), (4.75, 0.0, 15.0), (9.5, 40.0, 70.0), (12.5, 90.0, 100.0), (19.0, 100.0, 100.0)]
+            }
+            Self::Astm8 => {
+                vec![(1.18, 0.0, 5.0), (2.36, 0.0, 10.0), (4.75, 10.0, 30.0), (9.5, 85.0, 100.0), (12.5, 100.0, 100.0)]
             }
             Self::Gb5To16 => retained(&[
                 (2.36, 95.0, 100.0),
@@ -196,8 +259,9 @@ fn din(passing: &[u8]) -> Vec<Row> {
     DIN.iter().zip(passing).map(|(&sieve, &share)| (sieve, f64::from(share), f64::from(share))).collect()
 }
 
-fn en(small: f64, large: f64) -> Vec<Row> {
-    vec![(small, 0.0, 20.0), (large, 85.0, 99.0), (2.0 * large, 100.0, 100.0)]
+/// Sieves of half the small size to twice the large one; 1.4 D and 2 D are the next of the sieves.
+fn en([half, small, large, wider, widest]: [f64; 5]) -> Vec<Row> {
+    vec![(half, 0.0, 5.0), (small, 0.0, 20.0), (large, 85.0, 99.0), (wider, 98.0, 100.0), (widest, 100.0, 100.0)]
 }
 
 /// From the least and the most that each sieve retains, itself and the wider ones together.
