@@ -41,6 +41,24 @@ fn in_pool<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
 }
 
 #[test]
+fn a_class_too_small_for_one_aggregate_is_named_and_is_no_jam() {
+    let spec = Spec { fraction: 0.01, specimen: Specimen::cube(20.0), ..Spec::default() };
+    assert!(spec.doubts()[0].contains("the class 10-15 mm asks for less than one aggregate"), "{:?}", spec.doubts());
+    let report = packed(&spec).report;
+    assert_eq!(report.classes.iter().map(|class| class.aggregates).collect::<Vec<_>>(), [1, 0, 0]);
+    assert_eq!(report.stop_reason, StopReason::TargetReached, "{}", report.stop_detail);
+    assert!(report.stop_detail.contains("15-20 mm asks for less than one aggregate"), "{}", report.stop_detail);
+}
+
+#[test]
+fn a_raw_curve_is_told_by_what_it_leaves_to_place() {
+    let text = "fraction = 0.4\nspecimen = { kind = 'cube', side_mm = 60 }\n[grading]\nform = 'raw'\nd_max_mm = 10\n";
+    let report = pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap().report;
+    assert_eq!(report.stop_reason, StopReason::TargetReached, "{}", report.stop_detail);
+    assert!(report.stop_detail.contains("of the 0.11716 that the raw curve leaves of 0.4"), "{}", report.stop_detail);
+}
+
+#[test]
 fn rearrangement_delivers_every_class_and_no_overlap() {
     for fraction in [0.4, 0.5, 0.6] {
         let model = packed(&small(fraction));

@@ -35,12 +35,12 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
         return Err(error);
     }
     let taken = progress.seconds();
-    let mut outcome = packing::place(&request(spec, &grains, progress));
+    let mut outcome = packing::place(&request(spec, &grains, progress, start));
     outcome.note(&grains, spec.grading.classes().len());
     // Every grain is freed as it settles: there is no moment with all of both.
     let (aggregates, inclusions) = settle(grains, &outcome.poses)?;
     let placed = progress.seconds();
-    let mut report = packing::report(&request(spec, &[], progress), &aggregates, &inclusions, &outcome);
+    let mut report = packing::report(&request(spec, &[], progress, start), &aggregates, &inclusions, &outcome);
     report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
 }
@@ -55,7 +55,7 @@ impl Model {
     }
 }
 
-fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress) -> Request<'a> {
+fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress, started: f64) -> Request<'a> {
     Request {
         specimen: &spec.specimen,
         fraction: spec.fraction,
@@ -65,6 +65,7 @@ fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress) 
         seed: spec.seed,
         placement: &spec.placement,
         progress,
+        started,
     }
 }
 

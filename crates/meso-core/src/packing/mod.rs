@@ -108,6 +108,8 @@ pub struct Request<'a> {
     pub placement: &'a Placement,
     /// Where to report, and whom to ask.
     pub progress: &'a dyn Progress,
+    /// `progress.seconds()` at which the run began: the time limit counts from there.
+    pub started: f64,
 }
 
 /// Where a grain ended: turned about its own origin, then moved.

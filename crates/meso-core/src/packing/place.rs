@@ -86,7 +86,7 @@ impl<'a> Task<'a> {
     fn new(request: &Request<'a>) -> Self {
         let room = request.specimen.room();
         let (volume, period) = (room.volume(), request.specimen.period());
-        let (wanted, started) = (request.fraction * volume, request.progress.seconds());
+        let (wanted, started) = (request.fraction * volume, request.started);
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
         let classes = request.grading.classes();
         let aggregates = classes.iter().map(|class| class.share * wanted * bound);

@@ -144,7 +144,11 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
     let phases = PhaseReport::all(&request.inclusions, inclusions, specimen.volume_mm3);
     let largest: Vec<f64> = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
     let (of_classes, of_phases) = largest.split_at(classes.len());
-    let short_classes = classes.iter().zip(of_classes).filter_map(|(class, largest)| class.lack(*largest));
+    // Where all grains were taken and a class has none, half of its smallest is more than it asks for.
+    let (some, none): (Vec<_>, Vec<_>) =
+        classes.iter().zip(of_classes).partition(|(_, largest)| outcome.stop.is_some() || **largest > 0.0);
+    let too_small = none.iter().map(|(class, _)| class.too_small()).collect();
+    let short_classes = some.into_iter().filter_map(|(class, largest)| class.lack(*largest));
     let largest_of = |phase: &PhaseReport| of_phases[usize::from(phase.phase == Kind::Fibre)];
     let short: Vec<String> =
         short_classes.chain(phases.iter().filter_map(|phase| phase.lack(largest_of(phase)))).collect();
@@ -165,7 +169,7 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
         } else {
             outcome.dead_end
         }),
-        stop_detail: detail(request.fraction, fraction, &short),
+        stop_detail: detail(request.fraction, &classes, &[short, too_small].concat()),
         classes,
         phases,
         seconds: Seconds::default(),
@@ -198,6 +202,10 @@ impl ClassReport {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
         Some(format!("{}-{} mm lacks {percent}", self.d_min_mm, self.d_max_mm))
     }
+
+    fn too_small(&self) -> String {
+        format!("{}-{} mm asks for less than one aggregate", self.d_min_mm, self.d_max_mm)
+    }
 }
 
 impl PhaseReport {
@@ -225,11 +233,25 @@ fn lack(target: f64, reached: f64, largest: f64) -> Option<String> {
     short.then(|| format!("{:.1} %", 100.0 * (1.0 - reached / target)))
 }
 
-fn detail(target: f64, fraction: f64, short: &[String]) -> String {
-    if short.is_empty() {
-        return format!("reached {fraction:.5} of {target}, every class as graded");
+/// What was reached of what the classes ask for, which is less than `target` where a raw curve leaves out a part of it.
+fn detail(target: f64, classes: &[ClassReport], notes: &[String]) -> String {
+    let placed: f64 = classes.iter().map(|class| class.target_fraction).sum();
+    let fraction: f64 = classes.iter().map(|class| class.fraction).sum();
+    let asked = if (placed - target).abs() < 1e-9 {
+        brief(target)
+    } else {
+        format!("the {} that the raw curve leaves of {}", brief(placed), brief(target))
+    };
+    if notes.is_empty() {
+        return format!("reached {fraction:.5} of {asked}, every class as graded");
     }
-    format!("reached {fraction:.5} of {target}; {}", short.join(", "))
+    format!("reached {fraction:.5} of {asked}; {}", notes.join(", "))
+}
+
+/// A fraction with at most five decimals; that of a mix design has many.
+fn brief(fraction: f64) -> String {
+    let rounded = (fraction * 1e5).round() / 1e5;
+    if rounded > 0.0 { rounded.to_string() } else { format!("{fraction:e}") }
 }
 
 impl Work {
