@@ -239,6 +239,14 @@ fn voids_are_holes_and_fibres_bodies_of_their_exact_volumes_in_a_conforming_mesh
                 "{itz:?} {phase:?} {meshed:?} {exact:?}"
             );
         }
+        assert_eq!(mesh.cohesive().len() > 1000, itz == ItzForm::Cohesive);
+        for (nodes, id) in mesh.cohesive().zip(&mesh.cohesive_aggregate) {
+            let at = |i: usize| mesh.points[nodes[i] as usize];
+            assert!((0..3).all(|i| at(i) == at(i + 3) && nodes[i] != nodes[i + 3]), "{nodes:?}");
+            let body = &bodies.iter().find(|body| body.id == *id).unwrap().body;
+            let normal = (at(1) - at(0)).cross(&(at(2) - at(0)));
+            assert!(normal.dot(&(at(0) - body.centroid())) > 0.0, "the normal leads out of the aggregate");
+        }
         let held: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|id| *id != mesh::NO_AGGREGATE).collect();
         let solid: BTreeSet<u32> = bodies.iter().filter(|b| b.kind != Kind::Void).map(|b| b.id).collect();
         assert_eq!(held, solid);

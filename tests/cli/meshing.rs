@@ -14,7 +14,14 @@ fn text(folder: &Folder, name: &str) -> String {
 #[test]
 fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in_turn_give_too() {
     let folder = Folder::with_model();
-    let flags = ["--method", "lattice", "--element-size-mm", "4", "--analysis", "compression", "--frames", "7"];
+    let flags = [
+        ["--method", "lattice"],
+        ["--element-size-mm", "4"],
+        ["--analysis", "compression"],
+        ["--friction", "0.6"],
+        ["--frames", "7"],
+    ]
+    .concat();
     let run = folder.run(&[&["pack", "small.toml", "-o", "once.inp"][..], &flags[..]].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("meshed ") && run.stderr.contains("wrote once.inp"), "{}", run.stderr);
@@ -22,6 +29,7 @@ fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in
     let deck = text(&folder, "once.inp");
     assert_eq!(deck, text(&folder, "twice.inp"));
     assert!(deck.contains("TYPE=C3D4") && deck.contains("TYPE=R3D4") && deck.contains("NUMBER INTERVAL=7\n"));
+    assert!(deck.contains("*FRICTION\n0.6,\n"));
 }
 
 #[test]

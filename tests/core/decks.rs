@@ -1,6 +1,7 @@
 //! Decks against Abaqus' keyword rules: two-element decks checked by hand, and every kind of deck by a reader of its own.
 
 use crate::mesh::{aggregate, block, deck, turned_blocks};
+use crate::mesh_specimens::rooms;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Phase};
@@ -191,6 +192,24 @@ fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
         &two_voxels(true),
         &DeckOptions { periodic_equations: true, analysis: Analysis::Elastic, ..Default::default() },
     ));
+}
+
+#[test]
+fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
+    for specimen in rooms() {
+        for method in [Method::Voxel, Method::Lattice] {
+            let options = MeshOptions { method, element_size_mm: 4.0, ..Default::default() };
+            let mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
+            let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });
+            consistent(&text);
+            for side in ["XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"] {
+                let there = |line: String| text.lines().any(|l| l == line);
+                let set = there(format!("*NSET, NSET={side}"));
+                let surface = there(format!("*SURFACE, TYPE=ELEMENT, NAME=S_{side}"));
+                assert!(set && surface, "{} {method:?} {side}: {set} {surface}", specimen.kind());
+            }
+        }
+    }
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn turned_angle_piece() -> Specimen {
     angle_piece([60.0, 25.0, 30.0], |[x, y, z]| [x * cos - y * sin, x * sin + y * cos, z])
 }
 
-fn rooms() -> Vec<Specimen> {
+pub(crate) fn rooms() -> Vec<Specimen> {
     let square = |half: f64, z: f64| [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
     vec![
         cylinder(),

@@ -1,8 +1,7 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
-//! The defaults are illustrative, in the middle of what mesoscale studies of concrete use; they are nobody's measured
-//! concrete, and the method paper's own Table 3 is not available. The ITZ's strength as 0.5 to 0.9 of the mortar's is the
-//! paper's range (Sec. 3.1).
+//! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not available.
+//! docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's range (Sec. 3.1).
 
 use crate::mesh::Phase;
 use serde::{Deserialize, Serialize};
@@ -89,7 +88,9 @@ impl Default for Materials {
 }
 
 impl Default for Strength {
-    /// 40 MPa mortar; the crushing energy is a hundred times the fracture energy.
+    /// 40 MPa in the mean: the strain 0.7 f^0.31 per mille and the tensile strength 0.3 (f - 8)^(2/3) of EN 1992-1-1,
+    /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for grains of
+    /// 8 mm, rounded down; the crushing energy a hundred times that.
     fn default() -> Self {
         Self {
             compressive_mpa: 40.0,
@@ -102,7 +103,7 @@ impl Default for Strength {
 }
 
 impl Default for Plasticity {
-    /// The values of Abaqus' own verification problems but for the dilation angle, usually 30 to 38 for concrete.
+    /// Abaqus' own defaults but for the dilation angle, usually 30 to 38 for concrete, and a little viscosity.
     fn default() -> Self {
         Self {
             dilation_angle_deg: 30.0,
