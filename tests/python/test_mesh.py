@@ -90,6 +90,11 @@ def test_deck_options_are_those_of_the_command(mesh, tmp_path):
     assert "*MATERIAL" in deck.upper()
     assert "*MATERIAL" not in geometry.upper()
     assert "C3D8R" in geometry
+    mesh.write(tmp_path / "run.inp", analysis="compression", loading={"friction": 0.6, "frames": 9})
+    deck = (tmp_path / "run.inp").read_text(encoding="ascii")
+    assert "*FRICTION\n0.6,\n" in deck and "NUMBER INTERVAL=9\n" in deck
+    with pytest.raises(ValueError, match="materials.mortar_strength.tensile_mpa is -3"):
+        mesh.write(tmp_path / "wrong.inp", materials={"mortar_strength": {"tensile_mpa": -3.0}})
     with pytest.raises(ValueError, match="geometryonly is not a known key; did you mean geometry_only"):
         mesh.write(tmp_path / "wrong.inp", geometryonly=True)
 
@@ -132,6 +137,11 @@ def test_cohesive_elements_notes_and_quality_are_there(packing):
     worst, cell = quality["min_dihedral_deg"]
     assert list(mesh.bad_cells(np.nextafter(worst, 180.0))) == [cell]
     assert len(mesh.bad_cells(0.0)) == 0
+    assert quality["bad_cells"] == list(mesh.bad_cells(8.0))
+    assert quality["volumes_mm3"] == mesh.volumes()
+    exact = quality["exact_volumes_mm3"]
+    assert exact["aggregate"] / 60.0**3 == pytest.approx(packing.fraction, rel=1e-9)
+    assert sum(exact.values()) == pytest.approx(60.0**3, rel=1e-12)
 
 
 def test_conforming_meshes_keep_the_volume_to_the_last_digits():

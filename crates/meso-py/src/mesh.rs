@@ -141,8 +141,9 @@ impl PyMesh {
     /// compress : bool
     ///     Whether what a `.vtu` holds is compressed.
     /// **deck
-    ///     What an `.inp` holds beside the mesh, e.g. `geometry_only=True`, `reduced_integration=True`,
-    ///     `periodic_equations=True`.
+    ///     What an `.inp` holds beside the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+    ///     `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict: `friction`, `duration_s`,
+    ///     `time_increment_s`, `frames`), `materials` (a dict; what it leaves out keeps its illustrative default).
     ///
     /// Raises
     /// ------

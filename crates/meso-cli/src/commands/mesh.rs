@@ -59,7 +59,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     for (target, format) in &plan {
         fill(&mut unit, target, args.force, *format, &mesh, &deck, encoding)?;
     }
-    let told = (!args.quiet || summary.is_some()).then(|| Told::of(&mesh, &model, &deck.materials));
+    let told =
+        (!args.quiet || summary.is_some()).then(|| Told::of(&mesh, &model, args.meshing.options(), &deck.materials));
     if let (Some(target), Some(told)) = (&summary, &told) {
         unit.fill(target, args.force, |out| told.write(out))?;
     }
@@ -81,11 +82,16 @@ fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
         let message = format!("{}: the extension names no mesh format; it must be one of {known}", path.display());
         Failure::Usage(message)
     })?;
+    Ok((target(path, format, force)?, format))
+}
+
+/// Where a mesh goes, looked at before any work is done.
+pub(super) fn target(path: &Path, format: MeshFormat, force: bool) -> Result<Target, Failure> {
     if format == MeshFormat::Pvtu {
-        // Its number of pieces is not known yet, but that a first one would be in the way is.
+        // The number of pieces is not known yet, but that a first one would be in the way is.
         Target::new(&piece_path(path, 0), force)?;
     }
-    Ok((Target::new(path, force)?, format))
+    Target::new(path, force)
 }
 
 /// Writes `mesh` to `target`, and its pieces beside it where the format has any.

@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv, .inp, .msh; `-` writes the .json to standard output.
-    /// May be repeated; absent: model.json, model.vtu, model.inp
+    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; meshes: .inp, .msh, .pvtu; `-` writes the .json
+    /// to standard output. May be repeated; absent: model.json, model.vtu, model.inp
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Seed of all randomness; the same seed gives the same bytes
@@ -98,7 +98,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         tell(&model.report);
-        mesh.iter().for_each(|mesh| Told::of(mesh, &model, &deck.materials).tell());
+        mesh.iter().for_each(|mesh| Told::of(mesh, &model, args.meshing.options(), &deck.materials).tell());
         plan.files().for_each(|path| say::line(format!("wrote {}", path.display())));
     }
     Ok(exit_code(&model.report, args.strict))
@@ -141,9 +141,12 @@ impl Args {
         let default = ["model.json", "model.vtu", "model.inp"].map(PathBuf::from);
         let paths = if self.output.is_empty() { &default[..] } else { &self.output };
         let contents = paths.iter().map(|path| content(path)).collect::<Result<Vec<_>, _>>()?;
-        let target = |path: &PathBuf| Target::new(path, self.force);
-        let targets = paths.iter().map(target).collect::<Result<Vec<_>, _>>()?;
-        let summary = self.summary_json.as_ref().map(target).transpose()?;
+        let target = |(path, content): (&PathBuf, &Content)| match content {
+            Content::Packing(_) => Target::new(path, self.force),
+            Content::Mesh(format) => mesh::target(path, *format, self.force),
+        };
+        let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
+        let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.force)).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
         let surfaces = Surfaces { encoding: Encoding::compressed(self.compress), images: self.images };
@@ -157,8 +160,10 @@ fn content(path: &Path) -> Result<Content, Failure> {
     }
     let packing = Format::from_path(path).map(Content::Packing);
     packing.or_else(|| MeshFormat::from_path(path).map(Content::Mesh)).ok_or_else(|| {
-        let known = Format::ALL.map(Format::extension).join(", .");
-        Failure::Usage(format!("{}: the extension names no format; it must be one of .{known}, .inp", path.display()))
+        let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
+        let known: Vec<&str> = Format::ALL.map(Format::extension).into_iter().chain(meshes).collect();
+        let known = known.join(", .");
+        Failure::Usage(format!("{}: the extension names no format; it must be one of .{known}", path.display()))
     })
 }
 

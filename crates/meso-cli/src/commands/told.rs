@@ -4,7 +4,7 @@ use crate::say;
 use meso_core::Model;
 use meso_core::materials::Materials;
 use meso_core::mesh::quality::{BAD_DEG, QualityReport};
-use meso_core::mesh::{CellKind, Mesh, Notes, Phase, PhaseVolumes};
+use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, Phase, PhaseVolumes};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -20,6 +20,7 @@ pub(super) struct Told {
     bad_elements: Vec<usize>,
     quality: QualityReport,
     notes: Notes,
+    options: MeshOptions,
     #[serde(skip)]
     voxels: bool,
 }
@@ -31,7 +32,7 @@ const FAR_TOO_MUCH: f64 = 1.2;
 const NAMED: usize = 5;
 
 impl Told {
-    pub(super) fn of(mesh: &Mesh, model: &Model, materials: &Materials) -> Self {
+    pub(super) fn of(mesh: &Mesh, model: &Model, options: MeshOptions, materials: &Materials) -> Self {
         let specimen = &model.spec.specimen;
         let quality = QualityReport::of(mesh, &model.bodies(), specimen, materials);
         Self {
@@ -43,6 +44,7 @@ impl Told {
             bad_elements: quality.bad_cells.iter().map(|cell| cell + 1).collect(),
             quality,
             notes: mesh.notes,
+            options,
             voxels: mesh.kind == CellKind::Hexahedron,
         }
     }
@@ -60,7 +62,8 @@ impl Told {
             elements => format!(" and {} cohesive ones", say::count(elements)),
         };
         let (elements, nodes) = (say::count(self.elements), say::count(self.nodes));
-        say::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes"));
+        let how = format!("{:?}, {} mm", self.options.method, self.options.element_size_mm).to_lowercase();
+        say::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
         self.volumes();
         self.thick_shells();
         let distance = &self.quality.interface_distance;
