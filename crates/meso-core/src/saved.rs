@@ -23,8 +23,8 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Most lines are shorter: 30 vertices and 56 faces.
 const LINE_BYTES: usize = 3072;
-/// Aggregates whose lines are made at once, on all threads.
-const AT_ONCE: usize = 512;
+/// Aggregates whose lines each thread makes at once.
+const AT_ONCE: usize = 64;
 
 /// Writes `model` to `out`, some aggregates at a time.
 ///
@@ -61,8 +61,9 @@ fn list(
         write(body, &mut line).map(|()| line)
     };
     let mut separator: &[u8] = b"\n";
-    for several in bodies.chunks(AT_ONCE) {
-        let in_pool = rayon::current_thread_index().is_some();
+    let in_pool = rayon::current_thread_index().is_some();
+    let threads = if in_pool { rayon::current_num_threads() } else { 1 };
+    for several in bodies.chunks(AT_ONCE * threads) {
         let lines: io::Result<Vec<Vec<u8>>> =
             if in_pool { several.par_iter().map(line).collect() } else { several.iter().map(line).collect() };
         for line in lines? {
@@ -100,18 +101,24 @@ fn write_inclusion(inclusion: &Aggregate, out: &mut Vec<u8>) -> io::Result<()> {
 }
 
 fn write_body(body: &Polyhedron, out: &mut Vec<u8>) -> io::Result<()> {
-    out.write_all(b",\"vertices\":")?;
-    rows(out, body.vertices().iter().map(|v| <[f64; 3]>::from(*v)))?;
-    out.write_all(b",\"faces\":")?;
-    rows(out, body.faces())?;
-    out.write_all(b"}")
-}
-
-/// A list of rows, without a copy of all of them.
-fn rows(out: &mut impl Write, rows: impl Iterator<Item = impl Serialize>) -> io::Result<()> {
-    for (i, row) in rows.enumerate() {
-        out.write_all(if i == 0 { b"[" } else { b"," })?;
-        serde_json::to_writer(&mut *out, &row)?;
+    out.extend_from_slice(b",\"vertices\":");
+    for (i, vertex) in body.vertices().iter().enumerate() {
+        out.push(if i == 0 { b'[' } else { b',' });
+        serde_json::to_writer(&mut *out, &<[f64; 3]>::from(*vertex))?;
     }
-    out.write_all(b"]")
+    out.extend_from_slice(b"],\"faces\":");
+    // By hand: through the serializer these digits took as long as the coordinates.
+    let mut digits = itoa::Buffer::new();
+    for (i, face) in body.faces().enumerate() {
+        out.extend_from_slice(if i == 0 { b"[[" } else { b",[" });
+        for (k, corner) in face.iter().enumerate() {
+            if k > 0 {
+                out.push(b',');
+            }
+            out.extend_from_slice(digits.format(corner).as_bytes());
+        }
+        out.push(b']');
+    }
+    out.extend_from_slice(b"]}");
+    Ok(())
 }
