@@ -195,7 +195,7 @@ fn a_hull_like_another_is_the_hull_whether_its_faces_stay_or_not() {
         for share in [0.0, 1e-12, 1e-3, 0.3] {
             let moved: Vec<Vec3> =
                 hull.vertices().iter().map(|v| v.map(|x| x + share * size * (1e3 * x).sin())).collect();
-            let like = convex_hull_like(&hull, &moved);
+            let like = convex_hull_like(&hull.clone().into(), &moved);
             assert_eq!(like, convex_hull(&moved), "{} moved by {share}", cloud.name);
             let same = like.is_ok_and(|like| like.faces().map(Face::to_vec).eq(hull.faces().map(Face::to_vec)));
             *(if same { &mut stay } else { &mut change }) += 1;

@@ -70,7 +70,8 @@ fn voids_and_fibres_have_the_volume_of_the_spheres_and_cylinders_they_stand_for(
         assert!(sphericity > 0.95, "{sphericity}");
     }
     for fibre in of(&model, Kind::Fibre) {
-        assert!((fibre.body.volume() - PI / 4.0 * 0.64 * 20.0).abs() < 1e-6);
+        // A taken vertex has seven digits.
+        assert!((fibre.body.volume() - PI / 4.0 * 0.64 * 20.0).abs() < 1e-5);
         assert!((longest_distance(fibre.body.vertices()) - 20.0).abs() < 0.02);
     }
 }

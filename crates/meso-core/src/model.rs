@@ -81,19 +81,24 @@ fn flat_shape(error: &HullError) -> SpecError {
     SpecError::value("shape", format!("gives aggregates without volume: {error}"))
 }
 
+/// Grains that settle at once, on all threads.
+const AT_ONCE: usize = 1024;
+
 /// The placed grains in the specimen's frame: aggregates, and what is not.
 fn settle(grains: Vec<Grain>, poses: &[Option<Pose>]) -> Result<(Vec<Aggregate>, Vec<Aggregate>), SpecError> {
-    let settled: Vec<Option<Aggregate>> = grains
-        .into_par_iter()
-        .zip(poses)
-        .map(|(grain, pose)| {
-            let Some(pose) = pose else { return Ok(None) };
-            let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
-            let Grain { kind, class, itz_thickness_mm, .. } = grain;
-            Ok(Some(Aggregate { id: 0, kind, class, itz_thickness_mm, body }))
-        })
-        .collect::<Result<_, _>>()?;
-    let mut aggregates: Vec<Aggregate> = settled.into_iter().flatten().collect();
+    let settle = |(grain, pose): (Grain, &Option<Pose>)| {
+        let Some(pose) = pose else { return Ok(None) };
+        let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
+        let Grain { kind, class, itz_thickness_mm, .. } = grain;
+        Ok(Some(Aggregate { id: 0, kind, class, itz_thickness_mm, body }))
+    };
+    let mut aggregates = Vec::with_capacity(poses.iter().flatten().count());
+    let mut grains = grains.into_iter();
+    for poses in poses.chunks(AT_ONCE) {
+        let several: Vec<Grain> = grains.by_ref().take(poses.len()).collect();
+        let settled: Vec<_> = several.into_par_iter().zip(poses).map(settle).collect::<Result<_, SpecError>>()?;
+        aggregates.extend(settled.into_iter().flatten());
+    }
     let mut inclusions: Vec<Aggregate> = aggregates.extract_if(.., |body| body.kind != Kind::Aggregate).collect();
     inclusions.sort_by_key(|body| body.kind);
     (0..).zip(aggregates.iter_mut().chain(&mut inclusions)).for_each(|(id, body)| body.id = id);

@@ -2,9 +2,10 @@
 
 use super::random::{Purpose, Stream};
 use super::{Grading, Inclusions, Itz, Kind, Outline, Shape, SizeClass, SizeDefinition, inclusions};
-use crate::geometry::{HullError, Polyhedron, convex_hull, sieve_size};
+use crate::geometry::{HullError, NarrowPolyhedron, convex_hull, sieve_size};
 use crate::math::{Mat3, Vec3};
 use crate::wide::{Wide, widest};
+use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
 
 /// A grain that has a shape and an orientation, but no place yet.
@@ -21,13 +22,11 @@ pub struct Grain {
     /// True when the drawn thickness was too much for the grain and was limited.
     pub itz_limited: bool,
     /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
-    pub body: Polyhedron,
+    pub body: NarrowPolyhedron,
     /// Semi-axes of the ellipsoid the vertices lie on or near, mm.
-    pub semi_axes: Vec3,
-    /// Columns: the directions of the semi-axes.
-    pub rotation: Mat3,
-    /// mm3.
-    pub volume: f64,
+    pub semi_axes: [f32; 3],
+    /// Turns the coordinate axes into the directions of the semi-axes.
+    pub rotation: UnitQuaternion<f32>,
     /// Radius of the sphere about the centre that holds the body, mm.
     pub outer_radius: f64,
     /// Radius of the sphere about the centre that the body holds, mm.
@@ -35,9 +34,19 @@ pub struct Grain {
 }
 
 impl Grain {
+    /// mm3.
+    pub fn volume(&self) -> f64 {
+        self.body.volume()
+    }
+
+    /// Half of the longest axis, about the centre, mm.
+    pub fn half_length(&self) -> Vec3 {
+        self.rotation.cast::<f64>() * Vec3::x() * self.outer_radius
+    }
+
     /// Radius of the ball of the same volume, mm.
     pub fn ball_radius(&self) -> f64 {
-        libm::cbrt(self.volume * 0.75 / std::f64::consts::PI)
+        libm::cbrt(self.volume() * 0.75 / std::f64::consts::PI)
     }
 }
 
@@ -78,6 +87,12 @@ impl Wide for Turned<'_> {
     }
 }
 
+/// To what a [`NarrowPolyhedron`] keeps. A point of the lattice stays on it: single precision is finer only where all of
+/// the lattice's digits fit into it.
+fn narrowed(v: &Vec3) -> Vec3 {
+    v.map(|x| f64::from(x as f32))
+}
+
 /// What the take needs of a spec.
 #[derive(Clone, Copy)]
 pub struct Recipe<'a> {
@@ -112,7 +127,7 @@ pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result
     grains.shrink_to_fit();
     let last = |grain: &Grain| grain.kind != Kind::Fibre;
     grains.sort_by(|p, q| {
-        let by_volume = q.volume.total_cmp(&p.volume);
+        let by_volume = q.volume().total_cmp(&p.volume());
         last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
     });
     Ok(grains)
@@ -135,10 +150,10 @@ pub(super) fn fill(
         let chunk: Vec<Grain> = (start..start + CHUNK).into_par_iter().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
             // The last grain goes in when that brings the class nearer to its target.
-            if volume + grain.volume / 2.0 >= target {
+            if volume + grain.volume() / 2.0 >= target {
                 return Ok(grains);
             }
-            volume += grain.volume;
+            volume += grain.volume();
             grains.push(grain);
         }
     }
@@ -167,20 +182,21 @@ impl Grain {
         outline: &Outline,
         stream: &mut Stream,
     ) -> Result<Self, HullError> {
-        let rotation = stream.rotation().to_rotation_matrix().into_inner();
-        let body = convex_hull(&turned(&outline.vertices, &rotation))?;
+        let rotation = stream.rotation();
+        let mut vertices = turned(&outline.vertices, &rotation.to_rotation_matrix().into_inner());
+        vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
+        let body = convex_hull(&vertices)?;
         Ok(Self {
             kind,
             class,
             index,
             itz_thickness_mm: 0.0,
             itz_limited: false,
-            semi_axes: outline.semi_axes,
-            rotation,
-            volume: body.volume(),
+            semi_axes: outline.semi_axes.map(|x| x as f32).into(),
+            rotation: rotation.cast(),
             outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),
             inner_radius: body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min),
-            body,
+            body: body.into(),
         })
     }
 }

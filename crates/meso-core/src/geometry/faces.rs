@@ -5,15 +5,15 @@ use serde::{Serialize, Serializer};
 /// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FaceList {
-    corners: Indices,
-    /// `ends[f]` is one past the last corner of face `f`; absent where every face is a triangle.
-    ends: Option<Indices>,
+    /// The corners of all faces; then, unless every face is a triangle, one past the last corner of each.
+    lists: Indices,
+    corners: u32,
 }
 
 /// One face of a polyhedron: its vertex indices, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
 pub struct Face<'a> {
-    corners: &'a Indices,
+    lists: &'a Indices,
     start: usize,
     end: usize,
 }
@@ -30,19 +30,37 @@ impl FaceList {
     /// Stores the faces whose corners are `corners[0..ends[0]]`, `corners[ends[0]..ends[1]]`, ...
     pub(super) fn new(corners: &[u32], ends: &[u32]) -> Self {
         let triangles = ends.iter().zip(1..).all(|(&end, count)| end == 3 * count);
-        Self { corners: Indices::new(corners), ends: (!triangles).then(|| Indices::new(ends)) }
+        let lists = if triangles { Indices::new(corners) } else { Indices::new(&[corners, ends].concat()) };
+        Self { lists, corners: corners.len() as u32 }
     }
 
     pub(super) fn len(&self) -> usize {
-        self.ends.as_ref().map_or(self.corners.len() / 3, Indices::len)
+        if self.are_triangles() { self.corners as usize / 3 } else { self.lists.len() - self.corners as usize }
+    }
+
+    fn are_triangles(&self) -> bool {
+        self.lists.len() == self.corners as usize
+    }
+
+    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = Face<'_>> + Clone {
+        (0..self.len()).map(|f| self.face(f))
+    }
+
+    /// The faces of nearly all bodies: triangles over up to 256 vertices; `None` for others.
+    pub(super) fn byte_triangles(&self) -> Option<&[[u8; 3]]> {
+        match &self.lists {
+            Indices::U8(corners) if self.are_triangles() => Some(corners.as_chunks().0),
+            _ => None,
+        }
     }
 
     pub(super) fn face(&self, f: usize) -> Face<'_> {
-        let (start, end) = match &self.ends {
-            None => (3 * f, 3 * f + 3),
-            Some(ends) => (if f == 0 { 0 } else { ends.get(f - 1) as usize }, ends.get(f) as usize),
+        let end = |f: usize| self.lists.get(self.corners as usize + f) as usize;
+        let (start, end) = match self.are_triangles() {
+            true => (3 * f, 3 * f + 3),
+            false => (if f == 0 { 0 } else { end(f - 1) }, end(f)),
         };
-        Face { corners: &self.corners, start, end }
+        Face { lists: &self.lists, start, end }
     }
 }
 
@@ -66,12 +84,12 @@ impl<'a> Face<'a> {
     /// Where `k` is not less than [`Face::len`].
     pub fn vertex(self, k: usize) -> u32 {
         assert!(k < self.len(), "vertex {k} of a face with {}", self.len());
-        self.corners.get(self.start + k)
+        self.lists.get(self.start + k)
     }
 
     /// The vertex indices in order.
     pub fn iter(self) -> impl ExactSizeIterator<Item = u32> + Clone + use<'a> {
-        (self.start..self.end).map(move |k| self.corners.get(k))
+        (self.start..self.end).map(move |k| self.lists.get(k))
     }
 
     /// The vertex indices as a list.
@@ -81,7 +99,7 @@ impl<'a> Face<'a> {
 
     /// The face cut into triangles, fan-wise from its first vertex.
     pub fn triangles(self) -> impl Iterator<Item = [u32; 3]> + Clone + use<'a> {
-        let at = move |k| self.corners.get(self.start + k);
+        let at = move |k| self.lists.get(self.start + k);
         (2..self.len()).map(move |k| [at(0), at(k - 1), at(k)])
     }
 }

@@ -8,8 +8,8 @@ mod polygons;
 mod steady;
 mod surface;
 
-use super::Polyhedron;
 use super::predicates::in_range;
+use super::{NarrowPolyhedron, Polyhedron};
 use crate::math::Vec3;
 use polygons::Polygons;
 use std::cell::RefCell;
@@ -68,10 +68,10 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
 ///
 /// # Errors
 /// See [`HullError`].
-pub fn convex_hull_like(like: &Polyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
+pub fn convex_hull_like(like: &NarrowPolyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
     check(points)?;
-    let same = points.len() == like.vertices().len() && steady::are_facets(points, like);
-    if same { Ok(like.with_vertices(points)) } else { convex_hull(points) }
+    let same = points.len() == like.vertex_count() && steady::are_facets(points, like);
+    if same { Ok(like.with_vertices(points.to_vec())) } else { convex_hull(points) }
 }
 
 /// [`convex_hull`] with memory that is kept from one hull to the next: for whoever makes thousands of them.
@@ -97,11 +97,14 @@ impl HullBuilder {
 
     /// The collected polygons over the points that are their corners, in the canonical order.
     fn polyhedron(&mut self, points: &[Vec3]) -> Polyhedron {
-        self.polygons.sort();
+        self.polygons.sort(points.len());
         self.rank.clear();
         self.rank.resize(points.len(), 0);
         for &corner in &self.polygons.corners {
             self.rank[corner as usize] = 1;
+        }
+        if self.rank.iter().all(|rank| *rank == 1) {
+            return Polyhedron::from_lists(points.into(), &self.polygons.corners, &self.polygons.ends);
         }
         let vertices: Box<[Vec3]> = points.iter().zip(&self.rank).filter(|(_, r)| **r == 1).map(|(p, _)| *p).collect();
         let mut count = 0;

@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn without_lockstep_the_stages_are_the_same() {
         let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
-        let body = Body::new(&corners).with_inside_of(&convex_hull(&corners).expect("solid"));
+        let body = Body::new(&corners).with_inside_of(convex_hull(&corners).expect("solid").facets());
         let at = |i: u32| Vec3::new(0.11 * f64::from(i), 0.07 * f64::from(i % 5), 0.05 * f64::from(i % 3));
         let asks: Vec<Ask<'_>> = (0..30).map(|i| Ask { a: &body, b: &body, b_from_a: at(i) }).collect();
         let (mut wide, mut plain) = (Work::default(), Work::default());

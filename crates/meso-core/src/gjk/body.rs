@@ -2,7 +2,7 @@
 
 use super::ellipsoid::Ellipsoids;
 use super::support::Support;
-use crate::geometry::Polyhedron;
+use crate::geometry::{Facet, NarrowPolyhedron};
 use crate::math::{Mat3, Vec3};
 
 /// Points per [`Group`]: four AVX-512 registers of doubles for each coordinate.
@@ -26,6 +26,32 @@ pub struct Body {
     first: Group,
 }
 
+/// What lets most pairs be decided without a look at their points, in one cache line: for bodies that are made only when
+/// they are needed.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds(pub(crate) Ellipsoids);
+
+impl Bounds {
+    /// The body that these are of.
+    #[inline]
+    pub fn body(&self, shape: &NarrowPolyhedron) -> Body {
+        let (bounds, len) = (self.0, shape.vertex_count());
+        let mut first = Group([[0.0; GROUP]; 3]);
+        if len > GROUP {
+            let mut body = Body { bounds, len: 0, rest: None, first };
+            body.fill(shape.vertices());
+            return body;
+        }
+        for (slots, along) in first.0.iter_mut().zip(shape.coordinates()) {
+            for (slot, &x) in slots.iter_mut().zip(along) {
+                *slot = f64::from(x);
+            }
+            slots[len..].fill(f64::from(along[0]));
+        }
+        Body { bounds, len: len as u32, rest: None, first }
+    }
+}
+
 impl Body {
     /// A body from points (mm), bounded by the ellipsoid of their second moments.
     ///
@@ -46,12 +72,12 @@ impl Body {
         Self::bounded(points, Ellipsoids::around(points, &(rotation * squares * rotation.transpose())))
     }
 
-    /// Adds what the face planes of `solid`, whose vertices this body has, prove about its inside.
+    /// Adds what the facets of the solid whose vertices this body has ([`Polyhedron::facets`](crate::geometry::Polyhedron::facets)) prove about its inside.
     ///
     /// Pairs that overlap deeply are then decided without looking at a vertex.
     #[must_use]
-    pub fn with_inside_of(mut self, solid: &Polyhedron) -> Self {
-        self.bounds.measure_inside(solid);
+    pub fn with_inside_of(mut self, facets: impl IntoIterator<Item = Facet>) -> Self {
+        self.bounds.measure_inside(facets);
         self
     }
 
@@ -115,6 +141,11 @@ impl Body {
     pub(crate) fn slot(&self, i: usize) -> Vec3 {
         let Group([x, y, z]) = if i < GROUP { &self.first } else { &self.more_groups()[i / GROUP - 1] };
         Vec3::new(x[i % GROUP], y[i % GROUP], z[i % GROUP])
+    }
+
+    /// What is known of it beside its points.
+    pub fn bounds(&self) -> Bounds {
+        Bounds(self.bounds)
     }
 
     /// Radius of the sphere about the frame's origin that holds the body, mm.

@@ -3,7 +3,7 @@
 //! With S = R diag(a2, b2, c2) R^T the ellipsoid's support along n is sqrt(n . S n). For two of them, a displacement
 //! x of the centres and n = (S_a + S_b)^-1 x, the point S_a n from a's centre is the one both come nearest to.
 
-use crate::geometry::{Face, Polyhedron};
+use crate::geometry::Facet;
 use crate::math::{Mat3, Vec3};
 
 /// Room for the rounding of everything this file computes: some hundred operations on well-conditioned matrices.
@@ -78,15 +78,14 @@ impl Ellipsoids {
         std::ptr::from_ref(self).cast()
     }
 
-    /// Finds how far the outer ellipsoid must shrink to lie inside every face plane.
+    /// Finds how far the outer ellipsoid must shrink to lie inside every face plane of the solid whose facets these are.
     ///
     /// A face's normal is known to the rounding of its cross products over its area: slivers shrink the result.
-    pub(crate) fn measure_inside(&mut self, solid: &Polyhedron) {
+    pub(crate) fn measure_inside(&mut self, facets: impl IntoIterator<Item = Facet>) {
         let (s, size) = (self.matrix(), self.circumradius);
         let (mut inner_squared, mut inradius) = (f64::INFINITY, f64::INFINITY);
-        for (plane, face) in solid.planes().zip(solid.faces()) {
-            let area = face_area(solid, face);
-            let doubt = size * (64.0 * f64::EPSILON * face.len() as f64 * size * size / area + SLACK);
+        for Facet { plane, area, corners } in facets {
+            let doubt = size * (64.0 * f64::EPSILON * corners as f64 * size * size / area + SLACK);
             let offset = plane.offset - doubt;
             if offset.is_nan() || offset <= 0.0 {
                 return;
@@ -153,12 +152,6 @@ fn apart(along: f64, q_a: f64, q_b: f64, gap: f64, n: &Vec3) -> bool {
     }
     let rest = along * along * (1.0 - SLACK) - (q_a + q_b);
     along > 0.0 && rest > 0.0 && rest * rest > 4.0 * q_a * q_b * (1.0 + SLACK)
-}
-
-fn face_area(solid: &Polyhedron, face: Face<'_>) -> f64 {
-    let corners = face.triangles().map(|t| t.map(|i| solid.vertices()[i as usize]));
-    let sum: Vec3 = corners.map(|[a, b, c]| (b - a).cross(&(c - a))).sum();
-    sum.norm() * 0.5
 }
 
 #[inline(always)]

@@ -33,8 +33,8 @@ mod simplex;
 mod support;
 
 pub use batch::{Ask, clear_many, clear_many_counted, overlap_many};
-pub use body::Body;
-pub use pair::{Counters, apart, apart_counted, overlap, overlap_counted, overlap_with};
+pub use body::{Body, Bounds};
+pub use pair::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
 pub use query::{
     GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
     verdict_with,

@@ -2,9 +2,9 @@
 //!
 //! Bounding spheres, then ellipsoids (two cache lines, no vertex), then GJK with certificates, then exact arithmetic.
 
-use super::body::Body;
+use super::body::{Body, Bounds};
 use super::classical::Classical;
-use super::ellipsoid::Known;
+use super::ellipsoid::{Ellipsoids, Known};
 use super::enhanced::{Enhanced, Found, Pair};
 use super::exact::ExactPair;
 use super::portal::Portal;
@@ -90,6 +90,34 @@ pub fn apart_counted(
     counters: &mut Counters,
 ) -> Option<Vec3> {
     Query { a, b, x: *b_from_a, gap }.axis(start, counters).map(|v| v.normalize())
+}
+
+/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is made only if its bounds do not
+/// tell; counts what it took.
+#[inline]
+pub fn apart_from(
+    a: &Body,
+    (bounds, b): (&Bounds, impl FnOnce() -> Body),
+    b_from_a: &Vec3,
+    gap: f64,
+    counters: &mut Counters,
+) -> bool {
+    let (stage, known) = glance(&a.bounds, &bounds.0, b_from_a, gap);
+    let Known::Nothing(v) = known else {
+        counters.count(stage);
+        return matches!(known, Known::Apart(_));
+    };
+    counters.count(Stage::Gjk);
+    Query { a, b: &b(), x: *b_from_a, gap }.settle(&v, counters)
+}
+
+/// What the headers tell: one cache line each, no vertex.
+#[inline(always)]
+fn glance(a: &Ellipsoids, b: &Ellipsoids, x: &Vec3, gap: f64) -> (Stage, Known) {
+    match a.compare_spheres(b, x, gap) {
+        Some(known) => (Stage::Spheres, known),
+        None => (Stage::Ellipsoids, a.compare_axis(b, x, gap)),
+    }
 }
 
 /// Are the bodies more than `gap` apart?
@@ -182,14 +210,10 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// What the headers tell: one cache line each, no vertex.
+    /// What the headers tell.
     #[inline(always)]
     pub(crate) fn glance(&self) -> (Stage, Known) {
-        let (a, b) = (&self.a.bounds, &self.b.bounds);
-        match a.compare_spheres(b, &self.x, self.gap) {
-            Some(known) => (Stage::Spheres, known),
-            None => (Stage::Ellipsoids, a.compare_axis(b, &self.x, self.gap)),
-        }
+        glance(&self.a.bounds, &self.b.bounds, &self.x, self.gap)
     }
 
     /// The search in floating point from direction `v`.

@@ -1,12 +1,14 @@
 //! Broad phase: a grid of cells that each list the bodies whose box reaches into them.
 
-use super::cell_lists::CellLists;
+use super::raster::{Raster, cells};
 use crate::math::{Aabb, Vec3};
 
 /// Bodies by the cells their boxes reach into. Bodies are only ever added.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
-    bodies: CellLists<u32>,
+    raster: Raster,
+    /// By cell, each in one piece: links from body to body would each wait for memory.
+    lists: Vec<Vec<u32>>,
     /// Lowest cell of every body, by body.
     lowest: Vec<[i32; 3]>,
 }
@@ -14,29 +16,39 @@ pub(super) struct Grid {
 impl Grid {
     /// A grid over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
-        Self { bodies: CellLists::new(domain, cell), lowest: Vec::new() }
+        let raster = Raster::new(domain, cell);
+        Self { lists: vec![Vec::new(); raster.len()], raster, lowest: Vec::new() }
     }
 
     /// Adds the next body; bodies are numbered from 0 in the order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb) {
-        self.bodies.insert(aabb, self.lowest.len() as u32);
-        self.lowest.push(self.bodies.range(aabb).0);
+        let (low, high) = self.raster.range(aabb);
+        for cell in cells(low, high) {
+            self.lists[self.raster.flat(cell)].push(self.lowest.len() as u32);
+        }
+        self.lowest.push(low);
     }
 
-    /// The bodies that reach into the cell at `point`.
+    /// The bodies that reach into the cell at `point`, the last first.
     pub(super) fn at(&self, point: &Vec3) -> impl Iterator<Item = u32> {
-        self.bodies.at(point)
+        self.list(self.raster.cell_of(point))
     }
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let low = self.bodies.range(aabb).0;
-        self.bodies.all(aabb, |cell, body| {
-            // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
-            let lowest = self.lowest[body as usize];
-            let first = (0..3).all(|i| cell[i] == low[i].max(lowest[i]));
-            !first || visit(body)
+        let (low, high) = self.raster.range(aabb);
+        cells(low, high).all(|cell| {
+            self.list(cell).all(|body| {
+                // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
+                let lowest = self.lowest[body as usize];
+                let first = (0..3).all(|i| cell[i] == low[i].max(lowest[i]));
+                !first || visit(body)
+            })
         })
+    }
+
+    fn list(&self, cell: [i32; 3]) -> impl Iterator<Item = u32> {
+        self.lists[self.raster.flat(cell)].iter().rev().copied()
     }
 }
 

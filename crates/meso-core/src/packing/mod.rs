@@ -1,9 +1,9 @@
 //! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
 
-mod cell_lists;
 mod grid;
 mod images;
 mod place;
+mod raster;
 mod reach;
 mod rearrange;
 mod report;
@@ -18,8 +18,9 @@ pub use specimen::{Obstacle, Period, Periodic, Room, RoomError, Specimen, Surfac
 
 use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
-use crate::geometry::{HullError, Polyhedron, convex_hull_like};
+use crate::geometry::{HullError, NarrowPolyhedron, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
+use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.
@@ -112,24 +113,35 @@ pub struct Request<'a> {
     pub started: f64,
 }
 
+/// A rotation. Single precision is as good as any: what is proved is the body turned by this.
+type Turn = UnitQuaternion<f32>;
+
 /// Where a grain ended: turned about its own origin, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// `None` where the grain kept the orientation it was taken with.
-    pub rotation: Option<Rotation>,
+    turn: Option<Turn>,
     /// In the specimen, mm.
     pub centre: Vec3,
 }
 
 impl Pose {
     fn at(centre: Vec3) -> Self {
-        Self { rotation: None, centre }
+        Self { turn: None, centre }
+    }
+
+    /// How the grain is turned; `None` where it kept the orientation it was taken with.
+    pub fn rotation(&self) -> Option<Rotation> {
+        self.turn.map(|turn| Rotation::new_normalize(turn.cast().into_inner()))
     }
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
-    pub fn turned(&self, vertices: &[Vec3]) -> Vec<Vec3> {
-        let Some(rotation) = self.rotation else { return vertices.to_vec() };
-        take::turned(vertices, &rotation.to_rotation_matrix().into_inner())
+    pub fn turned(&self, body: &NarrowPolyhedron) -> Vec<Vec3> {
+        let vertices: Vec<Vec3> = body.vertices().collect();
+        match self.rotation() {
+            Some(rotation) => take::turned(&vertices, &rotation.to_rotation_matrix().into_inner()),
+            None => vertices,
+        }
     }
 
     /// The grain's surface in the specimen. A turned grain gets a hull of its own, since rounding its vertices may fold
@@ -137,13 +149,10 @@ impl Pose {
     ///
     /// # Errors
     /// Where the turned vertices span no volume.
-    pub fn apply(&self, body: &Polyhedron) -> Result<Polyhedron, HullError> {
-        if self.rotation.is_none() {
-            return Ok(body.translated(&self.centre));
-        }
-        let mut vertices = self.turned(body.vertices());
+    pub fn apply(&self, body: &NarrowPolyhedron) -> Result<Polyhedron, HullError> {
+        let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
-        convex_hull_like(body, &vertices)
+        if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { convex_hull_like(body, &vertices) }
     }
 }
 
@@ -187,7 +196,7 @@ impl Outcome {
         self.largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {
             let largest = &mut self.largest_mm3[usize::from(grain.class)];
-            *largest = grain.volume.max(*largest);
+            *largest = grain.volume().max(*largest);
         }
         let aggregates = || grains.iter().zip(&self.poses).filter(|(grain, _)| grain.kind == Kind::Aggregate);
         self.aggregates_taken = aggregates().count();

@@ -53,7 +53,7 @@ fn better_if_stopped(task: &Task, moved: Outcome) -> Outcome {
     let grains = task.request.grains;
     let volume = |outcome: &Outcome| -> f64 {
         let placed = grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
-        placed.map(|(grain, _)| grain.volume).sum()
+        placed.map(|(grain, _)| grain.volume()).sum()
     };
     let reached = volume(&moved) / task.volume;
     // Where nothing was reached, the stop came before the grains were all there.

@@ -18,8 +18,10 @@ pub(super) struct Polygons {
     /// Number of edges between two planes at a point, by point.
     degree: Vec<u32>,
     traced: Vec<bool>,
-    /// Sort key, start and end of each face.
-    keys: Vec<(u64, u32, u32)>,
+    /// By point, where in the order the next face is to stand whose smallest corner it is.
+    next: Vec<u32>,
+    /// Second corner, start and end of each face, in order.
+    order: Vec<[u32; 3]>,
     sorted: Vec<u32>,
 }
 
@@ -39,25 +41,42 @@ impl Polygons {
         }
     }
 
-    /// Turns every face to begin with its smallest index, and sorts the faces by their first two.
-    pub(super) fn sort(&mut self) {
-        self.keys.clear();
+    /// Turns every face to begin with its smallest index, and sorts the faces by their first two; there are so many `points`.
+    pub(super) fn sort(&mut self, points: usize) {
+        let Self { corners, ends, next, order, sorted, .. } = self;
+        next.clear();
+        next.resize(points + 1, 0);
         let mut start = 0;
-        for &end in &self.ends {
-            let face = &mut self.corners[start as usize..end as usize];
+        for &end in &*ends {
+            let face = &mut corners[start as usize..end as usize];
             turn_to_smallest(face);
-            // A directed edge belongs to one face alone: the keys differ.
-            self.keys.push((u64::from(face[0]) << 32 | u64::from(face[1]), start, end));
+            next[face[0] as usize + 1] += 1;
             start = end;
         }
-        self.keys.sort_unstable_by_key(|key| key.0);
-        self.sorted.clear();
-        self.ends.clear();
-        for &(_, start, end) in &self.keys {
-            self.sorted.extend_from_slice(&self.corners[start as usize..end as usize]);
-            self.ends.push(self.sorted.len() as u32);
+        for point in 0..points {
+            next[point + 1] += next[point];
         }
-        std::mem::swap(&mut self.corners, &mut self.sorted);
+        order.resize(ends.len(), [0; 3]);
+        start = 0;
+        for &end in &*ends {
+            let slot = &mut next[corners[start as usize] as usize];
+            order[*slot as usize] = [corners[start as usize + 1], start, end];
+            *slot += 1;
+            start = end;
+        }
+        // Every entry now says where its point's faces end. A directed edge belongs to one face alone: no two are equal.
+        let mut begin = 0;
+        for &end in &next[..points] {
+            order[begin as usize..end as usize].sort_unstable_by_key(|face| face[0]);
+            begin = end;
+        }
+        sorted.clear();
+        ends.clear();
+        for &[_, start, end] in &*order {
+            sorted.extend_from_slice(&corners[start as usize..end as usize]);
+            ends.push(sorted.len() as u32);
+        }
+        std::mem::swap(corners, sorted);
     }
 
     /// Joins coplanar neighbours; false where there are none.

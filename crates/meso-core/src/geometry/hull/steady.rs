@@ -1,7 +1,7 @@
 //! Are these still the facets? One look at every point from every face, which is far less than to build a hull.
 
 use super::surface::error_bound;
-use crate::geometry::Polyhedron;
+use crate::geometry::{Face, NarrowPolyhedron};
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
 
@@ -12,7 +12,7 @@ const LANES: usize = 8;
 
 /// True only when the faces of `like` are triangles and, over `points` in place of its vertices, the facets of their hull:
 /// every other point is below each, by more than rounding can hide.
-pub(super) fn are_facets(points: &[Vec3], like: &Polyhedron) -> bool {
+pub(super) fn are_facets(points: &[Vec3], like: &NarrowPolyhedron) -> bool {
     let few = points.len() <= MOST_POINTS && like.faces().all(|face| face.len() == 3);
     few && widest(LiesBelow { points, like })
 }
@@ -20,7 +20,7 @@ pub(super) fn are_facets(points: &[Vec3], like: &Polyhedron) -> bool {
 /// Whether no point is above a face, on wide registers.
 struct LiesBelow<'a> {
     points: &'a [Vec3],
-    like: &'a Polyhedron,
+    like: &'a NarrowPolyhedron,
 }
 
 impl Wide for LiesBelow<'_> {
@@ -56,9 +56,9 @@ impl Cloud {
     }
 
     #[inline(always)]
-    fn lies_below(&self, faces: &Polyhedron) -> bool {
+    fn lies_below(&self, faces: &NarrowPolyhedron) -> bool {
         // The corners of a face are the three that rounding may see in its plane.
-        faces.triangles().all(|corners| self.not_below(corners) == 3)
+        faces.faces().flat_map(Face::triangles).all(|corners| self.not_below(corners) == 3)
     }
 
     /// How many points are not certainly below the plane of `corners`.

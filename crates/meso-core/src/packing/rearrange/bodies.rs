@@ -1,13 +1,14 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
-use super::contact::{LANES, Points, V, highest, length};
+use super::contact::{LANES, Points, V, dot, highest, length, scale};
 use super::slender;
 use super::walls::Walls;
 use crate::aggregate::take::Grain;
-use crate::math::{Aabb, Rotation, Vec3};
-use crate::packing::{Period, Pose};
+use crate::geometry::NarrowPolyhedron;
+use crate::math::{Aabb, Vec3};
+use crate::packing::{Period, Pose, Turn};
 use crate::wide::{Wide, widest};
-use nalgebra::Quaternion;
+use nalgebra::{Quaternion, Vector3};
 use rayon::prelude::*;
 
 /// Where the vertices of a body stand in the coordinate arrays.
@@ -22,7 +23,7 @@ struct Span {
 pub(super) struct State {
     /// In the specimen, mm.
     pub(super) centre: Vec3,
-    pub(super) rotation: Rotation,
+    pub(super) rotation: Turn,
     /// Movement of the last sweep, mm and radians.
     pub(super) velocity: V,
     pub(super) spin: V,
@@ -33,16 +34,28 @@ pub(super) struct State {
 }
 
 impl State {
+    /// At rest.
+    fn at(pose: &Pose) -> Self {
+        Self {
+            centre: pose.centre,
+            rotation: pose.turn.unwrap_or(Turn::identity()),
+            velocity: [0.0; 3],
+            spin: [0.0; 3],
+            inside: true,
+            held: [0; 3],
+        }
+    }
+
     /// Turns by the spin, to second order.
-    fn turn(&self) -> Rotation {
-        let half = widened(self.spin) * 0.5;
-        Rotation::from_quaternion(Quaternion::new(1.0 - half.norm_squared() / 2.0, half.x, half.y, half.z))
+    fn turn(&self) -> Turn {
+        let [x, y, z] = scale(self.spin, 0.5);
+        Turn::from_quaternion(Quaternion::new(1.0 - dot([x, y, z], [x, y, z]) / 2.0, x, y, z))
     }
 
     /// Moves by the velocity and turns by the spin.
     fn advance(&mut self) {
         self.centre += widened(self.velocity);
-        self.rotation = Rotation::from_quaternion((self.turn() * self.rotation).into_inner());
+        self.rotation = Turn::from_quaternion((self.turn() * self.rotation).into_inner());
     }
 
     /// How far a point of the body goes in a sweep at the most, mm.
@@ -77,6 +90,20 @@ pub(super) struct Fixed {
 }
 
 const MASS_EXPONENT: f64 = 0.7;
+
+impl Fixed {
+    fn new(index: u32, grain: &Grain) -> Self {
+        let mass = libm::pow(grain.volume(), MASS_EXPONENT) * slender::weight(grain);
+        Self {
+            grain: index,
+            outer_radius: grain.outer_radius as f32 * 1.000_001,
+            inverse_mass: (1.0 / mass) as f32,
+            inverse_inertia: (1.0 / slender::inertia(grain, mass)) as f32,
+            ball_radius: grain.ball_radius() as f32,
+        }
+    }
+}
+
 /// No body may go farther than this share of its radius before its pairs are looked for again: it would have too many.
 pub(super) const MOST_MARGIN: f32 = 0.125;
 
@@ -105,53 +132,26 @@ const TURN_ANEW: u32 = 128;
 impl<'a> Bodies<'a> {
     /// The grains (by number) at their poses, ordered along a space-filling curve.
     pub(super) fn new(grains: &'a [Grain], mut poses: Vec<(u32, Pose)>, domain: &Aabb, period: Period) -> Self {
-        poses.sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, domain), *grain));
-        let mut bodies = Self {
+        poses.par_sort_by_cached_key(|(grain, pose)| (morton(&pose.centre, domain), *grain));
+        let grain = |(grain, _): &(u32, Pose)| &grains[*grain as usize];
+        let (mut spans, mut end) = (Vec::with_capacity(poses.len()), 0);
+        for pose in &poses {
+            let len = grain(pose).body.vertex_count().next_multiple_of(LANES) as u32;
+            spans.push(Span { start: end, len });
+            end += 3 * len;
+        }
+        Self {
             grains,
             period,
-            fixed: Vec::new(),
-            state: Vec::new(),
-            spans: Vec::new(),
-            axes: Vec::new(),
-            turned: Vec::new(),
+            fixed: poses.par_iter().map(|pose| Fixed::new(pose.0, grain(pose))).collect(),
+            state: poses.par_iter().map(|(_, pose)| State::at(pose)).collect(),
+            spans,
+            axes: slender::axes(poses.iter().map(grain)),
+            turned: vec![0.0; end as usize],
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
             paths: vec![0.0; poses.len()],
             limits: vec![0.0; poses.len()],
-        };
-        bodies.fixed.reserve_exact(poses.len());
-        bodies.state.reserve_exact(poses.len());
-        bodies.spans.reserve_exact(poses.len());
-        let mut end = 0;
-        for (grain, pose) in &poses {
-            end += bodies.push(*grain, &grains[*grain as usize], pose, end);
         }
-        bodies.turned = vec![0.0; end as usize];
-        bodies.axes = slender::axes(poses.iter().map(|(grain, _)| &grains[*grain as usize]));
-        bodies
-    }
-
-    /// Returns how many coordinates the body takes from `start` on.
-    fn push(&mut self, index: u32, grain: &Grain, pose: &Pose, start: u32) -> u32 {
-        let mass = libm::pow(grain.volume, MASS_EXPONENT) * slender::weight(grain);
-        let ball_radius = grain.ball_radius();
-        self.fixed.push(Fixed {
-            grain: index,
-            outer_radius: grain.outer_radius as f32 * 1.000_001,
-            inverse_mass: (1.0 / mass) as f32,
-            inverse_inertia: (1.0 / slender::inertia(grain, mass)) as f32,
-            ball_radius: ball_radius as f32,
-        });
-        self.state.push(State {
-            centre: pose.centre,
-            rotation: pose.rotation.unwrap_or(Rotation::identity()),
-            velocity: [0.0; 3],
-            spin: [0.0; 3],
-            inside: true,
-            held: [0; 3],
-        });
-        let len = grain.body.vertices().len().next_multiple_of(LANES) as u32;
-        self.spans.push(Span { start, len });
-        3 * len
     }
 
     pub(super) fn len(&self) -> usize {
@@ -183,11 +183,7 @@ impl<'a> Bodies<'a> {
 
     fn axis(&self, body: u32) -> V {
         let axis = self.axes[body as usize];
-        if axis == [0.0; 3] {
-            axis
-        } else {
-            (self.state[body as usize].rotation * widened(axis)).map(|x| x as f32).into()
-        }
+        if axis == [0.0; 3] { axis } else { (self.state[body as usize].rotation * Vector3::from(axis)).into() }
     }
 
     /// A lower bound of the gap between two bodies, by their boxes, mm.
@@ -239,8 +235,8 @@ impl<'a> Bodies<'a> {
     pub(super) fn settle(&mut self, walls: &Walls) {
         let (grains, fixed) = (self.grains, &self.fixed);
         moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
-            let vertices = grains[fixed[body].grain as usize].body.vertices();
-            *moving.own_box = turn(vertices, moving.turned, &moving.state.rotation);
+            let shape = &grains[fixed[body].grain as usize].body;
+            *moving.own_box = turn(shape, moving.turned, &moving.state.rotation);
             moving.confine(walls, &fixed[body]);
         });
     }
@@ -258,8 +254,8 @@ impl<'a> Bodies<'a> {
             let turn_by = moving.state.turn();
             moving.state.advance();
             *moving.own_box = if anew {
-                let vertices = grains[fixed[body].grain as usize].body.vertices();
-                turn(vertices, moving.turned, &moving.state.rotation)
+                let shape = &grains[fixed[body].grain as usize].body;
+                turn(shape, moving.turned, &moving.state.rotation)
             } else {
                 turn_on(moving.turned, &turn_by)
             };
@@ -268,14 +264,14 @@ impl<'a> Bodies<'a> {
     }
 
     /// `bodies` with their centres, and with the images whose centres lie within `margin` mm of the box.
-    pub(super) fn with_images(&self, bodies: impl Iterator<Item = u32>, margin: f64) -> Vec<(u32, Vec3)> {
-        let placed = bodies.map(|body| (body, self.state[body as usize].centre));
+    pub(super) fn with_images(&self, bodies: &[u32], margin: f64) -> Vec<(u32, Vec3)> {
+        let placed = bodies.par_iter().map(|&body| (body, self.state[body as usize].centre));
         if self.period.is_none() {
             return placed.collect();
         }
         let box_size = Vec3::from_fn(|i, _| self.period.along(i).unwrap_or(0.0));
         let domain = Aabb { min: Vec3::repeat(-margin), max: box_size.add_scalar(margin) };
-        let images = placed.flat_map(|(body, centre)| {
+        let images = placed.flat_map_iter(|(body, centre)| {
             let shifts = self.period.shifts(&Aabb { min: centre, max: centre }, &domain);
             shifts.into_iter().map(move |shift| (body, centre + shift))
         });
@@ -291,7 +287,7 @@ impl<'a> Bodies<'a> {
 
     /// Every grain's number and pose.
     pub(super) fn poses(&self) -> Vec<(u32, Pose)> {
-        let pose = |state: &State| Pose { rotation: Some(state.rotation), centre: state.centre };
+        let pose = |state: &State| Pose { turn: Some(state.rotation), centre: state.centre };
         self.fixed.iter().zip(&self.state).map(|(fixed, state)| (fixed.grain, pose(state))).collect()
     }
 }
@@ -345,25 +341,26 @@ fn moving(
     });
 }
 
-/// Turns `vertices` by `rotation` into `turned`, with copies of the first to the end; returns the box of the result.
-fn turn(vertices: &[Vec3], turned: &mut [f32], rotation: &Rotation) -> (V, V) {
+/// Turns the vertices of `shape` by `rotation` into `turned`, with copies of the first to the end; returns the box of the
+/// result.
+fn turn(shape: &NarrowPolyhedron, turned: &mut [f32], rotation: &Turn) -> (V, V) {
     let len = turned.len() / 3;
-    for i in 0..len {
-        let vertex = vertices.get(i).unwrap_or(&vertices[0]);
-        (turned[i], turned[len + i], turned[2 * len + i]) = (vertex.x as f32, vertex.y as f32, vertex.z as f32);
+    for (turned, along) in turned.chunks_exact_mut(len).zip(shape.coordinates()) {
+        turned[..along.len()].copy_from_slice(along);
+        turned[along.len()..].fill(along[0]);
     }
     turn_on(turned, rotation)
 }
 
 /// Turns all of `turned` on by `rotation`; returns the box of the result.
-fn turn_on(turned: &mut [f32], rotation: &Rotation) -> (V, V) {
+fn turn_on(turned: &mut [f32], rotation: &Turn) -> (V, V) {
     widest(TurnOn { turned, rotation })
 }
 
 /// [`turn_on`] on wide registers.
 struct TurnOn<'a> {
     turned: &'a mut [f32],
-    rotation: &'a Rotation,
+    rotation: &'a Turn,
 }
 
 impl Wide for TurnOn<'_> {
@@ -372,7 +369,7 @@ impl Wide for TurnOn<'_> {
     #[inline(always)]
     fn run(self) -> (V, V) {
         let Self { turned, rotation } = self;
-        let m = rotation.to_rotation_matrix().into_inner().map(|entry| entry as f32);
+        let m = rotation.to_rotation_matrix().into_inner();
         let row = |i: usize| [m[(i, 0)], m[(i, 1)], m[(i, 2)]];
         let rows = [row(0), row(1), row(2)];
         let mut extents = [Extent::NONE; 3];

@@ -4,6 +4,7 @@ use super::bodies::{Bodies, MOST_MARGIN};
 use super::contact::{LANES, V};
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
+use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
 /// Bodies in levels of size, from the coarsest, where they stood when this was made.
@@ -42,23 +43,27 @@ const LEVEL_SPAN: f32 = 0.6;
 
 impl Cells {
     pub(super) fn new(bodies: &Bodies, want: f32) -> Self {
-        let mut radii: Vec<f32> = bodies.fixed.iter().map(|fixed| fixed.outer_radius).collect();
-        radii.sort_unstable_by(f32::total_cmp);
-        let farthest = (0..bodies.len() as u32).map(|body| far(bodies, body)).fold(0.0, f32::max);
+        let all = || (0..bodies.len() as u32).into_par_iter();
+        let farthest = all().map(|body| far(bodies, body)).reduce(|| 0.0, f32::max);
         let mut levels = Vec::new();
-        let mut rest = radii.as_slice();
-        while let Some(&largest) = rest.last() {
-            let below = rest.partition_point(|&radius| radius < LEVEL_SPAN * largest);
-            levels.push(Level::new(bodies, rest[below]..=largest, farthest + want));
-            rest = &rest[..below];
+        let mut below = f32::INFINITY;
+        loop {
+            let radii = bodies.fixed.par_iter().map(|fixed| fixed.outer_radius).filter(|radius| *radius < below);
+            let largest = radii.reduce(|| 0.0, f32::max);
+            if largest == 0.0 {
+                break;
+            }
+            let smallest = LEVEL_SPAN * largest;
+            levels.push(Level::new(bodies, smallest..=largest, farthest + want));
+            below = smallest;
         }
-        Self { levels, want, paths: (0..bodies.len() as u32).map(|body| bodies.path(body)).collect() }
+        Self { levels, want, paths: all().map(|body| bodies.path(body)).collect() }
     }
 
     /// True when a body has gone too far from where it is noted.
     pub(super) fn stale(&self, bodies: &Bodies) -> bool {
         let drift = |body: u32| bodies.path(body) - self.paths[body as usize];
-        let mut all = 0..bodies.len() as u32;
+        let all = (0..bodies.len() as u32).into_par_iter();
         all.any(|body| drift(body) > MOST_DRIFT * bodies.fixed[body as usize].ball_radius)
     }
 
@@ -129,10 +134,10 @@ impl Level {
     fn new(bodies: &Bodies, radii: RangeInclusive<f32>, reach: f32) -> Self {
         let largest = *radii.end();
         let inside = |body: &u32| radii.contains(&bodies.fixed[*body as usize].outer_radius);
-        let members = || (0..bodies.len() as u32).filter(inside);
-        let farthest = members().map(|body| far(bodies, body)).fold(0.0, f32::max);
+        let members: Vec<u32> = (0..bodies.len() as u32).into_par_iter().filter(inside).collect();
+        let farthest = members.par_iter().map(|&body| far(bodies, body)).reduce(|| 0.0, f32::max);
         let margin = f64::from(reach + farthest) * 1.000_1;
-        let placed: Vec<(u32, Vec3)> = bodies.with_images(members(), margin);
+        let placed: Vec<(u32, Vec3)> = bodies.with_images(&members, margin);
         let aabb = Aabb::around(placed.iter().map(|(_, centre)| centre));
         let most = MOST_CELLS * placed.len() as f64 + LEAST_CELLS;
         let cell = f64::from(CELL * largest).max(libm::cbrt(aabb.size().product() / most));
@@ -144,22 +149,21 @@ impl Level {
 
     /// Sorts the bodies by cell.
     fn fill(&mut self, bodies: &Bodies, placed: &[(u32, Vec3)]) {
-        let keys: Vec<u32> = placed.iter().map(|(_, centre)| self.flat(self.cell_of(centre))).collect();
+        let keys: Vec<u32> = placed.par_iter().map(|(_, centre)| self.flat(self.cell_of(centre))).collect();
         self.starts = starts(self.counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = self.starts.clone();
-        let mut order = vec![0; placed.len()];
+        let mut order = vec![0_u32; placed.len()];
         for (item, &key) in (0..).zip(&keys) {
             order[next[key as usize] as usize] = item;
             next[key as usize] += 1;
         }
         // With room at the end for a look at several.
-        let padding = || std::iter::repeat_n(0.0, LANES);
-        let coordinates = |axis: usize| -> Vec<f32> {
-            order.iter().map(|&item: &u32| placed[item as usize].1[axis] as f32).chain(padding()).collect()
-        };
-        (self.x, self.y, self.z) = (coordinates(0), coordinates(1), coordinates(2));
-        self.members = order.iter().map(|&item| placed[item as usize].0).collect();
-        self.radius = self.members.iter().map(|&body| far(bodies, body)).chain(padding()).collect();
+        let padding = || rayon::iter::repeat_n(0.0, LANES);
+        let placed = |item: &u32| &placed[*item as usize];
+        let coordinates = |axis: usize| order.par_iter().map(move |item| placed(item).1[axis] as f32).chain(padding());
+        (self.x, self.y, self.z) = (coordinates(0).collect(), coordinates(1).collect(), coordinates(2).collect());
+        self.members = order.par_iter().map(|item| placed(item).0).collect();
+        self.radius = self.members.par_iter().map(|&body| far(bodies, body)).chain(padding()).collect();
     }
 
     /// Appends the bodies that may come within `want` of `body`, and it itself.

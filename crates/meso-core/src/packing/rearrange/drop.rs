@@ -1,11 +1,11 @@
 //! The start: grains are dropped, largest first, where they overlap least.
 
+use super::balls::{Balls, around};
 use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
-use crate::packing::cell_lists::CellLists;
 use crate::packing::place::Task;
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ pub(super) fn fill(task: &Task) -> Vec<Pose> {
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
     let domain = task.domain();
-    let mut ground = Ground { task, domain, balls: CellLists::new(&domain, middle) };
+    let mut ground = Ground { task, domain, balls: Balls::new(&domain, middle) };
     let (long, short): (Vec<usize>, Vec<usize>) =
         (0..grains.len()).partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = vec![Pose::at(Vec3::zeros()); grains.len()];
@@ -58,7 +58,7 @@ impl Row {
         if grain.kind != Kind::Fibre {
             return Self { radius: grain.ball_radius(), balls: vec![Vec3::zeros()] };
         }
-        let (radius, end) = (grain.inner_radius, grain.rotation.column(0) * grain.outer_radius);
+        let (radius, end) = (grain.inner_radius, grain.half_length());
         let count = (grain.outer_radius / (STEP * radius)).ceil().clamp(1.0, MOST_BALLS);
         let shares = (-(count as i32)..=count as i32).map(|k| f64::from(k) / count);
         Self { radius, balls: shares.map(|share| end * share).collect() }
@@ -73,16 +73,13 @@ impl Row {
 struct Ground<'a> {
     task: &'a Task<'a>,
     domain: Aabb,
-    /// Radius and centre, in the lists themselves: the looks go to random places, where every read waits for memory.
-    balls: CellLists<(f64, Vec3)>,
+    balls: Balls,
 }
 
 impl Ground<'_> {
     fn insert(&mut self, radius: f64, centre: Vec3) {
-        let half = Vec3::repeat(radius);
-        let aabb = Aabb { min: centre - half, max: centre + half };
-        for shift in self.task.period.shifts(&aabb, &self.domain) {
-            self.balls.insert(&aabb.moved(&shift), (radius, centre + shift));
+        for shift in self.task.period.shifts(&around(&centre, radius), &self.domain) {
+            self.balls.insert(&(centre + shift), radius);
         }
     }
 
@@ -100,7 +97,7 @@ impl Ground<'_> {
     fn roomiest(&self, body: &Grain, row: &Row) -> Vec3 {
         let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
-        let mut best = (f64::NEG_INFINITY, reach.min);
+        let mut best = (f32::NEG_INFINITY, reach.min);
         for _ in 0..row.looks() {
             let centre = self.inner_point(&mut stream, &reach, body.inner_radius);
             let clearance = self.room(row, &centre, best.0);
@@ -109,14 +106,13 @@ impl Ground<'_> {
         best.1
     }
 
-    /// The distance of a ball to the nearest other, as [`Ground::clearance`]; of a row of balls the sum of their overlaps,
-    /// negative.
-    fn room(&self, row: &Row, centre: &Vec3, enough: f64) -> f64 {
+    /// The clearance of a ball, as [`Balls::clearance`]; of a row of balls the sum of their overlaps, negative.
+    fn room(&self, row: &Row, centre: &Vec3, enough: f32) -> f32 {
         match row.balls[..] {
-            [_] => self.clearance(row.radius, centre, enough),
+            [_] => self.balls.clearance(centre, row.radius, enough),
             _ => {
-                let overlap = |ball: &Vec3| self.clearance(row.radius, &(centre + ball), f64::NEG_INFINITY).min(0.0);
-                row.balls.iter().map(overlap).sum()
+                let clearance = |ball: &Vec3| self.balls.clearance(&(centre + ball), row.radius, f32::NEG_INFINITY);
+                row.balls.iter().map(|ball| clearance(ball).min(0.0)).sum()
             }
         }
     }
@@ -132,16 +128,5 @@ impl Ground<'_> {
             point = stream.point(&reach.min, &reach.max);
         }
         point
-    }
-
-    /// Distance of the ball to the nearest other, negative where it overlaps one; or of any other, no farther than `enough`.
-    fn clearance(&self, radius: f64, centre: &Vec3, enough: f64) -> f64 {
-        let half = Vec3::repeat(radius);
-        let mut least = f64::INFINITY;
-        self.balls.all(&Aabb { min: centre - half, max: centre + half }, |_, (other_radius, other_centre)| {
-            least = least.min((other_centre - centre).norm() - radius - other_radius);
-            least > enough
-        });
-        least
     }
 }

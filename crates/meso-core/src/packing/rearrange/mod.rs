@@ -5,6 +5,7 @@
 //! their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped whenever
 //! the energy rises. Walls are hard. What comes out is proved apart pair by pair before anyone sees it.
 
+mod balls;
 mod bodies;
 mod cells;
 mod contact;
@@ -55,9 +56,11 @@ const RELIEF: f64 = 0.02;
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
     // A stop during the take has left grains out; nothing placed of them would be what was asked.
-    if outcome.stop.is_some() || outcome.poses.is_empty() {
+    if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;
     }
+    // Not needed before the end.
+    outcome.poses = Vec::new();
     let mut settings = Settings::new(task);
     let mut poses = (0..).zip(drop::fill(task)).collect();
     loop {
@@ -211,17 +214,17 @@ impl<'a> Dynamics<'a> {
                 let energy: f64 = contacts.map(|(touch, _)| f64::from(want - touch.contact.gap).powi(2)).sum();
                 let grain = self.bodies.fixed[body as usize].grain;
                 let inside = self.bodies.state[body as usize].inside;
-                (if inside { energy / grains[grain as usize].volume } else { f64::INFINITY }, grain)
+                (if inside { energy / grains[grain as usize].volume() } else { f64::INFINITY }, grain)
             })
             .collect();
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let mut poses = self.bodies.poses();
-        let mut budget = RELIEF * poses.iter().map(|&(grain, _)| grains[grain as usize].volume).sum::<f64>();
+        let mut budget = RELIEF * poses.iter().map(|&(grain, _)| grains[grain as usize].volume()).sum::<f64>();
         self.settings.crowding *= 1.0 - RELIEF;
         let mut left_out = vec![false; grains.len()];
         for (_, grain) in worst {
             left_out[grain as usize] = true;
-            budget -= grains[grain as usize].volume;
+            budget -= grains[grain as usize].volume();
             if budget <= 0.0 {
                 break;
             }
@@ -264,7 +267,7 @@ fn crowding(task: &Task) -> f64 {
     let half_gap = task.request.placement.min_gap_mm / 2.0;
     let grown = |grain: &Grain| {
         let scale = 1.0 + half_gap / grain.ball_radius();
-        grain.volume * (scale * scale * scale) * slender::weight(grain)
+        grain.volume() * (scale * scale * scale) * slender::weight(grain)
     };
     task.request.grains.iter().map(grown).sum::<f64>() / task.volume
 }

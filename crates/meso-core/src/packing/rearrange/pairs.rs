@@ -8,14 +8,15 @@ use super::cells::{Cells, starts};
 use super::contact::{Contact, V, add_scaled, cross, direction_or_up, dot, gap_along, scale};
 use crate::wide::{Wide, widest};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The pairs: each stands with the body of the finer level of size, or of the lower number in one level, its *first*.
 pub(super) struct Pairs {
     /// By first body, [`BLOCK`] bodies in each.
     blocks: Vec<Block>,
-    /// `second_starts[i]..second_starts[i + 1]` in `firsts`: the first bodies of the pairs whose second is body i.
-    second_starts: Vec<u32>,
-    firsts: Vec<u32>,
+    /// By second body, `stretch` bodies in each.
+    firsts: Vec<Firsts>,
+    stretch: usize,
     /// Where pairs are looked for.
     cells: Option<Cells>,
 }
@@ -28,6 +29,17 @@ const FEW: usize = 3;
 
 /// Bodies whose pairs are kept together, and made anew together.
 const BLOCK: usize = 64;
+
+/// The bodies are indexed in so many stretches at the most, and no shorter ones than this: each looks through all blocks.
+const STRETCHES: usize = 64;
+const LEAST_STRETCH: usize = 1024;
+
+/// For some neighbouring bodies, the first bodies of the pairs whose second they are: `bodies[starts[k]..starts[k + 1]]` of
+/// the k-th.
+struct Firsts {
+    starts: Vec<u32>,
+    bodies: Vec<u32>,
+}
 
 #[derive(Clone, Default)]
 struct Block {
@@ -87,7 +99,7 @@ pub(super) struct Push {
 
 impl Pairs {
     pub(super) fn none() -> Self {
-        Self { blocks: Vec::new(), second_starts: Vec::new(), firsts: Vec::new(), cells: None }
+        Self { blocks: Vec::new(), firsts: Vec::new(), stretch: LEAST_STRETCH, cells: None }
     }
 
     /// Finds the pairs that may be contacts now and for some sweeps; a body may go at least `least` mm before its own are
@@ -139,28 +151,23 @@ impl Pairs {
     }
 
     fn index(&mut self, bodies: usize) {
-        let links = || self.blocks.iter().flat_map(|block| &block.links);
-        self.second_starts = starts(bodies, links().map(|link| link.b));
-        self.firsts = vec![0; self.second_starts[bodies] as usize];
-        for (number, block) in self.blocks.iter().enumerate() {
-            for k in 0..block.ends.len() {
-                for link in &block.links[block.range(k)] {
-                    let slot = &mut self.second_starts[link.b as usize];
-                    self.firsts[*slot as usize] = (number * BLOCK + k) as u32;
-                    *slot += 1;
-                }
-            }
-        }
-        // Every start has moved to the next.
-        self.second_starts.rotate_right(1);
-        self.second_starts[0] = 0;
+        let Self { blocks, stretch, .. } = self;
+        *stretch = bodies.div_ceil(STRETCHES).max(LEAST_STRETCH);
+        let ranges: Vec<Range<u32>> = blocks.par_iter().map(Block::seconds).collect();
+        let stretches = (0..bodies.div_ceil(*stretch)).into_par_iter().map(|number| {
+            let start = number * *stretch;
+            Firsts::of(start as u32..(start + *stretch).min(bodies) as u32, blocks, &ranges)
+        });
+        self.firsts = stretches.collect();
     }
 
     /// Brings every contact up to date.
     pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> Look {
         let blocks = self.blocks.par_iter_mut().enumerate();
         let looks: Vec<Look> = blocks
-            .map(|(number, block)| widest(LookAt { block, first: (number * BLOCK) as u32, bodies, gaps }))
+            .map_init(Vec::new, |touching, (number, block)| {
+                widest(LookAt { block, first: (number * BLOCK) as u32, bodies, gaps, touching })
+            })
             .collect();
         looks.iter().fold(Look::default(), |sum, look| Look {
             energy: sum.energy + look.energy,
@@ -172,12 +179,17 @@ impl Pairs {
     pub(super) fn contacts(&self, body: u32) -> impl Iterator<Item = (&Touch, bool)> {
         let block = &self.blocks[body as usize / BLOCK];
         let own = block.links[block.range(body as usize % BLOCK)].iter().filter_map(|link| block.touch(link));
-        let others = self.second_starts[body as usize] as usize..self.second_starts[body as usize + 1] as usize;
-        let others = self.firsts[others].iter().filter_map(move |&first| {
+        let others = self.firsts_of(body).iter().filter_map(move |&first| {
             let block = &self.blocks[first as usize / BLOCK];
             block.touch(block.links[block.range(first as usize % BLOCK)].iter().find(|link| link.b == body)?)
         });
         own.map(|touch| (touch, true)).chain(others.map(|touch| (touch, false)))
+    }
+
+    fn firsts_of(&self, body: u32) -> &[u32] {
+        let (number, k) = (body as usize / self.stretch, body as usize % self.stretch);
+        let Firsts { starts, bodies } = &self.firsts[number];
+        &bodies[starts[k] as usize..starts[k + 1] as usize]
     }
 
     /// The movements and turns that the contacts of `body` ask for.
@@ -218,6 +230,8 @@ struct LookAt<'a> {
     first: u32,
     bodies: &'a Bodies<'a>,
     gaps: Gaps,
+    /// What a thread makes lists in.
+    touching: &'a mut Vec<Touch>,
 }
 
 impl Wide for LookAt<'_> {
@@ -225,7 +239,31 @@ impl Wide for LookAt<'_> {
 
     #[inline(always)]
     fn run(self) -> Look {
-        self.block.look(self.first, self.bodies, self.gaps)
+        self.block.look(self.first, self.bodies, self.gaps, self.touching)
+    }
+}
+
+impl Firsts {
+    /// Of `these` bodies, from the `blocks` and the range in which each has its second bodies.
+    fn of(these: Range<u32>, blocks: &[Block], ranges: &[Range<u32>]) -> Self {
+        let near = |range: &Range<u32>| range.start < these.end && these.start < range.end;
+        let near = || (0..).zip(blocks).zip(ranges).filter(|(_, range)| near(range)).map(|(block, _)| block);
+        let place = |b: u32| these.contains(&b).then(|| (b - these.start) as usize);
+        let seconds = near().flat_map(|(_, block)| &block.links).filter_map(|link| place(link.b));
+        let mut starts = starts(these.len(), seconds.map(|k| k as u32));
+        let mut bodies = vec![0; starts[these.len()] as usize];
+        for (number, block) in near() {
+            for k in 0..block.ends.len() {
+                for next in block.links[block.range(k)].iter().filter_map(|link| place(link.b)) {
+                    bodies[starts[next] as usize] = (number * BLOCK + k) as u32;
+                    starts[next] += 1;
+                }
+            }
+        }
+        // Every start has moved to the next.
+        starts.rotate_right(1);
+        starts[0] = 0;
+        Self { starts, bodies }
     }
 }
 
@@ -237,8 +275,14 @@ struct Scratch {
 }
 
 impl Block {
-    fn range(&self, k: usize) -> std::ops::Range<usize> {
+    fn range(&self, k: usize) -> Range<usize> {
         (if k == 0 { 0 } else { self.ends[k - 1] as usize })..self.ends[k] as usize
+    }
+
+    /// A range that holds the second bodies of all pairs here.
+    fn seconds(&self) -> Range<u32> {
+        let numbers = || self.links.iter().map(|link| link.b);
+        numbers().min().unwrap_or(0)..numbers().max().map_or(0, |last| last + 1)
     }
 
     fn touch(&self, link: &Link) -> Option<&Touch> {
@@ -310,9 +354,9 @@ impl Block {
     }
 
     #[inline(always)]
-    fn look(&mut self, first: u32, bodies: &Bodies, gaps: Gaps) -> Look {
+    fn look(&mut self, first: u32, bodies: &Bodies, gaps: Gaps, touching: &mut Vec<Touch>) -> Look {
         let mut look = Look::default();
-        let mut touching = Vec::with_capacity(self.touching.len());
+        touching.clear();
         for (k, a) in (first..).take(self.ends.len()).enumerate() {
             let range = self.range(k);
             for link in &mut self.links[range] {
@@ -326,7 +370,8 @@ impl Block {
                 touching.push(Touch { contact, impulse: short / ease(&contact, bodies, a, link.b) });
             }
         }
-        self.touching = touching;
+        // A copy has no room to spare: the contacts of the first sweeps are the peak of memory.
+        self.touching = touching.clone();
         look
     }
 }

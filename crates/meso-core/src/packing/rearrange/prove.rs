@@ -51,7 +51,7 @@ struct Settled<'a> {
 
 impl<'a> Settled<'a> {
     fn new(task: &Task, grain: &'a Grain, pose: &'a Pose) -> Self {
-        let vertices = pose.turned(grain.body.vertices());
+        let vertices = pose.turned(&grain.body);
         let local = Aabb::around(&vertices);
         let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
         Self {
@@ -63,7 +63,7 @@ impl<'a> Settled<'a> {
     }
 
     fn body(&self) -> gjk::Body {
-        gjk::Body::new(&self.pose.turned(self.grain.body.vertices()))
+        gjk::Body::new(&self.pose.turned(&self.grain.body))
     }
 
     /// True when the boxes meet, with `other` moved by `shift`.

@@ -10,7 +10,7 @@ use crate::aggregate::take::Grain;
 /// From the centre of every fibre to its end, before it is turned, mm; zero for all else, empty without fibres.
 pub(super) fn axes<'a>(grains: impl Iterator<Item = &'a Grain> + Clone) -> Vec<V> {
     let axis = |grain: &Grain| match grain.kind {
-        Kind::Fibre => (grain.rotation.column(0) * grain.outer_radius).map(|x| x as f32).into(),
+        Kind::Fibre => grain.half_length().map(|x| x as f32).into(),
         Kind::Aggregate | Kind::Void => [0.0; 3],
     };
     if grains.clone().any(|grain| grain.kind == Kind::Fibre) { grains.map(axis).collect() } else { Vec::new() }

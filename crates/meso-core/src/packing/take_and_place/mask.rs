@@ -3,9 +3,10 @@
 //! Every voxel keeps an upper bound of how far any of its points is from the nearest placed grain. A candidate whose
 //! inscribed ball reaches that far overlaps for certain, so a refusal here is one that the pair tests would have come to.
 
-use crate::geometry::{Plane, Polyhedron};
+use crate::geometry::{NarrowPolyhedron, Plane};
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
+use std::ops::RangeInclusive;
 
 /// No more voxels than this, whatever the sizes: 64 MB.
 const MOST_VOXELS: f64 = 64.0e6;
@@ -41,8 +42,9 @@ impl Mask {
     /// True when a grain at `point` that holds the ball of `inner_radius` mm about it overlaps one placed.
     #[inline]
     pub(super) fn forbids(&self, point: &Vec3, inner_radius: f64) -> bool {
-        let [i, j, k] = self.voxel_of(point);
-        let bound = self.bounds[(k * self.counts[1] + j) * self.counts[0] + i];
+        let (from_origin, per_mm) = (point - self.origin, 1.0 / self.voxel);
+        let along = |axis: usize| ((from_origin[axis] * per_mm) as usize).min(self.counts[axis] - 1);
+        let bound = self.bounds[(along(2) * self.counts[1] + along(1)) * self.counts[0] + along(0)];
         bound != FAR && f64::from(bound) * self.step < inner_radius
     }
 
@@ -51,96 +53,136 @@ impl Mask {
         0.5 * 3f64.sqrt() * self.voxel
     }
 
-    fn voxel_of(&self, point: &Vec3) -> [usize; 3] {
-        [0, 1, 2].map(|i| (((point[i] - self.origin[i]) / self.voxel) as usize).min(self.counts[i] - 1))
+    /// The voxels along `axis` from `low` to `high` mm, as far as there are any.
+    fn voxels(&self, axis: usize, low: f64, high: f64) -> RangeInclusive<usize> {
+        let at = |x: f64| (((x - self.origin[axis]) / self.voxel) as usize).min(self.counts[axis] - 1);
+        at(low)..=at(high)
     }
 
-    /// Takes note of `body`, about its own centre, at `centre`, for candidates with an inner radius of up to `reach` mm.
-    pub(super) fn insert(&mut self, body: &Polyhedron, centre: &Vec3, reach: f64) {
+    /// Takes note of `body`, about its own centre, with these face planes, at `centre`, for candidates with an inner radius
+    /// of up to `reach` mm.
+    pub(super) fn insert(&mut self, body: &NarrowPolyhedron, planes: &[Plane], centre: &Vec3, reach: f64) {
         // A voxel whose middle is farther away than this has a bound beyond `reach`.
-        let near = body.aabb().moved(centre).grown(reach - self.half_diagonal());
-        let (low, high) = (self.voxel_of(&near.min), self.voxel_of(&near.max));
-        let Some(gauge) = Gauge::new(body, near.size().norm()) else { return };
-        for k in low[2]..=high[2] {
-            for j in low[1]..=high[1] {
-                for i in (low[0]..=high[0]).step_by(LANES) {
-                    let first = self.origin + Vec3::new(i as f64, j as f64, k as f64).add_scalar(0.5) * self.voxel;
-                    let distances = widest(Distances { gauge: &gauge, first: &(first - centre), step: self.voxel });
-                    self.lower([i, j, k], &distances, LANES.min(high[0] + 1 - i), gauge.doubt);
-                }
+        let reach = reach - self.half_diagonal();
+        let near = body.aabb().grown(reach);
+        let Some(mut gauge) = Gauge::new(planes, near.size().norm()) else { return };
+        let slack = (self.half_diagonal() * (1.0 + ROUNDING) + gauge.doubt) as f32;
+        let circumradius = body.vertices().map(|vertex| vertex.norm_squared()).fold(0.0, f64::max).sqrt();
+        let ball = (circumradius + reach).max(0.0) * (1.0 + ROUNDING);
+        let (low, high) = (near.min + centre, near.max + centre);
+        for k in self.voxels(2, low.z, high.z) {
+            for j in self.voxels(1, low.y, high.y) {
+                let middle = |n: usize, axis: usize| self.origin[axis] + (n as f64 + 0.5) * self.voxel - centre[axis];
+                let (y, z) = (middle(j, 1), middle(k, 2));
+                // Nor is one of the row farther along than where it leaves the ball.
+                let along = (ball * ball - y * y - z * z).max(0.0).sqrt() + self.voxel;
+                let row = self.voxels(0, low.x.max(centre.x - along), high.x.min(centre.x + along));
+                let (start, count) = (*row.start(), row.count());
+                let first = [middle(start, 0), y, z].map(|x| x as f32);
+                let start = (k * self.counts[1] + j) * self.counts[0] + start;
+                let (voxel, step) = (self.voxel as f32, self.step as f32);
+                let bounds = &mut self.bounds[start..start + count];
+                widest(Lower { gauge: &mut gauge, first, voxel, slack, step, bounds });
             }
-        }
-    }
-
-    /// Lowers the bounds of `count` voxels from `start` on to what the distances of their middles allow.
-    fn lower(&mut self, [i, j, k]: [usize; 3], distances: &[f32; LANES], count: usize, doubt: f64) {
-        let half_diagonal = self.half_diagonal() * (1.0 + ROUNDING) + doubt;
-        let start = (k * self.counts[1] + j) * self.counts[0] + i;
-        for (bound, &distance) in self.bounds[start..start + count].iter_mut().zip(distances) {
-            let steps = ((f64::from(distance) + half_diagonal) / self.step).ceil();
-            *bound = (*bound).min(steps.clamp(0.0, f64::from(FAR)) as u8);
         }
     }
 }
 
 /// The faces of a body around its centre, each as normal over offset: the body is where all of these are at most 1.
 struct Gauge {
-    faces: Vec<[f32; 3]>,
+    /// x, y and z of all faces, each padded with zeros to a multiple of `LANES`, which changes no maximum.
+    faces: [Vec<f32>; 3],
+    /// What of each a row of points has in common.
+    beside: Vec<f32>,
     inner_radius: f32,
     /// What rounding may take off a distance, mm.
     doubt: f64,
 }
 
-/// [`Gauge::distances`] on wide registers.
-struct Distances<'a> {
-    gauge: &'a Gauge,
-    first: &'a Vec3,
-    step: f64,
+/// Lowers the bounds of a row of voxels to what the distances of their middles allow, on wide registers.
+struct Lower<'a> {
+    gauge: &'a mut Gauge,
+    /// Middle of the first voxel, from the body's centre, and from one voxel to the next, mm.
+    first: [f32; 3],
+    voxel: f32,
+    /// What a point of a voxel may have beyond its middle, mm.
+    slack: f32,
+    step: f32,
+    bounds: &'a mut [u8],
 }
 
-impl Wide for Distances<'_> {
-    type Output = [f32; LANES];
+impl Wide for Lower<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self) -> [f32; LANES] {
-        self.gauge.distances(self.first, self.step)
+    fn run(self) {
+        let (per_step, [x0, y, z]) = (1.0 / self.step, self.first);
+        self.gauge.go_to_row(y, z);
+        for (number, bounds) in self.bounds.chunks_mut(LANES).enumerate() {
+            let mut xs = [0.0_f32; LANES];
+            for (lane, x) in xs.iter_mut().enumerate() {
+                *x = x0 + (number * LANES + lane) as f32 * self.voxel;
+            }
+            let distances = self.gauge.distances(&xs, y * y + z * z);
+            let mut steps = [0_u8; LANES];
+            for (steps, distance) in steps.iter_mut().zip(&distances) {
+                // Rounded up; what single precision takes off a few hundred steps is far less than the doubt in the slack.
+                let whole = ((distance + self.slack) * per_step).clamp(-1.0, f32::from(FAR - 1));
+                *steps = (whole + 1.0) as u8;
+            }
+            for (bound, steps) in bounds.iter_mut().zip(&steps) {
+                *bound = (*bound).min(*steps);
+            }
+        }
     }
 }
 
 impl Gauge {
     /// `None` where the centre is not clearly inside; `size` is the longest length that will be asked about, mm.
-    fn new(body: &Polyhedron, size: f64) -> Option<Self> {
-        let planes: Vec<Plane> = body.planes().collect();
+    fn new(planes: &[Plane], size: f64) -> Option<Self> {
         let inner_radius = planes.iter().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
         if inner_radius <= ROUNDING * size {
             return None;
         }
-        let face = |plane: &Plane| (plane.normal / plane.offset).map(|x| x as f32).into();
+        let mut faces = [0; 3].map(|_| vec![0.0; planes.len().next_multiple_of(LANES)]);
+        for (f, plane) in planes.iter().enumerate() {
+            for (axis, along) in faces.iter_mut().enumerate() {
+                along[f] = (plane.normal[axis] / plane.offset) as f32;
+            }
+        }
         let doubt = ROUNDING * size * (1.0 + size / inner_radius);
-        Some(Self { faces: planes.iter().map(face).collect(), inner_radius: inner_radius as f32, doubt })
+        let beside = faces[0].clone();
+        Some(Self { faces, beside, inner_radius: inner_radius as f32, doubt })
     }
 
-    /// Upper bounds of the distances to the body from the points `first`, and on along x every `step` mm; inside of it
-    /// negative.
+    #[inline(always)]
+    fn go_to_row(&mut self, y: f32, z: f32) {
+        let [_, ny, nz] = &self.faces;
+        for ((beside, ny), nz) in self.beside.iter_mut().zip(ny).zip(nz) {
+            *beside = ny * y + nz * z;
+        }
+    }
+
+    /// Upper bounds of the distances to the body from the points of the row at these x, `beside` the square of its distance
+    /// from the x axis; inside of the body negative.
     ///
     /// With g(x) the factor by which the body must grow to reach x: outside, x / g is a point of the body; inside, every
     /// face is at least (1 - g) times the inner radius away.
     #[inline(always)]
-    fn distances(&self, first: &Vec3, step: f64) -> [f32; LANES] {
-        let [x0, y, z] = [first.x as f32, first.y as f32, first.z as f32];
-        let xs: [f32; LANES] = std::array::from_fn(|i| x0 + i as f32 * step as f32);
+    fn distances(&self, xs: &[f32; LANES], beside: f32) -> [f32; LANES] {
         let mut grow = [0.0_f32; LANES];
-        for [nx, ny, nz] in &self.faces {
-            let beside = ny * y + nz * z;
-            for (grow, x) in grow.iter_mut().zip(&xs) {
+        for (nx, beside) in self.faces[0].iter().zip(&self.beside) {
+            for (grow, x) in grow.iter_mut().zip(xs) {
                 let here = nx * x + beside;
                 *grow = if here > *grow { here } else { *grow };
             }
         }
-        std::array::from_fn(|i| {
-            let length = (xs[i] * xs[i] + (y * y + z * z)).sqrt();
-            if grow[i] > 1.0 { length * (1.0 - 1.0 / grow[i]) } else { (grow[i] - 1.0) * self.inner_radius }
-        })
+        let mut distances = [0.0_f32; LANES];
+        for ((distance, &x), &grow) in distances.iter_mut().zip(xs).zip(&grow) {
+            let length = (x * x + beside).sqrt();
+            *distance = if grow > 1.0 { length * (1.0 - 1.0 / grow) } else { (grow - 1.0) * self.inner_radius };
+        }
+        distances
     }
 }
 
@@ -158,7 +200,8 @@ mod tests {
         let mut mask = Mask::new(&domain, 1.0, 3.0);
         let points: Vec<Vec3> = (0..20).map(|_| stream.direction().component_mul(&Vec3::new(9.0, 7.0, 4.0))).collect();
         let (body, centre) = (convex_hull(&points).expect("solid"), Vec3::repeat(13.0));
-        mask.insert(&body, &centre, 3.0);
+        let planes: Vec<Plane> = body.planes().collect();
+        mask.insert(&body.clone().into(), &planes, &centre, 3.0);
         let cross = |r: f64| [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| [axis * r, -axis * r]).concat();
         let (mut forbidden, mut overlapping) = (0, 0);
         for _ in 0..4000 {

@@ -2,8 +2,10 @@
 
 use super::mask::Mask;
 use crate::aggregate::take::Grain;
+use crate::geometry::{Facet, Plane};
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
+use crate::packing::Request;
 use crate::packing::grid::Grid;
 use crate::packing::place::Task;
 
@@ -15,40 +17,49 @@ pub(super) struct Scene<'a> {
     pub(super) task: &'a Task<'a>,
     /// Every placed grain, and its images that a grain in the box may meet.
     placed: Vec<Placed>,
-    /// The placed grains in the form collision works on.
-    bodies: Vec<gjk::Body>,
     /// What a grain with its centre in the specimen's box may reach.
     domain: Aabb,
     grid: Grid,
     mask: Mask,
-    /// Inner radius of the roundest grain from each on, mm: what the mask has to know about.
-    inner_radii: Vec<f64>,
+    /// Inner radius, mm, up to which the mask knows: of the roundest in the smaller half of the grains. It is they that take
+    /// most attempts, and a mask for the larger ones reaches twice as far.
+    masked: f64,
     /// Volume placed of every class, mm3.
     class_volume: Vec<f64>,
 }
 
-/// Where a body lies; what most attempts end with stands here, side by side.
+/// Where a grain lies, and what most attempts end with: its body, in the form collision works on, would be as large as all
+/// else that is known of it, and is made where a pair needs it.
 struct Placed {
-    /// Its place among the bodies.
-    body: u32,
+    /// Its number.
+    grain: u32,
     /// Of the ball about the centre that the body holds, mm.
     inner_radius: f32,
     centre: Vec3,
+    bounds: gjk::Bounds,
 }
 
 /// A grain that looks for its place.
 pub(super) struct Candidate<'a> {
     pub(super) grain: &'a Grain,
+    vertices: Vec<Vec3>,
+    planes: Vec<Plane>,
     /// In the form collision works on, with all that lets pairs be told apart early.
-    pub(super) body: gjk::Body,
+    body: gjk::Body,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
 }
 
 impl<'a> Candidate<'a> {
     pub(super) fn new(grain: &'a Grain) -> Self {
-        let body = gjk::Body::on_ellipsoid(grain.body.vertices(), &grain.semi_axes, &grain.rotation);
-        Self { grain, body: body.with_inside_of(&grain.body), aabb: grain.body.aabb() }
+        let solid = grain.body.widened();
+        let semi_axes = Vec3::from(grain.semi_axes.map(f64::from));
+        let rotation = grain.rotation.cast().to_rotation_matrix().into_inner();
+        let facets: Vec<Facet> = solid.facets().collect();
+        let body =
+            gjk::Body::on_ellipsoid(solid.vertices(), &semi_axes, &rotation).with_inside_of(facets.iter().copied());
+        let planes = facets.iter().map(|facet| facet.plane).collect();
+        Self { grain, planes, body, aabb: grain.body.aabb(), vertices: solid.into_vertices() }
     }
 }
 
@@ -56,20 +67,15 @@ impl<'a> Scene<'a> {
     pub(super) fn new(task: &'a Task<'a>) -> Self {
         let grains = task.request.grains;
         let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
-        let mut inner_radii: Vec<f64> = grains.iter().map(|grain| grain.inner_radius).collect();
-        for i in (1..inner_radii.len()).rev() {
-            inner_radii[i - 1] = inner_radii[i - 1].max(inner_radii[i]);
-        }
+        let masked = grains[grains.len() / 2..].iter().map(|grain| grain.inner_radius).fold(0.0, f64::max);
         let domain = task.domain();
         Self {
             task,
             placed: Vec::new(),
-            // Room for all at once: memory that is not used costs nothing, and a list that grows is copied.
-            bodies: Vec::with_capacity(grains.len()),
             grid: Grid::new(&domain, middle),
-            mask: Mask::new(&task.room.aabb(), VOXEL * middle, inner_radii.first().map_or(1.0, |radius| *radius)),
+            mask: Mask::new(&task.room.aabb(), VOXEL * middle, if masked > 0.0 { masked } else { 1.0 }),
             domain,
-            inner_radii,
+            masked,
             class_volume: vec![0.0; task.class_targets.len()],
         }
     }
@@ -86,28 +92,28 @@ impl<'a> Scene<'a> {
 
     /// Places the candidate, which is the grain of this number, at `centre`.
     pub(super) fn insert(&mut self, number: usize, candidate: Candidate, centre: Vec3) {
-        let Candidate { grain, body, aabb: local } = candidate;
+        let Candidate { grain, planes, body, aabb: local, .. } = candidate;
         let aabb = local.moved(&centre);
         for shift in self.task.period.shifts(&aabb, &self.domain) {
             self.grid.insert(&aabb.moved(&shift));
-            self.mask.insert(&grain.body, &(centre + shift), self.inner_radii[number]);
-            let (body, inner_radius) = (self.bodies.len() as u32, grain.inner_radius as f32);
-            self.placed.push(Placed { body, inner_radius, centre: centre + shift });
+            let centre = centre + shift;
+            self.mask.insert(&grain.body, &planes, &centre, self.masked);
+            let (number, inner_radius) = (number as u32, grain.inner_radius as f32);
+            self.placed.push(Placed { grain: number, inner_radius, centre, bounds: body.bounds() });
         }
-        self.bodies.push(body);
-        self.class_volume[usize::from(grain.class)] += grain.volume;
+        self.class_volume[usize::from(grain.class)] += grain.volume();
     }
 
     /// True when the class of `grain` comes no nearer to its target with it.
     pub(super) fn class_is_full(&self, grain: &Grain) -> bool {
         let class = usize::from(grain.class);
-        self.class_volume[class] + grain.volume / 2.0 >= self.task.class_targets[class]
+        self.class_volume[class] + grain.volume() / 2.0 >= self.task.class_targets[class]
     }
 
     /// True when the candidate at `centre` is proved apart from everything placed, and inside the specimen.
     pub(super) fn free(&self, it: &Candidate, centre: &Vec3, counters: &mut Counters) -> bool {
-        let (placement, grain) = (self.task.request.placement, it.grain);
-        if self.mask.forbids(centre, grain.inner_radius) {
+        let placement = self.task.request.placement;
+        if self.mask.forbids(centre, it.grain.inner_radius) {
             return false;
         }
         // The body most likely in the way, first: it ends most attempts.
@@ -115,7 +121,7 @@ impl<'a> Scene<'a> {
         if closest.is_some_and(|other| !self.apart(it, centre, other, counters)) {
             return false;
         }
-        if !self.task.room.holds(grain.body.vertices(), centre, placement.wall_gap_mm) {
+        if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
             return false;
         }
         let gap = placement.min_gap_mm;
@@ -148,8 +154,9 @@ impl<'a> Scene<'a> {
     }
 
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, counters: &mut Counters) -> bool {
-        let Placed { body, centre: other_centre, .. } = &self.placed[placed];
-        let (other, gap) = (&self.bodies[*body as usize], self.task.request.placement.min_gap_mm);
-        gjk::apart_counted(&it.body, other, &(other_centre - centre), gap, None, counters).is_some()
+        let Placed { grain, centre: other_centre, bounds, .. } = &self.placed[placed];
+        let Request { grains, placement, .. } = &self.task.request;
+        let other = || bounds.body(&grains[*grain as usize].body);
+        gjk::apart_from(&it.body, (bounds, other), &(other_centre - centre), placement.min_gap_mm, counters)
     }
 }

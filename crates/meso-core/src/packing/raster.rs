@@ -1,0 +1,55 @@
+//! Cells of equal size over a box, and which of them another box reaches into.
+
+use crate::math::{Aabb, Vec3};
+
+/// No more cells than this, whatever the sizes: bodies may be few and small in a large specimen.
+const MOST_CELLS: f64 = 4.0e6;
+
+/// A grid of cells.
+#[derive(Clone, Debug)]
+pub(super) struct Raster {
+    origin: Vec3,
+    cell: f64,
+    counts: [i32; 3],
+}
+
+impl Raster {
+    /// Over `domain` with cells of about `cell` mm.
+    pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
+        let size = domain.size();
+        let cell = cell.max(libm::cbrt(size.product() / MOST_CELLS));
+        let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as i32);
+        Self { origin: domain.min, cell, counts }
+    }
+
+    /// Number of cells.
+    pub(super) fn len(&self) -> usize {
+        self.counts.iter().map(|&n| n as usize).product()
+    }
+
+    /// The cell at `point`; of points beyond the box the one nearest to it.
+    #[inline]
+    pub(super) fn cell_of(&self, point: &Vec3) -> [i32; 3] {
+        let along = |i: usize| (((point[i] - self.origin[i]) / self.cell) as i32).clamp(0, self.counts[i] - 1);
+        [along(0), along(1), along(2)]
+    }
+
+    /// The lowest and the highest cell that `aabb` reaches into.
+    #[inline]
+    pub(super) fn range(&self, aabb: &Aabb) -> ([i32; 3], [i32; 3]) {
+        (self.cell_of(&aabb.min), self.cell_of(&aabb.max))
+    }
+
+    /// The number of a cell.
+    #[inline]
+    pub(super) fn flat(&self, cell: [i32; 3]) -> usize {
+        ((cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]) as usize
+    }
+}
+
+/// All cells from `low` to `high`.
+#[inline]
+pub(super) fn cells(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    (low[2]..=high[2])
+        .flat_map(move |z| (low[1]..=high[1]).flat_map(move |y| (low[0]..=high[0]).map(move |x| [x, y, z])))
+}
