@@ -2,6 +2,7 @@
 
 use crate::bad_specs::REJECTED;
 use meso_core::spec::{Spec, SpecErrorKind};
+use meso_core::{Silent, pack};
 
 #[test]
 fn impossible_specs_are_rejected_by_key_value_and_way_out() {
@@ -101,12 +102,13 @@ fn gaps_that_leave_no_room_are_named_before_the_work() {
         (0.5, "min_gap_mm = 6", "placement.min_gap_mm", "is 6, which leaves no room for a fraction of 0.5"),
         (0.5, "min_gap_mm = 6\nwall_gap_mm = 3", "placement.min_gap_mm", "lower the gap or the fraction"),
     ] {
-        let error = crowded(fraction, cube, placement).unwrap_err();
+        let error = pack(&crowded(fraction, cube, placement).unwrap(), &Silent).unwrap_err();
         assert!(error.key == key && error.message.contains(part), "{error}");
     }
     // A fraction of 0.04 fills the room of 21 mm that a gap of 20 mm leaves; without walls there is no such gap.
-    assert!(crowded(0.03, cube, "wall_gap_mm = 20").is_ok());
-    assert!(crowded(0.4, "kind = 'cube', side_mm = 61, periodic = ['x', 'y', 'z']", "wall_gap_mm = 20").is_ok());
+    let crowding = |fraction, specimen| crowded(fraction, specimen, "wall_gap_mm = 20").unwrap().crowding();
+    assert!(crowding(0.03, cube) < 0.75, "{}", crowding(0.03, cube));
+    assert!((crowding(0.4, "kind = 'cube', side_mm = 61, periodic = ['x', 'y', 'z']") - 0.4).abs() < 1e-12);
 }
 
 #[test]

@@ -27,6 +27,7 @@ pub struct Model {
 /// A spec that cannot be met is named before any work starts.
 pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
+    spec.has_room()?;
     let start = progress.seconds();
     let grains = take_grains(spec, progress)?;
     let aggregates = grains.iter().filter(|grain| grain.kind == Kind::Aggregate);

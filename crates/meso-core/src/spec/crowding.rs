@@ -54,7 +54,8 @@ impl Spec {
 
     fn beyond_reach(&self) -> Option<String> {
         let (crowding, reach) = (self.crowding(), self.reach());
-        if crowding <= reach {
+        // What has no room is an error instead.
+        if crowding <= reach || crowding >= 1.0 {
             return None;
         }
         let asked = self.fraction + self.inclusions().fractions().iter().sum::<f64>();
@@ -71,6 +72,28 @@ impl Spec {
             "{asked} more than this strategy has been seen to reach, {reach:.2} in a specimen of this size; it may end short \
              of it: {way_out}"
         ))
+    }
+
+    /// Names the gap that leaves no room for what is asked. No part of [`Spec::validate`]: the fraction of a spec may be
+    /// replaced until the packing begins, and a saved model may have fallen short.
+    pub(crate) fn has_room(&self) -> Checked {
+        let crowding = self.crowding();
+        if crowding < 1.0 {
+            return Ok(());
+        }
+        let placement = &self.placement;
+        let (key, gap) = if placement.wall_gap_mm > placement.min_gap_mm {
+            ("placement.wall_gap_mm", placement.wall_gap_mm)
+        } else {
+            ("placement.min_gap_mm", placement.min_gap_mm)
+        };
+        let message = format!(
+            "is {}, which leaves no room for a fraction of {}: the bodies with their gaps would take {crowding:.2} of what the \
+             walls leave them; lower the gap or the fraction",
+            number(gap),
+            number(self.fraction)
+        );
+        Err(SpecError::value(key, message))
     }
 
     fn grown_aggregates(&self) -> f64 {
@@ -109,25 +132,4 @@ fn void_growth(voids: &Voids, gap: f64) -> f64 {
 fn fibre_growth(fibres: &Fibres, gap: f64) -> f64 {
     let across = 1.0 + gap / fibres.diameter_mm;
     across * across * (1.0 + gap / fibres.length_mm)
-}
-
-/// More than all of the room is asked for.
-pub(super) fn check(spec: &Spec) -> Checked {
-    let crowding = spec.crowding();
-    if crowding < 1.0 {
-        return Ok(());
-    }
-    let placement = &spec.placement;
-    let (key, gap) = if placement.wall_gap_mm > placement.min_gap_mm {
-        ("placement.wall_gap_mm", placement.wall_gap_mm)
-    } else {
-        ("placement.min_gap_mm", placement.min_gap_mm)
-    };
-    let message = format!(
-        "is {}, which leaves no room for a fraction of {}: the bodies with their gaps would take {crowding:.2} of what the \
-         walls leave them; lower the gap or the fraction",
-        number(gap),
-        number(spec.fraction)
-    );
-    Err(SpecError::value(key, message))
 }

@@ -1,7 +1,7 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
 use super::words::number;
-use super::{Spec, SpecError, crowding, inclusions};
+use super::{Spec, SpecError, inclusions};
 use crate::aggregate::{AspectRatio, Curve, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 
@@ -31,8 +31,7 @@ impl Spec {
         placement(&self.placement)?;
         room(self)?;
         count(self)?;
-        inclusions::check(self)?;
-        crowding::check(self)
+        inclusions::check(self)
     }
 
     /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own image.
