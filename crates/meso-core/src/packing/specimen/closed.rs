@@ -26,6 +26,8 @@ pub(super) struct Closed {
     counts: [usize; 3],
     /// The triangles whose boxes reach into each cell.
     cells: Vec<Vec<u32>>,
+    /// The same for each column of cells along z, every triangle once: what a point is counted against.
+    columns: Vec<Vec<u32>>,
 }
 
 /// Most cells along an axis.
@@ -40,9 +42,16 @@ impl Closed {
         let cell = (size.max() / MOST_CELLS).max(f64::MIN_POSITIVE);
         let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as usize);
         let cells = vec![Vec::new(); counts.iter().product()];
+        let columns = vec![Vec::new(); counts[0] * counts[1]];
         let outward = outward(&mesh, &corners);
-        let mut room = Self { volume: mesh.volume(), mesh, size, corners, outward, boxes, cell, counts, cells };
+        let mut room =
+            Self { volume: mesh.volume(), mesh, size, corners, outward, boxes, cell, counts, cells, columns };
         for triangle in 0..room.boxes.len() {
+            let Aabb { min, max } = room.boxes[triangle];
+            // The lowest cells are numbered as the columns are.
+            for column in room.cells_of(&Aabb { min: min.xy().push(0.0), max: max.xy().push(0.0) }) {
+                room.columns[column].push(triangle as u32);
+            }
             for cell in room.cells_of(&room.boxes[triangle]) {
                 room.cells[cell].push(triangle as u32);
             }
@@ -50,10 +59,14 @@ impl Closed {
         room
     }
 
+    /// The number of the cell at a coordinate.
+    fn along(&self, x: f64, axis: usize) -> usize {
+        ((x / self.cell).max(0.0) as usize).min(self.counts[axis] - 1)
+    }
+
     /// Cells that a box reaches into; what sticks out counts to the outermost.
     fn cells_of(&self, aabb: &Aabb) -> Vec<usize> {
-        let of = |x: f64, i: usize| ((x / self.cell).max(0.0) as usize).min(self.counts[i] - 1);
-        let [x, y, z] = [0, 1, 2].map(|i| of(aabb.min[i], i)..=of(aabb.max[i], i));
+        let [x, y, z] = [0, 1, 2].map(|i| self.along(aabb.min[i], i)..=self.along(aabb.max[i], i));
         let rows = z.flat_map(|k| y.clone().map(move |j| (k * self.counts[1] + j) * self.counts[0]));
         rows.flat_map(|row| x.clone().map(move |i| row + i)).collect()
     }
@@ -67,21 +80,42 @@ impl Closed {
         near
     }
 
+    /// The triangles whose boxes reach above `point`, or hold it.
+    fn above(&self, point: &Vec3) -> impl Iterator<Item = u32> {
+        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
+        let column = &self.columns[self.along(point.y, 1) * self.counts[0] + self.along(point.x, 0)];
+        column.iter().copied().filter(move |&t| self.boxes[t as usize].intersects(&upwards))
+    }
+
     /// The nearest point of the surface and its distance, mm.
     fn nearest(&self, point: &Vec3) -> (Vec3, f64) {
-        let mut reach = self.cell;
+        // Most who ask are near the surface.
+        let mut reach = self.cell / 4.0;
         loop {
-            let near = self.near(&Aabb { min: *point, max: *point }.grown(reach));
-            let places = near.iter().map(|&t| nearest_on_triangle(&self.corners[t as usize], point));
-            let best = places
-                .map(|place| (place, (place - point).norm()))
-                .fold((*point, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+            let (place, distance) = self.nearest_within(point, reach);
             // What was not looked at is farther off than the box reaches.
-            if best.1 <= reach {
-                return best;
+            if distance <= reach {
+                return (place, distance);
             }
-            reach = if best.1.is_finite() { best.1 } else { 2.0 * reach };
+            reach = if distance.is_finite() { distance } else { 2.0 * reach };
         }
+    }
+
+    /// The same of the triangles whose boxes come within `reach`, of equally near ones the first; infinite without any.
+    fn nearest_within(&self, point: &Vec3, reach: f64) -> (Vec3, f64) {
+        let around = Aabb { min: *point, max: *point }.grown(reach);
+        let mut best = (f64::INFINITY, u32::MAX, *point);
+        // A triangle of several cells is looked at in each: that is less work than a list of them without repetitions.
+        for &t in self.cells_of(&around).into_iter().flat_map(|cell| &self.cells[cell]) {
+            if self.boxes[t as usize].intersects(&around) {
+                let place = nearest_on_triangle(&self.corners[t as usize], point);
+                let distance = (place - point).norm();
+                if (distance, t) < (best.0, best.1) {
+                    best = (distance, t, place);
+                }
+            }
+        }
+        (best.2, best.0)
     }
 
     /// Two triangles that cross each other, or touch where they are not neighbours, if there are any.
@@ -140,10 +174,8 @@ impl Room for Closed {
     /// True when the surface winds once around the point, or the point lies on it: every triangle above or below counts by
     /// its orientation, edges to one of their two sides.
     fn contains(&self, point: &Vec3) -> bool {
-        let column =
-            Aabb { min: Vec3::new(point.x, point.y, point.z), max: Vec3::new(point.x, point.y, f64::INFINITY) };
         let mut windings = 0;
-        for t in self.near(&column) {
+        for t in self.above(point) {
             let [a, b, c] = &self.corners[t as usize];
             let turns = turns_around(&[*a, *b, *c], point);
             let side = orient3d(a, b, c, point);
