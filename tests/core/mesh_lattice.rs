@@ -1,7 +1,11 @@
 //! The fitted lattice in dense packings: angles, volumes, interfaces, and the faces of periodic boxes.
 
-use meso_core::math::Vec3;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, PhaseVolumes, quality};
+use crate::mesh::{aggregate, block};
+use meso_core::aggregate::Aggregate;
+use meso_core::math::{Rotation, Vec3};
+use meso_core::mesh::{
+    self, Fit, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, PhaseVolumes, quality,
+};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
@@ -50,7 +54,15 @@ fn nodes_between_one_aggregate_and_mortar_lie_on_its_surface_but_for_one_in_five
     // The gap to the specimen's side is thinner there than angles of eight degrees allow.
     assert!(off.len() * 500 < heights.len(), "{} of {}", off.len(), heights.len());
     assert_eq!(off.len(), mesh.notes.off_surface_nodes);
-    assert!(off.iter().all(|height| *height < 0.6), "{off:?}");
+    for itz in [ItzForm::None, ItzForm::Cohesive] {
+        let options = MeshOptions { method: Method::Lattice, itz, ..Default::default() };
+        let parted = mesh::build(&model, &options).unwrap();
+        let found = InterfaceDistance::of(&parted, &model.aggregates, &model.spec.specimen);
+        assert_eq!((found.alone, found.alone_off), (heights.len(), off.len()), "{itz:?}");
+        assert!((found.alone_max_mm - off.iter().copied().fold(0.0, f64::max)).abs() < 0.1);
+        assert!(found.nodes > found.alone, "aggregates are joined at closed gaps");
+    }
+    assert!(off.iter().all(|height| *height < 1.0), "{off:?}");
 }
 
 #[test]
@@ -61,6 +73,41 @@ fn a_fitted_mesh_is_identical_at_one_and_four_threads() {
         pool.install(|| fitted(&model, 2.0))
     };
     assert_eq!(mesh(1), mesh(4));
+}
+
+/// Two blocks of 8 mm, `gap` mm from each other, turned against the axes together.
+fn neighbours(gap: f64) -> ([Aggregate; 2], Specimen) {
+    let turn = Rotation::from_euler_angles(0.2, 0.3, 0.4);
+    let at = |id: u32, x: f64| {
+        let body = block([x, -4.0, -4.0], [x + 8.0, 4.0, 4.0]);
+        aggregate(id, body.rotated(&turn).translated(&Vec3::repeat(15.0)), 0.5)
+    };
+    ([at(0, -8.0 - gap / 2.0), at(1, gap / 2.0)], Specimen::cube(30.0))
+}
+
+#[test]
+fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one_is_not() {
+    for (method, fit) in [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain), (Method::Lattice, Fit::Fitted)] {
+        for (gap, joined) in [(0.2, true), (5.0, false)] {
+            let (blocks, specimen) = neighbours(gap);
+            let options = MeshOptions { method, fit, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
+            let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
+            let nodes = |id: u32| -> BTreeSet<u32> {
+                let cells = mesh.cells().zip(&mesh.aggregate).filter(|(_, of)| **of == id);
+                cells.flat_map(|(cell, _)| cell.iter().copied()).collect()
+            };
+            let shared = nodes(0).intersection(&nodes(1)).count();
+            let notes = &mesh.notes;
+            assert_eq!(
+                (notes.closed_gaps, notes.closed_gap_pairs),
+                (shared, usize::from(joined)),
+                "{method:?} {fit:?}"
+            );
+            assert_eq!(shared > 0, joined, "{method:?} {fit:?}");
+            let widest = if joined { gap } else { 0.0 };
+            assert!((notes.widest_closed_gap_mm - widest).abs() < 1e-9, "{method:?} {fit:?} {notes:?}");
+        }
+    }
 }
 
 /// The triangles or squares of a mesh on the box's face across `axis`, by the places of their nodes within the face, in

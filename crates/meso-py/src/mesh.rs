@@ -116,7 +116,8 @@ impl PyMesh {
     /// step that the default materials allow, the phases' volumes (`volumes_mm3`) against the exact ones
     /// (`exact_volumes_mm3`), and how far the interface nodes lie from the aggregates' surfaces: a dict.
     ///
-    /// Pairs are (value, index of the cell); `interface_distance` has the keys `nodes`, `max_mm` and `rms_mm`.
+    /// Pairs are (value, index of the cell); `interface_distance` has the keys `nodes`, `max_mm` and `rms_mm`, and of the nodes between one
+    /// aggregate and mortar `alone`, `alone_off` (how many lie off its surface) and `alone_max_mm`.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let (mesh, model) = (&*self.0, &*self.1);
         let of = || QualityReport::of(mesh, &model.bodies(), &model.spec.specimen, &Materials::default());

@@ -71,6 +71,12 @@ impl Told {
             "interface nodes lie {:.4} mm rms from the aggregates' surfaces, {:.4} mm at most",
             distance.rms_mm, distance.max_mm
         ));
+        say::line(format!(
+            "of {} nodes between one aggregate and mortar {} lie off its surface, {:.4} mm at most",
+            say::count(distance.alone),
+            say::count(distance.alone_off),
+            distance.alone_max_mm
+        ));
         notes(&self.notes);
         self.worst();
     }
@@ -133,7 +139,7 @@ impl Told {
 fn notes(notes: &Notes) {
     if notes.closed_gaps > 0 {
         say::line(format!(
-            "closed {} places where {} pairs of aggregates come closer than the lattice can show (widest {:.2} mm); \
+            "at {} nodes {} pairs of aggregates are joined, since the elements cannot show the gaps between them (widest {:.2} mm); \
              a smaller --element-size-mm or a larger min_gap_mm keeps mortar there",
             say::count(notes.closed_gaps),
             say::count(notes.closed_gap_pairs),

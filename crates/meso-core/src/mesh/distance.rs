@@ -19,7 +19,16 @@ pub struct InterfaceDistance {
     pub max_mm: f64,
     /// Root mean square of all distances, mm.
     pub rms_mm: f64,
+    /// Nodes where one aggregate alone meets mortar or a fibre. All others join aggregates, and lie on one of them at best.
+    pub alone: usize,
+    /// Those of them that lie off the aggregate's surface, by more than 1e-9 of the specimen.
+    pub alone_off: usize,
+    /// The largest distance of one of them, mm.
+    pub alone_max_mm: f64,
 }
+
+/// Distances up to this share of the specimen's size are rounding.
+const ROUNDING: f64 = 1e-9;
 
 impl InterfaceDistance {
     /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
@@ -31,19 +40,26 @@ impl InterfaceDistance {
             let images = bodies[start..].iter().take_while(|body| body.id == id);
             images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
         };
-        let distances: Vec<f64> = interface_nodes(mesh).par_iter().map(distance).collect();
+        let nodes = interface_nodes(mesh);
+        let distances: Vec<f64> = nodes.par_iter().map(distance).collect();
+        let joined = joined(mesh, &nodes);
+        let alone = || distances.iter().copied().zip(&joined).filter(|(_, joined)| !**joined).map(|(d, _)| d);
+        let rounding = ROUNDING * specimen.aabb().size().max();
         // Summed in the nodes' order: the same on any number of threads.
         let squares: f64 = distances.iter().map(|d| d * d).sum();
         Self {
             nodes: distances.len(),
             max_mm: distances.iter().copied().fold(0.0, f64::max),
             rms_mm: (squares / distances.len().max(1) as f64).sqrt(),
+            alone: alone().count(),
+            alone_off: alone().filter(|distance| *distance > rounding).count(),
+            alone_max_mm: alone().fold(0.0, f64::max),
         }
     }
 }
 
 /// Aggregates with the corners of their cells where they meet something else, each pair once.
-fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
+pub(super) fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
     let mut mixed = interface::mixed_nodes(mesh);
     // Cohesive elements parted their nodes.
     mesh.cohesive.iter().for_each(|&node| mixed[node as usize] = true);
@@ -58,6 +74,19 @@ fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
     nodes.par_sort_unstable();
     nodes.dedup();
     nodes
+}
+
+/// Which of the pairs lie where several aggregates meet, cohesive elements between them or not: their nodes have one place.
+fn joined(mesh: &Mesh, nodes: &[(u32, u32)]) -> Vec<bool> {
+    let place = |pair: usize| -> [u64; 3] { mesh.points[nodes[pair].1 as usize].map(f64::to_bits).into() };
+    let mut order: Vec<usize> = (0..nodes.len()).collect();
+    order.par_sort_unstable_by_key(|&pair| place(pair));
+    let mut joined = vec![false; nodes.len()];
+    for same in order.chunk_by(|&a, &b| place(a) == place(b)) {
+        let several = same.iter().any(|&pair| nodes[pair].0 != nodes[same[0]].0);
+        same.iter().for_each(|&pair| joined[pair] = several);
+    }
+    joined
 }
 
 struct Body {

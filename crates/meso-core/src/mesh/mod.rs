@@ -9,6 +9,7 @@ mod distance;
 mod error;
 mod grains;
 mod interface;
+mod joined;
 mod lattice;
 mod layer;
 pub(crate) mod opposite;
@@ -146,11 +147,11 @@ pub struct Mesh {
 /// What a builder had to decide, and how often: nothing is bridged or thinned in silence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Notes {
-    /// Nodes and lattice edges at which a gap between two aggregates, thinner than the lattice can show, was closed.
+    /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
     pub closed_gaps: usize,
-    /// Pairs of aggregates with such a gap.
+    /// Pairs of aggregates that share nodes.
     pub closed_gap_pairs: usize,
-    /// The widest gap closed, mm.
+    /// The widest gap between two of these, mm.
     pub widest_closed_gap_mm: f64,
     /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
     pub off_surface_nodes: usize,
@@ -242,6 +243,7 @@ fn assemble(
         clip::clip(&mut mesh, &*room);
     }
     clip::leave_out_voids(&mut mesh, aggregates);
+    joined::note(&mut mesh, aggregates);
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
         if mesh.periodic != [false; 3] {

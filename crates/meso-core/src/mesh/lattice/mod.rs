@@ -96,13 +96,12 @@ pub(super) fn fitted(
     let locator = Locator::new(&grains, bcc.domain());
     let mut field = snap::Field::new(&bcc, &grains, outline.as_ref());
     field.snap();
-    let mut notes = field.notes();
     let mut mesh = cut::Cutter::new(&field, &locator).cells();
     let outline = outline.as_ref().map(|outline| (outline, trim::trim(&mut mesh)));
     let skin = Skin { outline, repeats };
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
-    notes.off_surface_nodes = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &skin);
-    (mesh, notes)
+    let off_surface_nodes = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &skin);
+    (mesh, Notes { off_surface_nodes, ..Notes::default() })
 }
 
 pub(super) fn centroid(cell: &[u32; 4], points: &[Vec3]) -> Vec3 {

@@ -1,12 +1,11 @@
 //! The warp: lattice nodes that a surface passes closely move onto it.
 //!
 //! A node may be on the surfaces of several grains; `on` holds them. Where two grains come closer than a snapped node
-//! can tell apart, the node is put on both: the gap is closed there, counted, and named in the report.
+//! can tell apart, the node is put on both: the gap is closed there.
 
 use super::bcc::{Bcc, EdgeKind};
 use super::outline::Outline;
 use crate::math::Vec3;
-use crate::mesh::Notes;
 use crate::mesh::grains::Grain;
 use crate::mesh::sweep::{Label, PointGrid, Sweep};
 use rayon::prelude::*;
@@ -40,16 +39,14 @@ pub(super) struct Field<'a> {
     pub(super) label: Vec<u32>,
     /// The grains on whose surface a moved node lies, then [`MORTAR`]; all [`MORTAR`] for a node that was not moved.
     pub(super) on: Vec<[u32; 3]>,
-    /// Pairs of grains whose gap was closed, at a node or on an edge, with the gap's width, mm.
-    pub(super) closed: Vec<(u32, u32, f64)>,
 }
 
 /// A change of a node that a surface passes closely.
 enum Change {
     /// The node goes onto the surface of the grain.
     Move(u32, u32, Vec3),
-    /// The node, already on a surface, counts as on this grain's too; the gap's width, mm.
-    Close(u32, u32, f64),
+    /// The node, already on a surface, counts as on this grain's too.
+    Close(u32, u32),
 }
 
 impl<'a> Field<'a> {
@@ -70,7 +67,7 @@ impl<'a> Field<'a> {
             });
         }
         let on = vec![[MORTAR; 3]; points.len()];
-        Self { bcc, grains, outline, points, label, on, closed: Vec::new() }
+        Self { bcc, grains, outline, points, label, on }
     }
 
     /// Moves every node that a surface passes closely, then looks again at the edges of moved nodes.
@@ -93,45 +90,6 @@ impl<'a> Field<'a> {
             if touched.is_empty() {
                 break;
             }
-        }
-        self.count_joining_edges();
-    }
-
-    /// The edges left between two grains: their one cut closes the gap between its two crossings.
-    fn count_joining_edges(&mut self) {
-        let nodes = 0..self.points.len() as u32;
-        let joining: Vec<(u32, u32, f64)> =
-            nodes.into_par_iter().flat_map_iter(|node| self.joining_edges(node)).collect();
-        self.closed.extend(joining);
-    }
-
-    fn joining_edges(&self, node: u32) -> Vec<(u32, u32, f64)> {
-        let mut gaps = Vec::new();
-        if !self.is_deep(node) {
-            return gaps;
-        }
-        self.bcc.neighbours(node, |other| {
-            let between_grains = || self.label[node as usize].max(self.label[other as usize]) < OUTSIDE;
-            if other > node && self.is_deep(other) && between_grains() && !self.compatible(node, other) {
-                let pair = [self.label[node as usize], self.label[other as usize]];
-                let gap = 1.0 - self.exit(node, other) - self.exit(other, node);
-                let length = (self.points[node as usize] - self.points[other as usize]).norm();
-                gaps.push((pair[0].min(pair[1]), pair[0].max(pair[1]), gap * length));
-            }
-        });
-        gaps
-    }
-
-    /// The gaps that were closed.
-    pub(super) fn notes(&self) -> Notes {
-        let mut pairs: Vec<(u32, u32)> = self.closed.iter().map(|gap| (gap.0, gap.1)).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        Notes {
-            closed_gaps: self.closed.len(),
-            closed_gap_pairs: pairs.len(),
-            widest_closed_gap_mm: self.closed.iter().fold(0.0, |widest, gap| gap.2.max(widest)),
-            ..Notes::default()
         }
     }
 
@@ -237,8 +195,7 @@ impl<'a> Field<'a> {
                 changes.push(Change::Move(other, grain, self.at(other, node, t)));
             } else if 1.0 - t < limit && self.may_follow(node, other) && !self.is_outer(node) && grain != OUTSIDE {
                 // On the box's faces only edges within them count: opposite faces of a periodic box must match.
-                let length = (self.points[node as usize] - self.points[other as usize]).norm();
-                changes.push(Change::Close(node, grain, (1.0 - t) * length));
+                changes.push(Change::Close(node, grain));
             }
         });
         changes
@@ -257,11 +214,10 @@ impl<'a> Field<'a> {
                     }
                     touched.push(node);
                 }
-                Change::Close(node, grain, gap) => {
+                Change::Close(node, grain) => {
                     let on = &mut self.on[node as usize];
                     if let Some(free) = on.iter().position(|g| *g == MORTAR).filter(|_| !on.contains(&grain)) {
                         on[free] = grain;
-                        self.closed.push((on[0].min(grain), on[0].max(grain), gap));
                     }
                 }
                 Change::Move(..) => {}
