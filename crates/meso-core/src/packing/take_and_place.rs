@@ -14,7 +14,7 @@ use crate::aggregate::take::snap;
 use crate::gjk::Counters;
 use crate::math::Vec3;
 use rayon::prelude::*;
-use scene::{Candidate, Scene};
+use scene::{Candidate, Scene, Trial};
 
 /// Grains that search at the same time. A constant, so that the counters do not depend on the threads.
 const BATCH: usize = 64;
@@ -65,12 +65,17 @@ fn commit(scene: &mut Scene, mut search: Search, first_mate: usize, outcome: &mu
     }
 }
 
+/// Positions of a grain that are looked at together: what each reads lies anywhere in memory, and is waited for together.
+const AHEAD: usize = 16;
+
 /// The search of one grain for a free position; it can be resumed.
 struct Search<'a> {
     number: usize,
     candidate: Candidate<'a>,
     stream: Stream,
     attempts_left: u32,
+    /// Attempts begun, the last first.
+    ahead: Vec<Trial>,
     found: Option<Vec3>,
     candidates: u64,
     counters: Counters,
@@ -84,6 +89,7 @@ impl<'a> Search<'a> {
             candidate: Candidate::new(grain),
             stream: Stream::new(task.request.seed, Purpose::Place, grain.class, u64::from(grain.index)),
             attempts_left: attempts,
+            ahead: Vec::with_capacity(AHEAD),
             found: None,
             candidates: 0,
             counters: Counters::default(),
@@ -93,14 +99,24 @@ impl<'a> Search<'a> {
     /// Goes on to the next free position.
     fn run(&mut self, scene: &Scene) {
         self.found = None;
-        let reach = scene.task.reach(&self.candidate.aabb);
-        while self.attempts_left > 0 && self.found.is_none() {
-            self.attempts_left -= 1;
-            self.candidates += 1;
-            let centre = scene.task.period.wrap(&snap(&self.stream.point(&reach.min, &reach.max)));
-            if scene.free(&self.candidate, &centre, &mut self.counters) {
-                self.found = Some(centre);
+        while self.found.is_none() {
+            if self.ahead.is_empty() && self.attempts_left > 0 {
+                self.look_ahead(scene);
             }
+            let Some(trial) = self.ahead.pop() else { return };
+            self.candidates += 1;
+            self.found = scene.free(&self.candidate, &trial, &mut self.counters).then_some(trial.centre);
         }
+    }
+
+    fn look_ahead(&mut self, scene: &Scene) {
+        let (reach, count) = (scene.task.reach(&self.candidate.aabb), self.attempts_left.min(AHEAD as u32));
+        self.attempts_left -= count;
+        for _ in 0..count {
+            let centre = scene.task.period.wrap(&snap(&self.stream.point(&reach.min, &reach.max)));
+            self.ahead.push(Trial::new(centre));
+        }
+        scene.look(&self.candidate, &mut self.ahead);
+        self.ahead.reverse();
     }
 }

@@ -8,6 +8,7 @@ use crate::math::{Aabb, Vec3};
 use crate::packing::Request;
 use crate::packing::grid::Grid;
 use crate::packing::place::Task;
+use std::hint::black_box;
 
 /// Edge of the mask's voxels, as a share of the middle grain's diameter: 1.3 mm in a grading of 5 to 20 mm.
 const VOXEL: f64 = 0.2;
@@ -48,6 +49,20 @@ pub(super) struct Candidate<'a> {
     body: gjk::Body,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
+}
+
+/// A position that a candidate tries.
+pub(super) struct Trial {
+    pub(super) centre: Vec3,
+    /// What a look told: that it is taken, or what is most likely in the way.
+    taken: bool,
+    closest: Option<usize>,
+}
+
+impl Trial {
+    pub(super) fn new(centre: Vec3) -> Self {
+        Self { centre, taken: false, closest: None }
+    }
 }
 
 impl<'a> Candidate<'a> {
@@ -110,15 +125,26 @@ impl<'a> Scene<'a> {
         self.class_volume[class] + grain.volume() / 2.0 >= self.task.class_targets[class]
     }
 
-    /// True when the candidate at `centre` is proved apart from everything placed, and inside the specimen.
-    pub(super) fn free(&self, it: &Candidate, centre: &Vec3, counters: &mut Counters) -> bool {
-        let placement = self.task.request.placement;
-        if self.mask.forbids(centre, it.grain.inner_radius) {
-            return false;
+    /// Looks at all of `trials` once for what ends most of them; what it says of one stays right when more is placed.
+    pub(super) fn look(&self, it: &Candidate, trials: &mut [Trial]) {
+        for trial in &mut *trials {
+            trial.taken = self.mask.forbids(&trial.centre, it.grain.inner_radius);
         }
+        for trial in trials.iter_mut().filter(|trial| !trial.taken) {
+            trial.closest = self.closest(it, &trial.centre);
+        }
+        // Asks memory for what the proofs will read.
+        let grains = self.task.request.grains;
+        let of = |placed: usize| grains[self.placed[placed].grain as usize].body.coordinates()[0][0];
+        black_box(trials.iter().filter_map(|trial| trial.closest).map(of).sum::<f32>());
+    }
+
+    /// True when the candidate at the place of the `trial` that was looked at is proved apart from everything placed, and
+    /// inside the specimen.
+    pub(super) fn free(&self, it: &Candidate, trial: &Trial, counters: &mut Counters) -> bool {
+        let (placement, Trial { centre, taken, closest }) = (self.task.request.placement, trial);
         // The body most likely in the way, first: it ends most attempts.
-        let closest = self.closest(it, centre);
-        if closest.is_some_and(|other| !self.apart(it, centre, other, counters)) {
+        if *taken || closest.is_some_and(|other| !self.apart(it, centre, other, counters)) {
             return false;
         }
         if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
@@ -128,7 +154,7 @@ impl<'a> Scene<'a> {
         let aabb = it.aabb.moved(centre).grown(gap);
         self.grid.all_near(&aabb, |other| {
             let other = other as usize;
-            Some(other) == closest || self.apart(it, centre, other, counters)
+            Some(other) == *closest || self.apart(it, centre, other, counters)
         })
     }
 
