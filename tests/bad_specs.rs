@@ -357,6 +357,26 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
         "fibres.diameter_mm",
         "fibres in this specimen; at most 1e7",
     ),
+    (
+        "[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30\norientation = { direction = [0, 0, 0], within_degrees = 9 }",
+        "fibres.orientation.direction",
+        "it must point somewhere",
+    ),
+    (
+        "[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30\norientation = { direction = [0, 0, nan], within_degrees = 9 }",
+        "fibres.orientation.direction",
+        "is nan;",
+    ),
+    (
+        "[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30\norientation = { direction = [0, 0, 1], within_degrees = 91 }",
+        "fibres.orientation.within_degrees",
+        "is 91; the accepted range is 0 to 90",
+    ),
+    (
+        "[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30\norientation = { direction = [0, 0, 1] }",
+        "fibres.orientation.within_degrees",
+        "is missing",
+    ),
     ("[fibers]\nfraction = 0.01", "fibers", "did you mean fibres?"),
     // too much
     (

@@ -99,6 +99,32 @@ fn fibres_point_in_all_directions() {
     (0..3).for_each(|axis| assert!((mean_square(axis) - 1.0 / 3.0).abs() < 0.12, "{}", mean_square(axis)));
 }
 
+/// Mean square of the cosine between the fibres' axes and z.
+fn along_z(model: &Model) -> f64 {
+    let figures = statistics(model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap().phases;
+    figures.iter().find_map(|figures| figures.orientation).expect("there are fibres").tensor[2][2]
+}
+
+#[test]
+fn fibres_point_where_they_are_asked_to() {
+    let oriented = |degrees: f64, strategy: &str| {
+        packed(&format!(
+            "{BOTH}orientation = {{ direction = [0, 0, -3], within_degrees = {degrees} }}\n\
+             [placement]\nstrategy = '{strategy}'"
+        ))
+    };
+    for degrees in [0.0f64, 30.0, 90.0] {
+        // Taken as they were drawn: cos uniform from c to 1 has the mean square (1 + c + c^2) / 3.
+        let (cos, found) = (degrees.to_radians().cos(), along_z(&oriented(degrees, "take-and-place")));
+        let expected = (1.0 + cos + cos * cos) / 3.0;
+        let scatter = if degrees < 90.0 { 0.02 } else { 0.06 };
+        assert!((found - expected).abs() < scatter, "{degrees}: {found} against {expected}");
+    }
+    let moved = oriented(0.0, "rearrange");
+    assert_eq!(check(&moved).findings, []);
+    assert!(along_z(&moved) > 0.9, "rearrangement turned them to {}", along_z(&moved));
+}
+
 #[test]
 fn a_packing_with_further_phases_is_identical_on_one_and_four_threads() {
     let on = |threads: usize| {

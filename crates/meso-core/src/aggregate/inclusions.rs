@@ -8,9 +8,10 @@ use super::random::{Purpose, Stream};
 use super::take::{Grain, Recipe, fill};
 use super::{Outline, SizeLaw};
 use crate::geometry::{HullError, convex_hull};
-use crate::math::Vec3;
+use crate::math::{Mat3, Rotation, Vec3};
+use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2, TAU};
 
 /// What a placed body is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -35,7 +36,7 @@ pub struct Voids {
     pub diameter_mm: [f64; 2],
 }
 
-/// Straight fibres, `[fibres]` in a spec; all directions are equally likely before they are placed.
+/// Straight fibres, `[fibres]` in a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fibres {
@@ -45,6 +46,20 @@ pub struct Fibres {
     pub diameter_mm: f64,
     /// Length, mm.
     pub length_mm: f64,
+    /// Where they point before they are placed; all directions are equally likely where it is absent. Rearrangement turns
+    /// them on: the statistics tell by how much.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<Cone>,
+}
+
+/// The directions within an angle of one direction, all equally likely.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cone {
+    /// Its axis, of any length; a fibre has no front and no back.
+    pub direction: [f64; 3],
+    /// Half of its opening, degrees; 0 for parallel fibres, 90 for all directions.
+    pub within_degrees: f64,
 }
 
 /// The further phases of a spec.
@@ -135,11 +150,37 @@ pub(super) fn take(recipe: &Recipe, first_class: u16, volume: f64) -> Result<Vec
         let (prism, class) = (prism(fibres), first_class + 1);
         let make = |index| {
             let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
-            Grain::turned(Kind::Fibre, (class, index), &prism, stream)
+            match fibres.orientation {
+                Some(cone) => Grain::oriented(Kind::Fibre, (class, index), &prism, &cone.rotation(stream)),
+                None => Grain::turned(Kind::Fibre, (class, index), &prism, stream),
+            }
         };
         grains.append(&mut fill(fibres.fraction * volume, recipe.go_on, make)?);
     }
     Ok(grains)
+}
+
+impl Cone {
+    /// Turns the x axis to a direction of the cone, and about that by any angle.
+    fn rotation(&self, stream: &mut Stream) -> Rotation {
+        let [axis, across, third] = frame(&Vec3::from(self.direction).normalize());
+        // A cone's directions lie on a cap, whose area is even along its axis.
+        let cos = stream.uniform(libm::cos(self.within_degrees.to_radians()), 1.0);
+        let (sin, around) = (libm::sqrt(1.0 - cos * cos), TAU * stream.unit());
+        let x = axis * cos + (across * libm::cos(around) + third * libm::sin(around)) * sin;
+        let [x, y, z] = frame(&x);
+        let roll = TAU * stream.unit();
+        let y = y * libm::cos(roll) + z * libm::sin(roll);
+        Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(Mat3::from_columns(&[x, y, x.cross(&y)])))
+    }
+}
+
+/// A unit vector with two more, each square to the others and right-handed.
+fn frame(x: &Vec3) -> [Vec3; 3] {
+    let mut aside = Vec3::zeros();
+    aside[x.iamin()] = 1.0;
+    let y = (aside - x * x.dot(&aside)).normalize();
+    [*x, y, x.cross(&y)]
 }
 
 /// Corners on a sphere, whose hull has the volume of a ball of radius 1.

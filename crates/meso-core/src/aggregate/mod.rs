@@ -11,7 +11,7 @@ pub mod take;
 
 pub use aspect_ratio::AspectRatio;
 pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
-pub use inclusions::{Fibres, Inclusions, Kind, Voids};
+pub use inclusions::{Cone, Fibres, Inclusions, Kind, Voids};
 pub use itz::Itz;
 pub use library::Template;
 pub use shape::{Outline, Shape, ShapeKind};

@@ -3,7 +3,7 @@
 use super::random::{Purpose, Stream};
 use super::{Grading, Inclusions, Itz, Kind, Outline, Shape, SizeClass, SizeDefinition, inclusions};
 use crate::geometry::{HullError, NarrowPolyhedron, convex_hull, sieve_size};
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Rotation, Vec3};
 use crate::wide::{Wide, widest};
 use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
@@ -178,11 +178,20 @@ impl Grain {
     /// The grain of an outline in a random orientation, without ITZ.
     pub(super) fn turned(
         kind: Kind,
-        (class, index): (u16, u32),
+        ids: (u16, u32),
         outline: &Outline,
         stream: &mut Stream,
     ) -> Result<Self, HullError> {
-        let rotation = stream.rotation();
+        Self::oriented(kind, ids, outline, &stream.rotation())
+    }
+
+    /// The grain of an outline that is turned by `rotation`, without ITZ.
+    pub(super) fn oriented(
+        kind: Kind,
+        (class, index): (u16, u32),
+        outline: &Outline,
+        rotation: &Rotation,
+    ) -> Result<Self, HullError> {
         let mut vertices = turned(&outline.vertices, &rotation.to_rotation_matrix().into_inner());
         vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
         let body = convex_hull(&vertices)?;

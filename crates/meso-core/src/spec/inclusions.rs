@@ -1,9 +1,10 @@
 //! Voids and fibres that cannot be, named before any work starts.
 
-use super::limits::{Checked, MAX_AGGREGATES, length, share};
+use super::limits::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
 use super::words::number;
 use super::{Spec, SpecError};
-use crate::aggregate::{Fibres, Voids};
+use crate::aggregate::{Cone, Fibres, Voids};
+use crate::math::Vec3;
 
 /// Straight rods that lie at random fill a space to 5.4 times their diameter over their length, and no further: half of the
 /// mean number of contacts of a rod (A. P. Philipse, Langmuir 12 (1996) 1127, for length over diameter from about 15).
@@ -47,6 +48,9 @@ fn check_fibres(fibres: &Fibres) -> Checked {
         let message = format!("is {long} but fibres.diameter_mm is {diameter}; a fibre is longer than it is thick");
         return Err(SpecError::value("fibres.length_mm", message));
     }
+    if let Some(cone) = &fibres.orientation {
+        return check_cone(cone);
+    }
     let most = RANDOM_RODS * fibres.diameter_mm / fibres.length_mm;
     if fibres.fraction > most {
         let message = format!(
@@ -57,6 +61,15 @@ fn check_fibres(fibres: &Fibres) -> Checked {
         return Err(SpecError::value("fibres.fraction", message));
     }
     Ok(())
+}
+
+fn check_cone(cone: &Cone) -> Checked {
+    const KEY: &str = "fibres.orientation.direction";
+    cone.direction.iter().try_for_each(|&x| within(KEY, x, -MAX_LENGTH_MM, MAX_LENGTH_MM))?;
+    if Vec3::from(cone.direction).norm() < MIN_LENGTH_MM {
+        return Err(SpecError::value(KEY, "is [0, 0, 0]; it must point somewhere, as [0, 0, 1] does"));
+    }
+    within("fibres.orientation.within_degrees", cone.within_degrees, 0.0, 90.0)
 }
 
 /// A body `longest` mm long fits between the walls, and does not meet its own image.

@@ -41,7 +41,7 @@ impl Spec {
         let message = format!(
             "makes aggregates up to {} long, and the specimen repeats itself after {}: they would meet their own images; \
              take smaller aggregates or a larger specimen",
-            number(longest),
+            number((longest * 1e3).ceil() / 1e3),
             number(length)
         );
         Some(SpecError::value("grading.d_max_mm", message))
