@@ -264,16 +264,17 @@ impl<'a> Bodies<'a> {
     }
 
     /// `bodies` with their centres, and with the images whose centres lie within `margin` mm of the box.
-    pub(super) fn with_images(&self, bodies: &[u32], margin: f64) -> Vec<(u32, Vec3)> {
+    pub(super) fn with_images(&self, bodies: &[u32], margin: f64) -> Vec<(u32, V)> {
+        let narrow = |centre: Vec3| centre.map(|x| x as f32).into();
         let placed = bodies.par_iter().map(|&body| (body, self.state[body as usize].centre));
         if self.period.is_none() {
-            return placed.collect();
+            return placed.map(|(body, centre)| (body, narrow(centre))).collect();
         }
         let box_size = Vec3::from_fn(|i, _| self.period.along(i).unwrap_or(0.0));
         let domain = Aabb { min: Vec3::repeat(-margin), max: box_size.add_scalar(margin) };
         let images = placed.flat_map_iter(|(body, centre)| {
             let shifts = self.period.shifts(&Aabb { min: centre, max: centre }, &domain);
-            shifts.into_iter().map(move |shift| (body, centre + shift))
+            shifts.into_iter().map(move |shift| (body, narrow(centre + shift)))
         });
         images.collect()
     }
@@ -448,6 +449,6 @@ fn spread_bits(mut v: u64) -> u64 {
     (v | v << 2) & 0x1249_2492_4924_9249
 }
 
-fn widened(v: V) -> Vec3 {
+pub(super) fn widened(v: V) -> Vec3 {
     Vec3::from_fn(|i, _| f64::from(v[i]))
 }

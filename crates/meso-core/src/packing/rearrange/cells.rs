@@ -1,6 +1,6 @@
 //! Bodies by the cell of their centre: who may come near whom.
 
-use super::bodies::{Bodies, MOST_MARGIN};
+use super::bodies::{Bodies, MOST_MARGIN, widened};
 use super::contact::{LANES, V};
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
@@ -137,8 +137,9 @@ impl Level {
         let members: Vec<u32> = (0..bodies.len() as u32).into_par_iter().filter(inside).collect();
         let farthest = members.par_iter().map(|&body| far(bodies, body)).reduce(|| 0.0, f32::max);
         let margin = f64::from(reach + farthest) * 1.000_1;
-        let placed: Vec<(u32, Vec3)> = bodies.with_images(&members, margin);
-        let aabb = Aabb::around(placed.iter().map(|(_, centre)| centre));
+        let placed: Vec<(u32, V)> = bodies.with_images(&members, margin);
+        let mut aabb = Aabb::empty();
+        placed.iter().for_each(|(_, centre)| aabb.include(&widened(*centre)));
         let most = MOST_CELLS * placed.len() as f64 + LEAST_CELLS;
         let cell = f64::from(CELL * largest).max(libm::cbrt(aabb.size().product() / most));
         let counts = [0, 1, 2].map(|i| (aabb.size()[i] / cell) as i64 + 1);
@@ -148,22 +149,29 @@ impl Level {
     }
 
     /// Sorts the bodies by cell.
-    fn fill(&mut self, bodies: &Bodies, placed: &[(u32, Vec3)]) {
-        let keys: Vec<u32> = placed.par_iter().map(|(_, centre)| self.flat(self.cell_of(centre))).collect();
+    fn fill(&mut self, bodies: &Bodies, placed: &[(u32, V)]) {
+        let order = self.sort(placed);
+        // With room at the end for a look at several.
+        let padding = || rayon::iter::repeat_n(0.0, LANES);
+        let placed = |item: &u32| &placed[*item as usize];
+        let coordinates = |axis: usize| order.par_iter().map(move |item| placed(item).1[axis]).chain(padding());
+        (self.x, self.y, self.z) = (coordinates(0).collect(), coordinates(1).collect(), coordinates(2).collect());
+        self.members = order.par_iter().map(|item| placed(item).0).collect();
+        self.radius = self.members.par_iter().map(|&body| far(bodies, body)).chain(padding()).collect();
+    }
+
+    /// The numbers of the `placed` by cell, and where those of each cell start.
+    fn sort(&mut self, placed: &[(u32, V)]) -> Vec<u32> {
+        let key = |(_, centre): &(u32, V)| self.flat(self.cell_of(&widened(*centre)));
+        let keys: Vec<u32> = placed.par_iter().map(key).collect();
         self.starts = starts(self.counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = self.starts.clone();
-        let mut order = vec![0_u32; placed.len()];
+        let mut order = vec![0; placed.len()];
         for (item, &key) in (0..).zip(&keys) {
             order[next[key as usize] as usize] = item;
             next[key as usize] += 1;
         }
-        // With room at the end for a look at several.
-        let padding = || rayon::iter::repeat_n(0.0, LANES);
-        let placed = |item: &u32| &placed[*item as usize];
-        let coordinates = |axis: usize| order.par_iter().map(move |item| placed(item).1[axis] as f32).chain(padding());
-        (self.x, self.y, self.z) = (coordinates(0).collect(), coordinates(1).collect(), coordinates(2).collect());
-        self.members = order.par_iter().map(|item| placed(item).0).collect();
-        self.radius = self.members.par_iter().map(|&body| far(bodies, body)).chain(padding()).collect();
+        order
     }
 
     /// Appends the bodies that may come within `want` of `body`, and it itself.

@@ -151,6 +151,8 @@ impl Pairs {
     }
 
     fn index(&mut self, bodies: usize) {
+        // Not both the old and the new at once.
+        self.firsts = Vec::new();
         let Self { blocks, stretch, .. } = self;
         *stretch = bodies.div_ceil(STRETCHES).max(LEAST_STRETCH);
         let ranges: Vec<Range<u32>> = blocks.par_iter().map(Block::seconds).collect();
