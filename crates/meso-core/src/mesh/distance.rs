@@ -93,17 +93,39 @@ struct Body {
     id: u32,
     planes: Vec<Plane>,
     vertices: Vec<Vec3>,
+    /// What rounding may lift a point of the body above a plane, mm.
+    rounding: f64,
 }
 
 impl Body {
     fn new(aggregate: &Aggregate) -> Self {
         let body = &aggregate.body;
-        Self { id: aggregate.id, planes: body.planes().collect(), vertices: body.vertices().to_vec() }
+        let size = body.vertices().iter().map(Vec3::amax).fold(0.0, f64::max);
+        Self {
+            id: aggregate.id,
+            planes: body.planes().collect(),
+            vertices: body.vertices().to_vec(),
+            rounding: 64.0 * f64::EPSILON * size,
+        }
     }
 
     /// From `x` to the surface, mm: inside, the nearest plane; outside, the convex body.
     fn distance(&self, x: &Vec3) -> f64 {
-        let height = self.planes.iter().map(|p| p.normal.dot(x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
-        if height <= 0.0 { -height } else { gjk::distance(&[*x], &self.vertices).unwrap_or(height).max(height) }
+        let (mut height, mut highest) = (f64::NEG_INFINITY, Vec3::zeros());
+        for plane in &self.planes {
+            let above = plane.normal.dot(x) - plane.offset;
+            if above > height {
+                (height, highest) = (above, plane.normal);
+            }
+        }
+        if height <= 0.0 {
+            return -height;
+        }
+        // Most points stand above the inside of a face: then its foot is the nearest, and no search is needed.
+        let foot = x - highest * height;
+        if self.planes.iter().all(|plane| plane.normal.dot(&foot) - plane.offset <= self.rounding) {
+            return height;
+        }
+        gjk::distance(&[*x], &self.vertices).unwrap_or(height).max(height)
     }
 }
