@@ -4,8 +4,8 @@
 //! of the triangles above a point by exact signs. To touch a triangle is to meet it.
 
 use super::room::{Obstacle, Room, Surface};
-use super::solid::clear_of;
-use crate::geometry::{TriangleMesh, orient3d};
+use super::solid::{clear_of, within_box};
+use crate::geometry::{TriangleMesh, nearest_on_triangle, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use robust::{Coord, orient2d};
@@ -163,12 +163,10 @@ impl Room for Closed {
     }
 
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
-        let points: Vec<Vec3> = body.iter().map(|v| v + centre).collect();
-        let aabb = Aabb::around(&points);
-        let inside = (0..3).all(|i| aabb.min[i] >= gap && aabb.max[i] <= self.size[i] - gap);
-        inside
-            && self.contains(&points[0])
-            && self.near(&aabb.grown(gap)).iter().all(|&t| clear_of(&points, &self.corners[t as usize], gap))
+        within_box(&self.size, body, centre, gap).is_some_and(|(points, aabb)| {
+            self.contains(&points[0])
+                && self.near(&aabb.grown(gap)).iter().all(|&t| clear_of(&points, &self.corners[t as usize], gap))
+        })
     }
 
     /// True when the surface winds once around the point, or the point lies on it: every triangle above or below counts by
@@ -260,37 +258,6 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
         }
     };
     (0..3).map(crossing).sum()
-}
-
-/// The point of a triangle nearest to `p` (C. Ericson, Real-Time Collision Detection, 2005, Sec. 5.1.5).
-fn nearest_on_triangle([a, b, c]: &[Vec3; 3], p: &Vec3) -> Vec3 {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return *a;
-    }
-    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
-    if d3 >= 0.0 && d4 <= d3 {
-        return *b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
-    if d6 >= 0.0 && d5 <= d6 {
-        return *c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    let sum = va + vb + vc;
-    a + ab * (vb / sum) + ac * (vc / sum)
 }
 
 #[cfg(test)]

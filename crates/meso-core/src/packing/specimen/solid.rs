@@ -68,13 +68,11 @@ impl Room for Solid {
     }
 
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
-        let points: Vec<Vec3> = body.iter().map(|v| v + centre).collect();
-        let inside = |p: &Vec3| (0..3).all(|i| p[i] >= gap && p[i] <= self.size[i] - gap);
-        points.iter().all(inside) && {
-            let near = Aabb::around(&points).grown(gap);
-            let met = self.pieces.iter().filter(|piece| piece.aabb.intersects(&near));
-            met.into_iter().all(|piece| clear_of(&points, &piece.vertices, gap))
-        }
+        within_box(&self.size, body, centre, gap).is_some_and(|(points, aabb)| {
+            let near = aabb.grown(gap);
+            let mut met = self.pieces.iter().filter(|piece| piece.aabb.intersects(&near));
+            met.all(|piece| clear_of(&points, &piece.vertices, gap))
+        })
     }
 
     fn depth(&self, point: &Vec3) -> f64 {
@@ -94,6 +92,14 @@ impl Room for Solid {
     fn surface(&self) -> Surface {
         self.surface.clone()
     }
+}
+
+/// The points of `body` at `centre` and their box, where this lies at least `gap` mm inside the one of `size` from the
+/// origin.
+pub(super) fn within_box(size: &Vec3, body: &[Vec3], centre: &Vec3, gap: f64) -> Option<(Vec<Vec3>, Aabb)> {
+    let points: Vec<Vec3> = body.iter().map(|v| v + centre).collect();
+    let aabb = Aabb::around(&points);
+    (0..3).all(|i| aabb.min[i] >= gap && aabb.max[i] <= size[i] - gap).then_some((points, aabb))
 }
 
 /// True when two bodies share no point and are at least `gap` mm apart; what cannot be asked is not proved clear.
