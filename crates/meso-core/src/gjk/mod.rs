@@ -35,6 +35,7 @@ mod support;
 pub use batch::{Ask, clear_many, clear_many_counted, overlap_many};
 pub use body::{Body, Bounds};
 pub use pair::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
+pub(crate) use query::farther;
 pub use query::{
     GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
     verdict_with,

@@ -246,6 +246,17 @@ pub fn distance(a: &[Vec3], b: &[Vec3]) -> Result<f64, GjkError> {
     Ok(Scaled::new(a, b).distance())
 }
 
+/// True when the hulls of `a` and `b` are more than `gap` (finite, at least 0) apart: what [`distance`] says, mostly
+/// without it.
+///
+/// # Errors
+/// As [`intersects`].
+pub(crate) fn farther(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
+    check(a, Operand::A)?;
+    check(b, Operand::B)?;
+    Ok(Scaled::new(a, b).farther(gap))
+}
+
 fn check(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
     if points.is_empty() {
         return Err(GjkError::Empty { body });
@@ -292,10 +303,13 @@ impl<'p> Scaled<'p> {
         Pair { a: &self.a, b: &self.b, x: Vec3::zeros(), reach: 4.0, originals: Some(&self.originals) }
     }
 
+    /// The first direction of a search.
+    fn start(&self) -> Vec3 {
+        if self.towards_b == Vec3::zeros() { Vec3::x() } else { self.towards_b }
+    }
+
     fn search(&self, method: Method) -> Found {
-        let pair = self.pair();
-        let v = if self.towards_b == Vec3::zeros() { Vec3::x() } else { self.towards_b };
-        method.search(pair, v)
+        method.search(self.pair(), self.start())
     }
 
     fn overlap(&self, method: Method) -> bool {
@@ -318,12 +332,22 @@ impl<'p> Scaled<'p> {
     }
 
     fn distance(&self) -> f64 {
-        let v = if self.towards_b == Vec3::zeros() { Vec3::x() } else { self.towards_b };
         let (sub_algorithm, until) = (SubAlgorithm::SignedVolumes, Until::Nearest);
-        match dispatch(Classical { pair: self.pair(), v, sub_algorithm, until }) {
+        match dispatch(Classical { pair: self.pair(), v: self.start(), sub_algorithm, until }) {
             Found::Overlap(_) => 0.0,
             Found::Apart(_) => unreachable!("a search for the nearest point does not stop at a separation"),
             Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.sqrt(),
+        }
+    }
+
+    fn farther(&self, gap: f64) -> bool {
+        // The scale is a power of two: nothing is rounded, but what is left of a gap must not be nothing.
+        let least = if gap > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
+        let scaled = (gap * self.originals.scale).max(least);
+        match dispatch(Classical::beyond(self.pair(), self.start(), scaled)) {
+            Found::Apart(_) => true,
+            Found::Overlap(_) => false,
+            Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.exceeds(gap),
         }
     }
 
@@ -343,4 +367,29 @@ fn power_of_two_near_inverse(size: f64) -> f64 {
     }
     let exponent = (size.to_bits() >> 52) as i64 - 1022;
     f64::from_bits(((1023 - exponent) as u64) << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_are_farther_than_all_that_is_less_than_their_distance() {
+        let tetrahedron = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Vec3::from);
+        let mut apart = 0;
+        for at in 0..9_u32.pow(3) {
+            let place =
+                Vec3::new(f64::from(at % 9), f64::from(at / 9 % 9), f64::from(at / 81)) * 0.15 - Vec3::repeat(0.1);
+            for scale in [1.0, 1e-20, 1e20] {
+                let a = tetrahedron.map(|p| p * scale);
+                let b = tetrahedron.map(|p| (place - p * 0.7) * scale);
+                let distance = distance(&a, &b).unwrap();
+                apart += u32::from(distance > 0.0);
+                assert_eq!(farther(&a, &b, 0.0), Ok(distance > 0.0));
+                assert_eq!(farther(&a, &b, distance * (1.0 - 1e-15)), Ok(distance > 0.0));
+                assert_eq!(farther(&a, &b, distance * (1.0 + 1e-15)), Ok(false));
+            }
+        }
+        assert!((900..1900).contains(&apart), "{apart}");
+    }
 }
