@@ -3,7 +3,7 @@
 //! On a convex surface the triangles of one plane are connected. A surface point with fewer than three planes around
 //! it lies inside a face (one) or an edge (two): it is not extreme.
 
-use super::surface::{Facet, Surface};
+use super::surface::{Surface, Triangle};
 use crate::math::Vec3;
 
 /// Faces as loops of point indices, counter-clockwise from outside.
@@ -188,7 +188,7 @@ fn turn_to_smallest(face: &mut [u32]) {
 }
 
 /// The vertex that `neighbour` does not share with edge `k` of `facet`: all five in exclusive or leave it alone.
-fn beyond(facet: &Facet, k: usize, neighbour: &Facet) -> u32 {
+fn beyond(facet: &Triangle, k: usize, neighbour: &Triangle) -> u32 {
     let [a, b, c] = neighbour.vertices;
     a ^ b ^ c ^ facet.vertices[k] ^ facet.vertices[(k + 1) % 3]
 }

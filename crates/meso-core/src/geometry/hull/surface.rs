@@ -17,7 +17,7 @@ const SHUFFLED_FROM: usize = 64;
 
 /// A triangle of the surface.
 #[derive(Clone, Debug)]
-pub(super) struct Facet {
+pub(super) struct Triangle {
     /// Point indices, counter-clockwise from outside.
     pub(super) vertices: [u32; 3],
     /// `neighbours[k]` shares the edge from `vertices[k]` to `vertices[k + 1]`.
@@ -33,7 +33,7 @@ pub(super) struct Facet {
 /// The growing surface and its scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {
-    facets: Vec<Facet>,
+    facets: Vec<Triangle>,
     unused: Vec<u32>,
     /// The points relative to the middle of their box, rounded.
     local: Vec<Vec3>,
@@ -71,11 +71,11 @@ impl Surface {
     }
 
     /// The facets with their indices, in no particular order.
-    pub(super) fn facets(&self) -> impl Iterator<Item = (u32, &Facet)> {
+    pub(super) fn facets(&self) -> impl Iterator<Item = (u32, &Triangle)> {
         (0..).zip(&self.facets).filter(|(_, facet)| facet.mark != REMOVED)
     }
 
-    pub(super) fn facet(&self, f: u32) -> &Facet {
+    pub(super) fn facet(&self, f: u32) -> &Triangle {
         &self.facets[f as usize]
     }
 
@@ -238,7 +238,7 @@ impl Surface {
     fn push(&mut self, vertices: [u32; 3], neighbours: [u32; 3]) -> u32 {
         let [a, b, c] = vertices.map(|i| self.local[i as usize]);
         let normal = (b - a).cross(&(c - a));
-        let facet = Facet { vertices, neighbours, normal, offset: normal.dot(&c), waiting: NONE, mark: 0 };
+        let facet = Triangle { vertices, neighbours, normal, offset: normal.dot(&c), waiting: NONE, mark: 0 };
         if let Some(f) = self.unused.pop() {
             self.facets[f as usize] = facet;
             f
@@ -280,7 +280,7 @@ pub(super) fn error_bound(aabb: &Aabb) -> f64 {
 }
 
 /// The exact sign of a point's height above a facet.
-fn exact_height(points: &[Vec3], facet: &Facet, point: u32) -> f64 {
+fn exact_height(points: &[Vec3], facet: &Triangle, point: u32) -> f64 {
     let [a, b, c] = facet.vertices.map(|i| &points[i as usize]);
     orient3d(a, b, c, &points[point as usize])
 }
