@@ -119,25 +119,18 @@ fn questions() -> Vec<Question<'static>> {
         at_gap(dice, n, gap)
     };
     let count = |dice: &mut Dice| 20 + dice.below(11);
+    let near_touch = |name, axis, sign: f64| Question {
+        name,
+        axis,
+        values: decades(-15, -1, 1),
+        pair: Box::new(move |dice, size| {
+            let n = count(dice);
+            at_gap(dice, n, sign * size)
+        }),
+    };
     vec![
-        Question {
-            name: "gap",
-            axis: "gap over size",
-            values: decades(-15, -1, 1),
-            pair: Box::new(move |dice, gap| {
-                let n = count(dice);
-                at_gap(dice, n, gap)
-            }),
-        },
-        Question {
-            name: "depth",
-            axis: "depth over size",
-            values: decades(-15, -1, 1),
-            pair: Box::new(move |dice, depth| {
-                let n = count(dice);
-                at_gap(dice, n, -depth)
-            }),
-        },
+        near_touch("gap", "gap over size", 1.0),
+        near_touch("depth", "depth over size", -1.0),
         Question {
             name: "scale",
             axis: "size",

@@ -1,5 +1,6 @@
 //! Conforming meshes of specimens that are not boxes: their own surface, no staircase. They skip without gmsh.
 
+use crate::angle_piece::angle_piece;
 use crate::conforming::with_options;
 use meso_core::aggregate::Grading;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Phase, PhaseVolumes, quality};
@@ -39,23 +40,14 @@ fn faceted() -> [Specimen; 4] {
             neck_length_mm: 10.0,
             radius_mm: 50.0,
         },
-        angle_piece(),
+        turned_angle_piece(),
     ]
 }
 
-/// An L of triangles, turned so that no side lies in its box's.
-fn angle_piece() -> Specimen {
-    let profile = [[0.0, 0.0], [40.0, 0.0], [40.0, 18.0], [18.0, 18.0], [18.0, 40.0], [0.0, 40.0]];
+/// An L, turned so that no side lies in its box's.
+fn turned_angle_piece() -> Specimen {
     let (sin, cos) = (0.6, 0.8);
-    let at = |z: f64| profile.map(|[x, y]| [x * cos - y * sin, x * sin + y * cos, z]);
-    let caps = [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]];
-    let mut triangles: Vec<[u32; 3]> = caps.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    triangles.extend(caps.iter().map(|t| t.map(|i| i + 6)));
-    for i in 0..6u32 {
-        let j = (i + 1) % 6;
-        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-    }
-    Specimen::Mesh { vertices_mm: [at(0.0), at(20.0)].concat(), triangles }
+    angle_piece([40.0, 18.0, 20.0], |[x, y, z]| [x * cos - y * sin, x * sin + y * cos, z])
 }
 
 /// The nodes of the triangles that only one cell has, with the middles of these triangles' edges.

@@ -1,5 +1,7 @@
 //! Tests of the `mesocrete` command, run as a user runs it.
 
+#[path = "../angle_piece.rs"]
+mod angle_piece;
 mod bad_input;
 #[path = "../bad_specs.rs"]
 mod bad_specs;

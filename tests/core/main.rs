@@ -1,5 +1,7 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+#[path = "../angle_piece.rs"]
+mod angle_piece;
 #[path = "../bad_specs.rs"]
 mod bad_specs;
 mod calculix;

@@ -4,7 +4,7 @@ use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
-use meso_core::packing::{ClassReport, Report, Seconds, Specimen, SpecimenReport, StopReason, Work};
+use meso_core::packing::{ClassReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use meso_core::spec::Spec;
 use parry3d_f64::shape::ConvexPolyhedron;
 
@@ -15,20 +15,6 @@ const BOX_FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 
 pub(crate) fn box_body(min: [f64; 3], max: [f64; 3]) -> Polyhedron {
     let corner = |i: usize| Vec3::from_fn(|axis, _| if i >> axis & 1 == 1 { max[axis] } else { min[axis] });
     Polyhedron::from_parts((0..8).map(corner).collect(), BOX_FACES)
-}
-
-/// An L as triangles: two arms of length `long`, `thick` across and `high`, each corner moved by `place`.
-pub(crate) fn angle_piece([long, thick, high]: [f64; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Specimen {
-    let profile = [[0.0, 0.0], [long, 0.0], [long, thick], [thick, thick], [thick, long], [0.0, long]];
-    let at = |z: f64| profile.map(|[x, y]| place([x, y, z]));
-    let caps = [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]];
-    let mut triangles: Vec<[u32; 3]> = caps.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    triangles.extend(caps.iter().map(|t| t.map(|i| i + 6)));
-    for i in 0..6u32 {
-        let j = (i + 1) % 6;
-        triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
-    }
-    Specimen::Mesh { vertices_mm: [at(0.0), at(high)].concat(), triangles }
 }
 
 /// A model of the default spec that holds `bodies`, all in the finest class, with an ITZ of a third of a millimetre.
