@@ -56,9 +56,9 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[specimen]\nkind = 'cylinder'\ndiameter_mm = 18\nheight_mm = 300",
         "grading.d_max_mm",
-        "is 20 but the specimen has only 18 of room",
+        "is 20 but the specimen has only 18 mm of room",
     ),
-    ("[specimen]\nkind = 'sphere'\ndiameter_mm = 19", "grading.d_max_mm", "has only 19 of room"),
+    ("[specimen]\nkind = 'sphere'\ndiameter_mm = 19", "grading.d_max_mm", "has only 19 mm of room"),
     ("[specimen]\nkind = 'prism'\nlength_mm = 400\nwidth_mm = 100", "specimen.depth_mm", "is missing"),
     (
         "[specimen]\nkind = 'polyhedron'\nvertices_mm = []",
@@ -90,7 +90,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[specimen]\nkind = 'notched-prism'\nlength_mm = 600\nwidth_mm = 150\ndepth_mm = 150\nnotch_depth_mm = 135\nnotch_width_mm = 5",
         "grading.d_max_mm",
-        "is 20 but the specimen has only 15 of room",
+        "is 20 but the specimen has only 15 mm of room",
     ),
     (
         "[specimen]\nkind = 'dogbone'\nlength_mm = 300\nwidth_mm = 200\nthickness_mm = 100\nneck_width_mm = 200\nradius_mm = 145",
@@ -128,7 +128,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[specimen]\nkind = 'cube'\nside_mm = 90\nperiodic = ['w']", "specimen.periodic", "\"x\", \"y\" or \"z\""),
     ("[specimen]\nkind = 'cube'\nside_mm = 90\nperiodic = 'x'", "specimen.periodic", "a list"),
     ("[specimen]\nkind = 'cube'\nside_mm = 20\nperiodic = ['x']", "grading.d_max_mm", "would meet their own images"),
-    ("[specimen]\nkind = 'cube'\nside_mm = 15", "grading.d_max_mm", "is 20 but the specimen has only 15 of room"),
+    ("[specimen]\nkind = 'cube'\nside_mm = 15", "grading.d_max_mm", "is 20 but the specimen has only 15 mm of room"),
     // grading
     ("[grading]\nd_min_mm = 25", "grading.d_min_mm", "is 25 but grading.d_max_mm is 20"),
     ("[grading]\nd_min_mm = 20", "grading.d_min_mm", "the smallest size must be below the largest"),
@@ -306,7 +306,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[placement]\nmin_gap_mm = 200", "placement.min_gap_mm", "is 200 but the specimen is only 150 wide"),
     ("[placement]\nwall_gap_mm = -1", "placement.wall_gap_mm", "is -1;"),
     ("[placement]\nwall_gap_mm = 75", "placement.wall_gap_mm", "the walls leave no room"),
-    ("[placement]\nwall_gap_mm = 70", "grading.d_max_mm", "is 20 but the specimen has only 10 of room"),
+    ("[placement]\nwall_gap_mm = 70", "grading.d_max_mm", "is 20 but the specimen has only 10 mm of room"),
     ("[placement]\ntime_limit_s = 0", "placement.time_limit_s", "is 0;"),
     ("[placement]\ntime_limit_s = -5", "placement.time_limit_s", "is -5;"),
     ("[placement]\ntime_limit_s = nan", "placement.time_limit_s", "is nan;"),
@@ -323,7 +323,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[voids]\nfraction = 0.02\ndiameter_mm = [2, 1]", "voids.diameter_mm", "the lower limit comes first"),
     ("[voids]\nfraction = 0.02\ndiameter_mm = [0, 1]", "voids.diameter_mm", "is 0; the accepted range is 0.001 to"),
     ("[voids]\nfraction = 0.02\ndiameter_mm = 1", "voids.diameter_mm", "a list of length 2"),
-    ("[voids]\nfraction = 0.02\ndiameter_mm = [1, 149]", "voids.diameter_mm", "the specimen has only 150 of room"),
+    ("[voids]\nfraction = 0.02\ndiameter_mm = [1, 149]", "voids.diameter_mm", "the specimen has only 150 mm of room"),
     (
         "[voids]\nfraction = 0.02\ndiameter_mm = [0.01, 0.02]",
         "voids.diameter_mm",
@@ -336,7 +336,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[fibres]\nfraction = 0.01\ndiameter_mm = 0.5", "fibres.length_mm", "is missing"),
     ("[fibres]\nfraction = 0.01\ndiameter_mm = 0\nlength_mm = 30", "fibres.diameter_mm", "is 0;"),
     ("[fibres]\nfraction = 0.01\ndiameter_mm = 30\nlength_mm = 0.5", "fibres.length_mm", "longer than it is thick"),
-    ("[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 150", "fibres.length_mm", "has only 150 of room"),
+    ("[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 150", "fibres.length_mm", "has only 150 mm of room"),
     (
         "specimen = { kind = 'cube', side_mm = 30, periodic = ['z'] }\n[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30",
         "fibres.length_mm",

@@ -95,7 +95,7 @@ def test_pictures_and_meshio_know_the_phase(reinforced):
     [
         ({"voids": {"fraction": 2, "diameter_mm": [1, 2]}}, "voids.fraction is 2; .* for 2 % write 0.02"),
         ({"fibres": {"fraction": 0.2, "diameter_mm": 0.5, "length_mm": 30}}, "fibres.fraction is 0.2 but straight"),
-        ({"fibres": {"fraction": 0.01, "diameter_mm": 0.5, "length_mm": 60}}, "fibres.length_mm .* has only 40 of room"),
+        ({"fibres": {"fraction": 0.01, "diameter_mm": 0.5, "length_mm": 60}}, "fibres.length_mm .* has only 40 mm of room"),
     ],
 )
 def test_what_cannot_be_is_named(change, message):

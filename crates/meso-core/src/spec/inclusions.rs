@@ -82,7 +82,7 @@ fn room(spec: &Spec, key: &str, longest: f64) -> Checked {
         return Ok(());
     }
     let why = if inner <= repeat {
-        format!("the specimen has only {} of room", number(inner))
+        format!("the specimen has only {} mm of room", number(inner))
     } else {
         format!("the specimen repeats itself after {}, and they would meet their own images", number(repeat))
     };

@@ -379,7 +379,7 @@ fn room(spec: &Spec) -> Checked {
     }
     if spec.grading.d_max_mm > inner {
         let message = format!(
-            "is {} but the specimen has only {} of room; take smaller aggregates or a larger specimen",
+            "is {} but the specimen has only {} mm of room; take smaller aggregates or a larger specimen",
             number(spec.grading.d_max_mm),
             number(inner)
         );
