@@ -20,6 +20,7 @@ mod mesh;
 mod mesh_distance;
 mod mesh_itz;
 mod mesh_lattice;
+mod mesh_periodic;
 mod mesh_specimens;
 mod models;
 mod offset;

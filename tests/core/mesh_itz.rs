@@ -4,7 +4,7 @@ use crate::mesh::{aggregate, block, deck, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec};
 
 fn lattice(itz: ItzForm) -> Mesh {
@@ -88,13 +88,4 @@ fn a_tension_deck_holds_both_ends() {
     let text = deck(&two_voxels_apart(), &DeckOptions { analysis: Analysis::Tension, ..Default::default() });
     assert!(text.contains("PIN NSET=ZMIN") && text.contains("PIN NSET=ZMAX") && !text.contains("R3D4"));
     assert!(text.contains("REF_TOP, 3, 3, 1.000000000e-3"));
-}
-
-#[test]
-fn a_layer_that_would_leave_the_faces_of_a_periodic_box_is_refused() {
-    let (grains, _) = turned_blocks();
-    let specimen = Specimen::Cube { side_mm: 40.0, periodic: Periodic([true; 3]) };
-    let options = MeshOptions { method: Method::Lattice, ..Default::default() };
-    let error = mesh::build_parts(&grains, &specimen, &options).unwrap_err().to_string();
-    assert!(error.starts_with("mesh.itz is solid; ") && error.contains("cohesive"), "{error}");
 }

@@ -113,7 +113,7 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
 /// The triangles or squares of a mesh on the box's face across `axis`, by the places of their nodes within the face, in
 /// units of 1e-6 mm: what must match the face opposite to it. How many copies cohesive elements
 /// make of a node is another matter: that hangs on the aggregates behind the face.
-fn face(mesh: &Mesh, axis: usize, place: f64) -> Vec<Vec<[i64; 2]>> {
+pub(crate) fn face(mesh: &Mesh, axis: usize, place: f64) -> Vec<Vec<[i64; 2]>> {
     let within = |p: &Vec3| [(axis + 1) % 3, (axis + 2) % 3].map(|i| (p[i] * 1e6).round() as i64);
     let on = |cell: &[u32]| {
         let nodes = cell.iter().map(|&node| &mesh.points[node as usize]).filter(|p| p[axis] == place);

@@ -12,7 +12,7 @@ use meso_core::{Model, Silent, Spec};
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-const SIDE_MM: f64 = 24.0;
+pub(crate) const SIDE_MM: f64 = 24.0;
 
 /// A packing of 24 mm with grains of 6 to 12 mm, at 30 %, that repeats itself along `axes`.
 pub(crate) fn packed(axes: [bool; 3]) -> Model {
@@ -34,10 +34,10 @@ pub(crate) fn tied(analysis: Analysis) -> DeckOptions {
     DeckOptions { analysis, periodic_equations: true, ..Default::default() }
 }
 
-type Equation = Vec<(u32, u32, f64)>;
+pub(crate) type Equation = Vec<(u32, u32, f64)>;
 
 /// The equations of a deck: (node, displacement, factor) of every term.
-fn equations(text: &str) -> Vec<Equation> {
+pub(crate) fn equations(text: &str) -> Vec<Equation> {
     let start = text.find("*EQUATION\n").unwrap() + "*EQUATION\n".len();
     let lines: Vec<&str> = text[start..].lines().take_while(|line| !line.starts_with('*')).collect();
     let (mut all, mut at) = (Vec::new(), 0);
@@ -85,7 +85,7 @@ fn every_node_on_an_upper_face_is_eliminated_once_and_by_nodes_that_stay() {
 }
 
 #[test]
-fn equations_that_cannot_be_are_named_with_the_way_out() {
+pub(crate) fn equations_that_cannot_be_are_named_with_the_way_out() {
     let error = |mesh: &Mesh, options: &DeckOptions| options.validate(mesh).unwrap_err().to_string();
     let mut mesh = meshed([true; 3], Method::Voxel);
     assert_eq!(tied(Analysis::Elastic).validate(&mesh), Ok(()));

@@ -33,6 +33,7 @@ use crate::model::Model;
 use crate::packing::{Specimen, images_near};
 use lattice::Tetrahedra;
 use serde::Serialize;
+use std::cmp::Ordering;
 
 /// The material a cell is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -221,7 +222,8 @@ fn assemble(
     options.validate(specimen)?;
     let room = specimen.room();
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
-    let images = images_near(aggregates, specimen, 0.0);
+    let mut images = images_near(aggregates, specimen, 0.0);
+    images.sort_by(before);
     let aggregates = images.as_slice();
     let mut mesh = match (options.method, options.fit) {
         (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
@@ -229,12 +231,12 @@ fn assemble(
         (Method::Lattice, Fit::Fitted) => {
             let (tetrahedra, notes) =
                 lattice::fitted(aggregates, &*room, specimen.periodic().0, options.element_size_mm);
-            with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, options)
+            with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, specimen, options)
         }
         (Method::Conforming, _) => {
             let surfaces = conforming::Surfaces::new(aggregates, specimen, options)?;
             let output = gmsh(&surfaces)?;
-            with_layer(surfaces.mesh(&output)?, aggregates, options)
+            with_layer(surfaces.mesh(&output)?, aggregates, specimen, options)
         }
     };
     mesh.periodic = specimen.periodic().0;
@@ -257,8 +259,16 @@ fn assemble(
     Ok(mesh)
 }
 
+/// The order of bodies, that builders decide by: images at opposite faces are in the same one.
+fn before(a: &Aggregate, b: &Aggregate) -> Ordering {
+    let corner = |body: &Aggregate| body.body.aabb().min;
+    let along = |axis: usize| corner(a)[axis].total_cmp(&corner(b)[axis]);
+    a.id.cmp(&b.id).then_with(|| along(0).then(along(1)).then(along(2)))
+}
+
 /// Tetrahedra of aggregates and mortar with the solid ITZ, where it is asked for.
-fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], options: &MeshOptions) -> Mesh {
+fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
+    mesh.periodic = specimen.periodic().0;
     if options.itz == ItzForm::Solid {
         let thinned = layer::add(&mut mesh, aggregates, |a| a.itz_thickness_mm);
         mesh.notes.thinned_itz_aggregates = thinned.aggregates;

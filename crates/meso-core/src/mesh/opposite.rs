@@ -179,6 +179,13 @@ impl<'a> Places<'a> {
     }
 }
 
+/// For every node on a face across which the box repeats itself one number for all images of its place, the lowest node at
+/// the image that lies on no upper face, and the upper faces that it lies on, a bit per axis. `None` for other nodes, and
+/// for those without an image.
+pub(super) fn places(mesh: &Mesh, sides: &Sides) -> Vec<Option<(u32, u8)>> {
+    Places::new(mesh, &twins(mesh, sides, &vec![NO_AGGREGATE; mesh.points.len()])).of
+}
+
 /// The aggregate whose cells have a node, [`NOBODY`] where none does.
 fn by_cells(mesh: &Mesh) -> Vec<u32> {
     let mut owners = vec![NOBODY; mesh.points.len()];

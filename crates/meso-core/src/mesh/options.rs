@@ -96,11 +96,6 @@ impl MeshOptions {
             let accepted = "it fills specimens with walls; a periodic box takes voxel or lattice";
             return Err(MeshError::option("method", "conforming", accepted));
         }
-        // The layer would take nodes of cut grains off the box's faces.
-        if (self.method, self.fit, self.itz) == (Method::Lattice, Fit::Fitted, ItzForm::Solid) && !walled {
-            let accepted = "a fitted lattice of a periodic box takes cohesive or none; voxels take solid";
-            return Err(MeshError::option("itz", "solid", accepted));
-        }
         if !(1..=8).contains(&self.subsamples) {
             return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));
         }

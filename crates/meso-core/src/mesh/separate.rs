@@ -17,6 +17,16 @@ impl Copies {
         self.keys.binary_search(&(aggregate, node)).map_or(node, |index| self.first + index as u32)
     }
 
+    /// The number of the first copy; all nodes from there on are copies.
+    pub(super) fn first(&self) -> u32 {
+        self.first
+    }
+
+    /// The aggregate that has a copy.
+    pub(super) fn body(&self, copy: u32) -> u32 {
+        self.keys[(copy - self.first) as usize].0
+    }
+
     /// (aggregate id, original node, copy).
     pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u32, u32, u32)> {
         self.keys.iter().enumerate().map(|(index, &(aggregate, node))| (aggregate, node, self.first + index as u32))

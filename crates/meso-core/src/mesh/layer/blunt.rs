@@ -5,8 +5,10 @@
 //! at, and no more: a layer of 0.1 mm on elements of 2 mm has angles of some 3 degrees of its own.
 
 use super::collapse::{bury, collapse};
+use super::flat::Flat;
 use crate::math::Vec3;
 use crate::mesh::lattice::{Star, Stars, sharpness, sharpness_of, ways};
+use crate::mesh::sides::Sides;
 use crate::mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
@@ -31,7 +33,7 @@ pub(crate) struct Blunted {
 pub(super) struct Task {
     /// For every node the outer end of the rail whose inner end it is, or [`NO_RAIL`].
     pub(super) outer: Vec<u32>,
-    /// The nodes that stay: the mortar's, and the outer ends of rails.
+    /// The nodes that stay: the mortar's, the outer ends of rails, and those on faces that have to match the opposite ones.
     fixed: Vec<bool>,
     /// The sharpness worked at.
     pub(super) limit: f64,
@@ -72,6 +74,11 @@ impl Task {
         }
         for (cell, _) in mesh.cells().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar) {
             cell.iter().for_each(|&node| fixed[node as usize] = true);
+        }
+        if mesh.periodic != [false; 3] {
+            let sides = Sides::of(mesh);
+            let matched = |node: usize| Flat::of(sides.on(node as u32), mesh.periodic) != Flat::SPACE;
+            (0..fixed.len()).for_each(|node| fixed[node] |= matched(node));
         }
         Self { outer, fixed, limit: sharpness_of(SHARP_DEG) }
     }

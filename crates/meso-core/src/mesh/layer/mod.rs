@@ -5,27 +5,34 @@
 //! faces ([`seat`]), and between each interface triangle and its image stands a prism, cut into three tetrahedra. Where a
 //! cell would turn over, its nodes move aside ([`nudge`]); where that does not help they go less far, at last not at all
 //! ([`settle`]); a rail of no length takes just one of the three tetrahedra of each prism with it, so neighbours still match.
+//!
+//! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
+//! stay in these, and images of one place go the same ways ([`ties`]).
 
 mod blunt;
+mod bodies;
 mod collapse;
+mod flat;
 mod nudge;
 mod seat;
 mod settle;
 mod shrink;
 mod sound;
 mod steepest;
+mod ties;
 mod turned;
 
 use super::interface::{self, InterfaceFace};
 use super::separate::{Copies, separate};
 use super::{Mesh, NO_AGGREGATE, Phase};
 use crate::aggregate::Aggregate;
-use crate::math::Vec3;
+use crate::math::Aabb;
 pub(super) use blunt::blunt;
+use bodies::Bodies;
 use rayon::prelude::*;
 use settle::{Ways, settle};
-use shrink::Shrink;
-use std::collections::HashMap;
+use shrink::Shrinks;
+use ties::Ties;
 
 /// What a layer had to do without.
 pub(super) struct Thinned {
@@ -50,33 +57,37 @@ struct LayerCell {
     area: f64,
 }
 
-/// Splits a layer of `thickness(aggregate)` mm off the inside of every aggregate.
+/// Splits a layer of `thickness(aggregate)` mm off the inside of every aggregate; images share their aggregate's id.
 ///
-/// Every cell of `mesh` must have a positive volume; then every cell has one afterwards, too.
-pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(&Aggregate) -> f64) -> Thinned {
-    let shrinks: HashMap<u32, Shrink> =
-        aggregates.iter().filter(|a| thickness(a) > 0.0).map(|a| (a.id, Shrink::new(a, thickness(a)))).collect();
+/// Every cell of `mesh` must have a positive volume; then every cell has one afterwards, too. Where `mesh` repeats itself
+/// it must fill its bounding box, with opposite faces that match.
+pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(&Aggregate) -> f64 + Sync) -> Thinned {
+    let bodies = Bodies::new(aggregates, &Aabb::around(&mesh.points).size());
+    bodies.tell_apart(mesh);
+    let thickness = |body: u32| thickness(bodies.get(body));
     let mut faces = interface::faces(mesh);
-    faces.retain(|face| shrinks.contains_key(&mesh.aggregate[face.cell as usize]));
+    faces.retain(|face| thickness(mesh.aggregate[face.cell as usize]) > 0.0);
     let copies = separate(mesh, &faces, false);
     let owner = owners(mesh);
-    let layer: Vec<LayerCell> = faces.par_iter().flat_map_iter(|face| prism(mesh, face, &copies)).collect();
-    let image = |(point, id): (&Vec3, &u32)| shrinks.get(id).map_or(*point, |shrink| shrink.apply(point));
-    let mut images: Vec<Vec3> = mesh.points.par_iter().zip(&owner).map(image).collect();
-    turned::turn(mesh, &faces, &copies, &shrinks, &mut images);
+    let mut ties = Ties::new(mesh, &bodies, &owner, copies.first());
+    ties.align(&mut mesh.points);
+    let shrinks = Shrinks::new(&bodies, thickness, &owner, &mut ties, mesh.periodic);
+    let layer: Vec<LayerCell> = faces.par_iter().flat_map_iter(|face| prism(mesh, face, &copies, &ties)).collect();
+    let mut images = shrinks.images(&mesh.points, &owner, &ties);
+    turned::turn(mesh, &faces, &copies, &shrinks, &ties, &mut images);
     let mut seats = images.clone();
-    seat::seat(mesh, &copies, &shrinks, &mut seats);
-    nudge::nudge(mesh, &layer, &images, &mut seats);
-    let ways = settle(mesh, &seats, &layer);
-    let thinner = |a: &&Aggregate| shrinks.get(&a.id).is_some_and(|s| s.thickness < thickness(a));
+    seat::seat(mesh, &copies, &shrinks, &ties, &mut seats);
+    nudge::nudge(mesh, &layer, &ties, &images, &mut seats);
+    let ways = settle(mesh, &seats, &layer, &ties);
     let mut thinned = Thinned {
-        aggregates: aggregates.iter().filter(thinner).count(),
+        aggregates: shrinks.thinner(&bodies, thickness),
         nodes: copies.iter().filter(|(.., copy)| ways.is_short(*copy)).count(),
         pinched: copies.iter().filter(|(.., copy)| ways.is_pinched(*copy)).count(),
         rails: Vec::new(),
     };
     mesh.points.par_iter_mut().zip(&seats).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
     thinned.rails = append(mesh, &layer, &copies, &ways);
+    bodies.name(mesh);
     thinned
 }
 
@@ -114,15 +125,17 @@ fn owners(mesh: &Mesh) -> Vec<u32> {
     owner
 }
 
-/// The prism between an interface triangle and its image; diagonals start at the lowest node, so neighbours match.
-fn prism(mesh: &Mesh, face: &InterfaceFace, copies: &Copies) -> [LayerCell; 3] {
+/// The prism between an interface triangle and its image; diagonals start at the lowest place, so neighbours match, and
+/// the opposite faces of a periodic box.
+fn prism(mesh: &Mesh, face: &InterfaceFace, copies: &Copies, ties: &Ties) -> [LayerCell; 3] {
     let aggregate = mesh.aggregate[face.cell as usize];
     let [a, b, c, _] = face.nodes;
     let p = |node: u32| mesh.points[node as usize];
     let area = (p(b) - p(a)).cross(&(p(c) - p(a))).norm() / 2.0;
     let mut rails = [a, b, c].map(|node| [copies.of(aggregate, node), node]);
-    let turns = [(a, b), (b, c), (a, c)].iter().filter(|(first, second)| first > second).count();
-    rails.sort_unstable_by_key(|rail| rail[1]);
+    let rank = |node: u32| (ties.place(node), node);
+    let turns = [(a, b), (b, c), (a, c)].iter().filter(|(first, second)| rank(*first) > rank(*second)).count();
+    rails.sort_unstable_by_key(|rail| rank(rail[1]));
     let [[a, d], [b, e], [c, f]] = rails;
     [([a, b, c, f], rails[2]), ([a, e, b, f], rails[1]), ([a, d, e, f], rails[0])].map(|(nodes, rail)| {
         let [i, j, k, l] = nodes;

@@ -8,6 +8,7 @@
 
 use super::LayerCell;
 use super::sound::{least_of_core, least_of_layer, volume};
+use super::ties::Ties;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
@@ -22,21 +23,22 @@ const AIM: f64 = 1.6;
 const FARTHEST: f64 = 0.2;
 
 /// Moves `seats` until no cell is bad, or until the tries are over; `images` are those along the nodes' rays.
-pub(super) fn nudge(mesh: &Mesh, layer: &[LayerCell], images: &[Vec3], seats: &mut [Vec3]) {
+pub(super) fn nudge(mesh: &Mesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], seats: &mut [Vec3]) {
     for _ in 0..TRIES {
-        let stuck = set_right(mesh, layer, seats);
+        let stuck = set_right(mesh, layer, ties, seats);
         if stuck.is_empty() {
             return;
         }
         stuck.into_iter().for_each(|node| seats[node as usize] = images[node as usize]);
+        ties.spread(seats);
     }
 }
 
 /// Moves `images` until no cell is bad, or until the rounds are over; the nodes of cells that still are.
-fn set_right(mesh: &Mesh, layer: &[LayerCell], images: &mut [Vec3]) -> Vec<u32> {
+fn set_right(mesh: &Mesh, layer: &[LayerCell], ties: &Ties, images: &mut [Vec3]) -> Vec<u32> {
     let mut stirred = vec![true; images.len()];
     for _ in 0..ROUNDS {
-        let mut moves = moves(mesh, layer, images, &stirred);
+        let mut moves = moves(mesh, layer, ties, images, &stirred);
         if moves.is_empty() {
             return Vec::new();
         }
@@ -50,12 +52,14 @@ fn set_right(mesh: &Mesh, layer: &[LayerCell], images: &mut [Vec3]) -> Vec<u32> 
             images[node] += mean * (farthest / mean.norm()).min(1.0);
             stirred[node] = true;
         }
+        ties.spread(images);
+        ties.share(&mut stirred);
     }
-    moves(mesh, layer, images, &stirred).into_iter().map(|(node, _)| node).collect()
+    moves(mesh, layer, ties, images, &stirred).into_iter().map(|(node, _)| node).collect()
 }
 
-/// Nodes of bad cells with the way that each should go; of the cells that have a `stirred` node.
-fn moves(mesh: &Mesh, layer: &[LayerCell], images: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
+/// Leads of the nodes of bad cells with the way that each should go; of the cells that have a `stirred` node.
+fn moves(mesh: &Mesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
     let now = |nodes: [u32; 4]| nodes.map(|node| images[node as usize]);
     let near = |nodes: &[u32]| nodes.iter().any(|&node| stirred[node as usize]);
     let core = |cell: &[u32]| {
@@ -67,14 +71,22 @@ fn moves(mesh: &Mesh, layer: &[LayerCell], images: &[Vec3], stirred: &[bool]) ->
     let all = all.chain(layer.par_iter().filter(|cell| near(&cell.nodes)).map(layer_cell));
     let bad = all.filter(|(nodes, least)| volume(now(*nodes)) <= *least);
     let free = |node: u32| images[node as usize] != mesh.points[node as usize];
-    bad.flat_map_iter(|(nodes, least)| ways(nodes, now(nodes), AIM * least, free)).collect()
+    let led = |(node, way): (u32, Vec3)| (ties.lead(node), way);
+    bad.flat_map_iter(|(nodes, least)| ways(nodes, now(nodes), AIM * least, free, ties).into_iter().map(led)).collect()
 }
 
 /// The least moves of the nodes that are `free` which together give the cell the volume `aim`, mm3, to first order.
-fn ways(nodes: [u32; 4], [a, b, c, d]: [Vec3; 4], aim: f64, free: impl Fn(u32) -> bool) -> Vec<(u32, Vec3)> {
+fn ways(
+    nodes: [u32; 4],
+    [a, b, c, d]: [Vec3; 4],
+    aim: f64,
+    free: impl Fn(u32) -> bool,
+    ties: &Ties,
+) -> Vec<(u32, Vec3)> {
     let gradients =
         [(c - b).cross(&(d - b)) * -1.0, (c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
-    let ways: Vec<(u32, Vec3)> = nodes.into_iter().zip(gradients).filter(|(node, _)| free(*node)).collect();
+    let ways = nodes.into_iter().zip(gradients).filter(|(node, _)| free(*node));
+    let ways: Vec<(u32, Vec3)> = ways.map(|(node, way)| (node, ties.flat(node).along(&way))).collect();
     // Volume is a sixth of node times gradient.
     let gain = 6.0 * (aim - volume([a, b, c, d])) / ways.iter().map(|(_, way)| way.norm_squared()).sum::<f64>();
     ways.into_iter().map(|(node, way)| (node, way * gain)).filter(|(_, way)| way.norm() > 0.0).collect()

@@ -6,12 +6,13 @@
 //! More have no common point in general, since there the offset has small edges of its own; the squares of what is left
 //! are least then (0.006 mm rms in all).
 
-use super::shrink::Shrink;
+use super::flat::Flat;
+use super::shrink::{Shrink, Shrinks};
+use super::ties::Ties;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::Mesh;
 use crate::mesh::separate::Copies;
 use rayon::prelude::*;
-use std::collections::HashMap;
 
 /// Points this far from a plane count as on it, in depths of the centre.
 const ON: f64 = 1e-9;
@@ -21,26 +22,31 @@ const DAMPING: f64 = 1e-3;
 const STEPS: usize = 30;
 
 /// Moves the images of the copies of interface nodes onto their seats.
-pub(super) fn seat(mesh: &Mesh, copies: &Copies, shrinks: &HashMap<u32, Shrink>, images: &mut [Vec3]) {
-    let all: Vec<_> = copies.iter().collect();
-    let seated = |(aggregate, node, copy): &(u32, u32, u32)| {
-        (*copy, on_own_faces(&shrinks[aggregate], &mesh.points[*node as usize], &images[*copy as usize]))
+pub(super) fn seat(mesh: &Mesh, copies: &Copies, shrinks: &Shrinks, ties: &Ties, images: &mut [Vec3]) {
+    let all: Vec<_> = copies.iter().filter(|(.., copy)| ties.leads(*copy) && !ties.is_pinned(*copy)).collect();
+    let seated = |&(body, node, copy): &(u32, u32, u32)| {
+        let flat = ties.flat(copy);
+        let shrink = shrinks.get(body, flat)?;
+        Some((copy, on_own_faces(shrink, flat, &mesh.points[node as usize], &images[copy as usize])))
     };
-    let seated: Vec<(u32, Vec3)> = all.par_iter().map(seated).collect();
+    let seated: Vec<(u32, Vec3)> = all.par_iter().filter_map(seated).collect();
     seated.into_iter().for_each(|(copy, seat)| images[copy as usize] = seat);
+    ties.spread(images);
 }
 
-/// The seat of the node at `x`, whose image along its ray is `image`; the image itself where no face holds the node.
-fn on_own_faces(shrink: &Shrink, x: &Vec3, image: &Vec3) -> Vec3 {
+/// The seat on `flat` of the node at `x`, whose image along its ray is `image`; the image itself where no face holds the
+/// node.
+fn on_own_faces(shrink: &Shrink, flat: Flat, x: &Vec3, image: &Vec3) -> Vec3 {
     let from_centre = x - shrink.centre;
     let holds = |plane: &&(Vec3, f64)| (plane.0.dot(&from_centre) - plane.1).abs() <= ON * plane.1;
     let own: Vec<&(Vec3, f64)> = shrink.planes.iter().filter(holds).collect();
-    let damped = own.iter().map(|plane| plane.0 * plane.0.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
+    let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
+    let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
     let Some(inverse) = damped.try_inverse().filter(|_| !own.is_empty()) else { return *image };
     let mut place = image - shrink.centre;
     for _ in 0..STEPS {
-        let lack = |plane: &&(Vec3, f64)| plane.0 * (plane.1 - shrink.thickness - plane.0.dot(&place));
-        place += inverse * own.iter().map(lack).sum::<Vec3>();
+        let lack = |plane: &(Vec3, f64)| plane.1 - shrink.thickness - plane.0.dot(&place);
+        place += inverse * slopes.iter().zip(&own).map(|(slope, plane)| slope * lack(plane)).sum::<Vec3>();
     }
     shrink.centre + place
 }

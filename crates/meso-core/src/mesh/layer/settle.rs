@@ -6,6 +6,7 @@
 
 use super::LayerCell;
 use super::sound::{least_of_core, least_of_layer, volume};
+use super::ties::Ties;
 use crate::math::Vec3;
 use crate::mesh::Mesh;
 use rayon::prelude::*;
@@ -39,9 +40,11 @@ impl Ways {
     }
 }
 
-/// Ways from `mesh`'s points to `images` such that all its cells and `layer`'s keep a positive volume.
-pub(super) fn settle(mesh: &Mesh, images: &[Vec3], layer: &[LayerCell]) -> Ways {
-    let mut ways = Ways(vec![0; images.len()]);
+/// Ways from `mesh`'s points to `images` such that all its cells and `layer`'s keep a positive volume; nodes that are tied
+/// go the same share.
+pub(super) fn settle(mesh: &Mesh, images: &[Vec3], layer: &[LayerCell], ties: &Ties) -> Ways {
+    let start = |node: u32| if ties.is_pinned(node) { STEPS } else { 0 };
+    let mut ways = Ways((0..images.len() as u32).map(start).collect());
     let moving = |cell: &&[u32]| cell.iter().any(|&node| images[node as usize] != mesh.points[node as usize]);
     loop {
         let place = |node: u32| ways.place(node, &mesh.points[node as usize], &images[node as usize]);
@@ -59,6 +62,7 @@ pub(super) fn settle(mesh: &Mesh, images: &[Vec3], layer: &[LayerCell]) -> Ways 
         let cells = mesh.cells.par_chunks_exact(4).filter(moving).filter(worse).flatten().copied();
         let mut bad: Vec<u32> = cells.collect();
         bad.par_extend(layer.par_iter().filter(fallen).flat_map_iter(|cell| cell.nodes));
+        bad.par_iter_mut().for_each(|node| *node = ties.lead(*node));
         bad.par_sort_unstable();
         bad.dedup();
         bad.retain(|&node| images[node as usize] != mesh.points[node as usize] && !ways.is_pinched(node));
@@ -66,5 +70,6 @@ pub(super) fn settle(mesh: &Mesh, images: &[Vec3], layer: &[LayerCell]) -> Ways 
             return ways;
         }
         bad.iter().for_each(|&node| ways.0[node as usize] += 1);
+        ties.share(&mut ways.0);
     }
 }
