@@ -150,6 +150,26 @@ fn images_cut_at_the_faces_match_on_opposite_faces_and_fill_the_fraction() {
 }
 
 #[test]
+fn a_wall_gap_keeps_the_faces_of_a_periodic_box_from_grazing_aggregates() {
+    let gap = 0.05;
+    let mut spec = Spec { fraction: 0.5, specimen: periodic(40.0, [true, false, true]), ..Spec::default() };
+    spec.placement.wall_gap_mm = gap;
+    for seed in 1..=3 {
+        let model = pack(&Spec { seed, ..spec.clone() }, &Silent).unwrap();
+        assert_eq!(check(&model).findings, []);
+        for body in model.aggregates.iter().map(|a| &a.body) {
+            let off = |x: f64| (x - (x / 40.0).round() * 40.0).abs();
+            for axis in [0, 2] {
+                assert!([body.aabb().min, body.aabb().max].iter().all(|end| off(end[axis]) >= gap), "{seed}");
+                assert!(body.vertices().iter().all(|v| off(v[axis]) >= 0.02 * gap), "{seed}");
+                assert!((0.0..40.0).contains(&body.centroid()[axis]), "{seed}");
+            }
+        }
+        assert!(assert_apart_with_images(&model) > 50);
+    }
+}
+
+#[test]
 fn surfaces_are_written_with_images_and_models_without() {
     let model = packed(periodic(40.0, [true; 3]), Strategy::TakeAndPlace, 0.3);
     let size = |format: Format, images| {

@@ -39,7 +39,9 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     let mut outcome = packing::place(&request(spec, &grains, progress, start));
     outcome.note(&grains, spec.grading.classes().len());
     // Every grain is freed as it settles: there is no moment with all of both.
-    let (aggregates, inclusions) = settle(grains, &outcome.poses)?;
+    let (mut aggregates, mut inclusions) = settle(grains, &outcome.poses)?;
+    let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
+    packing::keep_off_faces(&mut bodies, &spec.specimen, spec.placement.wall_gap_mm);
     let placed = progress.seconds();
     let mut report = packing::report(&request(spec, &[], progress, start), &aggregates, &inclusions, &outcome);
     report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };

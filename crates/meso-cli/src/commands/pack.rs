@@ -39,7 +39,7 @@ pub(crate) struct Args {
     /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is asked for
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     min_gap_mm: Option<f64>,
-    /// The same between an aggregate and the specimen's surface
+    /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an aggregate
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     wall_gap_mm: Option<f64>,
     /// Stop after S seconds with the best packing found; where little is in place by then, it is given a second more

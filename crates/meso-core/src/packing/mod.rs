@@ -1,5 +1,6 @@
 //! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
 
+mod graze;
 mod grid;
 mod images;
 mod place;
@@ -10,6 +11,7 @@ mod report;
 mod specimen;
 mod take_and_place;
 
+pub(crate) use graze::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
@@ -35,7 +37,8 @@ pub struct Placement {
     pub surplus: f64,
     /// Smallest distance between two aggregates, mm; 0 means: proved apart.
     pub min_gap_mm: f64,
-    /// Smallest distance between an aggregate and the specimen's surface, mm.
+    /// Smallest distance between an aggregate and the specimen's surface, mm. Across faces that are no walls it is that of
+    /// the aggregates' outermost points, as far as a move of the whole packing can give it.
     pub wall_gap_mm: f64,
     /// Stop after so many seconds with the best packing found.
     pub time_limit_s: Option<f64>,

@@ -1,0 +1,85 @@
+//! Periodic packings are moved as a whole until no face of the box grazes an aggregate.
+//!
+//! What a face cuts off, or leaves between itself and an aggregate, is as thick as the aggregate's outermost point is far
+//! from it; and what it cuts has edges as short as a corner is near. An endless packing may be moved at will, so
+//! `wall_gap_mm` is kept across the faces that are no walls, too: as far as there is room.
+
+use super::{Period, Specimen};
+use crate::aggregate::Aggregate;
+use crate::aggregate::take::snap;
+use crate::math::Vec3;
+use rayon::prelude::*;
+
+/// Corners keep this share of the gap that outermost points keep: there are ten times as many.
+const CORNER_SHARE: f64 = 0.02;
+
+/// Moves `bodies`, in a specimen that repeats itself, so that their outermost points keep `gap` mm from its periodic faces,
+/// or as much of it as there is room for. Where they do so already, nothing moves.
+pub(crate) fn keep_off_faces(bodies: &mut [&mut Aggregate], specimen: &Specimen, gap: f64) {
+    let period = specimen.period();
+    if gap == 0.0 || period.is_none() || bodies.is_empty() {
+        return;
+    }
+    let place = |axis| period.along(axis).map_or(0.0, |length| Marks::of(bodies, axis, length).best(gap));
+    let places = [0, 1, 2].map(place);
+    let shift = -snap(&Vec3::from(places));
+    if shift != Vec3::zeros() {
+        bodies.par_iter_mut().for_each(|body| body.body = body.body.translated(&wrapped(body, &shift, &period)));
+    }
+}
+
+/// `shift` and the whole periods that bring the body's middle back into the box.
+fn wrapped(body: &Aggregate, shift: &Vec3, period: &Period) -> Vec3 {
+    let middle = body.body.centroid() + shift;
+    let back = |axis| period.along(axis).map_or(0.0, |length| (middle[axis] / length).floor() * length);
+    Vec3::from_fn(|axis, _| shift[axis] - back(axis))
+}
+
+/// Where along an axis a face would graze something, ascending, within one period.
+struct Marks {
+    length: f64,
+    /// Outermost points.
+    ends: Vec<f64>,
+    corners: Vec<f64>,
+}
+
+impl Marks {
+    fn of(bodies: &[&mut Aggregate], axis: usize, length: f64) -> Self {
+        let sorted = |places: &mut dyn Iterator<Item = f64>| {
+            let mut places: Vec<f64> = places.map(|x| x - (x / length).floor() * length).collect();
+            places.sort_unstable_by(f64::total_cmp);
+            places
+        };
+        let boxes = bodies.iter().map(|body| body.body.aabb());
+        let ends = sorted(&mut boxes.flat_map(|aabb| [aabb.min[axis], aabb.max[axis]]));
+        let corners = sorted(&mut bodies.iter().flat_map(|body| body.body.vertices()).map(|vertex| vertex[axis]));
+        Self { length, ends, corners }
+    }
+
+    /// The place nearest to the origin that keeps `gap` best, in the middle between two corners; the origin where it keeps all.
+    fn best(&self, gap: f64) -> f64 {
+        let next = self.corners.iter().skip(1).copied().chain([self.corners[0] + self.length]);
+        let middles = self.corners.iter().zip(next).map(|(corner, next)| (corner + next) / 2.0);
+        // The way back is the shorter one beyond half a period.
+        let signed = middles.map(|x| if x > self.length / 2.0 { x - self.length } else { x });
+        let rated = [0.0].into_iter().chain(signed).map(|x| (self.kept(x, gap), x));
+        let better = |a: (f64, f64), b: (f64, f64)| {
+            let nearer = b.0 == a.0 && b.1.abs() < a.1.abs();
+            if b.0 > a.0 || nearer { b } else { a }
+        };
+        rated.reduce(better).map_or(0.0, |(_, x)| x)
+    }
+
+    /// The share of `gap` that a face at `x` keeps, 1 at most.
+    fn kept(&self, x: f64, gap: f64) -> f64 {
+        (self.nearest(&self.ends, x) / gap).min(self.nearest(&self.corners, x) / (CORNER_SHARE * gap)).min(1.0)
+    }
+
+    fn nearest(&self, marks: &[f64], x: f64) -> f64 {
+        let x = if x < 0.0 { x + self.length } else { x };
+        let after = marks.partition_point(|mark| *mark < x);
+        let ahead = marks.get(after).copied().unwrap_or(marks[0] + self.length) - x;
+        let behind = x - if after > 0 { marks[after - 1] } else { marks[marks.len() - 1] - self.length };
+        ahead.min(behind)
+    }
+}
