@@ -23,7 +23,7 @@ fn conforming(model: &Model, itz: ItzForm) -> Option<Mesh> {
 }
 
 /// Whether gmsh is here.
-fn has_gmsh() -> bool {
+pub(crate) fn has_gmsh() -> bool {
     let here = Gmsh::program("gmsh").check().is_ok();
     if !here {
         eprintln!("skipped: no `gmsh` here (Debian: gmsh)");

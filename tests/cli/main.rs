@@ -7,6 +7,7 @@ mod bad_input;
 mod bad_specs;
 mod command;
 mod conforming;
+mod conforming_periodic;
 mod conforming_rooms;
 mod files;
 mod help;

@@ -1,6 +1,6 @@
 //! The flags of meshes and decks, in `pack` and in `mesh`, and what is told of a mesh.
 
-use crate::command::{Folder, SMALL};
+use crate::command::Folder;
 use serde_json::Value;
 
 fn json(folder: &Folder, name: &str) -> Value {
@@ -50,10 +50,8 @@ fn gaps_can_be_asked_for_on_the_command_line() {
 #[test]
 fn a_mesh_that_cannot_be_is_refused_before_anything_is_packed() {
     let folder = Folder::with_spec();
-    folder.write("box.toml", SMALL.replace("side_mm = 40", "side_mm = 40, periodic = ['x', 'y', 'z']"));
     for (spec, flags, code, said) in [
         ("small.toml", &["--element-size-mm", "99"][..], 2, "--element-size-mm is 99; it must lie within"),
-        ("box.toml", &["--method", "conforming"], 2, "--method is conforming; it fills specimens with walls"),
         ("small.toml", &["--method", "conforming", "--gmsh", "./no-gmsh"], 1, "./no-gmsh cannot be run"),
         ("small.toml", &["--periodic-equations"], 2, "--periodic-equations is true; only a box without walls"),
         ("small.toml", &["--materials", "nowhere.toml"], 2, "nowhere.toml"),
@@ -62,7 +60,7 @@ fn a_mesh_that_cannot_be_is_refused_before_anything_is_packed() {
         assert!(run.code == code && run.stderr.contains(said), "{flags:?}: {} {}", run.code, run.stderr);
         assert!(!run.stderr.contains("packed"), "{}", run.stderr);
     }
-    assert_eq!(folder.names(), ["box.toml", "small.toml"]);
+    assert_eq!(folder.names(), ["small.toml"]);
 }
 
 #[test]

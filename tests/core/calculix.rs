@@ -126,7 +126,7 @@ fn calculix_reads_the_geometry_through_include() {
 }
 
 /// Runs gmsh; where it cannot be run there is no output.
-fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
+pub(crate) fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
     let folder = tempfile::tempdir().unwrap();
     surfaces.write(std::fs::File::create(folder.path().join("surfaces.msh")).unwrap()).unwrap();
     std::fs::write(folder.path().join("volumes.geo"), surfaces.script("surfaces.msh")).unwrap();

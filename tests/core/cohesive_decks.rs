@@ -9,7 +9,7 @@ use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method};
 use std::collections::BTreeSet;
 
 /// `text` with a spring of `stiffness` N/mm in every direction between every two nodes that a cohesive element joins.
-fn with_springs(mesh: &Mesh, text: &str, stiffness: f64) -> String {
+pub(crate) fn with_springs(mesh: &Mesh, text: &str, stiffness: f64) -> String {
     let kind = text.find("*ELEMENT, TYPE=COH3D").unwrap();
     let after = kind + text[kind..].find("\n*NSET").unwrap() + 1;
     let material = text.find("*MATERIAL, NAME=ITZ").unwrap();

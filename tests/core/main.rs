@@ -7,6 +7,7 @@ mod bad_specs;
 mod calculix;
 mod check;
 mod cohesive_decks;
+mod conforming_decks;
 mod decks;
 mod erosion;
 mod exact;

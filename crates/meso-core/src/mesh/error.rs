@@ -47,6 +47,28 @@ pub enum MeshError {
         /// The other's id; `None` for the specimen's surface.
         other: Option<u32>,
     },
+    /// gmsh put a node on a face of a periodic box that the opposite face does not have.
+    #[error(
+        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box, and none on the opposite one; choose another \
+         element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the method lattice",
+        at[0], at[1], at[2]
+    )]
+    Unmatched {
+        /// Where, mm.
+        at: [f64; 3],
+    },
+    /// Faces of a periodic box cut an aggregate so that edges without length are left.
+    #[error(
+        "the faces of the periodic box graze an edge or corner of aggregate {aggregate} at {:.6}, {:.6}, {:.6} mm; pack with \
+         wall_gap_mm = {ROOM_MM} or more under [placement], with another seed, or mesh by the method lattice",
+        at[0], at[1], at[2]
+    )]
+    Grazed {
+        /// The aggregate's id.
+        aggregate: u32,
+        /// Where, mm.
+        at: [f64; 3],
+    },
 }
 
 impl MeshError {

@@ -224,7 +224,7 @@ fn assemble(
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut images = images_near(aggregates, specimen, 0.0);
     images.sort_by(before);
-    let aggregates = images.as_slice();
+    let (placed, aggregates) = (aggregates, images.as_slice());
     let mut mesh = match (options.method, options.fit) {
         (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
         (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
@@ -234,7 +234,7 @@ fn assemble(
             with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, specimen, options)
         }
         (Method::Conforming, _) => {
-            let surfaces = conforming::Surfaces::new(aggregates, specimen, options)?;
+            let surfaces = conforming::Surfaces::new(placed, aggregates, specimen, options)?;
             let output = gmsh(&surfaces)?;
             with_layer(surfaces.mesh(&output)?, aggregates, specimen, options)
         }

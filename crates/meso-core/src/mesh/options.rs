@@ -91,11 +91,6 @@ impl MeshOptions {
             let accepted = format!("it must lie within {low} and {high} mm for this specimen");
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
         }
-        let walled = specimen.periodic().is_none();
-        if self.method == Method::Conforming && !walled {
-            let accepted = "it fills specimens with walls; a periodic box takes voxel or lattice";
-            return Err(MeshError::option("method", "conforming", accepted));
-        }
         if !(1..=8).contains(&self.subsamples) {
             return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));
         }

@@ -1,8 +1,10 @@
 //! A surface of facets as triangles of a given size, every facet kept exactly.
 //!
 //! The facets' fans are refined by bisecting the longest edge of all, which keeps every angle above half the smallest one
-//! of the fan (Rosenberg and Stenger 1975), then edges within a facet are flipped to Delaunay's.
+//! of the fan (Rosenberg and Stenger 1975), then edges within a facet are flipped to Delaunay's. An edge's parts hang on its
+//! own length alone: surfaces that share one divide it alike.
 
+use super::pieces::snap;
 use crate::geometry::{Face, Polyhedron};
 use crate::math::Vec3;
 use std::cmp::Reverse;
@@ -13,7 +15,7 @@ pub(super) const LONGEST: f64 = 4.0 / 3.0;
 /// Passes of flips; Delaunay's state is usually reached in three.
 const PASSES: usize = 10;
 
-/// A closed surface of triangles.
+/// A surface of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Triangles {
     pub(super) points: Vec<Vec3>,
@@ -29,8 +31,19 @@ pub(super) fn facets(body: &Polyhedron, size: f64) -> Triangles {
     refined(body.vertices().to_vec(), triangles, LONGEST * size, |_, place| place)
 }
 
-/// A closed surface, its triangles given with their facets, cut until no edge is longer than `limit` mm. `onto(facet, place)`
-/// is where a new node of the facet goes.
+/// The nodes from `from` to `to`, both included, where [`refined`] cuts an edge whose new nodes go onto the lattice of [`snap`].
+pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
+    if (to - from).norm_squared() <= limit * limit {
+        return vec![from, to];
+    }
+    let middle = snap((from + to) / 2.0);
+    let mut nodes = halved(from, middle, limit);
+    nodes.extend(&halved(middle, to, limit)[1..]);
+    nodes
+}
+
+/// A surface, closed or with a rim, its triangles given with their facets, cut until no edge is longer than `limit` mm.
+/// `onto(facet, place)` is where a new node of the facet goes.
 pub(super) fn refined(
     points: Vec<Vec3>,
     triangles: impl IntoIterator<Item = ([u32; 3], u32)>,
@@ -81,7 +94,8 @@ impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
         // Squares of lengths are positive: their bits are in their order.
         let entry = |s: &Self, a: u32, b: u32| (s.squared(a, b).to_bits(), Reverse((a.min(b), a.max(b))));
         let corners = self.triangles.iter().flat_map(|&([a, b, c], _)| [(a, b), (b, c), (c, a)]);
-        let mut heap: BinaryHeap<_> = corners.filter(|(a, b)| a < b).map(|(a, b)| entry(self, a, b)).collect();
+        let once = corners.filter(|&(a, b)| a < b || !self.left.contains_key(&(b, a)));
+        let mut heap: BinaryHeap<_> = once.map(|(a, b)| entry(self, a, b)).collect();
         while let Some((bits, Reverse((a, b)))) = heap.pop() {
             if f64::from_bits(bits) <= limit * limit {
                 break;
@@ -92,15 +106,16 @@ impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
         }
     }
 
-    /// Bisects an edge with its two triangles; returns the new edges.
+    /// Bisects an edge with its two triangles, on a rim the one; returns the new edges.
     fn split(&mut self, a: u32, b: u32) -> Vec<(u32, u32)> {
         let middle = self.points.len() as u32;
         let straight = (self.points[a as usize] + self.points[b as usize]) / 2.0;
-        let facets = [(a, b), (b, a)].map(|side| self.triangles[self.left[&side] as usize].1);
-        self.points.push(facets.into_iter().fold(straight, |place, facet| (self.onto)(facet, place)));
+        let sides = [(a, b), (b, a)].into_iter().filter_map(|side| self.left.get(&side));
+        let facets = sides.map(|&triangle| self.triangles[triangle as usize].1);
+        self.points.push(facets.fold(straight, |place, facet| (self.onto)(facet, place)));
         let mut edges = vec![(a, middle), (b, middle)];
         for (u, v) in [(a, b), (b, a)] {
-            let index = self.left.remove(&(u, v)).expect("a closed surface has both sides") as usize;
+            let Some(index) = self.left.remove(&(u, v)).map(|index| index as usize) else { continue };
             let (nodes, facet) = self.triangles[index];
             let apex = third(nodes, u, v);
             self.triangles[index].0 = [u, middle, apex];
@@ -125,7 +140,8 @@ impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
     }
 
     fn flip_edge(&mut self, a: u32, b: u32) -> bool {
-        let [here, there] = [(a, b), (b, a)].map(|edge| self.left[&edge] as usize);
+        let [here, there] = [(a, b), (b, a)].map(|edge| self.left.get(&edge).map(|index| *index as usize));
+        let Some((here, there)) = here.zip(there) else { return false };
         let facet = self.triangles[here].1;
         if self.triangles[there].1 != facet {
             return false;

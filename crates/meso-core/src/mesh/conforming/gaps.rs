@@ -5,7 +5,7 @@ use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::Aabb;
 use crate::mesh::MeshError;
-use crate::packing::{Obstacle, Room};
+use crate::packing::{Obstacle, Period, Room};
 use rayon::prelude::*;
 
 /// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
@@ -13,6 +13,27 @@ pub(super) const NARROWEST_MM: f64 = 1e-3;
 
 /// Gaps that leave gmsh room, mm: seven packings of 30 mm and those of 60 and 150 mm at 0.50 were meshed with them.
 pub const ROOM_MM: f64 = 0.05;
+
+/// Names an aggregate whose outermost point along an axis is within [`NARROWEST_MM`] of a face across which the box repeats
+/// itself: what the face cuts off, or the mortar there, would be as thin.
+pub(super) fn refuse_grazed(aggregates: &[Aggregate], period: &Period) -> Result<(), MeshError> {
+    let gap = |aggregate: &Aggregate| {
+        let aabb = aggregate.body.aabb();
+        let off = |axis: usize| {
+            let length = period.along(axis).unwrap_or(f64::INFINITY);
+            [aabb.min[axis], aabb.max[axis]].map(|x| (x - (x / length).round() * length).abs())
+        };
+        let periodic = (0..3).filter(|&axis| period.along(axis).is_some());
+        (periodic.flat_map(off).fold(f64::INFINITY, f64::min), aggregate.id)
+    };
+    let closest = aggregates.par_iter().map(gap).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    match closest {
+        Some((gap_mm, aggregate)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other: None })
+        }
+        _ => Ok(()),
+    }
+}
 
 /// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body; its triangles
 /// may lie `chord` mm inside it.

@@ -1,14 +1,19 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
 //! The facets are cut into triangles here ([`facets`], [`walls`], curved ones [`round`]) and go to gmsh as discrete surfaces, without CAD and
-//! without booleans. Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
+//! without booleans; in boxes that repeat themselves, images of grains are cut at the faces ([`periodic`]). Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
 //! nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
 //! [`GMSH_OPTIONS`] and hands its output back.
 
+mod faces;
 mod facets;
 mod gaps;
 mod msh;
+mod parts;
+mod periodic;
+mod pieces;
 mod round;
+mod shells;
 mod walls;
 
 pub use gaps::ROOM_MM;
@@ -16,10 +21,11 @@ pub use gaps::ROOM_MM;
 use super::lattice::Tetrahedra;
 use super::{Mesh, MeshError, MeshOptions, NO_AGGREGATE, Notes};
 use crate::aggregate::{Aggregate, Kind};
-use crate::math::Vec3;
-use crate::packing::Specimen;
+use crate::math::Aabb;
+use crate::packing::{Period, Room, Specimen};
 use facets::Triangles;
 use rayon::prelude::*;
+use shells::{Filled, Shells};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
@@ -32,29 +38,41 @@ pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41",
 /// The surfaces that a conforming mesh keeps.
 pub struct Surfaces<'a> {
     aggregates: &'a [Aggregate],
-    /// One per aggregate, then the specimen's.
-    surfaces: Vec<Triangles>,
+    shells: Shells,
     /// Edge length asked of the elements, mm.
     size: f64,
+    /// How the specimen repeats itself, and its box.
+    period: Period,
+    domain: Aabb,
 }
 
 impl<'a> Surfaces<'a> {
-    /// Cuts all facets into triangles of the element size.
+    /// Cuts all facets into triangles of the element size. `images` are the aggregates and, where the specimen repeats
+    /// itself, their images in it, whole.
     ///
     /// # Errors
     /// Aggregates so close to each other or to the specimen's surface that no good mesh can be between them.
-    pub fn new(aggregates: &'a [Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Self, MeshError> {
+    pub fn new(
+        aggregates: &'a [Aggregate],
+        images: &[Aggregate],
+        specimen: &Specimen,
+        options: &MeshOptions,
+    ) -> Result<Self, MeshError> {
         let (room, size) = (specimen.room(), options.element_size_mm);
-        gaps::refuse_near_touching(aggregates, &*room, walls::chord(specimen))?;
-        let mut surfaces: Vec<Triangles> = aggregates.par_iter().map(|a| facets::facets(&a.body, size)).collect();
-        surfaces.push(walls::walls(specimen, &*room, size));
-        Ok(Self { aggregates, surfaces, size })
+        let (period, domain) = (specimen.period(), room.aabb());
+        gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
+        let shells = if period.is_none() {
+            walled(aggregates, specimen, &*room, size)
+        } else {
+            gaps::refuse_grazed(aggregates, &period)?;
+            periodic::shells(aggregates, &period, &domain, size)?
+        };
+        Ok(Self { aggregates, shells, size, period, domain })
     }
 
     /// gmsh's script, which reads the surfaces from `file`.
     pub fn script(&self, file: &str) -> String {
-        let centre = |body: &Aggregate| (body.kind != Kind::Void).then(|| body.body.centroid());
-        msh::script(file, &self.aggregates.iter().map(centre).collect::<Vec<Option<Vec3>>>(), self.size)
+        msh::script(file, &self.shells, self.size)
     }
 
     /// Writes the surfaces for gmsh.
@@ -62,26 +80,44 @@ impl<'a> Surfaces<'a> {
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
-        msh::write(&self.surfaces, out)
+        msh::write(&self.shells, out)
     }
 
     /// The mesh from gmsh's output, aggregates and mortar.
     ///
     /// # Errors
-    /// Says what is wrong with `output`.
+    /// Says what is wrong with `output`; a node on a periodic face that has none opposite to it.
     pub(super) fn mesh(&self, output: &[u8]) -> Result<Mesh, MeshError> {
-        let volumes = msh::read(output).map_err(MeshError::Gmsh)?;
-        let mortar = self.aggregates.len() as u32 + 1;
-        let grain = |&tag: &u32| if tag == mortar { NO_AGGREGATE } else { tag - 1 };
-        let filled = volumes.volume.iter().collect::<BTreeSet<_>>().len();
-        let wanted = self.surfaces.len() - self.aggregates.iter().filter(|body| body.kind == Kind::Void).count();
+        let read = msh::read(output).map_err(MeshError::Gmsh)?;
+        let (filled, wanted) = (read.volume.iter().collect::<BTreeSet<_>>().len(), self.shells.volumes.len());
         if filled < wanted {
             let empty = wanted - filled;
             return Err(MeshError::Gmsh(format!("gmsh left {empty} of {wanted} volumes without elements")));
         }
-        let cells = volumes.cells.par_iter().map(|cell| super::lattice::oriented(*cell, &volumes.points)).collect();
-        let grain = volumes.volume.iter().map(grain).collect();
-        let tetrahedra = Tetrahedra { points: volumes.points, cells, grain };
+        periodic::all_matched(&read.points, &self.period, &self.domain)?;
+        let grain = |tag: &u32| self.shells.volumes[*tag as usize - 1].grain.unwrap_or(NO_AGGREGATE);
+        let cells = read.cells.par_iter().map(|cell| super::lattice::oriented(*cell, &read.points)).collect();
+        let grain = read.volume.iter().map(grain).collect();
+        let tetrahedra = Tetrahedra { points: read.points, cells, grain };
         Ok(super::of_tetrahedra(tetrahedra, self.aggregates, Notes::default()))
     }
+}
+
+/// Aggregates within a specimen's surface that none of them meets.
+fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Room, size: f64) -> Shells {
+    let bodies: Vec<Triangles> = aggregates.par_iter().map(|a| facets::facets(&a.body, size)).collect();
+    let mut shells = Shells::default();
+    let mut holes = Vec::new();
+    for (grain, (aggregate, surface)) in (0..).zip(aggregates.iter().zip(&bodies)) {
+        let shell = shells.closed(surface);
+        holes.push(shell);
+        if aggregate.kind != Kind::Void {
+            let centre = Some(aggregate.body.centroid());
+            shells.volumes.push(Filled { loops: vec![shell], centre, grain: Some(grain) });
+        }
+    }
+    // The specimen's surface first, then those that bound holes.
+    let outer = shells.closed(&walls::walls(specimen, room, size));
+    shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, grain: None });
+    shells
 }

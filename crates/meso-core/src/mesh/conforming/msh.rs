@@ -1,78 +1,74 @@
 //! The file formats between us and gmsh: surfaces to it (MSH 4.1, text), tetrahedra back (MSH 4.1, binary).
 //!
-//! Each grain is one discrete surface and the volume in it, tags counted from 1; the specimen's surface and the mortar
-//! come last. The volumes stand in a script: volumes of a file of their own count as meshed already, and stay empty.
+//! Discrete surfaces and the volumes within and between them, tags counted from 1. The volumes stand in a script: volumes
+//! of a file of their own count as meshed already, and stay empty.
 
-use super::facets::Triangles;
+use super::shells::Shells;
 use crate::math::{Aabb, Vec3};
 use std::io::{self, BufWriter, Write};
 
-/// gmsh's script: the volumes within and between the surfaces of `file`, one for each of `centres` and the specimen's, with
-/// a node at each centre. Where there is no centre is a void, which stays empty.
+/// gmsh's script: the volumes within and between the surfaces of `file`, with a node at each centre.
 ///
 /// Where grains are small for the elements all nodes lie on surfaces, in more than seven tetrahedra each, and there gmsh
 /// (4.8 and 4.15) begins to look through all tetrahedra at every step, so that it does not end: 850 grains at 4 mm took
 /// more than 108 CPU seconds, and with nodes at their centres 7.
-pub(super) fn script(file: &str, centres: &[Option<Vec3>], size: f64) -> String {
+pub(super) fn script(file: &str, shells: &Shells, size: f64) -> String {
+    let list = |indices: &[u32]| indices.iter().map(|index| (index + 1).to_string()).collect::<Vec<_>>().join(",\n");
     let mut script = format!("Merge \"{file}\";\n");
-    let specimen = centres.len() + 1;
-    for tag in 1..=specimen {
-        script += &format!("Surface Loop({tag}) = {{{tag}}};\n");
+    for (tag, shell) in (1..).zip(&shells.loops) {
+        script += &format!("Surface Loop({tag}) = {{{}}};\n", list(shell));
     }
-    let meshed = || (1..).zip(centres).filter_map(|(tag, centre)| Some((tag, centre.as_ref()?)));
-    for (tag, _) in meshed() {
-        script += &format!("Volume({tag}) = {{{tag}}};\n");
+    for (tag, volume) in (1..).zip(&shells.volumes) {
+        script += &format!("Volume({tag}) = {{{}}};\n", list(&volume.loops));
     }
-    // The specimen's surface first, then those that bound holes.
-    let holes: String = (1..specimen).map(|tag| format!(",\n{tag}")).collect();
-    script += &format!("Volume({specimen}) = {{{specimen}{holes}}};\n");
-    for (tag, centre) in meshed() {
+    let centres = (1..).zip(&shells.volumes).filter_map(|(tag, volume)| Some((tag, volume.centre?)));
+    for (tag, centre) in centres {
         let (x, y, z) = (centre.x, centre.y, centre.z);
         script += &format!("Point({tag}) = {{{x}, {y}, {z}, {size}}};\nPoint{{{tag}}} In Volume{{{tag}}};\n");
     }
     script
 }
 
-/// Writes the grains' surfaces, then the specimen's.
-pub(super) fn write(surfaces: &[Triangles], out: impl Write) -> io::Result<()> {
+/// Writes the surfaces.
+pub(super) fn write(shells: &Shells, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
-    writeln!(out, "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 {} 0", surfaces.len())?;
-    for (tag, surface) in (1..).zip(surfaces) {
-        let aabb = Aabb::around(&surface.points);
+    writeln!(out, "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 {} 0", shells.surfaces.len())?;
+    for (tag, triangles) in (1..).zip(&shells.surfaces) {
+        let aabb = Aabb::around(triangles.as_flattened().iter().map(|&node| &shells.points[node as usize]));
         let ([a, b, c], [d, e, f]): ([f64; 3], [f64; 3]) = (aabb.min.into(), aabb.max.into());
         writeln!(out, "{tag} {a} {b} {c} {d} {e} {f} 0 0")?;
     }
     writeln!(out, "$EndEntities")?;
-    nodes(&mut out, surfaces)?;
-    triangles(&mut out, surfaces)?;
+    nodes(&mut out, shells)?;
+    triangles(&mut out, shells)?;
     out.flush()
 }
 
-fn nodes(out: &mut impl Write, surfaces: &[Triangles]) -> io::Result<()> {
-    let total: usize = surfaces.iter().map(|surface| surface.points.len()).sum();
-    writeln!(out, "$Nodes\n{} {total} 1 {total}", surfaces.len())?;
-    let mut first = 1;
-    for (tag, surface) in (1..).zip(surfaces) {
-        writeln!(out, "2 {tag} 0 {}", surface.points.len())?;
-        (first..first + surface.points.len()).try_for_each(|node| writeln!(out, "{node}"))?;
+/// Every node once, with the first surface that has it.
+fn nodes(out: &mut impl Write, shells: &Shells) -> io::Result<()> {
+    let own = shells.own_nodes();
+    let total: usize = own.iter().map(Vec::len).sum();
+    writeln!(out, "$Nodes\n{} {total} 1 {total}", own.len())?;
+    for (tag, nodes) in (1..).zip(own) {
+        writeln!(out, "2 {tag} 0 {}", nodes.len())?;
+        nodes.iter().try_for_each(|node| writeln!(out, "{}", node + 1))?;
         // The shortest decimals that read back to the same numbers.
-        surface.points.iter().try_for_each(|p| writeln!(out, "{} {} {}", p.x, p.y, p.z))?;
-        first += surface.points.len();
+        let mut places = nodes.iter().map(|&node| shells.points[node as usize]);
+        places.try_for_each(|p| writeln!(out, "{} {} {}", p.x, p.y, p.z))?;
     }
     writeln!(out, "$EndNodes")
 }
 
-fn triangles(out: &mut impl Write, surfaces: &[Triangles]) -> io::Result<()> {
-    let total: usize = surfaces.iter().map(|surface| surface.triangles.len()).sum();
-    writeln!(out, "$Elements\n{} {total} 1 {total}", surfaces.len())?;
-    let (mut element, mut first) = (1, 1);
-    for (tag, surface) in (1..).zip(surfaces) {
-        writeln!(out, "2 {tag} 2 {}", surface.triangles.len())?;
-        for [a, b, c] in surface.triangles.iter().map(|t| t.map(|node| node as usize + first)) {
+fn triangles(out: &mut impl Write, shells: &Shells) -> io::Result<()> {
+    let total: usize = shells.surfaces.iter().map(Vec::len).sum();
+    writeln!(out, "$Elements\n{} {total} 1 {total}", shells.surfaces.len())?;
+    let mut element = 1;
+    for (tag, triangles) in (1..).zip(&shells.surfaces) {
+        writeln!(out, "2 {tag} 2 {}", triangles.len())?;
+        for [a, b, c] in triangles.iter().map(|triangle| triangle.map(|node| node + 1)) {
             writeln!(out, "{element} {a} {b} {c}")?;
             element += 1;
         }
-        first += surface.points.len();
     }
     writeln!(out, "$EndElements")
 }

@@ -32,7 +32,7 @@ fn polygons(surface: Surface, size: f64) -> Triangles {
 }
 
 /// The fan of a polygon whose smallest triangle is largest: a corner in the middle of a side must not begin it.
-fn fan(points: &[Vec3], face: &[u32]) -> Vec<[u32; 3]> {
+pub(super) fn fan(points: &[Vec3], face: &[u32]) -> Vec<[u32; 3]> {
     let from = |apex: usize| -> Vec<[u32; 3]> {
         let at = |k: usize| face[(apex + k) % face.len()];
         (2..face.len()).map(|k| [at(0), at(k - 1), at(k)]).collect()

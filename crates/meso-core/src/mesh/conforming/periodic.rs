@@ -1,0 +1,153 @@
+//! The surfaces in a box that repeats itself: cut grains, their caps on the box's faces, and what mortar has of these.
+//!
+//! Mortar may be in several parts: a flat grain can cut a corner off the box.
+
+use super::faces::{self, Face, Nodes};
+use super::facets::{LONGEST, Triangles, refined};
+use super::parts;
+use super::pieces::{Piece, pieces, snap};
+use super::shells::{Filled, Shells};
+use super::walls::fan;
+use crate::aggregate::{Aggregate, Kind};
+use crate::math::{Aabb, Vec3};
+use crate::mesh::MeshError;
+use crate::packing::Period;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Nodes this near to a face are on it, mm.
+const ON_FACE_MM: f64 = 1e-7;
+
+/// The surfaces of `aggregates` and all their images in the box `domain`, with edges of about `size` mm.
+///
+/// # Errors
+/// Where a face of the box grazes an aggregate.
+pub(super) fn shells(aggregates: &[Aggregate], period: &Period, domain: &Aabb, size: f64) -> Result<Shells, MeshError> {
+    let limit = LONGEST * size;
+    let pieces = pieces(aggregates, period, domain)?;
+    let faces = (0..3).into_par_iter().map(|axis| faces::lower(axis, domain, &pieces, limit));
+    let faces = faces.collect::<Result<Vec<Face>, String>>().map_err(MeshError::Gmsh)?;
+    let facets: Vec<Triangles> = pieces.par_iter().map(|piece| facets(piece, limit)).collect();
+    let mut nodes = Nodes::default();
+    let mut sheets = Sheets::new(&pieces, &facets, &mut nodes);
+    (0..3).for_each(|axis| sheets.add_faces(axis, &faces[axis], domain, &pieces, &mut nodes));
+    let mut shells = Shells { points: nodes.points, ..Shells::default() };
+    sheets.shells(&pieces, aggregates, &mut shells).map_err(MeshError::Gmsh)?;
+    Ok(shells)
+}
+
+/// Refuses nodes on a face of `domain` across which the box repeats itself that have none opposite to them.
+///
+/// # Errors
+/// Names the first.
+pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Result<(), MeshError> {
+    for axis in (0..3).filter(|&axis| period.along(axis).is_some()) {
+        let [low, high] = [domain.min, domain.max].map(|face| {
+            let on = points.iter().filter(|point| (point[axis] - face[axis]).abs() <= ON_FACE_MM);
+            // -0 and 0 are one place.
+            let within = |point: &Vec3| [1, 2].map(|next| (point[(axis + next) % 3] + 0.0).to_bits());
+            on.map(|point| (within(point), [point.x, point.y, point.z])).collect::<BTreeMap<_, _>>()
+        });
+        let lone = |here: &BTreeMap<_, [f64; 3]>, there: &BTreeMap<[u64; 2], _>| {
+            here.iter().find(|(within, _)| !there.contains_key(*within)).map(|(_, at)| *at)
+        };
+        if let Some(at) = lone(&low, &high).or_else(|| lone(&high, &low)) {
+            return Err(MeshError::Unmatched { at });
+        }
+    }
+    Ok(())
+}
+
+/// The piece's own facets, its rims cut as the box's faces have them.
+fn facets(piece: &Piece, limit: f64) -> Triangles {
+    let fans = piece.facets.iter().map(|facet| fan(&piece.points, facet));
+    let triangles = (0..).zip(fans).flat_map(|(facet, fan)| fan.into_iter().map(move |triangle| (triangle, facet)));
+    refined(piece.points.clone(), triangles, limit, |_, place| snap(place))
+}
+
+/// The triangles on common nodes.
+struct Sheets {
+    /// Of every piece.
+    facets: Vec<Vec<[u32; 3]>>,
+    caps: Vec<Vec<[u32; 3]>>,
+    /// Of the box's faces, between the caps.
+    rest: Vec<[u32; 3]>,
+}
+
+impl Sheets {
+    fn new(pieces: &[Piece], facets: &[Triangles], nodes: &mut Nodes) -> Self {
+        let own = |surface: &Triangles| {
+            let number: Vec<u32> = surface.points.iter().map(|point| nodes.at(*point)).collect();
+            surface.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])).collect()
+        };
+        Self { facets: facets.iter().map(own).collect(), caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
+    }
+
+    /// Adds a lower face, and the upper one that it is when moved.
+    fn add_faces(&mut self, axis: usize, face: &Face, domain: &Aabb, pieces: &[Piece], nodes: &mut Nodes) {
+        let by_place: BTreeMap<(usize, [i32; 3]), usize> =
+            pieces.iter().enumerate().map(|(index, piece)| ((piece.grain, piece.steps), index)).collect();
+        let across = |piece: usize| {
+            let mut steps = pieces[piece].steps;
+            steps[axis] += 1;
+            by_place[&(pieces[piece].grain, steps)]
+        };
+        for (upper, place) in [(false, domain.min[axis]), (true, domain.max[axis])] {
+            let moved = |point: &Vec3| Vec3::from_fn(|i, _| if i == axis { place } else { point[i] });
+            let number: Vec<u32> = face.points.iter().map(|point| nodes.at(moved(point))).collect();
+            for (triangle, piece) in &face.triangles {
+                let [a, b, c] = triangle.map(|node| number[node as usize]);
+                let triangle = if upper { [a, b, c] } else { [a, c, b] };
+                match piece.map(|piece| if upper { across(piece) } else { piece }) {
+                    Some(piece) => self.caps[piece].push(triangle),
+                    None => self.rest.push(triangle),
+                }
+            }
+        }
+    }
+
+    /// The shells of the pieces and of the mortar, with the volumes in them.
+    fn shells(mut self, pieces: &[Piece], aggregates: &[Aggregate], shells: &mut Shells) -> Result<(), String> {
+        let is_cut = |piece: &usize| !pieces[*piece].caps.is_empty();
+        let outside = (0..pieces.len()).filter(is_cut).map(|piece| {
+            // Counter-clockwise from outside the mortar.
+            let turned = std::mem::take(&mut self.facets[piece]).into_iter().map(|[a, b, c]| [a, c, b]);
+            (Some(piece), turned.collect())
+        });
+        let parts = parts::parts(outside.chain([(None, std::mem::take(&mut self.rest))]), &shells.points)?;
+        let mut own = vec![Vec::new(); pieces.len()];
+        let outer: Vec<Vec<u32>> = parts
+            .iter()
+            .map(|part| {
+                let add = |(piece, triangles): (&Option<usize>, &Vec<[u32; 3]>)| {
+                    let surface = shells.surface(triangles.clone());
+                    piece.iter().for_each(|piece| own[*piece].push(surface));
+                    surface
+                };
+                part.sheets.iter().map(add).collect()
+            })
+            .collect();
+        let mut holes = vec![Vec::new(); parts.len()];
+        for (index, piece) in pieces.iter().enumerate() {
+            let (solid, whole) = (aggregates[piece.grain].kind != Kind::Void, !is_cut(&index));
+            // What is cut off a void has no elements on either side.
+            if solid || whole {
+                let sheet = if whole { &mut self.facets } else { &mut self.caps };
+                own[index].push(shells.surface(std::mem::take(&mut sheet[index])));
+                let shell = shells.shell(std::mem::take(&mut own[index]));
+                if whole {
+                    holes[parts::around(&parts, &piece.centre(), &shells.points)].push(shell);
+                }
+                if solid {
+                    let (centre, grain) = (Some(piece.centre()), Some(piece.grain as u32));
+                    shells.volumes.push(Filled { loops: vec![shell], centre, grain });
+                }
+            }
+        }
+        for (surfaces, holes) in outer.into_iter().zip(holes) {
+            let loops = [vec![shells.shell(surfaces)], holes].concat();
+            shells.volumes.push(Filled { loops, centre: None, grain: None });
+        }
+        Ok(())
+    }
+}

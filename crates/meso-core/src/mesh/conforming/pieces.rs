@@ -1,0 +1,194 @@
+//! Grains as they lie in a periodic box: every image that reaches into it, cut at its faces.
+//!
+//! Cut points lie on a lattice on which moving them by whole periods is exact, and both sides of a face take them from
+//! the same edges in the same direction. So what two pieces share across a face is the same, bit for bit.
+
+use crate::aggregate::Aggregate;
+use crate::geometry::Polyhedron;
+use crate::math::{Aabb, Vec3};
+use crate::mesh::MeshError;
+use crate::packing::Period;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Edges shorter than this do not come out of gmsh as they went in, mm.
+const SHORTEST_MM: f64 = 1e-6;
+/// New nodes are multiples of 2^-40 mm: so sums with grains' coordinates and periods are exact up to 8 m.
+const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Rounds to the lattice of new nodes.
+pub(super) fn snap(place: Vec3) -> Vec3 {
+    place.map(|x| (x / LATTICE_MM).round_ties_even() * LATTICE_MM)
+}
+
+/// The part of a grain's image inside the box; a whole grain where nothing cuts it.
+pub(super) struct Piece {
+    /// Index of the grain.
+    pub(super) grain: usize,
+    /// How many periods the image is away.
+    pub(super) steps: [i32; 3],
+    pub(super) points: Vec<Vec3>,
+    /// What is left of the grain's own facets, counter-clockwise from outside.
+    pub(super) facets: Vec<Vec<u32>>,
+    /// Where faces of the box cut it, counter-clockwise from outside: axis, whether it is the upper face, corners.
+    pub(super) caps: Vec<(usize, bool, Vec<u32>)>,
+}
+
+impl Piece {
+    /// A point inside.
+    pub(super) fn centre(&self) -> Vec3 {
+        self.points.iter().sum::<Vec3>() / self.points.len() as f64
+    }
+}
+
+/// All pieces of `grains`, by grain.
+///
+/// # Errors
+/// Where a face, an edge or a corner of the box grazes a grain.
+pub(super) fn pieces(grains: &[Aggregate], period: &Period, domain: &Aabb) -> Result<Vec<Piece>, MeshError> {
+    let open = period.mixed(domain, &Aabb::everywhere());
+    let of_grain = |(index, grain): (usize, &Aggregate)| -> Result<Vec<Piece>, MeshError> {
+        let shifts = period.shifts(&grain.body.aabb(), &open);
+        let cut = |shift: &Vec3| Shape::new(&grain.body).within(&open.moved(&-shift)).map(|shape| (shape, *shift));
+        let pieces = shifts.iter().filter_map(cut).map(|(shape, shift)| shape.piece(index, shift, period));
+        pieces.map(|piece| sound(piece, grain)).collect()
+    };
+    Ok(grains.par_iter().enumerate().map(of_grain).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+}
+
+/// Refuses what has edges without length.
+fn sound(piece: Piece, grain: &Aggregate) -> Result<Piece, MeshError> {
+    let polygons = piece.facets.iter().chain(piece.caps.iter().map(|cap| &cap.2));
+    let mut edges = polygons.flat_map(|face| (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]));
+    let short = edges.find_map(|ends| {
+        let [a, b] = ends.map(|i| piece.points[i as usize]);
+        ((b - a).norm() < SHORTEST_MM).then_some(a)
+    });
+    match short {
+        Some(at) => Err(MeshError::Grazed { aggregate: grain.id, at: at.into() }),
+        None => Ok(piece),
+    }
+}
+
+/// What a polygon of a cut body is: a facet, or the cut at a face of the box.
+type Side = Option<(usize, bool)>;
+
+/// A convex body by its polygons.
+struct Shape {
+    points: Vec<Vec3>,
+    polygons: Vec<(Vec<u32>, Side)>,
+}
+
+impl Shape {
+    fn new(body: &Polyhedron) -> Self {
+        let corners = body.faces().map(|face| ((0..face.len()).map(|k| face.vertex(k)).collect(), None));
+        Self { points: body.vertices().to_vec(), polygons: corners.collect() }
+    }
+
+    /// The part inside `domain`, where there is one.
+    fn within(mut self, domain: &Aabb) -> Option<Self> {
+        for axis in 0..3 {
+            for (upper, place) in [(false, domain.min[axis]), (true, domain.max[axis])] {
+                self.cut(axis, place, upper);
+                if self.polygons.is_empty() {
+                    return None;
+                }
+            }
+        }
+        Some(self)
+    }
+
+    /// Leaves what lies below `place` where that is an upper face, above it otherwise.
+    fn cut(&mut self, axis: usize, place: f64, upper: bool) {
+        let mut new = Cut { axis, place, upper, points: &mut self.points, made: BTreeMap::new() };
+        let mut rim = BTreeMap::new();
+        self.polygons.retain_mut(|(corners, _)| {
+            let (kept, edge) = new.polygon(corners);
+            rim.extend(edge);
+            *corners = kept;
+            !corners.is_empty()
+        });
+        let Some((&first, _)) = rim.first_key_value() else { return };
+        let mut cap = vec![first];
+        while let Some(&next) = rim.get(&cap[cap.len() - 1]).filter(|next| **next != first && cap.len() < rim.len()) {
+            cap.push(next);
+        }
+        self.polygons.push((cap, Some((axis, upper))));
+    }
+
+    /// Moved by `shift`, with the points it uses.
+    fn piece(self, grain: usize, shift: Vec3, period: &Period) -> Piece {
+        let mut number = BTreeMap::new();
+        let mut piece = Piece {
+            grain,
+            steps: [0, 1, 2].map(|axis| period.along(axis).map_or(0, |length| (shift[axis] / length).round() as i32)),
+            points: Vec::new(),
+            facets: Vec::new(),
+            caps: Vec::new(),
+        };
+        for (corners, side) in self.polygons {
+            let mut renumbered = |corner: u32| {
+                *number.entry(corner).or_insert_with(|| {
+                    piece.points.push(self.points[corner as usize] + shift);
+                    piece.points.len() as u32 - 1
+                })
+            };
+            let corners: Vec<u32> = corners.into_iter().map(&mut renumbered).collect();
+            match side {
+                None => piece.facets.push(corners),
+                Some((axis, upper)) => piece.caps.push((axis, upper, corners)),
+            }
+        }
+        piece
+    }
+}
+
+/// A body's points while a plane cuts it.
+struct Cut<'a> {
+    axis: usize,
+    place: f64,
+    upper: bool,
+    points: &'a mut Vec<Vec3>,
+    /// The new point of every edge that is cut, by its end below.
+    made: BTreeMap<(u32, u32), u32>,
+}
+
+impl Cut<'_> {
+    fn above(&self, point: u32) -> bool {
+        self.points[point as usize][self.axis] >= self.place
+    }
+
+    /// What is left of a polygon, and the edge along which the plane cuts it, in the cap's direction.
+    fn polygon(&mut self, corners: &[u32]) -> (Vec<u32>, Option<(u32, u32)>) {
+        let (mut kept, mut out, mut back) = (Vec::with_capacity(corners.len() + 1), None, None);
+        for (k, &corner) in corners.iter().enumerate() {
+            let next = corners[(k + 1) % corners.len()];
+            let [here, there] = [corner, next].map(|point| self.above(point) != self.upper);
+            if here {
+                kept.push(corner);
+            }
+            if here != there {
+                let point = self.point(corner, next);
+                kept.push(point);
+                *(if here { &mut out } else { &mut back }) = Some(point);
+            }
+        }
+        (kept, back.zip(out))
+    }
+
+    /// Where the plane cuts an edge; every edge is passed in both directions, and upwards counts.
+    fn point(&mut self, a: u32, b: u32) -> u32 {
+        let (low, high) = if self.above(a) { (b, a) } else { (a, b) };
+        if let Some(&made) = self.made.get(&(low, high)) {
+            return made;
+        }
+        let [from, to] = [low, high].map(|point| self.points[point as usize]);
+        let share = (self.place - from[self.axis]) / (to[self.axis] - from[self.axis]);
+        let mut point = snap(from + (to - from) * share);
+        point[self.axis] = self.place;
+        self.points.push(point);
+        let number = self.points.len() as u32 - 1;
+        self.made.insert((low, high), number);
+        number
+    }
+}
