@@ -54,7 +54,7 @@ fn a_mesh_that_cannot_be_is_refused_before_anything_is_packed() {
         ("small.toml", &["--element-size-mm", "99"][..], 2, "--element-size-mm is 99; it must lie within"),
         ("small.toml", &["--method", "conforming", "--gmsh", "./no-gmsh"], 1, "./no-gmsh cannot be run"),
         ("small.toml", &["--periodic-equations"], 2, "--periodic-equations is true; only a box without walls"),
-        ("small.toml", &["--materials", "nowhere.toml"], 2, "nowhere.toml"),
+        ("small.toml", &["--materials", "nowhere.toml"], 1, "nowhere.toml: No such file or directory; check the name"),
     ] {
         let run = folder.run(&[&["pack", spec, "-o", "m.inp", "-o", "m.json"], flags].concat());
         assert!(run.code == code && run.stderr.contains(said), "{flags:?}: {} {}", run.code, run.stderr);
@@ -85,12 +85,27 @@ fn values_that_no_deck_can_hold_are_named() {
             "mortar = { youngs_modulus_mpa = 2e4, poisson_ratio = 0.5, density_t_per_mm3 = 2e-9 }",
             "materials.mortar.poisson_ratio is 0.5; it must lie between -1 and 0.5",
         ),
+        ("itz_strength_rato = 0.7", "m.toml: line 2: materials.itz_strength_rato is not a known key; did you mean"),
+        ("itz_strength_ratio = '0.7'", "m.toml: line 2: materials.itz_strength_ratio is \"0.7\""),
     ] {
         folder.write("m.toml", format!("[materials]\n{line}\n"));
         let run = folder.run(&["mesh", "small.json", "-o", "m.inp", "--materials", "m.toml"]);
         assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);
     }
     assert!(!folder.names().contains(&"m.inp".to_owned()));
+}
+
+#[test]
+fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
+    let folder = Folder::with_model();
+    let flags = ["--element-size-mm", "8", "--analysis", "elastic", "--geometry-only"];
+    let run = folder.run(&[&["mesh", "small.json", "-qo", "m.vtu"][..], &flags].concat());
+    let said: Vec<&str> = run.stderr.lines().collect();
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(said.len(), 2, "{}", run.stderr);
+    assert_eq!(said[0], "warning: --analysis says what a deck holds, and no .inp is written");
+    let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp"][..], &flags].concat());
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
 
 #[test]

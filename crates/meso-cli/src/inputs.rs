@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use meso_core::spec::Files;
-use meso_core::{Model, Spec, saved};
+use meso_core::{Model, Spec, SpecError, saved};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -14,15 +14,20 @@ const LONGEST_SPEC: u64 = 32 << 20;
 
 /// Reads a SPEC.toml, `-` for standard input. Values that cannot be are named with their line.
 pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
+    // Files that a spec names lie beside it.
+    let folder = path.parent().unwrap_or(Path::new(""));
+    toml(path, |text| Spec::from_toml_with(text, &mut Beside(folder)))
+}
+
+/// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.
+pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecError>) -> Result<T, Failure> {
     let bytes = read(path, LONGEST_SPEC)?;
     let name = name(path);
     let text = String::from_utf8(bytes).map_err(|error| {
         let position = error.utf8_error().valid_up_to();
-        Failure::Usage(format!("{name}: byte {position} is not UTF-8; save the spec as plain text"))
+        Failure::Usage(format!("{name}: byte {position} is not UTF-8; save it as plain text"))
     })?;
-    // Files that a spec names lie beside it.
-    let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_with(&text, &mut Beside(folder)).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+    parse(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))
 }
 
 /// The files in and below a folder, for a spec that lies in it.

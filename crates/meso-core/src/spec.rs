@@ -135,3 +135,11 @@ impl Spec {
 pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Value) -> Result<T, SpecError> {
     read::read(&tree::from_json(value))
 }
+
+/// As [`options_from_value`], from TOML text.
+///
+/// # Errors
+/// As [`options_from_value`], with the line; syntax.
+pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
+    read::read(&tree::parse_toml(text)?)
+}

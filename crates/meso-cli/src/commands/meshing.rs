@@ -3,12 +3,14 @@
 use super::{names, values};
 use crate::failure::Failure;
 use crate::gmsh::Gmsh;
+use crate::{inputs, say};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::ROOM_MM;
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method};
 use meso_core::packing::{Placement, Specimen};
+use meso_core::spec::options_from_toml;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -94,6 +96,20 @@ impl Meshing {
         Ok(deck)
     }
 
+    /// Where no deck is written, says which flags tell of decks alone.
+    pub(super) fn tell_unused(&self, writes_deck: bool) {
+        let flags = [
+            ("--analysis", self.analysis != Analysis::None),
+            ("--strain", self.strain.is_some()),
+            ("--geometry-only", self.geometry_only),
+            ("--periodic-equations", self.periodic_equations),
+            ("--reduced-integration", self.reduced_integration),
+        ];
+        for (flag, _) in flags.into_iter().filter(|(_, given)| *given && !writes_deck) {
+            say::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+        }
+    }
+
     /// The files that are read.
     pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
         self.materials.iter().map(PathBuf::as_path)
@@ -161,8 +177,5 @@ struct MaterialsFile {
 
 fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
     let Some(path) = path else { return Ok(Materials::default()) };
-    let text = std::fs::read_to_string(path).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
-    let file: MaterialsFile =
-        toml::from_str(&text).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
-    Ok(file.materials)
+    inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
 }

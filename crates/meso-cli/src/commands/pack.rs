@@ -85,6 +85,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let spec = args.spec()?;
     let plan = args.plan()?;
     let deck = args.meshing.deck(&spec.specimen)?;
+    args.meshing.tell_unused(plan.has_deck());
     if plan.has_mesh() {
         args.meshing.check(&spec.specimen)?;
     }
@@ -180,6 +181,10 @@ impl Plan {
         self.outputs.iter().map(|(target, _)| target).chain(&self.summary).filter_map(Target::file)
     }
 
+    fn has_deck(&self) -> bool {
+        self.outputs.iter().any(|(_, content)| *content == Content::Mesh(MeshFormat::Inp))
+    }
+
     fn has_mesh(&self) -> bool {
         self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
     }
@@ -246,7 +251,12 @@ fn exit_code(report: &Report, strict: bool) -> u8 {
     if report.stop_reason == StopReason::TargetReached {
         return 0;
     }
-    say::line(format!("warning: short of the target: {}", report.stop_detail));
+    let why = match report.stop_reason {
+        StopReason::Interrupted => " (interrupted)",
+        StopReason::TimeLimit => " (the time limit came first)",
+        StopReason::TargetReached | StopReason::AttemptsExhausted | StopReason::Jammed => "",
+    };
+    say::line(format!("warning: short of the target{why}: {}", report.stop_detail));
     match report.stop_reason {
         StopReason::Interrupted => INTERRUPTED,
         _ if strict => SHORT,
