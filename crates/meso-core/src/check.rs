@@ -211,7 +211,13 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
     Some(Finding::Itz { aggregate: aggregate.id, reason })
 }
 
-/// Sizes are drawn within the class; turning an aggregate rounds its vertices by far less than 1e-6 mm.
+/// What a length loses at most to the single precision in which a body keeps its vertices about its centre (half of
+/// this), and to being turned, by far less than 1e-6 mm.
+fn rounding(length_mm: f64) -> f64 {
+    1e-6 + f64::from(f32::EPSILON) * length_mm
+}
+
+/// Sizes are drawn within the class.
 fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
     let class = match aggregate.kind {
         Kind::Aggregate => *model.spec.grading.classes().get(usize::from(aggregate.class))?,
@@ -221,7 +227,8 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
         SizeDefinition::LongestAxis => longest_distance(aggregate.body.vertices()),
         SizeDefinition::Sieve => sieve_size(&aggregate.body),
     };
-    let fits = size_mm >= class.d_min_mm - 1e-6 && size_mm <= class.d_max_mm + 1e-6;
+    let rounding = rounding(size_mm);
+    let fits = size_mm >= class.d_min_mm - rounding && size_mm <= class.d_max_mm + rounding;
     (!fits).then_some(Finding::Size { aggregate: aggregate.id, size_mm })
 }
 

@@ -1,13 +1,10 @@
 //! Voids and fibres: as large as the spec says, and as many as the report says.
 
-use super::Finding;
+use super::{Finding, rounding};
 use crate::aggregate::{Aggregate, Inclusions, Kind};
 use crate::math::longest_distance;
 use crate::model::Model;
 use std::f64::consts::PI;
-
-/// What rounding to the lattice takes of a length, mm, and more.
-const ROUNDING_MM: f64 = 1e-6;
 
 /// A void has the volume of a sphere of one of the diameters asked for; a fibre has the volume and the length of the
 /// cylinder.
@@ -17,14 +14,17 @@ pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
         (Kind::Void, Some(voids), _) => {
             let [low, high] = voids.diameter_mm;
             let diameter = libm::cbrt(volume * 6.0 / PI);
-            let fits = diameter >= low - ROUNDING_MM && diameter <= high + ROUNDING_MM;
+            let rounding = rounding(diameter);
+            let fits = diameter >= low - rounding && diameter <= high + rounding;
             (!fits).then(|| format!("its sphere is {diameter} mm across, not {low} to {high}"))
         }
         (Kind::Fibre, _, Some(fibres)) => {
             let longest = longest_distance(body.body.vertices());
             let diameter = (volume / fibres.length_mm * 4.0 / PI).sqrt();
-            let fits = (longest - fibres.longest()).abs() <= ROUNDING_MM
-                && (diameter - fibres.diameter_mm).abs() <= ROUNDING_MM;
+            // Ends far from the centre are rounded across, too.
+            let rounding = rounding(longest);
+            let fits =
+                (longest - fibres.longest()).abs() <= rounding && (diameter - fibres.diameter_mm).abs() <= rounding;
             (!fits).then(|| format!("its diagonal is {longest} mm and its cylinder {diameter} mm across"))
         }
         _ => Some(format!("there are to be no {}", body.kind.plural())),
