@@ -5,10 +5,10 @@
 //! at, and no more: a layer of 0.1 mm on elements of 2 mm has angles of some 3 degrees of its own.
 
 use super::collapse::{bury, collapse};
+use super::faces::Faces;
 use super::flat::Flat;
 use crate::math::Vec3;
 use crate::mesh::lattice::{Star, Stars, sharpness, sharpness_of, ways};
-use crate::mesh::sides::Sides;
 use crate::mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
@@ -33,8 +33,10 @@ pub(crate) struct Blunted {
 pub(super) struct Task {
     /// For every node the outer end of the rail whose inner end it is, or [`NO_RAIL`].
     pub(super) outer: Vec<u32>,
-    /// The nodes that stay: the mortar's, the outer ends of rails, and those on faces that have to match the opposite ones.
+    /// The nodes that stay: the mortar's, the outer ends of rails, and their images.
     fixed: Vec<bool>,
+    /// Images on them move together, within these.
+    pub(super) faces: Faces,
     /// The sharpness worked at.
     pub(super) limit: f64,
 }
@@ -75,12 +77,13 @@ impl Task {
         for (cell, _) in mesh.cells().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar) {
             cell.iter().for_each(|&node| fixed[node as usize] = true);
         }
-        if mesh.periodic != [false; 3] {
-            let sides = Sides::of(mesh);
-            let matched = |node: usize| Flat::of(sides.on(node as u32), mesh.periodic) != Flat::SPACE;
-            (0..fixed.len()).for_each(|node| fixed[node] |= matched(node));
-        }
-        Self { outer, fixed, limit: sharpness_of(SHARP_DEG) }
+        let faces = Faces::of(mesh);
+        let stays =
+            |node: u32| !faces.is_matched(node) || faces.images(node).iter().any(|&image| fixed[image as usize]);
+        let on_faces: Vec<u32> =
+            (0..fixed.len() as u32).filter(|&node| faces.flat(node) != Flat::SPACE && stays(node)).collect();
+        on_faces.into_iter().for_each(|node| fixed[node as usize] = true);
+        Self { outer, fixed, faces, limit: sharpness_of(SHARP_DEG) }
     }
 
     /// Moves the nodes of those `suspects` that are too sharp; returns the cells around these nodes.
@@ -89,7 +92,9 @@ impl Task {
         let nodes = self.nodes(mesh, &sharp);
         let stars = stars(mesh, &nodes);
         for &node in &nodes {
-            shifted[node as usize] |= self.better(mesh, node, &stars, size);
+            if self.better(mesh, node, &stars, size) {
+                self.faces.images(node).into_iter().for_each(|image| shifted[image as usize] = true);
+            }
         }
         let mut around: Vec<u32> = nodes.iter().flat_map(|&node| stars.cells(node)).copied().chain(sharp).collect();
         around.par_sort_unstable();
@@ -107,33 +112,38 @@ impl Task {
         cells.par_iter().filter(sharp).copied().collect()
     }
 
-    /// The nodes of `cells` that may move, ascending.
+    /// The nodes of `cells` that may move, and their images, ascending.
     pub(super) fn nodes(&self, mesh: &Mesh, cells: &[u32]) -> Vec<u32> {
         let all = cells.iter().flat_map(|&cell| tetrahedra(mesh)[cell as usize]);
-        let mut nodes: Vec<u32> = all.filter(|&node| !self.fixed[node as usize]).collect();
+        let free = all.filter(|&node| !self.fixed[node as usize]);
+        let mut nodes: Vec<u32> = free.flat_map(|node| self.faces.images(node)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes
     }
 
-    /// Moves the node to the best place around it; false where it is there already, or none of its cells is too sharp.
+    /// Moves the node and its images to the best place around it; false where it is there already, or none of their cells
+    /// is too sharp.
     fn better(&self, mesh: &mut Mesh, node: u32, stars: &Stars, size: f64) -> bool {
         let x = mesh.points[node as usize];
-        let mut star = star(mesh, node, stars.cells(node));
-        let mut best = (star.sharpest_first(), x);
+        let images = self.faces.images(node);
+        let mut all: Vec<(u32, Star)> =
+            images.iter().map(|&image| (image, star(mesh, image, stars.cells(image)))).collect();
+        let mut best = (all.iter_mut().map(|(_, star)| star.sharpest_first()).fold(-1.0, f64::max), x);
         if best.0 <= self.limit {
             return false;
         }
         for length in STEPS {
             for way in ways() {
-                let place = x + way * (length * size);
-                let worst = star.worst(&place, best.0);
+                let place = x + self.faces.flat(node).along(&way) * (length * size);
+                let worst = |(image, star): &(u32, Star)| star.worst(&self.faces.put(*image, &place), best.0);
+                let worst = all.iter().map(worst).fold(-1.0, f64::max);
                 if worst < best.0 {
                     best = (worst, place);
                 }
             }
         }
-        mesh.points[node as usize] = best.1;
+        images.iter().for_each(|&image| mesh.points[image as usize] = self.faces.put(image, &best.1));
         best.1 != x
     }
 }

@@ -12,6 +12,7 @@
 mod blunt;
 mod bodies;
 mod collapse;
+mod faces;
 mod flat;
 mod nudge;
 mod seat;

@@ -91,7 +91,7 @@ impl Shrinks {
         wanted.sort_unstable();
         wanted.dedup();
         let shrink = |&(body, flat): &(u32, Flat)| {
-            let shrink = Shrink::new(bodies.get(body), thickness(body), flat, &ties.walls, periodic)?;
+            let shrink = Shrink::new(bodies.get(body), thickness(body), flat, ties.faces.walls(), periodic)?;
             Some(((body, flat), shrink))
         };
         let shrinks = Self(wanted.par_iter().filter_map(shrink).collect());
@@ -119,7 +119,7 @@ impl Shrinks {
     /// The images of all nodes along their rays.
     pub(super) fn images(&self, points: &[Vec3], owner: &[u32], ties: &Ties) -> Vec<Vec3> {
         let image = |node: u32, x: &Vec3| match self.get(owner[node as usize], ties.flat(node)) {
-            Some(shrink) if !ties.is_pinned(node) => shrink.across.hold_off(x, &shrink.apply(x), &ties.walls),
+            Some(shrink) if !ties.is_pinned(node) => shrink.across.hold_off(x, &shrink.apply(x), ties.faces.walls()),
             _ => *x,
         };
         let mut images: Vec<Vec3> = points.par_iter().enumerate().map(|(node, x)| image(node as u32, x)).collect();

@@ -6,66 +6,53 @@
 //! aggregate ends at the face itself), none of the place's nodes moves: the layer has no thickness there.
 
 use super::bodies::{Bodies, Key};
+use super::faces::Faces;
 use super::flat::Flat;
-use crate::math::{Aabb, Vec3};
+use crate::math::Vec3;
 use crate::mesh::sides::Sides;
-use crate::mesh::{Mesh, NO_AGGREGATE, opposite};
+use crate::mesh::{Mesh, NO_AGGREGATE};
 
 /// How the nodes hang together.
 pub(super) struct Ties {
-    pub(super) walls: Aabb,
-    /// The faces that each node has to stay in.
-    flat: Vec<Flat>,
+    pub(super) faces: Faces,
     /// For every node the one that leads it; itself where it is tied to none.
     lead: Vec<u32>,
     /// Nodes with their leads, but for the leads themselves.
     followers: Vec<(u32, u32)>,
     /// Leads that do not move.
     pinned: Vec<bool>,
-    /// For every node one number for all images of its place.
-    place: Vec<u32>,
 }
 
 impl Ties {
     /// Those of `mesh`, whose cells carry indices of `bodies`; nodes from `copies` on are copies, each of its `owner`.
     pub(super) fn new(mesh: &Mesh, bodies: &Bodies, owner: &[u32], copies: u32) -> Self {
         let nodes = 0..mesh.points.len() as u32;
-        let mut ties = Self {
-            walls: Aabb::around(&mesh.points),
-            flat: vec![Flat::SPACE; nodes.len()],
-            lead: nodes.clone().collect(),
-            followers: Vec::new(),
-            pinned: vec![false; nodes.len()],
-            place: nodes.collect(),
-        };
-        if mesh.periodic != [false; 3] {
-            ties.tie(mesh, bodies, owner, copies);
+        let tied = |faces, pinned| Self { faces, lead: nodes.clone().collect(), followers: Vec::new(), pinned };
+        if mesh.periodic == [false; 3] {
+            return tied(Faces::of(mesh), vec![false; nodes.len()]);
         }
+        let sides = Sides::of(mesh);
+        let faces = Faces::on(mesh, &sides);
+        let lone = |node| faces.place(node).is_none() && faces.flat(node) != Flat::SPACE;
+        let pinned = nodes.clone().map(lone).collect();
+        let unlike = unlike(mesh, &sides, &faces, bodies);
+        let mut ties = tied(faces, pinned);
+        ties.tie(bodies, owner, copies, &unlike);
         ties
     }
 
-    fn tie(&mut self, mesh: &Mesh, bodies: &Bodies, owner: &[u32], copies: u32) {
-        let sides = Sides::of(mesh);
-        let places = opposite::places(mesh, &sides);
-        let unlike = unlike(mesh, &sides, &places, bodies);
-        let mut images = vec![0_usize; mesh.points.len()];
+    fn tie(&mut self, bodies: &Bodies, owner: &[u32], copies: u32, unlike: &[bool]) {
         let mut members: Vec<(u32, Key, u8, u32)> = Vec::new();
-        for (node, &body) in (0..).zip(owner) {
-            self.flat[node as usize] = Flat::of(sides.on(node), mesh.periodic);
-            if let Some((place, along)) = places[node as usize] {
-                self.place[node as usize] = place;
-                images[place as usize] += usize::from(node < copies);
-                members.push((place, bodies.key(body, along), along, node));
-            } else if self.flat[node as usize] != Flat::SPACE {
-                self.pinned[node as usize] = true;
-            }
+        for (node, &body) in (0..).zip(owner).filter(|(_, body)| **body != NO_AGGREGATE) {
+            let at = self.faces.place(node);
+            members.extend(at.map(|(place, along)| (place, bodies.key(body, along), along, node)));
         }
-        members.retain(|member| owner[member.3 as usize] != NO_AGGREGATE);
         members.sort_unstable();
         for tied in members.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             let (place, lead) = (tied[0].0, tied[0].3);
             let alike = tied.iter().all(|member| (member.3 < copies) == (lead < copies));
-            if alike && tied.len() == images[place as usize] && !unlike[place as usize] {
+            let images = self.faces.at(place).filter(|node| *node < copies).count();
+            if alike && tied.len() == images && !unlike[place as usize] {
                 tied[1..].iter().for_each(|member| self.follow(member.3, lead));
             } else {
                 tied.iter().for_each(|member| self.pinned[member.3 as usize] = true);
@@ -78,8 +65,9 @@ impl Ties {
         self.followers.push((node, lead));
     }
 
+    /// The faces that a node has to stay in.
     pub(super) fn flat(&self, node: u32) -> Flat {
-        self.flat[node as usize]
+        self.faces.flat(node)
     }
 
     pub(super) fn lead(&self, node: u32) -> u32 {
@@ -92,7 +80,7 @@ impl Ties {
 
     /// One number for all images of a node's place.
     pub(super) fn place(&self, node: u32) -> u32 {
-        self.place[node as usize]
+        self.faces.place(node).map_or(node, |(place, _)| place)
     }
 
     /// Neither the node nor any that it is tied to moves.
@@ -107,15 +95,15 @@ impl Ties {
 
     /// Puts the nodes on faces exactly there, and images of one place at the same coordinates within their faces.
     pub(super) fn align(&self, points: &mut [Vec3]) {
-        for node in (0..points.len()).filter(|&node| self.flat[node] != Flat::SPACE) {
-            points[node] = self.flat[node].put(&points[self.place[node] as usize], &self.walls);
+        for node in (0..points.len() as u32).filter(|&node| self.flat(node) != Flat::SPACE) {
+            points[node as usize] = self.faces.put(node, &points[self.place(node) as usize]);
         }
     }
 
     /// Moves the followers as their leads: within their faces they have the same coordinates afterwards.
     pub(super) fn spread(&self, points: &mut [Vec3]) {
         for &(node, lead) in &self.followers {
-            points[node as usize] = self.flat(node).put(&points[lead as usize], &self.walls);
+            points[node as usize] = self.faces.put(node, &points[lead as usize]);
         }
     }
 
@@ -126,7 +114,7 @@ impl Ties {
 }
 
 /// The places of triangles on the faces that lack one opposite to them with the same body behind it.
-fn unlike(mesh: &Mesh, sides: &Sides, places: &[Option<(u32, u8)>], bodies: &Bodies) -> Vec<bool> {
+fn unlike(mesh: &Mesh, sides: &Sides, of: &Faces, bodies: &Bodies) -> Vec<bool> {
     let mut unlike = vec![false; mesh.points.len()];
     for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
         let mut triangles: Vec<([u32; 3], Key)> = Vec::new();
@@ -134,7 +122,7 @@ fn unlike(mesh: &Mesh, sides: &Sides, places: &[Option<(u32, u8)>], bodies: &Bod
             for &(cell, face) in faces {
                 let nodes = [0, 1, 2].map(|i| mesh.cells[4 * cell as usize + mesh.kind.faces()[face][i]]);
                 // What has no image stays by itself.
-                let mut corners = nodes.map(|node| places[node as usize].map_or(node, |(place, _)| place));
+                let mut corners = nodes.map(|node| of.place(node).map_or(node, |(place, _)| place));
                 corners.sort_unstable();
                 triangles.push((corners, bodies.key(mesh.aggregate[cell as usize], upper << axis)));
             }
