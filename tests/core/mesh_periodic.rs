@@ -3,11 +3,12 @@
 use crate::mesh::{aggregate, block, deck};
 use crate::mesh_lattice::face;
 use crate::periodic_decks::{SIDE_MM, equations, packed, tied};
-use meso_core::Model;
+use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
+use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 
 const AXES: [[bool; 3]; 4] = [[true; 3], [false, true, true], [true, false, false], [false, false, true]];
@@ -44,7 +45,7 @@ fn every_mesh_of_a_periodic_box_fills_it_with_cells_of_positive_volume_and_match
 
 /// Chords at 2 mm take 1 to 3 % of grains of 6 to 12 mm, in boxes with walls, too.
 fn check_volumes(model: &Model, mesh: &Mesh, method: (Method, Fit), itz: ItzForm, what: &str) {
-    let shell = |a: &meso_core::aggregate::Aggregate| if itz == ItzForm::Solid { a.itz_thickness_mm } else { 0.0 };
+    let shell = |a: &Aggregate| if itz == ItzForm::Solid { a.itz_thickness_mm } else { 0.0 };
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, shell).unwrap();
     let volumes = PhaseVolumes::of_mesh(mesh);
     assert!((volumes.total() / exact.total() - 1.0).abs() < 1e-9, "{what}");
@@ -74,6 +75,30 @@ fn the_solid_itz_of_voxels_is_never_thinner_than_one_across_periodic_faces_too()
         }
     }
     assert!(across > 20, "cores go on across the faces, or this test says nothing");
+}
+
+#[test]
+fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_on_any_number_of_threads() {
+    const SIDE: f64 = 40.0;
+    let specimen = Specimen::Cube { side_mm: SIDE, periodic: Periodic([true; 3]) };
+    let model = meso_core::pack(&Spec { fraction: 0.5, specimen, ..Default::default() }, &Silent).unwrap();
+    let options = MeshOptions { method: Method::Lattice, ..Default::default() };
+    let [mesh, other] = [1, 4].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| mesh::build(&model, &options).unwrap())
+    });
+    assert!(mesh == other);
+    assert!(mesh.notes.closed_gaps > 1000);
+    assert!(quality::cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.0));
+    for axis in 0..3 {
+        let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
+        assert!(low.len() > 1000 && low == high, "across {axis}: {} {}", low.len(), high.len());
+    }
+    let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
+    let volumes = PhaseVolumes::of_mesh(&mesh);
+    let errors = [volumes.itz / exact.itz, volumes.aggregate / exact.aggregate].map(|ratio| (ratio - 1.0).abs());
+    assert!(errors[0] < 0.02 && errors[1] < 0.01, "{errors:?}");
+    assert!(mesh.notes.pinched_itz_nodes * 50 < mesh.points.len(), "{:?}", mesh.notes);
 }
 
 /// A block of 8 mm in the middle of a face across x, turned about x, in a box of 16 mm.

@@ -6,7 +6,7 @@ use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes};
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::{BTreeMap, BTreeSet};
@@ -163,6 +163,8 @@ pub(crate) struct Solved {
     displacement: BTreeMap<usize, Vec3>,
     /// N mm.
     energy: f64,
+    /// Stresses xx, yy, zz, xy, xz, yz at the points of every element, where they were asked for, MPa.
+    stress: BTreeMap<usize, Vec<[f64; 6]>>,
 }
 
 /// The elastic deck's answer; `None` without a solver.
@@ -172,12 +174,20 @@ fn solve(mesh: &Mesh, materials: Materials) -> Option<Solved> {
 
 /// That of an elastic deck of a periodic box of [`SIDE_MM`].
 pub(crate) fn solve_deck(text: &str) -> Option<Solved> {
+    solve_for(text, "TOTALS=ONLY\nELSE\n")
+}
+
+/// That, with what is `asked` for by element set.
+fn solve_for(text: &str, asked: &str) -> Option<Solved> {
     let folder = tempfile::tempdir().unwrap();
     assert!(text.contains("REF_Z, 3, 3, -2.400000000000e-2\n"));
     // CalculiX leaves the forces of equations out of its reactions; the energy it does count.
-    let asked = "*NODE PRINT, NSET=ALLNODES\nU\n*EL PRINT, ELSET=AGGREGATE, TOTALS=ONLY\nELSE\n\
-                 *EL PRINT, ELSET=MORTAR, TOTALS=ONLY\nELSE\n*END STEP";
-    std::fs::write(folder.path().join("job.inp"), text.replace("*END STEP", asked)).unwrap();
+    let sets = ["AGGREGATE", "ITZ", "MORTAR"]
+        .into_iter()
+        .filter(|set| text.contains(&format!("*SOLID SECTION, ELSET={set},")));
+    let prints: String = sets.map(|set| asked.replace("TOTALS", &format!("*EL PRINT, ELSET={set}, TOTALS"))).collect();
+    let asked = format!("*NODE PRINT, NSET=ALLNODES\nU\n{prints}*END STEP");
+    std::fs::write(folder.path().join("job.inp"), text.replace("*END STEP", &asked)).unwrap();
     let Ok(run) = Command::new("ccx").args(["-i", "job"]).current_dir(folder.path()).output() else {
         eprintln!("skipped: no `ccx` here (Debian: calculix-ccx)");
         return None;
@@ -186,6 +196,7 @@ pub(crate) fn solve_deck(text: &str) -> Option<Solved> {
     assert!(run.status.success() && !log.contains("*ERROR") && !log.contains("*WARNING"), "{log}");
     let dat = std::fs::read_to_string(folder.path().join("job.dat")).unwrap();
     let (mut displacement, mut energy, mut heading) = (BTreeMap::new(), 0.0, "");
+    let mut stress: BTreeMap<usize, Vec<[f64; 6]>> = BTreeMap::new();
     for line in dat.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let numbers: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
         match numbers[..] {
@@ -193,11 +204,14 @@ pub(crate) fn solve_deck(text: &str) -> Option<Solved> {
                 displacement.insert(node as usize, Vec3::new(x, y, z));
             }
             [total] if heading.starts_with("total internal energy") => energy += total,
+            [element, _, xx, yy, zz, xy, xz, yz] if heading.starts_with("stresses") => {
+                stress.entry(element as usize).or_default().push([xx, yy, zz, xy, xz, yz]);
+            }
             [] => heading = line,
             _ => {}
         }
     }
-    Some(Solved { displacement, energy })
+    Some(Solved { displacement, energy, stress })
 }
 
 const STRAIN: f64 = 0.001;
@@ -246,4 +260,39 @@ fn matched_nodes_differ_by_the_prescribed_jump_and_the_modulus_lies_between_the_
         assert!(pairs > 300);
     }
     assert!((moduli[0] / moduli[1] - 1.0).abs() < 0.05, "{moduli:?}");
+}
+
+/// Stress over the whole box, MPa; tetrahedra of first order and voxels, whose points weigh the same.
+fn mean_stress(mesh: &Mesh, solved: &Solved) -> [f64; 6] {
+    let mut sum = [0.0; 6];
+    for ((points, cell), element) in solved.stress.values().zip(quality::cells(mesh)).zip(1..) {
+        assert!(solved.stress.contains_key(&element));
+        for stress in points {
+            (0..6).for_each(|i| sum[i] += stress[i] * cell.volume_mm3 / points.len() as f64);
+        }
+    }
+    assert_eq!(solved.stress.len(), mesh.cell_count());
+    sum.map(|sum| sum / SIDE_MM.powi(3))
+}
+
+#[test]
+fn a_solid_itz_in_a_fitted_periodic_lattice_is_in_balance_and_as_stiff_as_in_voxels_of_the_same_packing() {
+    let model = packed([true; 3]);
+    let mut moduli = Vec::new();
+    for (method, element_size_mm) in [(Method::Voxel, 1.5), (Method::Lattice, 2.0)] {
+        let options = MeshOptions { method, element_size_mm, thin_itz: true, ..Default::default() };
+        let mesh = mesh::build(&model, &options).unwrap();
+        let text = deck(&mesh, &tied(Analysis::Elastic));
+        let Some(solved) = solve_for(&text, "TOTALS=YES\nELSE, S\n") else { return };
+        let modulus = modulus(&solved);
+        let [low, high] = hashin_shtrikman(&PhaseVolumes::of_mesh(&mesh), &Materials::default());
+        assert!(low < modulus && modulus < high, "{method:?}: {low} {modulus} {high}");
+        // What pulls on the faces: nothing but the stress along z, which does the work that the energy is.
+        let [xx, yy, zz, xy, xz, yz] = mean_stress(&mesh, &solved);
+        assert!((-zz / (modulus * STRAIN) - 1.0).abs() < 1e-5, "{zz} {modulus}");
+        assert!([xx, yy, xy, xz, yz].iter().all(|other| other.abs() < 1e-5 * zz.abs()), "{xx} {yy} {xy} {xz} {yz}");
+        moduli.push(modulus);
+    }
+    // 1.9 %; with elements of 1 and 1.6 mm 1.4 %.
+    assert!((moduli[0] / moduli[1] - 1.0).abs() < 0.03, "{moduli:?}");
 }
