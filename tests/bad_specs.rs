@@ -163,7 +163,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[grading]\ncurve = { kind = 'standard', name = 'din-1045-2-b16' }",
         "grading.d_max_mm",
-        "is 20 but the curve's sieves go from 0.25 to 16",
+        "is 20 but the curve's sieves go from 0.25 to 16 mm",
     ),
     (
         "[grading]\ncurve = { kind = 'sieves', sieves_mm = [5, 20], passing = [0, 100] }",
@@ -203,7 +203,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[grading]\ncurve = { kind = 'sieves', sieves_mm = [8, 20], passing = [0, 1] }",
         "grading.d_min_mm",
-        "is 5 but the curve's sieves go from 8 to 20",
+        "is 5 but the curve's sieves go from 8 to 20 mm",
     ),
     ("[grading]\ncurve = { kind = 'sieves', file = 3 }", "grading.curve.file", "must be the name of a CSV file"),
     ("[grading]\nsize_law = 'volume_uniform'", "grading.size_law", "did you mean \"volume-uniform\"?"),

@@ -4,19 +4,23 @@
 //! docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's range (Sec. 3.1).
 
 use crate::mesh::Phase;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// Values of the phases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Materials {
     /// Aggregate cores, which stay elastic.
+    #[serde(deserialize_with = "aggregate")]
     pub aggregate: Elastic,
     /// Interfacial transition zone.
+    #[serde(deserialize_with = "itz")]
     pub itz: Elastic,
     /// Mortar.
+    #[serde(deserialize_with = "mortar")]
     pub mortar: Elastic,
     /// Fibres, which stay elastic: steel.
+    #[serde(deserialize_with = "fibre")]
     pub fibre: Elastic,
     /// Strength of the mortar.
     pub mortar_strength: Strength,
@@ -72,13 +76,18 @@ pub struct Plasticity {
     pub viscosity_s: f64,
 }
 
+const AGGREGATE: Elastic = Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 };
+const ITZ: Elastic = Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
+const MORTAR: Elastic = Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
+const FIBRE: Elastic = Elastic { youngs_modulus_mpa: 200_000.0, poisson_ratio: 0.3, density_t_per_mm3: 7.85e-9 };
+
 impl Default for Materials {
     fn default() -> Self {
         Self {
-            aggregate: Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 },
-            itz: Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 },
-            mortar: Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 },
-            fibre: Elastic { youngs_modulus_mpa: 200_000.0, poisson_ratio: 0.3, density_t_per_mm3: 7.85e-9 },
+            aggregate: AGGREGATE,
+            itz: ITZ,
+            mortar: MORTAR,
+            fibre: FIBRE,
             mortar_strength: Strength::default(),
             itz_strength_ratio: 0.7,
             cohesive_thickness_mm: 0.03,
@@ -115,6 +124,41 @@ impl Default for Plasticity {
     }
 }
 
+/// Those elastic values of a phase that are given.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Given {
+    youngs_modulus_mpa: Option<f64>,
+    poisson_ratio: Option<f64>,
+    density_t_per_mm3: Option<f64>,
+}
+
+/// What is given, and for the rest what is usual.
+fn over<'de, D: Deserializer<'de>>(usual: Elastic, deserializer: D) -> Result<Elastic, D::Error> {
+    let given = Given::deserialize(deserializer)?;
+    Ok(Elastic {
+        youngs_modulus_mpa: given.youngs_modulus_mpa.unwrap_or(usual.youngs_modulus_mpa),
+        poisson_ratio: given.poisson_ratio.unwrap_or(usual.poisson_ratio),
+        density_t_per_mm3: given.density_t_per_mm3.unwrap_or(usual.density_t_per_mm3),
+    })
+}
+
+fn aggregate<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(AGGREGATE, deserializer)
+}
+
+fn itz<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(ITZ, deserializer)
+}
+
+fn mortar<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(MORTAR, deserializer)
+}
+
+fn fibre<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(FIBRE, deserializer)
+}
+
 impl Elastic {
     /// Speed of dilatational waves, mm/s: sqrt(E (1 - nu) / (rho (1 + nu) (1 - 2 nu))).
     pub fn wave_speed_mm_per_s(&self) -> f64 {
@@ -148,5 +192,28 @@ impl Materials {
                 ..mortar
             }),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::options_from_toml;
+
+    #[test]
+    fn values_that_are_left_out_are_those_usual_of_the_phase() {
+        let text = "[fibre]\nyoungs_modulus_mpa = 5e4\n[mortar_strength]\npeak_strain = 0.003";
+        let read: Materials = options_from_toml(text).unwrap();
+        let usual = Materials::default();
+        assert_eq!(read.fibre, Elastic { youngs_modulus_mpa: 5e4, ..FIBRE });
+        assert_eq!(read.mortar_strength, Strength { peak_strain: 0.003, ..usual.mortar_strength });
+        assert_eq!(read, Materials { fibre: read.fibre, mortar_strength: read.mortar_strength, ..usual });
+        let error = options_from_toml::<Materials>("mortar = { poison_ratio = 0.2 }").unwrap_err();
+        assert!(
+            error.to_string().contains("mortar.poison_ratio is not a known key; did you mean poisson_ratio"),
+            "{error}"
+        );
+        let error = options_from_toml::<Materials>("itz = { density_t_per_mm3 = 'heavy' }").unwrap_err();
+        assert!(error.to_string().contains("itz.density_t_per_mm3 is \"heavy\""), "{error}");
     }
 }

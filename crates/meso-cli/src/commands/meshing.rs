@@ -169,8 +169,8 @@ fn flag_names(message: &str) -> String {
 }
 
 /// A file that holds material values.
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 struct MaterialsFile {
     materials: Materials,
 }

@@ -217,7 +217,7 @@ fn covered(grading: &Grading, sieves: &[f64]) -> Checked {
     for (key, size) in [("grading.d_min_mm", grading.d_min_mm), ("grading.d_max_mm", grading.d_max_mm)] {
         if size < first || size > last {
             let [size, first, last] = [size, first, last].map(number);
-            let message = format!("is {size} but the curve's sieves go from {first} to {last}; stay within them");
+            let message = format!("is {size} but the curve's sieves go from {first} to {last} mm; stay within them");
             return Err(SpecError::value(key, message));
         }
     }
