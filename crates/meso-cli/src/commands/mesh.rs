@@ -58,11 +58,17 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     let encoding = Encoding::compressed(args.compress);
     let mut unit = Unit::default();
-    for (target, format) in &plan {
-        fill(&mut unit, target, args.force, *format, &mesh, &deck, encoding)?;
-    }
-    let told =
-        (!args.quiet || summary.is_some()).then(|| Told::of(&mesh, &model, args.meshing.options(), &deck.materials));
+    let fill_all = || {
+        let mut outputs = plan.iter();
+        outputs.try_for_each(|(target, format)| fill(&mut unit, target, args.force, *format, &mesh, &deck, encoding))
+    };
+    let tell = || {
+        let asked = !args.quiet || summary.is_some();
+        asked.then(|| Told::of(&mesh, &model, args.meshing.options(), &deck.materials))
+    };
+    // The disk is waited for, and the figures are counted meanwhile.
+    let (filled, told) = rayon::join(fill_all, tell);
+    filled?;
     if let (Some(target), Some(told)) = (&summary, &told) {
         unit.fill(target, args.force, |out| told.write(out))?;
     }
