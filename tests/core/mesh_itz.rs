@@ -31,7 +31,7 @@ fn a_solid_layer_in_a_dense_packing_turns_no_cell_over() {
         assert!(mesh.notes.closed_gaps > 100, "gaps that close are what turned cells over");
         let cells = quality::cells(&mesh);
         assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
-        assert!(cells.iter().all(|q| q.min_dihedral_deg > 1.0), "a layer of 0.1 mm has angles of 3 degrees by itself");
+        assert!(cells.iter().all(|q| q.min_dihedral_deg > 1.99), "a layer of 0.1 mm has angles of 3 degrees by itself");
         assert!(mesh.notes.shifted_itz_nodes > 0, "nodes left the exact offset for these angles");
         let volumes = PhaseVolumes::of_mesh(&mesh);
         assert!((volumes.total() / 64_000.0 - 1.0).abs() < 1e-9);

@@ -89,7 +89,7 @@ fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_
     });
     assert!(mesh == other);
     assert!(mesh.notes.closed_gaps > 1000);
-    assert!(quality::cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.0));
+    assert!(quality::cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.99));
     for axis in 0..3 {
         let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
         assert!(low.len() > 1000 && low == high, "across {axis}: {} {}", low.len(), high.len());

@@ -1,12 +1,14 @@
 //! Sharp tetrahedra in and under the layer of a lattice are made blunter, one node at a time.
 //!
 //! The inner ends of rails and the nodes inside the aggregates move to the best place around them. Where that does not
-//! help, a rail collapses ([`collapse`]): the layer has no thickness there. What is sharper than [`SHARP_DEG`] is worked
+//! help, a rail collapses ([`collapse`]), at last with those around it ([`together`](super::together)): the layer has no
+//! thickness there. What is sharper than [`SHARP_DEG`] is worked
 //! at, and no more: a layer of 0.1 mm on elements of 2 mm has angles of some 3 degrees of its own.
 
 use super::collapse::{bury, collapse};
 use super::faces::Faces;
 use super::flat::Flat;
+use super::together::collapse_together;
 use crate::math::Vec3;
 use crate::mesh::lattice::{Star, Stars, sharpness, sharpness_of, ways};
 use crate::mesh::{Mesh, Phase};
@@ -16,6 +18,8 @@ use rayon::prelude::*;
 const SHARP_DEG: f64 = 2.0;
 /// Rounds of moving nodes and collapsing rails.
 const ROUNDS: usize = 5;
+/// Rounds of collapsing rails together, and moving nodes.
+const LAST_ROUNDS: usize = 3;
 /// Turns of moving nodes in a round; each one looks only at what the one before left.
 const TURNS: usize = 8;
 /// Lengths of the steps tried, in elements.
@@ -60,6 +64,19 @@ pub(crate) fn blunt(mesh: &mut Mesh, rails: &[[u32; 2]], size: f64) -> Blunted {
         let sharp = task.sharper(mesh, &suspects);
         collapsed += collapse(mesh, &task, &sharp, &mut dead);
         suspects.retain(|&cell| !dead[cell as usize]);
+    }
+    for _ in 0..LAST_ROUNDS {
+        let sharp = task.sharper(mesh, &suspects);
+        if sharp.is_empty() {
+            break;
+        }
+        collapsed += collapse_together(mesh, &task, &sharp, &mut dead, &mut suspects);
+        suspects.retain(|&cell| !dead[cell as usize]);
+        suspects.sort_unstable();
+        suspects.dedup();
+        for _ in 0..TURNS {
+            suspects = task.turn(mesh, &suspects, &mut shifted, size);
+        }
     }
     let shifted = rails.iter().filter(|rail| shifted[rail[0] as usize]).count();
     bury(mesh, &dead);

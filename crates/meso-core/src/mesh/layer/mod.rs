@@ -21,6 +21,7 @@ mod shrink;
 mod sound;
 mod steepest;
 mod ties;
+mod together;
 mod turned;
 
 use super::interface::{self, InterfaceFace};
