@@ -4,7 +4,7 @@ use crate::command::Folder;
 use crate::conforming::{has_gmsh, with_options};
 use meso_cli::gmsh::Gmsh;
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, PhaseVolumes, quality};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 
@@ -66,6 +66,26 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
     }
 }
 
+/// Where a void is cut there is nothing on either side of the face.
+#[test]
+fn voids_and_fibres_are_cut_at_periodic_faces_too() {
+    let spec = "fraction = 0.25\nspecimen = { kind = 'cube', side_mm = 30, periodic = ['x', 'y', 'z'] }\n\
+                placement = { min_gap_mm = 0.05, wall_gap_mm = 0.05 }\n\
+                voids = { fraction = 0.02, diameter_mm = [2, 4] }\n\
+                fibres = { fraction = 0.005, length_mm = 10, diameter_mm = 1 }\n";
+    let model = meso_core::pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap();
+    let Some(mesh) = conforming(&model, ItzForm::None) else { return };
+    let exact = PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, |_| 0.0).unwrap();
+    let meshed = PhaseVolumes::of_mesh(&mesh);
+    for phase in [Phase::Aggregate, Phase::Mortar, Phase::Fibre] {
+        assert!((meshed.of(phase) / exact.of(phase) - 1.0).abs() < 1e-9, "{phase:?}: {meshed:?} {exact:?}");
+    }
+    for axis in 0..3 {
+        let [low, high] = [0.0, SIDE_MM].map(|place| side(&mesh, axis, place));
+        assert!(low == high && low.len() > 500, "across {axis}: {} {}", low.len(), high.len());
+    }
+}
+
 #[test]
 fn the_solid_itz_leaves_the_surfaces_of_a_periodic_box_as_they_are_and_matches_across_its_faces() {
     let model = packed([true, true, false], 4);
@@ -76,8 +96,8 @@ fn the_solid_itz_leaves_the_surfaces_of_a_periodic_box_as_they_are_and_matches_a
     assert!((meshed.mortar / exact.mortar - 1.0).abs() < 1e-12);
     // Measured 54 of 10,974 nodes.
     assert!(mesh.notes.thinned_itz_nodes * 100 < mesh.points.len(), "{:?}", mesh.notes);
-    // Measured 1.1 % too small; without periods 0.5 to 0.8 %.
-    assert!((meshed.itz / exact.itz - 1.0).abs() < 0.015, "{} {}", meshed.itz, exact.itz);
+    // Measured 1.0 to 2.0 % too small; without periods 0.5 to 0.8 %.
+    assert!((meshed.itz / exact.itz - 1.0).abs() < 0.02, "{} {}", meshed.itz, exact.itz);
     for axis in [0, 1] {
         let [low, high] = [0.0, SIDE_MM].map(|place| side(&mesh, axis, place));
         assert!(low == high && low.len() > 500, "across {axis}: {} {}", low.len(), high.len());

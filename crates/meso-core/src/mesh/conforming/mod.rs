@@ -7,6 +7,7 @@
 
 mod faces;
 mod facets;
+mod flat;
 mod gaps;
 mod msh;
 mod parts;
@@ -88,7 +89,8 @@ impl<'a> Surfaces<'a> {
     /// # Errors
     /// Says what is wrong with `output`; a node on a periodic face that has none opposite to it.
     pub(super) fn mesh(&self, output: &[u8]) -> Result<Mesh, MeshError> {
-        let read = msh::read(output).map_err(MeshError::Gmsh)?;
+        let mut read = msh::read(output).map_err(MeshError::Gmsh)?;
+        flat::open(&mut read, &self.period, &self.domain);
         let (filled, wanted) = (read.volume.iter().collect::<BTreeSet<_>>().len(), self.shells.volumes.len());
         if filled < wanted {
             let empty = wanted - filled;

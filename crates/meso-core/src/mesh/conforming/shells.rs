@@ -55,7 +55,11 @@ impl Shells {
             });
         }
         let mut own = vec![Vec::new(); self.surfaces.len()];
-        (0..).zip(owner).for_each(|(node, owner)| own[owner.expect("a node is of a surface")].push(node));
+        // What is cut off a void has no surface at the box's faces, and its nodes there have none.
+        (0..)
+            .zip(owner)
+            .filter_map(|(node, owner)| Some((node, owner?)))
+            .for_each(|(node, owner)| own[owner].push(node));
         own
     }
 }
