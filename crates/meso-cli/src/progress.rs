@@ -1,30 +1,30 @@
-//! The progress bar, the clock and the wish to stop, as the core sees them.
+//! The progress line, the clock and the wish to stop, as the core sees them.
 
 use crate::interrupt;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use meso_core::Progress;
-use std::time::{Duration, Instant};
+use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
-/// Ticks of a full bar.
-const TICKS: u64 = 1000;
+/// Characters of a full bar: the line stays within 80.
+const BAR: usize = 20;
+/// Back to the start of the line, which is emptied.
+const CLEAR: &str = "\r\x1b[2K";
 
 /// Watches one run.
 pub(crate) struct Watch {
     started: Instant,
-    bar: ProgressBar,
+    /// The tenth of a second in which the line was last drawn, where someone sees it.
+    drawn: Option<AtomicU64>,
     _polling: interrupt::Polling,
 }
 
 impl Watch {
-    /// Starts the clock, and draws a bar where stderr is a terminal and `quiet` is false.
+    /// Starts the clock; a line is drawn where stderr is a terminal and `quiet` is false.
     pub(crate) fn start(quiet: bool) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(TICKS), target);
-        if let Ok(style) = ProgressStyle::with_template("packing {bar:36} {msg} ({elapsed}, Ctrl-C keeps the best)") {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar.enable_steady_tick(Duration::from_millis(100));
-        Self { started: Instant::now(), bar, _polling: interrupt::Polling::begin() }
+        let seen = !quiet && io::stderr().is_terminal();
+        let drawn = seen.then(AtomicU64::default);
+        Self { started: Instant::now(), drawn, _polling: interrupt::Polling::begin() }
     }
 
     /// Seconds since the start.
@@ -32,22 +32,48 @@ impl Watch {
         self.started.elapsed().as_secs_f64()
     }
 
-    /// Takes the bar away.
+    /// Takes the line away.
     pub(crate) fn finish(&self) {
-        self.bar.finish_and_clear();
+        if self.drawn.is_some() {
+            show(CLEAR);
+        }
     }
 }
 
 impl Progress for Watch {
     fn update(&self, fraction: f64, target: f64) -> bool {
-        if !self.bar.is_hidden() {
-            self.bar.set_position((fraction / target * TICKS as f64) as u64);
-            self.bar.set_message(format!("{fraction:.4} of {target}"));
+        let tenth = 1 + (10.0 * self.elapsed()) as u64;
+        if self.drawn.as_ref().is_some_and(|drawn| drawn.swap(tenth, Ordering::Relaxed) != tenth) {
+            show(&format!("{CLEAR}{}", line(fraction, target, self.elapsed())));
         }
         !interrupt::asked()
     }
 
     fn seconds(&self) -> f64 {
         self.elapsed()
+    }
+}
+
+fn line(fraction: f64, target: f64, seconds: f64) -> String {
+    let done = ((fraction / target).clamp(0.0, 1.0) * BAR as f64) as usize;
+    let bar = "=".repeat(done);
+    format!("packing [{bar:BAR$}] {fraction:.4} of {target} ({seconds:.0} s, Ctrl-C keeps the best)")
+}
+
+/// A terminal that is gone is no reason to stop.
+fn show(text: &str) {
+    let mut stderr = io::stderr().lock();
+    let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::line;
+
+    #[test]
+    fn the_line_fits_a_terminal_of_80() {
+        let text = line(0.43218, 0.5, 12.3);
+        assert_eq!(text, "packing [=================   ] 0.4322 of 0.5 (12 s, Ctrl-C keeps the best)");
+        assert!(line(0.7, 0.6789, 1e4).len() < 80);
     }
 }
