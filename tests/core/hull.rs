@@ -214,6 +214,35 @@ fn a_builder_gives_the_same_hulls_whatever_it_built_before() {
 }
 
 #[test]
+fn wrapping_and_growing_give_the_same_hull() {
+    let mut source = Source::new(11);
+    for vertices in (4..=96).step_by(4) {
+        let grain = source.grain(vertices);
+        // With a point inside it the hull is grown.
+        let inside = grain.iter().sum::<Vec3>() / grain.len() as f64;
+        let more: Vec<Vec3> = grain.iter().copied().chain([inside]).collect();
+        assert_eq!(convex_hull(&grain), convex_hull(&more), "{vertices} vertices");
+    }
+}
+
+#[test]
+fn planes_and_areas_are_those_of_the_faces_one_by_one() {
+    let mut source = Source::new(12);
+    for vertices in [4, 7, 24, 30, 300] {
+        let hull = convex_hull(&source.grain(vertices)).unwrap();
+        let facets = hull.facets();
+        assert_eq!(facets.len(), hull.faces().len());
+        for (facet, face) in facets.iter().zip(hull.faces()) {
+            let [a, b, c] = [0, 1, 2].map(|k| hull.vertices()[face.vertex(k) as usize]);
+            let normal = (b - a).cross(&(c - a));
+            assert!((facet.area - normal.norm() / 2.0).abs() <= 1e-14 * facet.area);
+            assert!((facet.plane.normal - normal.normalize()).norm() < 1e-14);
+            assert!([a, b, c].iter().all(|corner| facet.plane.normal.dot(corner) <= facet.plane.offset));
+        }
+    }
+}
+
+#[test]
 fn a_hundred_thousand_points_take_no_time_to_speak_of() {
     let mut source = Source::new(3);
     let sphere: Vec<Vec3> = (0..100_000).map(|_| source.direction()).collect();

@@ -130,13 +130,12 @@ impl Inclusions {
 /// Square of an octagon's circumradius over that of a circle's diameter, of the same area: pi / (8 sqrt 2).
 const OCTAGON: f64 = PI / (8.0 * SQRT_2);
 
-/// Makes voids and fibres for a specimen of `volume` mm3; their classes begin at `first_class`.
+/// Adds voids and fibres for a specimen of `volume` mm3 to the `grains`; their classes begin at `first_class`.
 ///
 /// # Errors
 /// A body so small that the lattice of coordinates flattens it.
-pub(super) fn take(recipe: &Recipe, first_class: u16, volume: f64) -> Result<Vec<Grain>, HullError> {
+pub(super) fn take(grains: &mut Vec<Grain>, recipe: &Recipe, first_class: u16, volume: f64) -> Result<(), HullError> {
     let Inclusions { voids, fibres } = recipe.inclusions;
-    let mut grains = Vec::new();
     if let Some(voids) = voids {
         let (ball, [low, high], class) = (ball(), voids.diameter_mm, first_class);
         let make = |index| {
@@ -144,7 +143,7 @@ pub(super) fn take(recipe: &Recipe, first_class: u16, volume: f64) -> Result<Vec
             let outline = ball.scaled(stream.uniform(low, high) / 2.0);
             Grain::turned(Kind::Void, (class, index), &outline, stream)
         };
-        grains.append(&mut fill(voids.fraction * volume, recipe.go_on, make)?);
+        fill(grains, voids.fraction * volume, recipe.go_on, make)?;
     }
     if let Some(fibres) = fibres {
         let (prism, class) = (prism(fibres), first_class + 1);
@@ -155,9 +154,9 @@ pub(super) fn take(recipe: &Recipe, first_class: u16, volume: f64) -> Result<Vec
                 None => Grain::turned(Kind::Fibre, (class, index), &prism, stream),
             }
         };
-        grains.append(&mut fill(fibres.fraction * volume, recipe.go_on, make)?);
+        fill(grains, fibres.fraction * volume, recipe.go_on, make)?;
     }
-    Ok(grains)
+    Ok(())
 }
 
 impl Cone {

@@ -37,7 +37,8 @@ impl Stream {
 
     /// Uniform in [0, 1), a multiple of 2^-53.
     pub fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 * f64::from_bits(0x3CA0_0000_0000_0000)
+        // Through i64, which is an instruction where u64 is six.
+        (self.0.next_u64() >> 11) as i64 as f64 * f64::from_bits(0x3CA0_0000_0000_0000)
     }
 
     /// Uniform in [low, high).

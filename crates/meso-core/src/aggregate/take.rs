@@ -27,10 +27,10 @@ pub struct Grain {
     pub semi_axes: [f32; 3],
     /// Turns the coordinate axes into the directions of the semi-axes.
     pub rotation: UnitQuaternion<f32>,
-    /// Radius of the sphere about the centre that holds the body, mm.
-    pub outer_radius: f64,
-    /// Radius of the sphere about the centre that the body holds, mm.
-    pub inner_radius: f64,
+    /// Radius of the sphere about the centre that holds the body, mm, rounded up.
+    pub outer_radius: f32,
+    /// Radius of the sphere about the centre that the body holds, mm, rounded down.
+    pub inner_radius: f32,
 }
 
 impl Grain {
@@ -41,7 +41,7 @@ impl Grain {
 
     /// Half of the longest axis, about the centre, mm.
     pub fn half_length(&self) -> Vec3 {
-        self.rotation.cast::<f64>() * Vec3::x() * self.outer_radius
+        self.rotation.cast::<f64>() * Vec3::x() * f64::from(self.outer_radius)
     }
 
     /// Radius of the ball of the same volume, mm.
@@ -64,17 +64,17 @@ pub fn snap(v: &Vec3) -> Vec3 {
 }
 
 /// The vertices turned and rounded to the lattice.
-pub(crate) fn turned(vertices: &[Vec3], rotation: &Mat3) -> Vec<Vec3> {
+pub(crate) fn turned(vertices: impl ExactSizeIterator<Item = Vec3>, rotation: &Mat3) -> Vec<Vec3> {
     widest(Turned { vertices, rotation })
 }
 
 /// [`turned`] on registers that round by themselves.
-struct Turned<'a> {
-    vertices: &'a [Vec3],
+struct Turned<'a, I> {
+    vertices: I,
     rotation: &'a Mat3,
 }
 
-impl Wide for Turned<'_> {
+impl<I: ExactSizeIterator<Item = Vec3>> Wide for Turned<'_, I> {
     type Output = Vec<Vec3>;
 
     #[inline(always)]
@@ -121,12 +121,13 @@ pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result
     let mut grains = Vec::new();
     for (class, limits) in (0..).zip(&classes) {
         let target = fraction * volume * limits.share * beyond;
-        grains.append(&mut fill(target, recipe.go_on, |index| make(recipe, class, limits, index))?);
+        fill(&mut grains, target, recipe.go_on, |index| make(recipe, class, limits, index))?;
     }
-    grains.append(&mut inclusions::take(recipe, classes.len() as u16, volume * beyond)?);
+    inclusions::take(&mut grains, recipe, classes.len() as u16, volume * beyond)?;
     grains.shrink_to_fit();
     let last = |grain: &Grain| grain.kind != Kind::Fibre;
-    grains.sort_by(|p, q| {
+    // No two have the same number in the same class.
+    grains.sort_unstable_by(|p, q| {
         let by_volume = q.volume().total_cmp(&p.volume());
         last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
     });
@@ -136,22 +137,23 @@ pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result
 /// Grains made at once: enough to share among threads, few enough not to overshoot much.
 const CHUNK: u32 = 256;
 
-/// Makes grains by their numbers until they hold `target` mm3.
+/// Makes grains by their numbers until they hold `target` mm3, and adds them to the `grains`.
 pub(super) fn fill(
+    grains: &mut Vec<Grain>,
     target: f64,
     go_on: &(dyn Fn() -> bool + Sync),
     make: impl Fn(u32) -> Result<Grain, HullError> + Sync,
-) -> Result<Vec<Grain>, HullError> {
-    let (mut grains, mut volume) = (Vec::new(), 0.0);
+) -> Result<(), HullError> {
+    let mut volume = 0.0;
     for start in (0..).step_by(CHUNK as usize) {
         if !go_on() {
-            return Ok(grains);
+            return Ok(());
         }
         let chunk: Vec<Grain> = (start..start + CHUNK).into_par_iter().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
             // The last grain goes in when that brings the class nearer to its target.
             if volume + grain.volume() / 2.0 >= target {
-                return Ok(grains);
+                return Ok(());
             }
             volume += grain.volume();
             grains.push(grain);
@@ -170,7 +172,7 @@ fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<G
     }
     let bare = Grain::turned(Kind::Aggregate, (class, index), &outline, stream)?;
     let drawn = stream.uniform(recipe.itz.thickness_mm[0], recipe.itz.thickness_mm[1]);
-    let most = ITZ_LIMIT * bare.inner_radius;
+    let most = ITZ_LIMIT * f64::from(bare.inner_radius);
     Ok(Grain { itz_thickness_mm: drawn.min(most), itz_limited: drawn > most, ..bare })
 }
 
@@ -192,9 +194,11 @@ impl Grain {
         outline: &Outline,
         rotation: &Rotation,
     ) -> Result<Self, HullError> {
-        let mut vertices = turned(&outline.vertices, &rotation.to_rotation_matrix().into_inner());
+        let mut vertices = turned(outline.vertices.iter().copied(), &rotation.to_rotation_matrix().into_inner());
         vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
         let body = convex_hull(&vertices)?;
+        let outer_radius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+        let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
         Ok(Self {
             kind,
             class,
@@ -203,8 +207,8 @@ impl Grain {
             itz_limited: false,
             semi_axes: outline.semi_axes.map(|x| x as f32).into(),
             rotation: rotation.cast(),
-            outer_radius: body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max),
-            inner_radius: body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min),
+            outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),
+            inner_radius: inner_radius as f32 * (1.0 - f32::EPSILON),
             body: body.into(),
         })
     }

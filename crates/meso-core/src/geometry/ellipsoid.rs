@@ -17,7 +17,8 @@ impl Ellipsoid {
 
     /// The surface point at longitude `theta` from the x axis and polar angle `phi` from the z axis, radians.
     pub fn point(&self, theta: f64, phi: f64) -> Vec3 {
-        let direction = Vec3::new(libm::sin(phi) * libm::cos(theta), libm::sin(phi) * libm::sin(theta), libm::cos(phi));
+        let ((across, along), (y, x)) = (libm::sincos(phi), libm::sincos(theta));
+        let direction = Vec3::new(across * x, across * y, along);
         self.semi_axes.component_mul(&direction)
     }
 }

@@ -5,62 +5,104 @@ use serde::{Serialize, Serializer};
 /// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct FaceList {
-    /// The corners of all faces; then, unless every face is a triangle, one past the last corner of each.
-    lists: Indices,
+    lists: Owned,
     corners: u32,
+}
+
+/// A [`FaceList`] wherever its indices are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Faces<'a> {
+    /// The corners of all faces; then, unless every face is a triangle, one past the last corner of each.
+    pub(super) lists: Indices<'a>,
+    pub(super) corners: usize,
 }
 
 /// One face of a polyhedron: its vertex indices, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
 pub struct Face<'a> {
-    lists: &'a Indices,
+    lists: Indices<'a>,
     start: usize,
     end: usize,
 }
 
 /// Indices in the narrowest type that holds the largest of them.
 #[derive(Clone, Debug, PartialEq)]
-enum Indices {
+enum Owned {
     U8(Box<[u8]>),
     U16(Box<[u16]>),
     U32(Box<[u32]>),
+}
+
+/// The same, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Indices<'a> {
+    U8(&'a [u8]),
+    U16(&'a [u16]),
+    U32(&'a [u32]),
 }
 
 impl FaceList {
     /// Stores the faces whose corners are `corners[0..ends[0]]`, `corners[ends[0]..ends[1]]`, ...
     pub(super) fn new(corners: &[u32], ends: &[u32]) -> Self {
         let triangles = ends.iter().zip(1..).all(|(&end, count)| end == 3 * count);
-        let lists = if triangles { Indices::new(corners) } else { Indices::new(&[corners, ends].concat()) };
+        let lists = if triangles { Owned::new(corners) } else { Owned::new(&[corners, ends].concat()) };
         Self { lists, corners: corners.len() as u32 }
     }
 
-    pub(super) fn len(&self) -> usize {
-        if self.are_triangles() { self.corners as usize / 3 } else { self.lists.len() - self.corners as usize }
+    /// Triangles with these corners, one after the other.
+    pub(super) fn of_triangles(corners: &[u8]) -> Self {
+        Self { lists: Owned::U8(corners.into()), corners: corners.len() as u32 }
     }
 
-    fn are_triangles(&self) -> bool {
-        self.lists.len() == self.corners as usize
+    pub(super) fn faces(&self) -> Faces<'_> {
+        let lists = match &self.lists {
+            Owned::U8(values) => Indices::U8(values),
+            Owned::U16(values) => Indices::U16(values),
+            Owned::U32(values) => Indices::U32(values),
+        };
+        Faces { lists, corners: self.corners as usize }
+    }
+}
+
+impl From<Faces<'_>> for FaceList {
+    fn from(faces: Faces) -> Self {
+        let lists = match faces.lists {
+            Indices::U8(values) => Owned::U8(values.into()),
+            Indices::U16(values) => Owned::U16(values.into()),
+            Indices::U32(values) => Owned::U32(values.into()),
+        };
+        Self { lists, corners: faces.corners as u32 }
+    }
+}
+
+impl<'a> Faces<'a> {
+    fn len(self) -> usize {
+        if self.are_triangles() { self.corners / 3 } else { self.lists.len() - self.corners }
     }
 
-    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = Face<'_>> + Clone {
-        (0..self.len()).map(|f| self.face(f))
+    fn are_triangles(self) -> bool {
+        self.lists.len() == self.corners
+    }
+
+    pub(super) fn iter(self) -> impl ExactSizeIterator<Item = Face<'a>> + Clone {
+        (0..self.len()).map(move |f| self.face(f))
     }
 
     /// The faces of nearly all bodies: triangles over up to 256 vertices; `None` for others.
-    pub(super) fn byte_triangles(&self) -> Option<&[[u8; 3]]> {
-        match &self.lists {
+    pub(super) fn byte_triangles(self) -> Option<&'a [[u8; 3]]> {
+        match self.lists {
             Indices::U8(corners) if self.are_triangles() => Some(corners.as_chunks().0),
             _ => None,
         }
     }
 
-    pub(super) fn face(&self, f: usize) -> Face<'_> {
-        let end = |f: usize| self.lists.get(self.corners as usize + f) as usize;
+    fn face(self, f: usize) -> Face<'a> {
+        let end = |f: usize| self.lists.get(self.corners + f) as usize;
         let (start, end) = match self.are_triangles() {
             true => (3 * f, 3 * f + 3),
             false => (if f == 0 { 0 } else { end(f - 1) }, end(f)),
         };
-        Face { lists: &self.lists, start, end }
+        Face { lists: self.lists, start, end }
     }
 }
 
@@ -104,7 +146,7 @@ impl<'a> Face<'a> {
     }
 }
 
-impl Indices {
+impl Owned {
     fn new(values: &[u32]) -> Self {
         match values.iter().max() {
             Some(&max) if max > u32::from(u16::MAX) => Self::U32(values.into()),
@@ -112,8 +154,10 @@ impl Indices {
             _ => Self::U8(values.iter().map(|&i| i as u8).collect()),
         }
     }
+}
 
-    fn len(&self) -> usize {
+impl Indices<'_> {
+    pub(super) fn len(self) -> usize {
         match self {
             Self::U8(values) => values.len(),
             Self::U16(values) => values.len(),
@@ -121,7 +165,7 @@ impl Indices {
         }
     }
 
-    fn get(&self, k: usize) -> u32 {
+    fn get(self, k: usize) -> u32 {
         match self {
             Self::U8(values) => u32::from(values[k]),
             Self::U16(values) => u32::from(values[k]),

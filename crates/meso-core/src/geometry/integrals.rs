@@ -6,8 +6,10 @@
 //! in integers.
 
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
+use super::eights::{Note, SixVolumes};
 use super::integer;
 use crate::math::Vec3;
+use crate::wide::widest;
 use num_bigint::BigInt;
 
 /// Promised relative error of the volume.
@@ -19,12 +21,27 @@ const TERM_ERROR: f64 = 9.0 * (f64::EPSILON / 2.0);
 ///
 /// NaN where a vertex is not finite.
 pub(super) fn volume(vertices: &[Vec3], triangles: impl Iterator<Item = [u32; 3]> + Clone) -> f64 {
+    let corners = triangles.map(|t| t.map(|i| vertices[i as usize]));
+    summed(vertices, corners.clone(), |apex| float_sum(apex, corners))
+}
+
+/// [`volume`] where few vertices need no more than a byte to be named: eight triangles at a time.
+pub(super) fn volume_of_few(vertices: &[Vec3], triangles: &[[u8; 3]]) -> f64 {
+    let corners = triangles.iter().map(|t| t.map(|i| vertices[usize::from(i)]));
+    summed(vertices, corners, |&apex| widest(SixVolumes { apex, vertices, triangles, note: Sum::default() }).bounded())
+}
+
+/// A sixth of what `in_floats` gives from an apex, a sum with a bound of its error, or of a better sum where that is needed.
+fn summed(
+    vertices: &[Vec3],
+    corners: impl Iterator<Item = [Vec3; 3]> + Clone,
+    in_floats: impl FnOnce(&Vec3) -> (f64, f64),
+) -> f64 {
     let apex = vertices.iter().sum::<Vec3>() / vertices.len().max(1) as f64;
     if !apex.iter().all(|x| x.is_finite()) {
         return f64::NAN;
     }
-    let corners = triangles.map(|t| t.map(|i| vertices[i as usize]));
-    let (sum, error) = float_sum(&apex, corners.clone());
+    let (sum, error) = in_floats(&apex);
     if error <= 0.9 * ACCURACY * sum {
         return sum / 6.0;
     }
@@ -39,17 +56,39 @@ pub(super) fn six_volumes(apex: &Vec3, corners: &[Vec3; 3]) -> f64 {
     if certain { term } else { double_double_term(apex, corners).value() }
 }
 
-/// Six volumes and a bound of the error; the sum itself is compensated (Neumaier 1974).
-fn float_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64) {
-    let (mut sum, mut compensation, mut magnitude) = (0.0, 0.0, 0.0);
-    for triangle in corners {
-        let (term, size) = float_term(apex, &triangle);
-        magnitude += size;
-        let next: f64 = sum + term;
-        compensation += if f64::abs(sum) >= f64::abs(term) { (sum - next) + term } else { (term - next) + sum };
-        sum = next;
+/// A compensated sum (Neumaier 1974) of terms, and of their magnitudes.
+#[derive(Default)]
+struct Sum {
+    sum: f64,
+    compensation: f64,
+    magnitude: f64,
+}
+
+impl Note for Sum {
+    #[inline(always)]
+    fn add(&mut self, term: f64, magnitude: f64) {
+        self.magnitude += magnitude;
+        let (sum, next) = (self.sum, self.sum + term);
+        self.compensation += if sum.abs() >= term.abs() { (sum - next) + term } else { (term - next) + sum };
+        self.sum = next;
     }
-    (sum + compensation, TERM_ERROR * magnitude)
+}
+
+impl Sum {
+    /// Six volumes and a bound of the error.
+    fn bounded(&self) -> (f64, f64) {
+        (self.sum + self.compensation, TERM_ERROR * self.magnitude)
+    }
+}
+
+/// Six volumes and a bound of the error.
+fn float_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64) {
+    let mut sum = Sum::default();
+    for triangle in corners {
+        let (term, magnitude) = float_term(apex, &triangle);
+        sum.add(term, magnitude);
+    }
+    sum.bounded()
 }
 
 /// A term, and the sum of the magnitudes of its six products.

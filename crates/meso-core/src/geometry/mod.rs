@@ -2,6 +2,7 @@
 
 mod clip;
 mod double_double;
+mod eights;
 pub mod ellipsoid;
 mod faces;
 pub mod hull;

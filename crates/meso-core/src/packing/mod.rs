@@ -140,10 +140,9 @@ impl Pose {
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
     pub fn turned(&self, body: &NarrowPolyhedron) -> Vec<Vec3> {
-        let vertices: Vec<Vec3> = body.vertices().collect();
         match self.rotation() {
-            Some(rotation) => take::turned(&vertices, &rotation.to_rotation_matrix().into_inner()),
-            None => vertices,
+            Some(rotation) => take::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
+            None => body.vertices().collect(),
         }
     }
 

@@ -115,7 +115,7 @@ impl<'a> Task<'a> {
     /// where there are none.
     pub(super) fn domain(&self) -> Aabb {
         let aabb = self.room.aabb();
-        let largest = self.request.grains.iter().map(|grain| grain.outer_radius).fold(0.0, f64::max);
+        let largest = self.request.grains.iter().map(|grain| f64::from(grain.outer_radius)).fold(0.0, f64::max);
         let margin = (largest + self.request.placement.min_gap_mm) * (1.0 + 1e-9);
         self.period.mixed(&aabb.grown(margin), &aabb)
     }

@@ -96,7 +96,7 @@ impl Fixed {
         let mass = libm::pow(grain.volume(), MASS_EXPONENT) * slender::weight(grain);
         Self {
             grain: index,
-            outer_radius: grain.outer_radius as f32 * 1.000_001,
+            outer_radius: grain.outer_radius * 1.000_001,
             inverse_mass: (1.0 / mass) as f32,
             inverse_inertia: (1.0 / slender::inertia(grain, mass)) as f32,
             ball_radius: grain.ball_radius() as f32,

@@ -22,7 +22,7 @@ const TOGETHER: f64 = 1.0 / 32.0;
 /// last: they look for a line that the others leave free.
 pub(super) fn fill(task: &Task) -> Vec<Pose> {
     let grains = task.request.grains;
-    let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
+    let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
     let domain = task.domain();
     let mut ground = Ground { task, domain, balls: Balls::new(&domain, middle) };
     let (long, short): (Vec<usize>, Vec<usize>) =
@@ -58,8 +58,8 @@ impl Row {
         if grain.kind != Kind::Fibre {
             return Self { radius: grain.ball_radius(), balls: vec![Vec3::zeros()] };
         }
-        let (radius, end) = (grain.inner_radius, grain.half_length());
-        let count = (grain.outer_radius / (STEP * radius)).ceil().clamp(1.0, MOST_BALLS);
+        let (radius, end) = (f64::from(grain.inner_radius), grain.half_length());
+        let count = (f64::from(grain.outer_radius) / (STEP * radius)).ceil().clamp(1.0, MOST_BALLS);
         let shares = (-(count as i32)..=count as i32).map(|k| f64::from(k) / count);
         Self { radius, balls: shares.map(|share| end * share).collect() }
     }
@@ -99,7 +99,7 @@ impl Ground<'_> {
         let reach = self.task.reach(&body.body.aabb());
         let mut best = (f32::NEG_INFINITY, reach.min);
         for _ in 0..row.looks() {
-            let centre = self.inner_point(&mut stream, &reach, body.inner_radius);
+            let centre = self.inner_point(&mut stream, &reach, f64::from(body.inner_radius));
             let clearance = self.room(row, &centre, best.0);
             best = if clearance > best.0 { (clearance, centre) } else { best };
         }

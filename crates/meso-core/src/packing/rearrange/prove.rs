@@ -96,7 +96,7 @@ impl<'a> Scene<'a> {
             task,
             settled,
             images: Vec::new(),
-            grid: Grid::new(&domain, 2.0 * settled[settled.len() / 2].grain.outer_radius),
+            grid: Grid::new(&domain, 2.0 * f64::from(settled[settled.len() / 2].grain.outer_radius)),
         };
         for (number, body) in (0..).zip(settled) {
             for shift in task.period.shifts(&body.aabb, &domain) {

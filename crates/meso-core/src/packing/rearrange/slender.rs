@@ -22,7 +22,7 @@ pub(super) fn axes<'a>(grains: impl Iterator<Item = &'a Grain> + Clone) -> Vec<V
 /// with 20 for the mass and none for the crowding, which sets the momentum.
 pub(super) fn weight(grain: &Grain) -> f64 {
     match grain.kind {
-        Kind::Fibre => (SLENDER * grain.outer_radius / grain.inner_radius).max(1.0),
+        Kind::Fibre => (SLENDER * f64::from(grain.outer_radius) / f64::from(grain.inner_radius)).max(1.0),
         Kind::Aggregate | Kind::Void => 1.0,
     }
 }
@@ -32,7 +32,7 @@ const SLENDER: f64 = 1.0 / 3.0;
 /// Moment of inertia for a mass: of a hollow ball of the same volume; of two halves at the ends of a fibre (153 sweeps
 /// where that of a rod, a third of it, took 265).
 pub(super) fn inertia(grain: &Grain, mass: f64) -> f64 {
-    let (ball_radius, outer_radius) = (grain.ball_radius(), grain.outer_radius);
+    let (ball_radius, outer_radius) = (grain.ball_radius(), f64::from(grain.outer_radius));
     match grain.kind {
         Kind::Fibre => mass * outer_radius * outer_radius,
         Kind::Aggregate | Kind::Void => 0.8 * mass * ball_radius * ball_radius,

@@ -1,0 +1,159 @@
+//! The triangles of a body, eight at a time: what is asked of each is then asked of all on wide registers, with the bits
+//! that one by one would give.
+
+use super::polyhedron::{Facet, Plane};
+use crate::math::Vec3;
+use crate::wide::Wide;
+
+/// Triangles looked at together.
+const LANES: usize = 8;
+/// A number of each.
+type Eight = [f64; LANES];
+
+/// A coordinate of each corner, by axis.
+#[derive(Default)]
+struct Corner([Eight; 3]);
+
+/// The corners of eight triangles.
+#[derive(Default)]
+struct Triangles {
+    a: Corner,
+    b: Corner,
+    c: Corner,
+}
+
+impl Triangles {
+    /// Takes the corners of up to eight; the lanes of the others keep what they had.
+    #[inline(always)]
+    fn take(&mut self, vertices: &[Vec3], triangles: &[[u8; 3]]) {
+        for (lane, &[a, b, c]) in triangles.iter().enumerate() {
+            self.a.set(lane, &vertices[usize::from(a)]);
+            self.b.set(lane, &vertices[usize::from(b)]);
+            self.c.set(lane, &vertices[usize::from(c)]);
+        }
+    }
+}
+
+impl Corner {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, vertex: &Vec3) {
+        let Self([x, y, z]) = self;
+        (x[lane], y[lane], z[lane]) = (vertex.x, vertex.y, vertex.z);
+    }
+
+    #[inline(always)]
+    fn from(&self, origin: &Self) -> Self {
+        let mut difference = Self::default();
+        for axis in 0..3 {
+            for lane in 0..LANES {
+                difference.0[axis][lane] = self.0[axis][lane] - origin.0[axis][lane];
+            }
+        }
+        difference
+    }
+}
+
+/// The facets of a body of triangles; [`widest`](crate::wide::widest) runs it.
+pub(super) struct Facets<'a> {
+    pub(super) vertices: &'a [Vec3],
+    pub(super) triangles: &'a [[u8; 3]],
+}
+
+impl Wide for Facets<'_> {
+    type Output = Vec<Facet>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Facet> {
+        let mut facets = Vec::with_capacity(self.triangles.len());
+        let mut eight = Triangles::default();
+        for some in self.triangles.chunks(LANES) {
+            eight.take(self.vertices, some);
+            let (areas, normals, offsets) = eight.planes();
+            for lane in 0..some.len() {
+                let normal = Vec3::new(normals[0][lane], normals[1][lane], normals[2][lane]);
+                let plane = Plane { normal, offset: offsets[lane] };
+                facets.push(Facet { plane, area: areas[lane], corners: 3 });
+            }
+        }
+        facets
+    }
+}
+
+impl Triangles {
+    /// Areas, unit normals by axis, and offsets that leave all corners inside.
+    #[inline(always)]
+    fn planes(&self) -> (Eight, [Eight; 3], Eight) {
+        let (Corner([ux, uy, uz]), Corner([vx, vy, vz])) = (self.b.from(&self.a), self.c.from(&self.a));
+        let [mut nx, mut ny, mut nz, mut areas, mut offsets] = [[0.0; LANES]; 5];
+        for lane in 0..LANES {
+            nx[lane] = (uy[lane] * vz[lane] - uz[lane] * vy[lane]) * 0.5;
+            ny[lane] = (uz[lane] * vx[lane] - ux[lane] * vz[lane]) * 0.5;
+            nz[lane] = (ux[lane] * vy[lane] - uy[lane] * vx[lane]) * 0.5;
+        }
+        for lane in 0..LANES {
+            areas[lane] = (nx[lane] * nx[lane] + ny[lane] * ny[lane] + nz[lane] * nz[lane]).sqrt();
+        }
+        for normal in [&mut nx, &mut ny, &mut nz] {
+            for lane in 0..LANES {
+                normal[lane] /= areas[lane];
+            }
+        }
+        for (corner, Corner([x, y, z])) in [&self.a, &self.b, &self.c].into_iter().enumerate() {
+            for lane in 0..LANES {
+                let along = nx[lane] * x[lane] + ny[lane] * y[lane] + nz[lane] * z[lane];
+                offsets[lane] = if corner == 0 || along > offsets[lane] { along } else { offsets[lane] };
+            }
+        }
+        (areas, [nx, ny, nz], offsets)
+    }
+}
+
+/// Six times the volumes of the tetrahedra from `apex` over the triangles, each with the sum of the magnitudes of its
+/// products; [`widest`](crate::wide::widest) runs it. To `note` they go in order.
+pub(super) struct SixVolumes<'a, N> {
+    pub(super) apex: Vec3,
+    pub(super) vertices: &'a [Vec3],
+    pub(super) triangles: &'a [[u8; 3]],
+    pub(super) note: N,
+}
+
+/// Who is told a term and its magnitude.
+pub(super) trait Note {
+    fn add(&mut self, term: f64, magnitude: f64);
+}
+
+impl<N: Note> Wide for SixVolumes<'_, N> {
+    type Output = N;
+
+    #[inline(always)]
+    fn run(mut self) -> N {
+        let mut eight = Triangles::default();
+        for some in self.triangles.chunks(LANES) {
+            eight.take(self.vertices, some);
+            let (terms, magnitudes) = eight.six_volumes(&self.apex);
+            for lane in 0..some.len() {
+                self.note.add(terms[lane], magnitudes[lane]);
+            }
+        }
+        self.note
+    }
+}
+
+impl Triangles {
+    #[inline(always)]
+    fn six_volumes(&self, apex: &Vec3) -> (Eight, Eight) {
+        let (Corner([ux, uy, uz]), Corner([vx, vy, vz])) = (self.b.from(&self.a), self.c.from(&self.a));
+        let Corner([x, y, z]) = &self.a;
+        let [mut terms, mut magnitudes] = [[0.0; LANES]; 2];
+        for lane in 0..LANES {
+            let (px, qx) = (uy[lane] * vz[lane], uz[lane] * vy[lane]);
+            let (py, qy) = (uz[lane] * vx[lane], ux[lane] * vz[lane]);
+            let (pz, qz) = (ux[lane] * vy[lane], uy[lane] * vx[lane]);
+            let (wx, wy, wz) = (x[lane] - apex.x, y[lane] - apex.y, z[lane] - apex.z);
+            terms[lane] = (px - qx) * wx + (py - qy) * wy + (pz - qz) * wz;
+            magnitudes[lane] =
+                (px.abs() + qx.abs()) * wx.abs() + (py.abs() + qy.abs()) * wy.abs() + (pz.abs() + qz.abs()) * wz.abs();
+        }
+        (terms, magnitudes)
+    }
+}
