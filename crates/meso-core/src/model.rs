@@ -31,7 +31,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     let start = progress.seconds();
     let grains = take_grains(spec, progress)?;
     let aggregates = grains.iter().filter(|grain| grain.kind == Kind::Aggregate);
-    let longest = aggregates.map(|grain| 2.0 * grain.outer_radius).fold(0.0, f64::max);
+    let longest = aggregates.map(|grain| 2.0 * f64::from(grain.outer_radius)).fold(0.0, f64::max);
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
@@ -39,7 +39,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     let mut outcome = packing::place(&request(spec, &grains, progress, start));
     outcome.note(&grains, spec.grading.classes().len());
     // Every grain is freed as it settles: there is no moment with all of both.
-    let (mut aggregates, mut inclusions) = settle(grains, &outcome.poses)?;
+    let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
     packing::keep_off_faces(&mut bodies, &spec.specimen, spec.placement.wall_gap_mm);
     let placed = progress.seconds();
@@ -85,23 +85,31 @@ fn flat_shape(error: &HullError) -> SpecError {
 }
 
 /// Grains that settle at once, on all threads.
-const AT_ONCE: usize = 1024;
+const AT_ONCE: usize = 256;
 
 /// The placed grains in the specimen's frame: aggregates, and what is not.
-fn settle(grains: Vec<Grain>, poses: &[Option<Pose>]) -> Result<(Vec<Aggregate>, Vec<Aggregate>), SpecError> {
-    let settle = |(grain, pose): (Grain, &Option<Pose>)| {
+fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<Aggregate>, Vec<Aggregate>), SpecError> {
+    // First those go that found no place: what the others become takes twice as much.
+    let mut is_placed = poses.iter().map(Option::is_some);
+    grains.retain(|_| is_placed.next() == Some(true));
+    poses.retain(Option::is_some);
+    let settle = |(grain, pose): (Grain, &Option<Pose>)| -> Result<Option<Aggregate>, SpecError> {
         let Some(pose) = pose else { return Ok(None) };
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
         let Grain { kind, class, itz_thickness_mm, .. } = grain;
         Ok(Some(Aggregate { id: 0, kind, class, itz_thickness_mm, body }))
     };
-    let mut aggregates = Vec::with_capacity(poses.iter().flatten().count());
-    let mut grains = grains.into_iter();
-    for poses in poses.chunks(AT_ONCE) {
-        let several: Vec<Grain> = grains.by_ref().take(poses.len()).collect();
-        let settled: Vec<_> = several.into_par_iter().zip(poses).map(settle).collect::<Result<_, SpecError>>()?;
-        aggregates.extend(settled.into_iter().flatten());
+    // From the last on, so that these lists shrink as that of aggregates grows.
+    let mut aggregates = Vec::with_capacity(poses.len());
+    while !grains.is_empty() {
+        let first = grains.len().saturating_sub(AT_ONCE);
+        let (several, theirs) = (grains.split_off(first), poses.split_off(first));
+        grains.shrink_to_fit();
+        poses.shrink_to_fit();
+        let settled: Vec<_> = several.into_par_iter().zip(&theirs).map(settle).collect::<Result<_, SpecError>>()?;
+        aggregates.extend(settled.into_iter().rev().flatten());
     }
+    aggregates.reverse();
     let mut inclusions: Vec<Aggregate> = aggregates.extract_if(.., |body| body.kind != Kind::Aggregate).collect();
     inclusions.sort_by_key(|body| body.kind);
     (0..).zip(aggregates.iter_mut().chain(&mut inclusions)).for_each(|(id, body)| body.id = id);

@@ -11,7 +11,7 @@ mod read;
 pub use read::{ReadError, read};
 
 use crate::aggregate::Aggregate;
-use crate::geometry::Polyhedron;
+use crate::geometry::{Face, Polyhedron};
 use crate::model::Model;
 use crate::packing::{Report, Seconds};
 use rayon::prelude::*;
@@ -24,14 +24,14 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Most lines are shorter: 30 vertices and 56 faces.
 const LINE_BYTES: usize = 3072;
 /// Aggregates whose lines each thread makes at once.
-const AT_ONCE: usize = 64;
+const AT_ONCE: usize = 32;
 
 /// Writes `model` to `out`, some aggregates at a time.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 16, out);
+    let mut out = BufWriter::with_capacity(1 << 15, out);
     out.write_all(b"{")?;
     entry(&mut out, "mesocrete", VERSION)?;
     entry(&mut out, "spec", &model.spec)?;
@@ -56,21 +56,24 @@ fn list(
     write: impl Fn(&Aggregate, &mut Vec<u8>) -> io::Result<()> + Sync,
 ) -> io::Result<()> {
     write!(out, "\"{key}\": [")?;
-    let line = |body: &Aggregate| {
-        let mut line = Vec::with_capacity(LINE_BYTES);
-        write(body, &mut line).map(|()| line)
+    let lines = |some: &[Aggregate]| -> io::Result<Vec<u8>> {
+        let mut lines = Vec::with_capacity(LINE_BYTES * some.len());
+        for body in some {
+            lines.extend_from_slice(if std::ptr::eq(body, &bodies[0]) { b"\n" } else { b",\n" });
+            write(body, &mut lines)?;
+        }
+        Ok(lines)
     };
-    let mut separator: &[u8] = b"\n";
     let in_pool = rayon::current_thread_index().is_some();
     let threads = if in_pool { rayon::current_num_threads() } else { 1 };
     for several in bodies.chunks(AT_ONCE * threads) {
-        let lines: io::Result<Vec<Vec<u8>>> =
-            if in_pool { several.par_iter().map(line).collect() } else { several.iter().map(line).collect() };
-        for line in lines? {
-            out.write_all(separator)?;
-            out.write_all(&line)?;
-            separator = b",\n";
-        }
+        let shares: io::Result<Vec<Vec<u8>>> = if in_pool {
+            several.par_chunks(AT_ONCE).map(lines).collect()
+        } else {
+            several.chunks(AT_ONCE).map(lines).collect()
+        };
+        // Longer than the buffer: they go past it.
+        shares?.iter().try_for_each(|lines| out.write_all(lines))?;
     }
     out.write_all(b"\n]")
 }
@@ -106,19 +109,59 @@ fn write_body(body: &Polyhedron, out: &mut Vec<u8>) -> io::Result<()> {
         out.push(if i == 0 { b'[' } else { b',' });
         serde_json::to_writer(&mut *out, &<[f64; 3]>::from(*vertex))?;
     }
-    out.extend_from_slice(b"],\"faces\":");
-    // By hand: through the serializer these digits took as long as the coordinates.
-    let mut digits = itoa::Buffer::new();
-    for (i, face) in body.faces().enumerate() {
-        out.extend_from_slice(if i == 0 { b"[[" } else { b",[" });
-        for (k, corner) in face.iter().enumerate() {
-            if k > 0 {
-                out.push(b',');
-            }
-            out.extend_from_slice(digits.format(corner).as_bytes());
-        }
-        out.push(b']');
+    out.extend_from_slice(b"],\"faces\":[");
+    for face in body.faces() {
+        write_face(face, out);
     }
+    out.pop();
     out.extend_from_slice(b"]}");
     Ok(())
 }
+
+/// Corners of the faces that are put together by bytes.
+const FEW: usize = 15;
+
+/// A face and a comma. By hand: through the serializer these digits took as long as the coordinates.
+fn write_face(face: Face, out: &mut Vec<u8>) {
+    if face.len() <= FEW && face.iter().all(|corner| corner < BYTES.len() as u32) {
+        let (mut text, mut end) = ([b'['; 4 * (FEW + 1)], 1);
+        for corner in face.iter() {
+            let (digits, len) = &BYTES[corner as usize];
+            text[end..end + 4].copy_from_slice(digits);
+            end += usize::from(*len);
+        }
+        text[end - 1..=end].copy_from_slice(b"],");
+        out.extend_from_slice(&text[..=end]);
+        return;
+    }
+    let mut digits = itoa::Buffer::new();
+    for (k, corner) in face.iter().enumerate() {
+        out.push(if k == 0 { b'[' } else { b',' });
+        out.extend_from_slice(digits.format(corner).as_bytes());
+    }
+    out.extend_from_slice(b"],");
+}
+
+/// Small numbers with a comma, and how long that is.
+const BYTES: [([u8; 4], u8); 256] = {
+    let mut bytes = [([b','; 4], 0); 256];
+    let mut number = 0;
+    while number < 256 {
+        let digits = if number < 10 {
+            1
+        } else if number < 100 {
+            2
+        } else {
+            3
+        };
+        let (mut rest, mut at) = (number, digits);
+        while at > 0 {
+            at -= 1;
+            bytes[number].0[at] = b'0' + (rest % 10) as u8;
+            rest /= 10;
+        }
+        bytes[number].1 = digits as u8 + 1;
+        number += 1;
+    }
+    bytes
+};

@@ -4,6 +4,7 @@ use super::ellipsoid::Ellipsoids;
 use super::support::Support;
 use crate::geometry::{Facet, NarrowPolyhedron};
 use crate::math::{Mat3, Vec3};
+use crate::wide::{Wide, widest};
 
 /// Points per [`Group`]: four AVX-512 registers of doubles for each coordinate.
 pub(crate) const GROUP: usize = 32;
@@ -32,23 +33,50 @@ pub struct Body {
 pub struct Bounds(pub(crate) Ellipsoids);
 
 impl Bounds {
-    /// The body that these are of.
+    /// Makes `body` the one that these are of: its memory is used again.
     #[inline]
-    pub fn body(&self, shape: &NarrowPolyhedron) -> Body {
-        let (bounds, len) = (self.0, shape.vertex_count());
-        let mut first = Group([[0.0; GROUP]; 3]);
-        if len > GROUP {
-            let mut body = Body { bounds, len: 0, rest: None, first };
+    pub fn lay_out<'b>(&self, shape: &NarrowPolyhedron, body: &'b mut Body) -> &'b Body {
+        body.bounds = self.0;
+        if shape.vertex_count() > GROUP {
             body.fill(shape.vertices());
-            return body;
+        } else {
+            (body.len, body.rest) = (shape.vertex_count() as u32, None);
+            widest(Widened { shape, group: &mut body.first });
         }
-        for (slots, along) in first.0.iter_mut().zip(shape.coordinates()) {
-            for (slot, &x) in slots.iter_mut().zip(along) {
-                *slot = f64::from(x);
+        body
+    }
+}
+
+/// Lays out up to a group of vertices on wide registers, and repeats the first one.
+struct Widened<'a> {
+    shape: &'a NarrowPolyhedron,
+    group: &'a mut Group,
+}
+
+impl Wide for Widened<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (shape, len) = (self.shape, self.shape.vertex_count());
+        for (axis, slots) in self.group.0.iter_mut().enumerate() {
+            // Where as much memory lies behind the vertices, whole registers are read and what is beyond is not used.
+            match shape.window::<GROUP>(axis) {
+                Some(window) => {
+                    for i in 0..GROUP {
+                        slots[i] = f64::from(window[i]);
+                    }
+                    let first = slots[0];
+                    slots[len..].fill(first);
+                }
+                None => {
+                    let along = shape.coordinates()[axis];
+                    for (i, slot) in slots.iter_mut().enumerate() {
+                        *slot = f64::from(along[if i < len { i } else { 0 }]);
+                    }
+                }
             }
-            slots[len..].fill(f64::from(along[0]));
         }
-        Body { bounds, len: len as u32, rest: None, first }
     }
 }
 

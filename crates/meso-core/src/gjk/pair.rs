@@ -92,14 +92,14 @@ pub fn apart_counted(
     Query { a, b, x: *b_from_a, gap }.axis(start, counters).map(|v| v.normalize())
 }
 
-/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is made only if its bounds do not
-/// tell; counts what it took.
+/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is laid out only if its bounds do
+/// not tell; counts what it took.
 #[inline]
-pub fn apart_from(
+pub fn apart_from<'b>(
     a: &Body,
-    (bounds, b): (&Bounds, impl FnOnce() -> Body),
-    b_from_a: &Vec3,
-    gap: f64,
+    bounds: &Bounds,
+    b: impl FnOnce() -> &'b Body,
+    (b_from_a, gap): (&Vec3, f64),
     counters: &mut Counters,
 ) -> bool {
     let (stage, known) = glance(&a.bounds, &bounds.0, b_from_a, gap);
@@ -108,7 +108,7 @@ pub fn apart_from(
         return matches!(known, Known::Apart(_));
     };
     counters.count(Stage::Gjk);
-    Query { a, b: &b(), x: *b_from_a, gap }.settle(&v, counters)
+    Query { a, b: b(), x: *b_from_a, gap }.settle(&v, counters)
 }
 
 /// What the headers tell: one cache line each, no vertex.

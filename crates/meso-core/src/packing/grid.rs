@@ -29,26 +29,29 @@ impl Grid {
         self.lowest.push(low);
     }
 
-    /// The bodies that reach into the cell at `point`, the last first.
-    pub(super) fn at(&self, point: &Vec3) -> impl Iterator<Item = u32> {
-        self.list(self.raster.cell_of(point))
+    /// The number of the cell at `point`.
+    #[inline]
+    pub(super) fn cell(&self, point: &Vec3) -> u32 {
+        self.raster.flat(self.raster.cell_of(point)) as u32
+    }
+
+    /// The bodies that reach into the cell of this number, the last first.
+    #[inline]
+    pub(super) fn list(&self, cell: u32) -> impl Iterator<Item = u32> {
+        self.lists[cell as usize].iter().rev().copied()
     }
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
         let (low, high) = self.raster.range(aabb);
         cells(low, high).all(|cell| {
-            self.list(cell).all(|body| {
+            self.list(self.raster.flat(cell) as u32).all(|body| {
                 // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
                 let lowest = self.lowest[body as usize];
                 let first = (0..3).all(|i| cell[i] == low[i].max(lowest[i]));
                 !first || visit(body)
             })
         })
-    }
-
-    fn list(&self, cell: [i32; 3]) -> impl Iterator<Item = u32> {
-        self.lists[self.raster.flat(cell)].iter().rev().copied()
     }
 }
 

@@ -9,7 +9,7 @@ const MOST_CELLS: f64 = 4.0e6;
 #[derive(Clone, Debug)]
 pub(super) struct Raster {
     origin: Vec3,
-    cell: f64,
+    per_mm: f64,
     counts: [i32; 3],
 }
 
@@ -19,7 +19,7 @@ impl Raster {
         let size = domain.size();
         let cell = cell.max(libm::cbrt(size.product() / MOST_CELLS));
         let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as i32);
-        Self { origin: domain.min, cell, counts }
+        Self { origin: domain.min, per_mm: 1.0 / cell, counts }
     }
 
     /// Number of cells.
@@ -30,7 +30,7 @@ impl Raster {
     /// The cell at `point`; of points beyond the box the one nearest to it.
     #[inline]
     pub(super) fn cell_of(&self, point: &Vec3) -> [i32; 3] {
-        let along = |i: usize| (((point[i] - self.origin[i]) / self.cell) as i32).clamp(0, self.counts[i] - 1);
+        let along = |i: usize| (((point[i] - self.origin[i]) * self.per_mm) as i32).clamp(0, self.counts[i] - 1);
         [along(0), along(1), along(2)]
     }
 

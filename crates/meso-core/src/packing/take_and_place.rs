@@ -8,16 +8,16 @@ mod mask;
 mod scene;
 
 use super::place::Task;
-use super::{Outcome, Pose, StopReason};
+use super::{Outcome, Period, StopReason};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::snap;
-use crate::gjk::Counters;
-use crate::math::Vec3;
+use crate::math::{Aabb, Vec3};
+use crate::wide::{Wide, widest};
 use rayon::prelude::*;
-use scene::{Candidate, Scene, Trial};
+use scene::{Candidate, Scene, Trial, Workplace};
 
 /// Grains that search at the same time. A constant, so that the counters do not depend on the threads.
-const BATCH: usize = 64;
+const BATCH: usize = 32;
 
 /// Tries up to `attempts` positions for every grain of `task`, in its order; what finds none is left out.
 pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
@@ -27,11 +27,13 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     if outcome.stop.is_some() {
         return outcome;
     }
-    let order: Vec<usize> = (0..task.request.grains.len()).collect();
-    for batch in order.chunks(BATCH) {
-        let scouted: Vec<Search> = batch
-            .par_iter()
-            .map(|&grain| {
+    // Not needed before the end.
+    outcome.poses = Vec::new();
+    let grains = task.request.grains.len();
+    for first in (0..grains).step_by(BATCH) {
+        let scouted: Vec<Search> = (first..grains.min(first + BATCH))
+            .into_par_iter()
+            .map(|grain| {
                 let mut search = Search::new(task, grain, attempts);
                 search.run(&scene);
                 search
@@ -46,6 +48,7 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
             break;
         }
     }
+    outcome.poses = scene.into_poses();
     outcome
 }
 
@@ -53,14 +56,13 @@ fn commit(scene: &mut Scene, mut search: Search, first_mate: usize, outcome: &mu
     if scene.class_is_full(search.candidate.grain) {
         return;
     }
-    let Search { candidate, found, counters, .. } = &mut search;
-    if found.is_some_and(|centre| !scene.free_of_mates(candidate, &centre, first_mate, counters)) {
+    let Search { candidate, found, work, .. } = &mut search;
+    if found.is_some_and(|centre| !scene.free_of_mates(candidate, &centre, first_mate, work)) {
         search.run(scene);
     }
     outcome.work.candidates += search.candidates;
-    outcome.work.add(&search.counters);
+    outcome.work.add(&search.work.counters);
     if let Some(centre) = search.found {
-        outcome.poses[search.number] = Some(Pose::at(centre));
         scene.insert(search.number, search.candidate, centre);
     }
 }
@@ -78,7 +80,7 @@ struct Search<'a> {
     ahead: Vec<Trial>,
     found: Option<Vec3>,
     candidates: u64,
-    counters: Counters,
+    work: Workplace,
 }
 
 impl<'a> Search<'a> {
@@ -92,7 +94,7 @@ impl<'a> Search<'a> {
             ahead: Vec::with_capacity(AHEAD),
             found: None,
             candidates: 0,
-            counters: Counters::default(),
+            work: Workplace::new(),
         }
     }
 
@@ -105,18 +107,46 @@ impl<'a> Search<'a> {
             }
             let Some(trial) = self.ahead.pop() else { return };
             self.candidates += 1;
-            self.found = scene.free(&self.candidate, &trial, &mut self.counters).then_some(trial.centre);
+            self.found = scene.free(&self.candidate, &trial, &mut self.work).then_some(trial.centre);
         }
     }
 
     fn look_ahead(&mut self, scene: &Scene) {
-        let (reach, count) = (scene.task.reach(&self.candidate.aabb), self.attempts_left.min(AHEAD as u32));
-        self.attempts_left -= count;
-        for _ in 0..count {
-            let centre = scene.task.period.wrap(&snap(&self.stream.point(&reach.min, &reach.max)));
-            self.ahead.push(Trial::new(centre));
+        let (task, count) = (scene.task, self.attempts_left.min(AHEAD as u32) as usize);
+        self.attempts_left -= count as u32;
+        let mut shares = [[0.0; 3]; AHEAD];
+        for share in &mut shares[..count] {
+            *share = [self.stream.unit(), self.stream.unit(), self.stream.unit()];
         }
+        let centres = widest(Centres { shares, reach: task.reach(&self.candidate.aabb), period: &task.period });
+        self.ahead.extend(centres[..count].iter().map(|centre| Trial::new(*centre)));
         scene.look(&self.candidate, &mut self.ahead);
         self.ahead.reverse();
+    }
+}
+
+/// The points of the lattice nearest to such shares of the reach, on registers that round by themselves.
+struct Centres<'a> {
+    shares: [[f64; 3]; AHEAD],
+    reach: Aabb,
+    period: &'a Period,
+}
+
+impl Wide for Centres<'_> {
+    type Output = [Vec3; AHEAD];
+
+    #[inline(always)]
+    fn run(self) -> [Vec3; AHEAD] {
+        let (low, size) = (self.reach.min, self.reach.max - self.reach.min);
+        let mut centres = [Vec3::zeros(); AHEAD];
+        for (centre, [x, y, z]) in centres.iter_mut().zip(&self.shares) {
+            *centre = snap(&Vec3::new(low.x + size.x * x, low.y + size.y * y, low.z + size.z * z));
+        }
+        if !self.period.is_none() {
+            for centre in &mut centres {
+                *centre = self.period.wrap(centre);
+            }
+        }
+        centres
     }
 }

@@ -3,7 +3,7 @@
 //! Every voxel keeps an upper bound of how far any of its points is from the nearest placed grain. A candidate whose
 //! inscribed ball reaches that far overlaps for certain, so a refusal here is one that the pair tests would have come to.
 
-use crate::geometry::{NarrowPolyhedron, Plane};
+use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
 use std::ops::RangeInclusive;
@@ -27,7 +27,7 @@ pub(super) struct Mask {
 }
 
 /// Stands for: no grain as near as could matter.
-const FAR: u8 = u8::MAX;
+pub(super) const FAR: u8 = u8::MAX;
 
 impl Mask {
     /// Over `domain` with voxels of about `voxel` mm, for candidates with an inner radius of up to `largest_inner` mm.
@@ -39,12 +39,17 @@ impl Mask {
         Self { origin: domain.min, voxel, counts, bounds, step: largest_inner / f64::from(FAR - 1) }
     }
 
-    /// True when a grain at `point` that holds the ball of `inner_radius` mm about it overlaps one placed.
+    /// What is kept of the voxel at `point`.
     #[inline]
-    pub(super) fn forbids(&self, point: &Vec3, inner_radius: f64) -> bool {
+    pub(super) fn bound(&self, point: &Vec3) -> u8 {
         let (from_origin, per_mm) = (point - self.origin, 1.0 / self.voxel);
         let along = |axis: usize| ((from_origin[axis] * per_mm) as usize).min(self.counts[axis] - 1);
-        let bound = self.bounds[(along(2) * self.counts[1] + along(1)) * self.counts[0] + along(0)];
+        self.bounds[(along(2) * self.counts[1] + along(1)) * self.counts[0] + along(0)]
+    }
+
+    /// True when a grain that holds the ball of `inner_radius` mm about a point of this bound overlaps one placed.
+    #[inline]
+    pub(super) fn forbids(&self, bound: u8, inner_radius: f64) -> bool {
         bound != FAR && f64::from(bound) * self.step < inner_radius
     }
 
@@ -59,15 +64,14 @@ impl Mask {
         at(low)..=at(high)
     }
 
-    /// Takes note of `body`, about its own centre, with these face planes, at `centre`, for candidates with an inner radius
-    /// of up to `reach` mm.
-    pub(super) fn insert(&mut self, body: &NarrowPolyhedron, planes: &[Plane], centre: &Vec3, reach: f64) {
+    /// Takes note of a body at `centre`, for candidates with an inner radius of up to `reach` mm. About its own centre it
+    /// has this box, circumradius (mm) and face planes.
+    pub(super) fn insert(&mut self, (aabb, circumradius): (&Aabb, f64), planes: &[Plane], centre: &Vec3, reach: f64) {
         // A voxel whose middle is farther away than this has a bound beyond `reach`.
         let reach = reach - self.half_diagonal();
-        let near = body.aabb().grown(reach);
+        let near = aabb.grown(reach);
         let Some(mut gauge) = Gauge::new(planes, near.size().norm()) else { return };
         let slack = (self.half_diagonal() * (1.0 + ROUNDING) + gauge.doubt) as f32;
-        let circumradius = body.vertices().map(|vertex| vertex.norm_squared()).fold(0.0, f64::max).sqrt();
         let ball = (circumradius + reach).max(0.0) * (1.0 + ROUNDING);
         let (low, high) = (near.min + centre, near.max + centre);
         for k in self.voxels(2, low.z, high.z) {
@@ -75,7 +79,11 @@ impl Mask {
                 let middle = |n: usize, axis: usize| self.origin[axis] + (n as f64 + 0.5) * self.voxel - centre[axis];
                 let (y, z) = (middle(j, 1), middle(k, 2));
                 // Nor is one of the row farther along than where it leaves the ball.
-                let along = (ball * ball - y * y - z * z).max(0.0).sqrt() + self.voxel;
+                let along2 = ball * ball - y * y - z * z;
+                if along2 < 0.0 {
+                    continue;
+                }
+                let along = along2.sqrt() + self.voxel;
                 let row = self.voxels(0, low.x.max(centre.x - along), high.x.min(centre.x + along));
                 let (start, count) = (*row.start(), row.count());
                 let first = [middle(start, 0), y, z].map(|x| x as f32);
@@ -128,7 +136,7 @@ impl Wide for Lower<'_> {
             for (steps, distance) in steps.iter_mut().zip(&distances) {
                 // Rounded up; what single precision takes off a few hundred steps is far less than the doubt in the slack.
                 let whole = ((distance + self.slack) * per_step).clamp(-1.0, f32::from(FAR - 1));
-                *steps = (whole + 1.0) as u8;
+                *steps = (whole + 1.0) as i32 as u8;
             }
             for (bound, steps) in bounds.iter_mut().zip(&steps) {
                 *bound = (*bound).min(*steps);
@@ -201,7 +209,8 @@ mod tests {
         let points: Vec<Vec3> = (0..20).map(|_| stream.direction().component_mul(&Vec3::new(9.0, 7.0, 4.0))).collect();
         let (body, centre) = (convex_hull(&points).expect("solid"), Vec3::repeat(13.0));
         let planes: Vec<Plane> = body.planes().collect();
-        mask.insert(&body.clone().into(), &planes, &centre, 3.0);
+        let circumradius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+        mask.insert((&body.aabb(), circumradius), &planes, &centre, 3.0);
         let cross = |r: f64| [Vec3::x(), Vec3::y(), Vec3::z()].map(|axis| [axis * r, -axis * r]).concat();
         let (mut forbidden, mut overlapping) = (0, 0);
         for _ in 0..4000 {
@@ -209,7 +218,7 @@ mod tests {
             // The octahedron holds the ball of its corners' distance over the root of 3.
             let other: Vec<Vec3> = cross(radius * 3f64.sqrt()).iter().map(|v| v + point - centre).collect();
             let overlaps = gjk::intersects(body.vertices(), &other).expect("finite");
-            let forbids = mask.forbids(&point, radius);
+            let forbids = mask.forbids(mask.bound(&point), radius);
             assert!(overlaps || !forbids, "{point} with {radius}");
             (forbidden, overlapping) = (forbidden + u32::from(forbids), overlapping + u32::from(overlaps));
         }

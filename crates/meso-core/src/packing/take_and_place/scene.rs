@@ -1,13 +1,13 @@
 //! What is placed so far, and whether a grain has room among it.
 
-use super::mask::Mask;
+use super::mask::{self, Mask};
 use crate::aggregate::take::Grain;
-use crate::geometry::{Facet, Plane};
+use crate::geometry::Plane;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
-use crate::packing::Request;
 use crate::packing::grid::Grid;
 use crate::packing::place::Task;
+use crate::packing::{Pose, Request};
 use std::hint::black_box;
 
 /// Edge of the mask's voxels, as a share of the middle grain's diameter: 1.3 mm in a grading of 5 to 20 mm.
@@ -18,6 +18,8 @@ pub(super) struct Scene<'a> {
     pub(super) task: &'a Task<'a>,
     /// Every placed grain, and its images that a grain in the box may meet.
     placed: Vec<Placed>,
+    /// Centre and radius of the ball that each holds, mm: what is read of many lies close together.
+    balls: Vec<[f32; 4]>,
     /// What a grain with its centre in the specimen's box may reach.
     domain: Aabb,
     grid: Grid,
@@ -34,8 +36,8 @@ pub(super) struct Scene<'a> {
 struct Placed {
     /// Its number.
     grain: u32,
-    /// Of the ball about the centre that the body holds, mm.
-    inner_radius: f32,
+    /// Whether it is the grain itself and not an image of it.
+    itself: bool,
     centre: Vec3,
     bounds: gjk::Bounds,
 }
@@ -54,14 +56,16 @@ pub(super) struct Candidate<'a> {
 /// A position that a candidate tries.
 pub(super) struct Trial {
     pub(super) centre: Vec3,
-    /// What a look told: that it is taken, or what is most likely in the way.
+    /// What a look told: the grid's cell, the mask's bound, that the position is taken, or what is most likely in the way.
+    cell: u32,
+    bound: u8,
     taken: bool,
     closest: Option<usize>,
 }
 
 impl Trial {
     pub(super) fn new(centre: Vec3) -> Self {
-        Self { centre, taken: false, closest: None }
+        Self { centre, cell: 0, bound: mask::FAR, taken: false, closest: None }
     }
 }
 
@@ -70,7 +74,7 @@ impl<'a> Candidate<'a> {
         let solid = grain.body.widened();
         let semi_axes = Vec3::from(grain.semi_axes.map(f64::from));
         let rotation = grain.rotation.cast().to_rotation_matrix().into_inner();
-        let facets: Vec<Facet> = solid.facets().collect();
+        let facets = solid.facets();
         let body =
             gjk::Body::on_ellipsoid(solid.vertices(), &semi_axes, &rotation).with_inside_of(facets.iter().copied());
         let planes = facets.iter().map(|facet| facet.plane).collect();
@@ -81,12 +85,14 @@ impl<'a> Candidate<'a> {
 impl<'a> Scene<'a> {
     pub(super) fn new(task: &'a Task<'a>) -> Self {
         let grains = task.request.grains;
-        let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * grain.outer_radius);
-        let masked = grains[grains.len() / 2..].iter().map(|grain| grain.inner_radius).fold(0.0, f64::max);
+        let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
+        let masked = grains[grains.len() / 2..].iter().map(|grain| f64::from(grain.inner_radius)).fold(0.0, f64::max);
         let domain = task.domain();
         Self {
             task,
-            placed: Vec::new(),
+            // Doubling would leave as much memory behind; of what is set aside only what is used counts.
+            placed: Vec::with_capacity(grains.len()),
+            balls: Vec::with_capacity(grains.len()),
             grid: Grid::new(&domain, middle),
             mask: Mask::new(&task.room.aabb(), VOXEL * middle, if masked > 0.0 { masked } else { 1.0 }),
             domain,
@@ -112,11 +118,24 @@ impl<'a> Scene<'a> {
         for shift in self.task.period.shifts(&aabb, &self.domain) {
             self.grid.insert(&aabb.moved(&shift));
             let centre = centre + shift;
-            self.mask.insert(&grain.body, &planes, &centre, self.masked);
-            let (number, inner_radius) = (number as u32, grain.inner_radius as f32);
-            self.placed.push(Placed { grain: number, inner_radius, centre, bounds: body.bounds() });
+            self.mask.insert((&local, f64::from(grain.outer_radius)), &planes, &centre, self.masked);
+            let [x, y, z] = <[f64; 3]>::from(centre).map(|x| x as f32);
+            self.balls.push([x, y, z, grain.inner_radius]);
+            let itself = shift == Vec3::zeros();
+            self.placed.push(Placed { grain: number as u32, itself, centre, bounds: body.bounds() });
         }
         self.class_volume[usize::from(grain.class)] += grain.volume();
+    }
+
+    /// The pose of every grain; what finds near ones is given back before the list is made.
+    pub(super) fn into_poses(self) -> Vec<Option<Pose>> {
+        let Self { task, placed, balls, grid, mask, .. } = self;
+        drop((balls, grid, mask));
+        let mut poses = vec![None; task.request.grains.len()];
+        for body in placed.iter().filter(|body| body.itself) {
+            poses[body.grain as usize] = Some(Pose::at(body.centre));
+        }
+        poses
     }
 
     /// True when the class of `grain` comes no nearer to its target with it.
@@ -127,13 +146,24 @@ impl<'a> Scene<'a> {
 
     /// Looks at all of `trials` once for what ends most of them; what it says of one stays right when more is placed.
     pub(super) fn look(&self, it: &Candidate, trials: &mut [Trial]) {
+        // What one look needs of memory is asked for before the first is waited for.
         for trial in &mut *trials {
-            trial.taken = self.mask.forbids(&trial.centre, it.grain.inner_radius);
+            trial.bound = self.mask.bound(&trial.centre);
         }
-        for trial in trials.iter_mut().filter(|trial| !trial.taken) {
-            trial.closest = self.closest(it, &trial.centre);
+        let radius = f64::from(it.grain.inner_radius);
+        for trial in &mut *trials {
+            trial.taken = self.mask.forbids(trial.bound, radius);
         }
-        // Asks memory for what the proofs will read.
+        let open = |trial: &&mut Trial| !trial.taken;
+        for trial in trials.iter_mut().filter(open) {
+            trial.cell = self.grid.cell(&trial.centre);
+        }
+        let first = |cell| self.grid.list(cell).next().map_or(0.0, |body| self.balls[body as usize][0]);
+        black_box(trials.iter_mut().filter(open).map(|trial| first(trial.cell)).sum::<f32>());
+        for trial in trials.iter_mut().filter(open) {
+            trial.closest = self.closest(it, trial);
+        }
+        // So what the proofs will read.
         let grains = self.task.request.grains;
         let of = |placed: usize| grains[self.placed[placed].grain as usize].body.coordinates()[0][0];
         black_box(trials.iter().filter_map(|trial| trial.closest).map(of).sum::<f32>());
@@ -141,10 +171,10 @@ impl<'a> Scene<'a> {
 
     /// True when the candidate at the place of the `trial` that was looked at is proved apart from everything placed, and
     /// inside the specimen.
-    pub(super) fn free(&self, it: &Candidate, trial: &Trial, counters: &mut Counters) -> bool {
-        let (placement, Trial { centre, taken, closest }) = (self.task.request.placement, trial);
+    pub(super) fn free(&self, it: &Candidate, trial: &Trial, work: &mut Workplace) -> bool {
+        let (placement, Trial { centre, taken, closest, .. }) = (self.task.request.placement, trial);
         // The body most likely in the way, first: it ends most attempts.
-        if *taken || closest.is_some_and(|other| !self.apart(it, centre, other, counters)) {
+        if *taken || closest.is_some_and(|other| !self.apart(it, centre, other, work)) {
             return false;
         }
         if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
@@ -154,35 +184,49 @@ impl<'a> Scene<'a> {
         let aabb = it.aabb.moved(centre).grown(gap);
         self.grid.all_near(&aabb, |other| {
             let other = other as usize;
-            Some(other) == *closest || self.apart(it, centre, other, counters)
+            Some(other) == *closest || self.apart(it, centre, other, work)
         })
     }
 
     /// True when the candidate at `centre` is proved apart from the bodies placed from `first_mate` on.
-    pub(super) fn free_of_mates(
-        &self,
-        it: &Candidate,
-        centre: &Vec3,
-        first_mate: usize,
-        counters: &mut Counters,
-    ) -> bool {
-        (first_mate..self.placed.len()).all(|other| self.apart(it, centre, other, counters))
+    pub(super) fn free_of_mates(&self, it: &Candidate, centre: &Vec3, first_mate: usize, work: &mut Workplace) -> bool {
+        (first_mate..self.placed.len()).all(|other| self.apart(it, centre, other, work))
     }
 
-    /// Of the bodies around `centre`, the one whose inscribed ball comes nearest to the candidate's for their size.
-    fn closest(&self, it: &Candidate, centre: &Vec3) -> Option<usize> {
-        let closeness = |other: u32| {
-            let Placed { inner_radius, centre: other_centre, .. } = &self.placed[other as usize];
-            let reach = it.grain.inner_radius + f64::from(*inner_radius);
-            ((other_centre - centre).norm_squared() / (reach * reach), other as usize)
-        };
-        self.grid.at(centre).map(closeness).min_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, other)| other)
+    /// Of the bodies around the centre of a trial, the one whose inscribed ball comes nearest to the candidate's for their size.
+    fn closest(&self, it: &Candidate, Trial { centre, cell, .. }: &Trial) -> Option<usize> {
+        let (x, y, z) = (centre.x as f32, centre.y as f32, centre.z as f32);
+        let own_radius = it.grain.inner_radius;
+        let (mut least, mut closest) = (f32::INFINITY, None);
+        for other in self.grid.list(*cell) {
+            let [other_x, other_y, other_z, radius] = self.balls[other as usize];
+            let (dx, dy, dz, reach) = (other_x - x, other_y - y, other_z - z, own_radius + radius);
+            let closeness = (dx * dx + dy * dy + dz * dz) / (reach * reach);
+            if closeness < least {
+                (least, closest) = (closeness, Some(other as usize));
+            }
+        }
+        closest
     }
 
-    fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, counters: &mut Counters) -> bool {
+    fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Workplace) -> bool {
         let Placed { grain, centre: other_centre, bounds, .. } = &self.placed[placed];
         let Request { grains, placement, .. } = &self.task.request;
-        let other = || bounds.body(&grains[*grain as usize].body);
-        gjk::apart_from(&it.body, (bounds, other), &(other_centre - centre), placement.min_gap_mm, counters)
+        let (place, made) = ((&(other_centre - centre), placement.min_gap_mm), &mut work.other);
+        let shape = &grains[*grain as usize].body;
+        gjk::apart_from(&it.body, bounds, || bounds.lay_out(shape, made), place, &mut work.counters)
+    }
+}
+
+/// What a search needs to ask about pairs.
+pub(super) struct Workplace {
+    pub(super) counters: Counters,
+    /// The other body, where one is needed: its memory.
+    other: gjk::Body,
+}
+
+impl Workplace {
+    pub(super) fn new() -> Self {
+        Self { counters: Counters::default(), other: gjk::Body::new(&[Vec3::zeros()]) }
     }
 }
