@@ -95,6 +95,14 @@ fn sub_samples_outvote_the_centre() {
 }
 
 #[test]
+fn a_thin_shell_takes_no_votes_from_its_aggregate() {
+    // Of 16 samples along x 6 lie in the core, 3 in the shell, 7 in the mortar.
+    let grains = [aggregate(0, block([0.0; 3], [0.55, 9.0, 9.0]), 0.2)];
+    let options = MeshOptions { element_size_mm: 1.0, subsamples: 16, thin_itz: true, ..Default::default() };
+    assert_eq!(voxels(&grains, &Specimen::cube(1.0), options).phase, [Phase::Aggregate]);
+}
+
+#[test]
 fn meshes_are_identical_at_one_and_eight_threads() {
     let (grains, specimen) = turned_blocks();
     let mesh = |threads| {

@@ -121,12 +121,18 @@ impl Voxels {
     }
 }
 
-/// The most frequent label; of equally frequent ones the smallest, so that the order of the samples does not matter.
+/// Of the most frequent body, core and shell together, the label that more of its points have: a thin shell must not take
+/// votes from its aggregate. Of equally frequent ones the smallest, so that the order of the samples does not matter.
 fn majority(votes: &mut [Label]) -> Label {
     if votes.iter().all(|v| *v == votes[0]) {
         return votes[0];
     }
     votes.sort_unstable();
-    let runs = votes.chunk_by(|a, b| a == b);
-    runs.fold((0, Label::MORTAR), |best, run| if run.len() > best.0 { (run.len(), run[0]) } else { best }).1
+    let body = longest(votes.chunk_by(|a, b| a.grain() == b.grain()));
+    longest(body.chunk_by(|a, b| a == b))[0]
+}
+
+/// The first of the longest runs.
+fn longest<'a>(runs: impl Iterator<Item = &'a [Label]>) -> &'a [Label] {
+    runs.fold(&[], |best, run| if run.len() > best.len() { run } else { best })
 }
