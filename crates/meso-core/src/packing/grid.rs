@@ -20,6 +20,12 @@ impl Grid {
         Self { lists: vec![Vec::new(); raster.len()], raster, lowest: Vec::new() }
     }
 
+    /// The same with memory set aside for so many bodies, more than which are welcome.
+    pub(super) fn with_room_for(mut self, bodies: usize) -> Self {
+        self.lowest.reserve_exact(bodies);
+        self
+    }
+
     /// Adds the next body; bodies are numbered from 0 in the order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb) {
         let (low, high) = self.raster.range(aabb);

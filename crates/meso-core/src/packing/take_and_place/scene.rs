@@ -10,8 +10,8 @@ use crate::packing::place::Task;
 use crate::packing::{Pose, Request};
 use std::hint::black_box;
 
-/// Edge of the mask's voxels, as a share of the middle grain's diameter: 1.3 mm in a grading of 5 to 20 mm.
-const VOXEL: f64 = 0.2;
+/// Edge of the mask's voxels, as a share of the middle grain's diameter: 2.4 mm in a grading of 5 to 20 mm.
+const VOXEL: f64 = 0.25;
 
 /// The placed bodies, and the indices that find those near a candidate.
 pub(super) struct Scene<'a> {
@@ -93,7 +93,7 @@ impl<'a> Scene<'a> {
             // Doubling would leave as much memory behind; of what is set aside only what is used counts.
             placed: Vec::with_capacity(grains.len()),
             balls: Vec::with_capacity(grains.len()),
-            grid: Grid::new(&domain, middle),
+            grid: Grid::new(&domain, middle).with_room_for(grains.len()),
             mask: Mask::new(&task.room.aabb(), VOXEL * middle, if masked > 0.0 { masked } else { 1.0 }),
             domain,
             masked,
