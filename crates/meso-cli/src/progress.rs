@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Characters of a full bar: the line stays within 80.
-const BAR: usize = 20;
+const BAR: usize = 16;
 /// Back to the start of the line, which is emptied.
 const CLEAR: &str = "\r\x1b[2K";
 
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn the_line_fits_a_terminal_of_80() {
         let text = line(0.43218, 0.5, 12.3);
-        assert_eq!(text, "packing [=================   ] 0.4322 of 0.5 (12 s, Ctrl-C keeps the best)");
+        assert_eq!(text, "packing [=============   ] 0.4322 of 0.5 (12 s, Ctrl-C keeps the best)");
         assert!(line(0.7, 0.6789, 1e4).len() < 80);
     }
 }
