@@ -173,3 +173,18 @@ fn a_mesh_is_told_with_its_phases_against_the_exact_ones_and_its_bad_elements_by
     let deck = text(&folder, "m.inp");
     assert!(deck.lines().any(|line| line.starts_with(&format!("{worst}, ")) && line.split(", ").count() == 5));
 }
+
+#[test]
+fn elements_too_coarse_for_the_fibres_are_told() {
+    let folder = Folder::new();
+    let spec = "fraction = 0.1\nspecimen = { kind = \"cube\", side_mm = 30 }\n\
+                fibres = { fraction = 0.01, length_mm = 10, diameter_mm = 2 }\n";
+    folder.write("fibres.toml", spec);
+    assert_eq!(folder.run(&["pack", "fibres.toml", "-o", "fibres.json"]).code, 0);
+    for (size, told) in [("3", true), ("1", false)] {
+        let flags = ["--method", "lattice", "--itz", "none", "--element-size-mm", size, "--force"];
+        let run = folder.run(&[&["mesh", "fibres.json", "-o", "fibres.vtu"][..], &flags].concat());
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        assert_eq!(run.stderr.contains("too coarse for the fibres"), told, "{size} mm: {}", run.stderr);
+    }
+}

@@ -152,6 +152,24 @@ def test_conforming_meshes_keep_the_volume_to_the_last_digits():
     assert mesh.volumes()["aggregate"] / 30.0**3 == pytest.approx(packing.fraction, rel=1e-10)
 
 
+@pytest.mark.parametrize("itz", ["none", "solid", "cohesive"])
+def test_opposite_faces_of_a_periodic_conforming_mesh_have_the_same_triangles(itz, tmp_path):
+    pytest.importorskip("gmsh")
+    meshio = pytest.importorskip("meshio")
+    specimen = {"kind": "cube", "side_mm": 30.0, "periodic": ["x", "y"]}
+    gaps = {"min_gap_mm": 0.1, "wall_gap_mm": 0.1}
+    packing = mc.pack({"fraction": 0.3, "specimen": specimen, "placement": gaps})
+    packing.mesh(method="conforming", element_size=4.0, itz=itz).write(tmp_path / "mesh.vtu")
+    mesh = meshio.read(tmp_path / "mesh.vtu")
+    cells = np.concatenate([block.data for block in mesh.cells if block.type == "tetra"])
+    triangles = mesh.points[np.concatenate([np.delete(cells, corner, axis=1) for corner in range(4)])]
+    for axis in (0, 1):
+        on_side = [(triangles[:, :, axis] == place).all(axis=1) for place in (0.0, 30.0)]
+        lower, upper = (sorted(sorted(map(tuple, t)) for t in np.delete(triangles[on], axis, 2)) for on in on_side)
+        assert len(lower) > 100
+        assert lower == upper
+
+
 def test_both_readers_read_the_vtu(mesh, tmp_path):
     mesh.write(tmp_path / "mesh.vtu")
     pyvista, meshio = pytest.importorskip("pyvista"), pytest.importorskip("meshio")
