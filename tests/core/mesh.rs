@@ -96,9 +96,9 @@ fn sub_samples_outvote_the_centre() {
 
 #[test]
 fn a_thin_shell_takes_no_votes_from_its_aggregate() {
-    // Of 16 samples along x 6 lie in the core, 3 in the shell, 7 in the mortar.
-    let grains = [aggregate(0, block([0.0; 3], [0.55, 9.0, 9.0]), 0.2)];
-    let options = MeshOptions { element_size_mm: 1.0, subsamples: 16, thin_itz: true, ..Default::default() };
+    // Of 7 samples along x 2 lie in the core, 2 in the shell, 3 in the mortar.
+    let grains = [aggregate(0, block([-9.0; 3], [0.55, 9.0, 9.0]), 0.25)];
+    let options = MeshOptions { element_size_mm: 1.0, subsamples: 7, thin_itz: true, ..Default::default() };
     assert_eq!(voxels(&grains, &Specimen::cube(1.0), options).phase, [Phase::Aggregate]);
 }
 
