@@ -93,11 +93,11 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     let mut is_placed = poses.iter().map(Option::is_some);
     grains.retain(|_| is_placed.next() == Some(true));
     poses.retain(Option::is_some);
-    let settle = |(grain, pose): (Grain, &Option<Pose>)| -> Result<Option<Aggregate>, SpecError> {
-        let Some(pose) = pose else { return Ok(None) };
+    let settle = |(grain, pose): (Grain, &Option<Pose>)| -> Result<Aggregate, SpecError> {
+        let pose = pose.as_ref().expect("those without a place are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
         let Grain { kind, class, itz_thickness_mm, .. } = grain;
-        Ok(Some(Aggregate { id: 0, kind, class, itz_thickness_mm, body }))
+        Ok(Aggregate { id: 0, kind, class, itz_thickness_mm, body })
     };
     // From the last on, so that these lists shrink as that of aggregates grows.
     let mut aggregates = Vec::with_capacity(poses.len());
@@ -107,7 +107,7 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
         grains.shrink_to_fit();
         poses.shrink_to_fit();
         let settled: Vec<_> = several.into_par_iter().zip(&theirs).map(settle).collect::<Result<_, SpecError>>()?;
-        aggregates.extend(settled.into_iter().rev().flatten());
+        aggregates.extend(settled.into_iter().rev());
     }
     aggregates.reverse();
     let mut inclusions: Vec<Aggregate> = aggregates.extract_if(.., |body| body.kind != Kind::Aggregate).collect();

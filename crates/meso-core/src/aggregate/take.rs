@@ -60,7 +60,13 @@ pub const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
 /// Rounds to the lattice of [`LATTICE_MM`].
 #[inline(always)]
 pub fn snap(v: &Vec3) -> Vec3 {
-    v.map(|x| (x / LATTICE_MM).round_ties_even() * LATTICE_MM)
+    rounded_to(LATTICE_MM, v)
+}
+
+/// Rounds to multiples of `lattice`, a power of two.
+#[inline(always)]
+pub(crate) fn rounded_to(lattice: f64, v: &Vec3) -> Vec3 {
+    v.map(|x| (x / lattice).round_ties_even() * lattice)
 }
 
 /// The vertices turned and rounded to the lattice.

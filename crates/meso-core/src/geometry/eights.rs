@@ -1,6 +1,7 @@
 //! The triangles of a body, eight at a time: what is asked of each is then asked of all on wide registers, with the bits
 //! that one by one would give.
 
+use super::integrals::Sum;
 use super::polyhedron::{Facet, Plane};
 use crate::math::Vec3;
 use crate::wide::Wide;
@@ -108,34 +109,28 @@ impl Triangles {
     }
 }
 
-/// Six times the volumes of the tetrahedra from `apex` over the triangles, each with the sum of the magnitudes of its
-/// products; [`widest`](crate::wide::widest) runs it. To `note` they go in order.
-pub(super) struct SixVolumes<'a, N> {
+/// The sum of six times the volumes of the tetrahedra from `apex` over the triangles, in their order;
+/// [`widest`](crate::wide::widest) runs it.
+pub(super) struct SixVolumes<'a> {
     pub(super) apex: Vec3,
     pub(super) vertices: &'a [Vec3],
     pub(super) triangles: &'a [[u8; 3]],
-    pub(super) note: N,
 }
 
-/// Who is told a term and its magnitude.
-pub(super) trait Note {
-    fn add(&mut self, term: f64, magnitude: f64);
-}
-
-impl<N: Note> Wide for SixVolumes<'_, N> {
-    type Output = N;
+impl Wide for SixVolumes<'_> {
+    type Output = Sum;
 
     #[inline(always)]
-    fn run(mut self) -> N {
-        let mut eight = Triangles::default();
+    fn run(self) -> Sum {
+        let (mut eight, mut sum) = (Triangles::default(), Sum::default());
         for some in self.triangles.chunks(LANES) {
             eight.take(self.vertices, some);
             let (terms, magnitudes) = eight.six_volumes(&self.apex);
             for lane in 0..some.len() {
-                self.note.add(terms[lane], magnitudes[lane]);
+                sum.add(terms[lane], magnitudes[lane]);
             }
         }
-        self.note
+        sum
     }
 }
 

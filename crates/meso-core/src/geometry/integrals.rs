@@ -6,7 +6,7 @@
 //! in integers.
 
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
-use super::eights::{Note, SixVolumes};
+use super::eights::SixVolumes;
 use super::integer;
 use crate::math::Vec3;
 use crate::wide::widest;
@@ -28,7 +28,7 @@ pub(super) fn volume(vertices: &[Vec3], triangles: impl Iterator<Item = [u32; 3]
 /// [`volume`] where few vertices need no more than a byte to be named: eight triangles at a time.
 pub(super) fn volume_of_few(vertices: &[Vec3], triangles: &[[u8; 3]]) -> f64 {
     let corners = triangles.iter().map(|t| t.map(|i| vertices[usize::from(i)]));
-    summed(vertices, corners, |&apex| widest(SixVolumes { apex, vertices, triangles, note: Sum::default() }).bounded())
+    summed(vertices, corners, |&apex| widest(SixVolumes { apex, vertices, triangles }).bounded())
 }
 
 /// A sixth of what `in_floats` gives from an apex, a sum with a bound of its error, or of a better sum where that is needed.
@@ -58,23 +58,21 @@ pub(super) fn six_volumes(apex: &Vec3, corners: &[Vec3; 3]) -> f64 {
 
 /// A compensated sum (Neumaier 1974) of terms, and of their magnitudes.
 #[derive(Default)]
-struct Sum {
+pub(super) struct Sum {
     sum: f64,
     compensation: f64,
     magnitude: f64,
 }
 
-impl Note for Sum {
+impl Sum {
     #[inline(always)]
-    fn add(&mut self, term: f64, magnitude: f64) {
+    pub(super) fn add(&mut self, term: f64, magnitude: f64) {
         self.magnitude += magnitude;
         let (sum, next) = (self.sum, self.sum + term);
         self.compensation += if sum.abs() >= term.abs() { (sum - next) + term } else { (term - next) + sum };
         self.sum = next;
     }
-}
 
-impl Sum {
     /// Six volumes and a bound of the error.
     fn bounded(&self) -> (f64, f64) {
         (self.sum + self.compensation, TERM_ERROR * self.magnitude)

@@ -3,11 +3,11 @@
 //! Mortar may be in several parts: a flat grain can cut a corner off the box.
 
 use super::faces::{self, Face, Nodes};
-use super::facets::{LONGEST, Triangles, refined};
+use super::facets::{LONGEST, Triangles};
 use super::parts;
 use super::pieces::{Piece, pieces, snap};
 use super::shells::{Filled, Shells};
-use super::walls::fan;
+use super::walls::polygons;
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::MeshError;
@@ -27,7 +27,9 @@ pub(super) fn shells(aggregates: &[Aggregate], period: &Period, domain: &Aabb, s
     let pieces = pieces(aggregates, period, domain)?;
     let faces = (0..3).into_par_iter().map(|axis| faces::lower(axis, domain, &pieces, limit));
     let faces = faces.collect::<Result<Vec<Face>, String>>().map_err(MeshError::Gmsh)?;
-    let facets: Vec<Triangles> = pieces.par_iter().map(|piece| facets(piece, limit)).collect();
+    // A piece's own facets, its rims cut as the box's faces have them.
+    let facets = |piece: &Piece| polygons(piece.points.clone(), &piece.facets, limit, snap);
+    let facets: Vec<Triangles> = pieces.par_iter().map(facets).collect();
     let mut nodes = Nodes::default();
     let mut sheets = Sheets::new(&pieces, &facets, &mut nodes);
     (0..3).for_each(|axis| sheets.add_faces(axis, &faces[axis], domain, &pieces, &mut nodes));
@@ -56,13 +58,6 @@ pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Re
         }
     }
     Ok(())
-}
-
-/// The piece's own facets, its rims cut as the box's faces have them.
-fn facets(piece: &Piece, limit: f64) -> Triangles {
-    let fans = piece.facets.iter().map(|facet| fan(&piece.points, facet));
-    let triangles = (0..).zip(fans).flat_map(|(facet, fan)| fan.into_iter().map(move |triangle| (triangle, facet)));
-    refined(piece.points.clone(), triangles, limit, |_, place| snap(place))
 }
 
 /// The triangles on common nodes.

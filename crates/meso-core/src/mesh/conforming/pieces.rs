@@ -4,6 +4,7 @@
 //! the same edges in the same direction. So what two pieces share across a face is the same, bit for bit.
 
 use crate::aggregate::Aggregate;
+use crate::aggregate::take::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::MeshError;
@@ -18,7 +19,7 @@ const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Rounds to the lattice of new nodes.
 pub(super) fn snap(place: Vec3) -> Vec3 {
-    place.map(|x| (x / LATTICE_MM).round_ties_even() * LATTICE_MM)
+    rounded_to(LATTICE_MM, &place)
 }
 
 /// The part of a grain's image inside the box; a whole grain where nothing cuts it.
@@ -81,8 +82,8 @@ struct Shape {
 
 impl Shape {
     fn new(body: &Polyhedron) -> Self {
-        let corners = body.faces().map(|face| ((0..face.len()).map(|k| face.vertex(k)).collect(), None));
-        Self { points: body.vertices().to_vec(), polygons: corners.collect() }
+        let polygons = body.faces().map(|face| (face.to_vec(), None)).collect();
+        Self { points: body.vertices().to_vec(), polygons }
     }
 
     /// The part inside `domain`, where there is one.

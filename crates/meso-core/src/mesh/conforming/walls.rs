@@ -13,7 +13,10 @@ pub(super) fn walls(specimen: &Specimen, room: &dyn Room, size: f64) -> Triangle
         Specimen::Cylinder { diameter_mm, height_mm } => round::cylinder(diameter_mm, height_mm, size),
         Specimen::Sphere { diameter_mm } => round::sphere(diameter_mm, size),
         _ if room.is_box() => grid(&room.aabb(), size),
-        _ => polygons(room.surface(), size),
+        _ => {
+            let Surface { points, faces } = room.surface();
+            polygons(points, &faces, LONGEST * size, |place| place)
+        }
     }
 }
 
@@ -25,14 +28,15 @@ pub(super) fn chord(specimen: &Specimen) -> f64 {
     }
 }
 
-fn polygons(surface: Surface, size: f64) -> Triangles {
-    let fans = surface.faces.iter().map(|face| fan(&surface.points, face)).collect::<Vec<_>>();
+/// Polygons as triangles with no edge longer than `limit` mm; new nodes go `onto` their place.
+pub(super) fn polygons(points: Vec<Vec3>, faces: &[Vec<u32>], limit: f64, onto: impl Fn(Vec3) -> Vec3) -> Triangles {
+    let fans = faces.iter().map(|face| fan(&points, face)).collect::<Vec<_>>();
     let triangles = (0..).zip(fans).flat_map(|(facet, fan)| fan.into_iter().map(move |triangle| (triangle, facet)));
-    refined(surface.points, triangles, LONGEST * size, |_, place| place)
+    refined(points, triangles, limit, |_, place| onto(place))
 }
 
 /// The fan of a polygon whose smallest triangle is largest: a corner in the middle of a side must not begin it.
-pub(super) fn fan(points: &[Vec3], face: &[u32]) -> Vec<[u32; 3]> {
+fn fan(points: &[Vec3], face: &[u32]) -> Vec<[u32; 3]> {
     let from = |apex: usize| -> Vec<[u32; 3]> {
         let at = |k: usize| face[(apex + k) % face.len()];
         (2..face.len()).map(|k| [at(0), at(k - 1), at(k)]).collect()
