@@ -50,8 +50,8 @@ impl FaceList {
     }
 
     /// Triangles with these corners, one after the other.
-    pub(super) fn of_triangles(corners: &[u8]) -> Self {
-        Self { lists: Owned::U8(corners.into()), corners: corners.len() as u32 }
+    pub(super) fn of_triangles(corners: Box<[u8]>) -> Self {
+        Self { corners: corners.len() as u32, lists: Owned::U8(corners) }
     }
 
     pub(super) fn faces(&self) -> Faces<'_> {

@@ -73,8 +73,9 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
 /// See [`HullError`].
 pub fn convex_hull_like(like: &NarrowPolyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
     check(points)?;
-    let same = points.len() == like.vertex_count() && steady::are_facets(points, like);
-    if same { Ok(like.with_vertices(points.to_vec())) } else { convex_hull(points) }
+    let faces = like.faces();
+    let same = points.len() == like.vertex_count() && steady::are_facets(points, faces.faces());
+    if same { Ok(Polyhedron::with_faces(points.into(), faces)) } else { convex_hull(points) }
 }
 
 /// [`convex_hull`] with memory that is kept from one hull to the next: for whoever makes thousands of them.

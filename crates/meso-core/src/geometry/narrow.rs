@@ -1,7 +1,7 @@
 //! A polyhedron in half the memory: a million grains live at once while they are placed.
 
 use super::Polyhedron;
-use super::faces::{Face, FaceList, Faces, Indices};
+use super::faces::{FaceList, Faces, Indices};
 use crate::math::{Aabb, Vec3};
 
 /// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
@@ -10,32 +10,52 @@ pub struct NarrowPolyhedron {
     /// All lists in one piece: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Of all faces.
+    /// Of all faces. What else there is to know of the lists follows from these two.
     corners: u32,
-    /// Of the faces' lists, in all.
-    indices: u32,
-    width: Width,
     volume: f64,
 }
 
-/// What an index is stored as.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the lists of the faces are stored as.
 enum Width {
+    /// A triangle's three indices as five bits each of a `u16`.
+    Five,
     U8,
     U16,
     U32,
 }
 
+/// Bits of an index among the few vertices of nearly all bodies.
+const FIVE: usize = 5;
+
+fn packed(&[a, b, c]: &[u8; 3]) -> u16 {
+    u16::from(a) | u16::from(b) << FIVE | u16::from(c) << (2 * FIVE)
+}
+
+fn unpacked(triangle: u16) -> [u8; 3] {
+    [0, 1, 2].map(|corner| (triangle >> (corner * FIVE)) as u8 & ((1 << FIVE) - 1))
+}
+
 /// Rounds the coordinates to f32; the volume stays that of the body as it was.
 impl From<Polyhedron> for NarrowPolyhedron {
     fn from(body: Polyhedron) -> Self {
-        let faces = body.face_lists();
-        let (width, bytes): (_, &[u8]) = match faces.lists {
-            Indices::U8(values) => (Width::U8, values),
-            Indices::U16(values) => (Width::U16, bytemuck::cast_slice(values)),
-            Indices::U32(values) => (Width::U32, bytemuck::cast_slice(values)),
+        let (vertices, faces) = (body.vertices(), body.face_lists());
+        let mut narrow = Self {
+            lists: Box::default(),
+            vertices: vertices.len() as u32,
+            corners: faces.corners as u32,
+            volume: body.volume(),
         };
-        let vertices = body.vertices();
+        debug_assert_eq!(faces.iter().len(), narrow.face_count(), "a closed convex surface");
+        let packed: Vec<u16> = match narrow.width() {
+            Width::Five => faces.byte_triangles().into_iter().flatten().map(packed).collect(),
+            _ => Vec::new(),
+        };
+        let bytes: &[u8] = match faces.lists {
+            _ if !packed.is_empty() => bytemuck::cast_slice(&packed),
+            Indices::U8(values) => values,
+            Indices::U16(values) => bytemuck::cast_slice(values),
+            Indices::U32(values) => bytemuck::cast_slice(values),
+        };
         let words = bytes.len().div_ceil(size_of::<u32>());
         let mut lists = Vec::with_capacity(3 * vertices.len() + words);
         for axis in 0..3 {
@@ -43,14 +63,8 @@ impl From<Polyhedron> for NarrowPolyhedron {
         }
         lists.resize(3 * vertices.len() + words, 0);
         bytemuck::cast_slice_mut(&mut lists[3 * vertices.len()..])[..bytes.len()].copy_from_slice(bytes);
-        Self {
-            lists: lists.into_boxed_slice(),
-            vertices: vertices.len() as u32,
-            corners: faces.corners as u32,
-            indices: faces.lists.len() as u32,
-            width,
-            volume: body.volume(),
-        }
+        narrow.lists = lists.into_boxed_slice();
+        narrow
     }
 }
 
@@ -74,14 +88,42 @@ impl NarrowPolyhedron {
         all[axis * self.vertex_count()..].first_chunk()
     }
 
-    fn face_lists(&self) -> Faces<'_> {
-        let (lists, len) = (&self.lists[3 * self.vertex_count()..], self.indices as usize);
-        let lists = match self.width {
+    /// By Euler's formula: two faces meet at every edge, and so do two corners of faces for every edge.
+    fn face_count(&self) -> usize {
+        (self.corners / 2 + 2 - self.vertices) as usize
+    }
+
+    fn are_triangles(&self) -> bool {
+        self.corners as usize == 3 * self.face_count()
+    }
+
+    fn width(&self) -> Width {
+        let last_vertex = self.vertices - 1;
+        // Lists of other faces than triangles end with where each of them ends.
+        let most = if self.are_triangles() { last_vertex } else { last_vertex.max(self.corners) };
+        match most {
+            _ if self.are_triangles() && last_vertex < 1 << FIVE => Width::Five,
+            0..=0xff => Width::U8,
+            0x100..=0xffff => Width::U16,
+            _ => Width::U32,
+        }
+    }
+
+    /// The faces, in the form that a body has which is worked with.
+    pub(super) fn faces(&self) -> FaceList {
+        let (lists, corners) = (&self.lists[3 * self.vertex_count()..], self.corners as usize);
+        let len = if self.are_triangles() { corners } else { corners + self.face_count() };
+        let lists = match self.width() {
+            Width::Five => {
+                let triangles: &[u16] = bytemuck::cast_slice(lists);
+                let corners = triangles[..self.face_count()].iter().flat_map(|&triangle| unpacked(triangle));
+                return FaceList::of_triangles(corners.collect());
+            }
             Width::U8 => Indices::U8(&bytemuck::cast_slice(lists)[..len]),
             Width::U16 => Indices::U16(&bytemuck::cast_slice(lists)[..len]),
             Width::U32 => Indices::U32(&lists[..len]),
         };
-        Faces { lists, corners: self.corners as usize }
+        FaceList::from(Faces { lists, corners })
     }
 
     /// Vertex positions, mm.
@@ -89,11 +131,6 @@ impl NarrowPolyhedron {
         let [x, y, z] = self.coordinates();
         let wide = |((x, y), z): ((&f32, &f32), &f32)| Vec3::new(f64::from(*x), f64::from(*y), f64::from(*z));
         x.iter().zip(y).zip(z).map(wide)
-    }
-
-    /// Faces as vertex indices, counter-clockwise from outside.
-    pub fn faces(&self) -> impl ExactSizeIterator<Item = Face<'_>> {
-        self.face_lists().iter()
     }
 
     /// Volume, mm3.
@@ -110,11 +147,11 @@ impl NarrowPolyhedron {
 
     /// The same body in double precision.
     pub fn widened(&self) -> Polyhedron {
-        Polyhedron::of_volume(self.vertices().collect(), FaceList::from(self.face_lists()), self.volume)
+        Polyhedron::of_volume(self.vertices().collect(), self.faces(), self.volume)
     }
 
     /// The same faces over as many other vertices (mm), which must be these moved as one body.
     pub fn with_vertices(&self, vertices: Vec<Vec3>) -> Polyhedron {
-        Polyhedron::with_faces(vertices.into_boxed_slice(), FaceList::from(self.face_lists()))
+        Polyhedron::with_faces(vertices.into_boxed_slice(), self.faces())
     }
 }

@@ -78,7 +78,7 @@ impl Polyhedron {
 
     /// From the corners of triangles, in the canonical order.
     pub(super) fn of_triangles(vertices: Box<[Vec3]>, corners: &[u8]) -> Self {
-        Self::with_faces(vertices, FaceList::of_triangles(corners))
+        Self::with_faces(vertices, FaceList::of_triangles(corners.into()))
     }
 
     /// Over faces that other vertices had.
