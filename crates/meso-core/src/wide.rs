@@ -14,14 +14,23 @@ pub(crate) trait Wide {
     fn run(self) -> Self::Output;
 }
 
-/// Runs `work`, compiled for AVX2 where the machine has it.
+/// Runs `work`, compiled for AVX-512 or AVX2 where the machine has it.
 #[inline]
 pub(crate) fn widest<W: Wide>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
-    if is_x86_feature_detected!("avx2") {
+    if is_x86_feature_detected!("avx512dq") && is_x86_feature_detected!("avx512vl") {
+        // SAFETY: the features were detected; they imply avx512f.
+        return unsafe { on_avx512(work) };
+    } else if is_x86_feature_detected!("avx2") {
         // SAFETY: the feature was detected.
         return unsafe { on_avx2(work) };
     }
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512dq,avx512vl")]
+fn on_avx512<W: Wide>(work: W) -> W::Output {
     work.run()
 }
 
