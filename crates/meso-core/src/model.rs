@@ -93,11 +93,16 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     let mut is_placed = poses.iter().map(Option::is_some);
     grains.retain(|_| is_placed.next() == Some(true));
     poses.retain(Option::is_some);
-    let settle = |(grain, pose): (Grain, &Option<Pose>)| -> Result<Aggregate, SpecError> {
+    // In the order in which their bodies came into memory: neighbours that go leave room for larger ones.
+    let mut order: Vec<u32> = (0..grains.len() as u32).collect();
+    order.sort_unstable_by_key(|&number| (grains[number as usize].class, grains[number as usize].index));
+    arrange(&mut grains, &order);
+    arrange(&mut poses, &order);
+    let settle = |((grain, pose), &id): ((Grain, &Option<Pose>), &u32)| -> Result<Aggregate, SpecError> {
         let pose = pose.as_ref().expect("those without a place are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
         let Grain { kind, class, itz_thickness_mm, .. } = grain;
-        Ok(Aggregate { id: 0, kind, class, itz_thickness_mm, body })
+        Ok(Aggregate { id, kind, class, itz_thickness_mm, body })
     };
     // From the last on, so that these lists shrink as that of aggregates grows.
     let mut aggregates = Vec::with_capacity(poses.len());
@@ -106,12 +111,29 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
         let (several, theirs) = (grains.split_off(first), poses.split_off(first));
         grains.shrink_to_fit();
         poses.shrink_to_fit();
-        let settled: Vec<_> = several.into_par_iter().zip(&theirs).map(settle).collect::<Result<_, SpecError>>()?;
-        aggregates.extend(settled.into_iter().rev());
+        let several = several.into_par_iter().zip(&theirs).zip(&order[first..first + theirs.len()]);
+        let settled: Vec<_> = several.map(settle).collect::<Result<_, SpecError>>()?;
+        aggregates.extend(settled);
     }
-    aggregates.reverse();
+    aggregates.sort_unstable_by_key(|aggregate: &Aggregate| aggregate.id);
     let mut inclusions: Vec<Aggregate> = aggregates.extract_if(.., |body| body.kind != Kind::Aggregate).collect();
     inclusions.sort_by_key(|body| body.kind);
     (0..).zip(aggregates.iter_mut().chain(&mut inclusions)).for_each(|(id, body)| body.id = id);
     Ok((aggregates, inclusions))
+}
+
+/// Moves what has the number `order[k]` to place `k`, without a second list.
+fn arrange<T>(list: &mut [T], order: &[u32]) {
+    let mut from = order.to_vec();
+    for start in 0..list.len() {
+        let mut at = start;
+        loop {
+            let next = std::mem::replace(&mut from[at], at as u32) as usize;
+            if next == start {
+                break;
+            }
+            list.swap(at, next);
+            at = next;
+        }
+    }
 }
