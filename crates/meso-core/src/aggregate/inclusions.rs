@@ -4,9 +4,9 @@
 //! 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both have exactly the
 //! volume of the sphere or the cylinder they stand for. They have no ITZ.
 
+use super::SizeLaw;
 use super::random::{Purpose, Stream};
 use super::take::{Grain, Recipe, fill};
-use super::{Outline, SizeLaw};
 use crate::geometry::{HullError, convex_hull};
 use crate::math::{Mat3, Rotation, Vec3};
 use nalgebra::Rotation3;
@@ -103,7 +103,7 @@ impl Voids {
 
     /// The largest polyhedron's longest diagonal, mm.
     pub fn longest(&self) -> f64 {
-        self.diameter_mm[1] * ball().semi_axes.x
+        self.diameter_mm[1] * ball()[0].norm()
     }
 }
 
@@ -140,8 +140,9 @@ pub(super) fn take(grains: &mut Vec<Grain>, recipe: &Recipe, first_class: u16, v
         let (ball, [low, high], class) = (ball(), voids.diameter_mm, first_class);
         let make = |index| {
             let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
-            let outline = ball.scaled(stream.uniform(low, high) / 2.0);
-            Grain::turned(Kind::Void, (class, index), &outline, stream)
+            let radius = stream.uniform(low, high) / 2.0;
+            let vertices: Vec<Vec3> = ball.iter().map(|vertex| vertex * radius).collect();
+            Grain::turned(Kind::Void, (class, index), &vertices, stream)
         };
         fill(grains, voids.fraction * volume, recipe.go_on, make)?;
     }
@@ -183,7 +184,7 @@ fn frame(x: &Vec3) -> [Vec3; 3] {
 }
 
 /// Corners on a sphere, whose hull has the volume of a ball of radius 1.
-fn ball() -> Outline {
+fn ball() -> Vec<Vec3> {
     let golden = (1.0 + 5.0f64.sqrt()) / 2.0;
     let mut corners = Vec::with_capacity(32);
     for [p, q] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
@@ -196,19 +197,14 @@ fn ball() -> Outline {
     let corners: Vec<Vec3> = corners.into_iter().map(|corner| Vec3::from(corner).normalize()).collect();
     let hull = convex_hull(&corners).expect("the corners lie all around the origin");
     let radius = libm::cbrt(4.0 / 3.0 * PI / hull.volume());
-    let vertices = corners.iter().map(|corner| corner * radius).collect();
-    Outline { vertices, semi_axes: Vec3::repeat(radius) }
+    corners.iter().map(|corner| corner * radius).collect()
 }
 
-/// The prism along x, and the smallest ellipsoid through its corners.
-fn prism(fibres: &Fibres) -> Outline {
+/// The prism along x.
+fn prism(fibres: &Fibres) -> Vec<Vec3> {
     let (half, radius) = (fibres.length_mm / 2.0, OCTAGON.sqrt() * fibres.diameter_mm);
     const S: f64 = FRAC_1_SQRT_2;
     let around = [[1.0, 0.0], [S, S], [0.0, 1.0], [-S, S], [-1.0, 0.0], [-S, -S], [0.0, -1.0], [S, -S]];
     let corner = |x: f64| around.map(|[y, z]| Vec3::new(x, y * radius, z * radius));
-    let across = radius * 1.5f64.sqrt();
-    Outline {
-        vertices: [corner(-half), corner(half)].concat(),
-        semi_axes: Vec3::new(half * 3.0f64.sqrt(), across, across),
-    }
+    [corner(-half), corner(half)].concat()
 }

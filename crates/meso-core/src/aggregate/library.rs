@@ -1,8 +1,7 @@
 //! A user's own grains: convex polyhedra, scaled to the size that is asked for.
 
-use super::shape::Outline;
 use crate::geometry::{HullError, convex_hull, principal_axes};
-use crate::math::{Aabb, Vec3, longest_distance};
+use crate::math::{Vec3, longest_distance};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// One grain of a library, of any size: the vertices of a convex polyhedron, mm.
@@ -12,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub struct Template {
     vertices: Vec<Vec3>,
     /// The same of size 1, along its principal axes.
-    unit: Outline,
+    unit: Vec<Vec3>,
 }
 
 impl Template {
@@ -26,9 +25,7 @@ impl Template {
         let axes = principal_axes(&mass.inertia);
         let length = longest_distance(body.vertices());
         let along = |v: &Vec3| axes.transpose() * (v - mass.centroid) / length;
-        let unit: Vec<Vec3> = body.vertices().iter().map(along).collect();
-        let semi_axes = Aabb::around(&unit).size() / 2.0;
-        Ok(Self { vertices, unit: Outline { vertices: unit, semi_axes } })
+        Ok(Self { unit: body.vertices().iter().map(along).collect(), vertices })
     }
 
     /// As given, mm.
@@ -38,12 +35,12 @@ impl Template {
 
     /// Volume over the cube of the longest distance between two vertices.
     pub fn relative_volume(&self) -> f64 {
-        convex_hull(&self.unit.vertices).map_or(0.0, |body| body.volume())
+        convex_hull(&self.unit).map_or(0.0, |body| body.volume())
     }
 
-    /// Its outline with `length` mm between the two vertices farthest apart.
-    pub(super) fn scaled_to(&self, length: f64) -> Outline {
-        self.unit.scaled(length)
+    /// The vertices along its principal axes with `length` mm between the two that are farthest apart.
+    pub(super) fn scaled_to(&self, length: f64) -> Vec<Vec3> {
+        self.unit.iter().map(|vertex| vertex * length).collect()
     }
 }
 

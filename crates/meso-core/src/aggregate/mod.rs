@@ -14,7 +14,7 @@ pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Stan
 pub use inclusions::{Cone, Fibres, Inclusions, Kind, Voids};
 pub use itz::Itz;
 pub use library::Template;
-pub use shape::{Outline, Shape, ShapeKind};
+pub use shape::{Shape, ShapeKind};
 
 use crate::geometry::{OffsetError, Polyhedron, inward_offset};
 

@@ -78,24 +78,6 @@ impl ShapeKind {
     }
 }
 
-/// A grain's vertices along its own axes, about a point inside of it, and the semi-axes of the ellipsoid they lie on or
-/// near, mm.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
-    /// Positions, mm.
-    pub vertices: Vec<Vec3>,
-    /// Along x, y, z, mm.
-    pub semi_axes: Vec3,
-}
-
-impl Outline {
-    /// The same, larger by a factor.
-    pub(super) fn scaled(&self, factor: f64) -> Self {
-        let vertices = self.vertices.iter().map(|vertex| vertex * factor).collect();
-        Self { vertices, semi_axes: self.semi_axes * factor }
-    }
-}
-
 /// Fixed vertices on the axes (Sec. 2.1).
 const AXIS_VERTICES: usize = 6;
 /// Redraws of one vertex that comes too near to another; then the last draw is kept. At the default spacing of
@@ -109,24 +91,23 @@ const ROUNDED_DRAWS: usize = 12;
 const LEAST_DEPTH: f64 = 0.75;
 
 impl Shape {
-    /// Draws the outline of a grain whose longest axis 2a is `length` mm.
+    /// Draws the vertices (mm) of a grain whose longest axis 2a is `length` mm: along its own axes, about a point inside of it.
     ///
     /// `class_limit / vertex count` (mm) is the least spacing of the paper's random vertices.
-    pub fn outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Outline {
+    pub fn outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Vec<Vec3> {
         if self.kind == ShapeKind::Library {
             let grain = stream.integer(0, self.grains.len() as u32 - 1);
             return self.grains[grain as usize].scaled_to(length);
         }
         let ellipsoid = self.ellipsoid(length, stream);
         let count = stream.integer(self.vertices[0], self.vertices[1]) as usize;
-        let vertices = match self.kind {
+        match self.kind {
             ShapeKind::Rounded => rounded(&ellipsoid, count, stream),
             ShapeKind::Crushed => crushed(&ellipsoid, count, stream),
             ShapeKind::Polyhedron | ShapeKind::Library => {
                 polyhedron(&ellipsoid, count, class_limit / count as f64, stream)
             }
-        };
-        Outline { vertices, semi_axes: ellipsoid.semi_axes }
+        }
     }
 
     fn ellipsoid(&self, length: f64, stream: &mut Stream) -> Ellipsoid {

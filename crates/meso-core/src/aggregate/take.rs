@@ -1,11 +1,10 @@
 //! The *take*: enough grains of every class, each made from its own random stream (Sec. 2.1).
 
 use super::random::{Purpose, Stream};
-use super::{Grading, Inclusions, Itz, Kind, Outline, Shape, SizeClass, SizeDefinition, inclusions};
+use super::{Grading, Inclusions, Itz, Kind, Shape, SizeClass, SizeDefinition, inclusions};
 use crate::geometry::{HullError, NarrowPolyhedron, convex_hull, sieve_size};
 use crate::math::{Mat3, Rotation, Vec3};
 use crate::wide::{Wide, widest};
-use nalgebra::UnitQuaternion;
 use rayon::prelude::*;
 
 /// A grain that has a shape and an orientation, but no place yet.
@@ -23,10 +22,6 @@ pub struct Grain {
     pub itz_limited: bool,
     /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
     pub body: NarrowPolyhedron,
-    /// Semi-axes of the ellipsoid the vertices lie on or near, mm.
-    pub semi_axes: [f32; 3],
-    /// Turns the coordinate axes into the directions of the semi-axes.
-    pub rotation: UnitQuaternion<f32>,
     /// Radius of the sphere about the centre that holds the body, mm, rounded up.
     pub outer_radius: f32,
     /// Radius of the sphere about the centre that the body holds, mm, rounded down.
@@ -39,9 +34,12 @@ impl Grain {
         self.body.volume()
     }
 
-    /// Half of the longest axis, about the centre, mm.
+    /// From the centre to the middle of that end of a fibre where the farthest vertex is, mm.
     pub fn half_length(&self) -> Vec3 {
-        self.rotation.cast::<f64>() * Vec3::x() * f64::from(self.outer_radius)
+        let farther = |a: Vec3, b: Vec3| if b.norm_squared() > a.norm_squared() { b } else { a };
+        let farthest = self.body.vertices().fold(Vec3::zeros(), farther);
+        let end = || self.body.vertices().filter(|vertex| vertex.dot(&farthest) > 0.0);
+        end().sum::<Vec3>() / end().count() as f64
     }
 
     /// Radius of the ball of the same volume, mm.
@@ -171,36 +169,36 @@ pub(super) fn fill(
 fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
     let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
     let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
-    let mut outline = recipe.shape.outline(size, limits.d_min_mm, stream);
+    let mut vertices = recipe.shape.outline(size, limits.d_min_mm, stream);
     if recipe.grading.size == SizeDefinition::Sieve {
-        let scale = size / sieve_size(&convex_hull(&outline.vertices)?);
-        outline = outline.scaled(scale);
+        let scale = size / sieve_size(&convex_hull(&vertices)?);
+        vertices.iter_mut().for_each(|vertex| *vertex *= scale);
     }
-    let bare = Grain::turned(Kind::Aggregate, (class, index), &outline, stream)?;
+    let bare = Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?;
     let drawn = stream.uniform(recipe.itz.thickness_mm[0], recipe.itz.thickness_mm[1]);
     let most = ITZ_LIMIT * f64::from(bare.inner_radius);
     Ok(Grain { itz_thickness_mm: drawn.min(most), itz_limited: drawn > most, ..bare })
 }
 
 impl Grain {
-    /// The grain of an outline in a random orientation, without ITZ.
+    /// The grain of these vertices in a random orientation, without ITZ.
     pub(super) fn turned(
         kind: Kind,
         ids: (u16, u32),
-        outline: &Outline,
+        vertices: &[Vec3],
         stream: &mut Stream,
     ) -> Result<Self, HullError> {
-        Self::oriented(kind, ids, outline, &stream.rotation())
+        Self::oriented(kind, ids, vertices, &stream.rotation())
     }
 
-    /// The grain of an outline that is turned by `rotation`, without ITZ.
+    /// The grain of these vertices that is turned by `rotation`, without ITZ.
     pub(super) fn oriented(
         kind: Kind,
         (class, index): (u16, u32),
-        outline: &Outline,
+        vertices: &[Vec3],
         rotation: &Rotation,
     ) -> Result<Self, HullError> {
-        let mut vertices = turned(outline.vertices.iter().copied(), &rotation.to_rotation_matrix().into_inner());
+        let mut vertices = turned(vertices.iter().copied(), &rotation.to_rotation_matrix().into_inner());
         vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
         let body = convex_hull(&vertices)?;
         let outer_radius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
@@ -211,8 +209,6 @@ impl Grain {
             index,
             itz_thickness_mm: 0.0,
             itz_limited: false,
-            semi_axes: outline.semi_axes.map(|x| x as f32).into(),
-            rotation: rotation.cast(),
             outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),
             inner_radius: inner_radius as f32 * (1.0 - f32::EPSILON),
             body: body.into(),

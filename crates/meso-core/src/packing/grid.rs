@@ -10,7 +10,7 @@ pub(super) struct Grid {
     /// By cell, each in one piece: links from body to body would each wait for memory.
     lists: Vec<Vec<u32>>,
     /// Lowest cell of every body, by body.
-    lowest: Vec<[i32; 3]>,
+    lowest: Vec<[u16; 3]>,
 }
 
 impl Grid {
@@ -32,7 +32,7 @@ impl Grid {
         for cell in cells(low, high) {
             self.lists[self.raster.flat(cell)].push(self.lowest.len() as u32);
         }
-        self.lowest.push(low);
+        self.lowest.push(low.map(|i| i as u16));
     }
 
     /// The number of the cell at `point`.
@@ -54,7 +54,7 @@ impl Grid {
             self.list(self.raster.flat(cell) as u32).all(|body| {
                 // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
                 let lowest = self.lowest[body as usize];
-                let first = (0..3).all(|i| cell[i] == low[i].max(lowest[i]));
+                let first = (0..3).all(|i| cell[i] == low[i].max(i32::from(lowest[i])));
                 !first || visit(body)
             })
         })

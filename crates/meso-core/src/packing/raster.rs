@@ -5,6 +5,9 @@ use crate::math::{Aabb, Vec3};
 /// No more cells than this, whatever the sizes: bodies may be few and small in a large specimen.
 const MOST_CELLS: f64 = 4.0e6;
 
+/// Nor more than this along an axis.
+const MOST_ALONG: f64 = 65_535.0;
+
 /// A grid of cells.
 #[derive(Clone, Debug)]
 pub(super) struct Raster {
@@ -17,7 +20,7 @@ impl Raster {
     /// Over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
         let size = domain.size();
-        let cell = cell.max(libm::cbrt(size.product() / MOST_CELLS));
+        let cell = cell.max(libm::cbrt(size.product() / MOST_CELLS)).max(size.max() / MOST_ALONG);
         let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as i32);
         Self { origin: domain.min, per_mm: 1.0 / cell, counts }
     }

@@ -21,7 +21,6 @@ const BATCH: usize = 32;
 
 /// Tries up to `attempts` positions for every grain of `task`, in its order; what finds none is left out.
 pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
-    let mut scene = Scene::new(task);
     let mut outcome = Outcome::empty(task, "take-and-place", StopReason::AttemptsExhausted);
     // A stop during the take has left grains out; nothing placed of them would be what was asked.
     if outcome.stop.is_some() {
@@ -29,6 +28,7 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     }
     // Not needed before the end.
     outcome.poses = Vec::new();
+    let mut scene = Scene::new(task);
     let grains = task.request.grains.len();
     for first in (0..grains).step_by(BATCH) {
         let scouted: Vec<Search> = (first..grains.min(first + BATCH))

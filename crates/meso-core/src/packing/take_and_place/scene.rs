@@ -2,22 +2,25 @@
 
 use super::mask::{self, Mask};
 use crate::aggregate::take::Grain;
-use crate::geometry::Plane;
+use crate::geometry::{NarrowPolyhedron, Plane};
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
+use crate::packing::Pose;
 use crate::packing::grid::Grid;
 use crate::packing::place::Task;
-use crate::packing::{Pose, Request};
 use std::hint::black_box;
 
-/// Edge of the mask's voxels, as a share of the middle grain's diameter: 2.4 mm in a grading of 5 to 20 mm.
-const VOXEL: f64 = 0.25;
+/// Edge of the mask's voxels, as a share of the middle grain's diameter: 2.9 mm in a grading of 5 to 20 mm.
+const VOXEL: f64 = 0.4;
 
 /// The placed bodies, and the indices that find those near a candidate.
 pub(super) struct Scene<'a> {
     pub(super) task: &'a Task<'a>,
     /// Every placed grain, and its images that a grain in the box may meet.
     placed: Vec<Placed>,
+    /// The number of the grain that each is. Apart, so that the memory of a grain and of where it lies are waited for
+    /// together.
+    numbers: Vec<u32>,
     /// Centre and radius of the ball that each holds, mm: what is read of many lies close together.
     balls: Vec<[f32; 4]>,
     /// What a grain with its centre in the specimen's box may reach.
@@ -33,11 +36,8 @@ pub(super) struct Scene<'a> {
 
 /// Where a grain lies, and what most attempts end with: its body, in the form collision works on, would be as large as all
 /// else that is known of it, and is made where a pair needs it.
+#[repr(align(64))]
 struct Placed {
-    /// Its number.
-    grain: u32,
-    /// Whether it is the grain itself and not an image of it.
-    itself: bool,
     centre: Vec3,
     bounds: gjk::Bounds,
 }
@@ -72,11 +72,8 @@ impl Trial {
 impl<'a> Candidate<'a> {
     pub(super) fn new(grain: &'a Grain) -> Self {
         let solid = grain.body.widened();
-        let semi_axes = Vec3::from(grain.semi_axes.map(f64::from));
-        let rotation = grain.rotation.cast().to_rotation_matrix().into_inner();
         let facets = solid.facets();
-        let body =
-            gjk::Body::on_ellipsoid(solid.vertices(), &semi_axes, &rotation).with_inside_of(facets.iter().copied());
+        let body = gjk::Body::new(solid.vertices()).with_inside_of(facets.iter().copied());
         let planes = facets.iter().map(|facet| facet.plane).collect();
         Self { grain, planes, body, aabb: grain.body.aabb(), vertices: solid.into_vertices() }
     }
@@ -92,8 +89,9 @@ impl<'a> Scene<'a> {
             task,
             // Doubling would leave as much memory behind; of what is set aside only what is used counts.
             placed: Vec::with_capacity(grains.len()),
+            numbers: Vec::with_capacity(grains.len()),
             balls: Vec::with_capacity(grains.len()),
-            grid: Grid::new(&domain, middle).with_room_for(grains.len()),
+            grid: Grid::new(&domain, 1.25 * middle).with_room_for(grains.len()),
             mask: Mask::new(&task.room.aabb(), VOXEL * middle, if masked > 0.0 { masked } else { 1.0 }),
             domain,
             masked,
@@ -121,19 +119,21 @@ impl<'a> Scene<'a> {
             self.mask.insert((&local, f64::from(grain.outer_radius)), &planes, &centre, self.masked);
             let [x, y, z] = <[f64; 3]>::from(centre).map(|x| x as f32);
             self.balls.push([x, y, z, grain.inner_radius]);
-            let itself = shift == Vec3::zeros();
-            self.placed.push(Placed { grain: number as u32, itself, centre, bounds: body.bounds() });
+            self.numbers.push(number as u32);
+            self.placed.push(Placed { centre, bounds: body.bounds() });
         }
         self.class_volume[usize::from(grain.class)] += grain.volume();
     }
 
     /// The pose of every grain; what finds near ones is given back before the list is made.
     pub(super) fn into_poses(self) -> Vec<Option<Pose>> {
-        let Self { task, placed, balls, grid, mask, .. } = self;
+        let Self { task, placed, numbers, balls, grid, mask, .. } = self;
         drop((balls, grid, mask));
         let mut poses = vec![None; task.request.grains.len()];
-        for body in placed.iter().filter(|body| body.itself) {
-            poses[body.grain as usize] = Some(Pose::at(body.centre));
+        // Images have their centres outside of the box.
+        let itself = |centre: &Vec3| task.period.wrap(centre) == *centre;
+        for (number, body) in numbers.iter().zip(&placed).filter(|(_, body)| itself(&body.centre)) {
+            poses[*number as usize] = Some(Pose::at(body.centre));
         }
         poses
     }
@@ -164,9 +164,9 @@ impl<'a> Scene<'a> {
             trial.closest = self.closest(it, trial);
         }
         // So what the proofs will read.
-        let grains = self.task.request.grains;
-        let of = |placed: usize| grains[self.placed[placed].grain as usize].body.coordinates()[0][0];
-        black_box(trials.iter().filter_map(|trial| trial.closest).map(of).sum::<f32>());
+        let of = |other: usize| self.body(other).coordinates().map(|along| along[0]).iter().sum::<f32>();
+        let and = |other: usize| of(other) + self.placed[other].centre.x as f32;
+        black_box(trials.iter().filter_map(|trial| trial.closest).map(and).sum::<f32>());
     }
 
     /// True when the candidate at the place of the `trial` that was looked at is proved apart from everything placed, and
@@ -209,12 +209,17 @@ impl<'a> Scene<'a> {
         closest
     }
 
+    /// The shape of what was placed as this number.
+    #[inline]
+    fn body(&self, placed: usize) -> &NarrowPolyhedron {
+        &self.task.request.grains[self.numbers[placed] as usize].body
+    }
+
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Workplace) -> bool {
-        let Placed { grain, centre: other_centre, bounds, .. } = &self.placed[placed];
-        let Request { grains, placement, .. } = &self.task.request;
-        let (place, made) = ((&(other_centre - centre), placement.min_gap_mm), &mut work.other);
-        let shape = &grains[*grain as usize].body;
-        gjk::apart_from(&it.body, bounds, || bounds.lay_out(shape, made), place, &mut work.counters)
+        let Placed { centre: other_centre, bounds } = &self.placed[placed];
+        let (gap, made) = (self.task.request.placement.min_gap_mm, &mut work.other);
+        let place = (&(other_centre - centre), gap);
+        gjk::apart_from(&it.body, bounds, || bounds.lay_out(self.body(placed), made), place, &mut work.counters)
     }
 }
 
