@@ -9,6 +9,7 @@ mod balls;
 mod bodies;
 mod cells;
 mod contact;
+mod cooling;
 mod drop;
 mod obstacle;
 mod pairs;
@@ -20,6 +21,7 @@ use super::place::Task;
 use super::{Outcome, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
+use cooling::{Cooling, FALL, HOPEFUL};
 use pairs::{Gaps, Look, Pairs};
 use walls::Walls;
 
@@ -27,6 +29,9 @@ use crate::aggregate::take::Grain;
 
 /// Wanted gap beyond the least one, as a share of the smallest grain's radius: room for the last digits to settle.
 const SLOP: f64 = 0.004;
+/// It is halved after so many sweeps in which bodies lack less than it in the mean, down to about this share.
+const FINE_SWEEPS: u32 = 40;
+const LEAST_SLOP: f64 = 0.0008;
 /// Margin at walls that are no box, as a share of the slop: single precision sees their far ends.
 const ROUND_MARGIN: f64 = 0.1;
 /// Share of the slop that must be open when it ends.
@@ -44,13 +49,14 @@ const LONGEST_STEP: f32 = 0.25;
 const LEAST_MARGIN: f64 = 10.0;
 /// A body without contacts comes to rest when it is slower than this share of the slop a sweep.
 const REST: f64 = 0.02;
-/// It is jammed when the energy has not fallen by a tenth in so many sweeps.
-const PATIENCE: u32 = 150;
 /// Where the time runs out, a jam is taken for granted from this share of it on, and again after each such share.
 const LATE: f64 = 0.5;
 const LATER: f64 = 1.0 / 16.0;
-/// A jam is relieved by leaving out the worst wedged grains, up to this share of the volume at a time.
-const RELIEF: f64 = 0.02;
+/// Where the time is limited, a jam is started over only if less than this share of it is spent: to cool slower takes
+/// twice as long.
+const EARLY: f64 = LATE / 3.0;
+/// Bodies that lack much when more than this share of it is spent are to cool quickly.
+const HURRY: f64 = LATE / 2.0;
 
 /// Places all grains of `task`, or as many as go, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
@@ -62,7 +68,7 @@ pub(super) fn place(task: &Task) -> Outcome {
     // Not needed before the end.
     outcome.poses = Vec::new();
     let mut settings = Settings::new(task);
-    let mut poses = (0..).zip(drop::fill(task)).collect();
+    let mut poses = dropped(task);
     loop {
         // The lists of the dynamics are gone when the proof makes its own.
         let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
@@ -78,6 +84,11 @@ pub(super) fn place(task: &Task) -> Outcome {
         outcome.poses = proved.poses;
         return outcome;
     }
+}
+
+/// Every grain's number and pose at the start.
+fn dropped(task: &Task) -> Vec<(u32, Pose)> {
+    (0..).zip(drop::fill(task)).collect()
 }
 
 /// How a run of sweeps ended.
@@ -100,17 +111,24 @@ struct Settings {
     least_gap: f64,
     /// Wanted beyond `least_gap`, mm.
     slop: f64,
+    /// Of the smallest grain's ball, mm.
+    radius: f64,
     /// Of this, what must be open when it ends, mm.
     enough: f64,
-    /// Share of the room that is taken, gaps included.
-    crowding: f64,
+    cooling: Cooling,
 }
 
 impl Settings {
     fn new(task: &Task) -> Self {
-        let smallest = task.request.grains.iter().map(Grain::ball_radius).fold(f64::INFINITY, f64::min);
-        let slop = SLOP * smallest;
-        Self { least_gap: task.request.placement.min_gap_mm, slop, enough: ENOUGH * slop, crowding: crowding(task) }
+        let radius = task.request.grains.iter().map(Grain::ball_radius).fold(f64::INFINITY, f64::min);
+        let slop = SLOP * radius;
+        Self {
+            least_gap: task.request.placement.min_gap_mm,
+            slop,
+            radius,
+            enough: ENOUGH * slop,
+            cooling: Cooling::new(task, radius),
+        }
     }
 
     fn ask_for_more(&mut self) -> bool {
@@ -118,10 +136,13 @@ impl Settings {
         self.enough < self.slop
     }
 
-    /// Momentum by density: little where grains are free, much where they wedge. Sweeps in the 150 mm cube: 0.50: 29 with
-    /// 0.7, 38 with 0.8; 0.60: 70 with 0.85, 168 with 0.8; 0.68: 242 with 0.94, 712 with 0.92.
-    fn momentum(&self) -> f64 {
-        (0.7 + (self.crowding - 0.5) * 1.4).clamp(0.6, 0.945)
+    /// Asks for less room where what is left to do is in the last digits: what all want beyond the least gap makes a
+    /// jam of what fits.
+    fn narrow(&mut self) {
+        if self.slop > LEAST_SLOP * self.radius {
+            self.slop /= 2.0;
+            self.enough /= 2.0;
+        }
     }
 
     fn gaps(&self) -> Gaps {
@@ -137,6 +158,8 @@ struct Dynamics<'a> {
     /// Share of the summed movement that is done, by the number of contacts.
     relaxations: Vec<f32>,
     sweep: u32,
+    /// Root mean square of what a body lacked of its gaps at the last look, over the radius of the smallest grain.
+    lack: f64,
     /// Share of the time limit after which it is late.
     late: f64,
 }
@@ -151,6 +174,7 @@ impl<'a> Dynamics<'a> {
             settings,
             relaxations: relaxations(),
             sweep: 0,
+            lack: f64::INFINITY,
             late: LATE,
         }
     }
@@ -161,7 +185,7 @@ impl<'a> Dynamics<'a> {
         loop {
             let ended = self.descend(task);
             match ended {
-                Ended::Jammed => self.relieve(task),
+                Ended::Jammed => self.start_over_or_relieve(task),
                 Ended::Late => {
                     self.relieve(task);
                     self.late += LATER;
@@ -179,29 +203,56 @@ impl<'a> Dynamics<'a> {
     fn descend(&mut self, task: &Task) -> Ended {
         self.bodies.settle(&self.walls);
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
+        let mut fine_since = None;
         loop {
             self.renew_pairs();
             let look = self.look();
             if look.open_below == 0 {
                 return Ended::Open;
             }
-            if look.energy < 0.9 * best {
+            if look.energy < FALL * best {
                 (best, best_sweep) = (look.energy, self.sweep);
             }
-            if self.sweep - best_sweep > PATIENCE {
+            if self.sweep - best_sweep > self.settings.cooling.patience() {
                 return Ended::Jammed;
             }
             if let Some(reason) = task.stopped(0.0) {
                 return Ended::Told(reason);
             }
-            if task.spent() > self.late {
+            let spent = task.spent();
+            if spent > self.late {
                 return Ended::Late;
             }
-            let momentum = if look.energy > RESTART * last { 0.0 } else { self.settings.momentum() };
+            if spent > HURRY && self.lack > HOPEFUL {
+                self.settings.cooling.hurry();
+            }
+            let is_fine = self.lack * self.settings.radius < self.settings.slop;
+            if is_fine && self.sweep - *fine_since.get_or_insert(self.sweep) > FINE_SWEEPS {
+                self.settings.narrow();
+                fine_since = None;
+            }
+            let momentum = if look.energy > RESTART * last { 0.0 } else { self.settings.cooling.momentum() };
             last = look.energy;
             self.step(momentum);
             self.sweep += 1;
         }
+    }
+
+    /// From the start again and slower, where that may help and there is time for it.
+    fn start_over_or_relieve(&mut self, task: &Task<'a>) {
+        match self.settings.cooling.next(self.lack).filter(|_| task.spent() < EARLY) {
+            Some(slower) => {
+                self.settings = Settings { cooling: slower, ..Settings::new(task) };
+                self.begin(task, dropped(task));
+            }
+            None => self.relieve(task),
+        }
+    }
+
+    /// Goes on with these bodies, at rest.
+    fn begin(&mut self, task: &Task<'a>, poses: Vec<(u32, Pose)>) {
+        self.pairs = Pairs::none();
+        self.bodies = Bodies::new(task.request.grains, poses, &task.room.aabb(), task.period);
     }
 
     /// Leaves out the grains with the most overlap for their volume.
@@ -219,8 +270,8 @@ impl<'a> Dynamics<'a> {
             .collect();
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let mut poses = self.bodies.poses();
-        let mut budget = RELIEF * poses.iter().map(|&(grain, _)| grains[grain as usize].volume()).sum::<f64>();
-        self.settings.crowding *= 1.0 - RELIEF;
+        let share = self.settings.cooling.relieve(self.lack);
+        let mut budget = share * poses.iter().map(|&(grain, _)| grains[grain as usize].volume()).sum::<f64>();
         let mut left_out = vec![false; grains.len()];
         for (_, grain) in worst {
             left_out[grain as usize] = true;
@@ -230,8 +281,7 @@ impl<'a> Dynamics<'a> {
             }
         }
         poses.retain(|&(grain, _)| !left_out[grain as usize]);
-        self.bodies = Bodies::new(grains, poses, &task.room.aabb(), task.period);
-        self.pairs = Pairs::none();
+        self.begin(task, poses);
     }
 
     fn renew_pairs(&mut self) {
@@ -242,6 +292,7 @@ impl<'a> Dynamics<'a> {
     /// Brings every pair's contact up to date.
     fn look(&mut self) -> Look {
         let look = self.pairs.look(&self.bodies, self.settings.gaps());
+        self.lack = libm::sqrt(look.energy / self.bodies.len() as f64) / self.settings.radius;
         let outside = self.bodies.state.iter().filter(|state| !state.inside).count() as u32;
         Look { open_below: look.open_below + outside, ..look }
     }
@@ -260,16 +311,6 @@ impl<'a> Dynamics<'a> {
             }
         });
     }
-}
-
-/// The share of the room that the grains take with half of the least gap around each; fibres count for more.
-fn crowding(task: &Task) -> f64 {
-    let half_gap = task.request.placement.min_gap_mm / 2.0;
-    let grown = |grain: &Grain| {
-        let scale = 1.0 + half_gap / grain.ball_radius();
-        grain.volume() * (scale * scale * scale) * slender::weight(grain)
-    };
-    task.request.grains.iter().map(grown).sum::<f64>() / task.volume
 }
 
 /// Share of the summed movement that is done, by the number of contacts; one for each number up to [`MOST_CONTACTS`].
