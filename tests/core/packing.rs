@@ -2,6 +2,7 @@
 
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
+use meso_core::check::check;
 use meso_core::packing::{Progress, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, gjk, pack};
 use std::sync::atomic::{AtomicI32, Ordering};
@@ -70,6 +71,14 @@ fn rearrangement_delivers_every_class_and_no_overlap() {
         }
         assert_apart(&model);
     }
+}
+
+#[test]
+fn what_jams_when_it_cools_quickly_fits_when_it_cools_slowly() {
+    // With the momentum of lower fractions, 0.945, it jammed.
+    let model = packed(&Spec { specimen: Specimen::cube(60.0), ..small(0.66) });
+    assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
+    assert_apart(&model);
 }
 
 #[test]
@@ -193,6 +202,30 @@ fn a_run_short_of_time_leaves_grains_out_in_time() {
     assert_eq!(model.report.strategy, "rearrange", "few were left when it stopped");
     assert!((0.5..0.68).contains(&model.report.fraction), "{}", model.report.fraction);
     assert_apart(&model);
+}
+
+#[test]
+fn a_run_that_is_stopped_ends_in_time_with_what_take_and_place_holds() {
+    let mut spec = small(0.68);
+    spec.placement.time_limit_s = Some(0.5);
+    let clock = Ticking(AtomicI32::new(0));
+    let model = pack(&spec, &clock).unwrap();
+    assert_eq!(model.report.strategy, "take-and-place", "bodies stopped so early all overlap");
+    assert_eq!(model.report.stop_reason, StopReason::TimeLimit);
+    assert!(model.report.fraction > 0.2, "{}", model.report.fraction);
+    assert!(clock.seconds() < 0.6, "{} s of 0.5", clock.seconds());
+}
+
+#[test]
+#[ignore = "slow tier: a minute of processor time"]
+fn seven_tenths_fit_between_walls_and_more_in_a_periodic_box() {
+    for (fraction, axes) in [(0.70, ""), (0.72, "'x', 'y', 'z'")] {
+        let text = format!("fraction = {fraction}\nspecimen = {{ kind = 'cube', side_mm = 150, periodic = [{axes}] }}");
+        let model = packed(&Spec::from_toml(&text).unwrap());
+        assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
+        assert!((model.report.fraction - fraction).abs() < 5e-4, "{}", model.report.fraction);
+        assert_eq!(check(&model).findings, []);
+    }
 }
 
 #[test]

@@ -35,21 +35,31 @@ impl Placement {
 
 /// Places the grains of `request`.
 pub fn place(request: &Request) -> Outcome {
-    let task = Task::new(request);
+    let mut task = Task::new(request);
     match request.placement.chosen() {
         Strategy::TakeAndPlace => take_and_place::place(&task, request.placement.attempts.unwrap_or(DEFAULT_ATTEMPTS)),
-        _ => better_if_stopped(&task, rearrange::place(&task)),
+        _ => {
+            let brief_s = brief_s(&task);
+            task.deadline -= brief_s;
+            better_if_stopped(&task, rearrange::place(&task), brief_s)
+        }
     }
 }
 
 /// Attempts of the take-and-place that follows a rearrangement which was stopped.
 const BRIEF_ATTEMPTS: u32 = 100;
-/// It may last so many seconds, and so much of what was spent before.
-const BRIEF_S: f64 = 1.0;
-const BRIEF_SHARE: f64 = 0.1;
+/// It may last so many seconds a grain, twice what it takes, but no longer than this share of the time there is.
+const BRIEF_GRAIN_S: f64 = 5e-5;
+const BRIEF_SHARE: f64 = 0.25;
+
+/// How long before the time is over a rearrangement is stopped, so that the take-and-place ends in time, s.
+fn brief_s(task: &Task) -> f64 {
+    let left = task.deadline - task.request.progress.seconds();
+    (BRIEF_GRAIN_S * task.request.grains.len() as f64).min(BRIEF_SHARE * left).max(0.0)
+}
 
 /// Bodies stopped on their way overlap, and few of them can stay: then take-and-place, given a moment, holds more.
-fn better_if_stopped(task: &Task, moved: Outcome) -> Outcome {
+fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
     let grains = task.request.grains;
     let volume = |outcome: &Outcome| -> f64 {
         let placed = grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
@@ -62,7 +72,7 @@ fn better_if_stopped(task: &Task, moved: Outcome) -> Outcome {
     }
     let progress = Unstoppable(task.request.progress);
     let mut brief = Task::new(&Request { progress: &progress, ..task.request });
-    brief.deadline = progress.seconds() + BRIEF_S + BRIEF_SHARE * (progress.seconds() - task.started);
+    brief.deadline = progress.seconds() + brief_s;
     let mut placed = take_and_place::place(&brief, BRIEF_ATTEMPTS);
     placed.stop = moved.stop;
     if volume(&placed) > volume(&moved) { placed } else { moved }
