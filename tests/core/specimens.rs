@@ -206,6 +206,45 @@ fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
     }
 }
 
+/// 64 cubes of an edge length (mm), 3 mm apart, as one closed surface.
+fn cubes(edge: f64) -> Specimen {
+    let (mut vertices_mm, mut triangles) = (Vec::new(), Vec::new());
+    for cube in 0..64 {
+        let mut surface = Specimen::cube(edge).room().surface();
+        let place = Vec3::from([1, 4, 16].map(|step| f64::from(cube / step % 4))) * (edge + 3.0);
+        surface.points.iter_mut().for_each(|point| *point += place);
+        triangles.extend(surface.triangles().map(|t| t.map(|corner| corner + vertices_mm.len() as u32)));
+        vertices_mm.extend(surface.points.into_iter().map(<[f64; 3]>::from));
+    }
+    Specimen::Mesh { vertices_mm, triangles }
+}
+
+#[test]
+fn a_class_that_fits_into_no_piece_of_a_room_is_named_before_the_work() {
+    for (edge, class) in [(5.0, "10-15 mm"), (8.0, "15-20 mm")] {
+        let spec = Spec { fraction: 0.3, specimen: cubes(edge), ..Spec::default() };
+        let error = pack(&spec, &Silent).unwrap_err();
+        assert_eq!(error.key, "grading.classes_mm");
+        assert!(error.message.contains(class) && error.message.contains("fits into the specimen"), "{error}");
+        // Cubes hold no ball wider than they are, nor a line longer than their diagonal.
+        assert!(error.message.contains(&format!("longer than {:.2}", edge * 3f64.sqrt() + 0.005)), "{error}");
+        assert!(spec.doubts()[0].contains("more than this strategy has been seen to reach"), "{:?}", spec.doubts());
+    }
+}
+
+#[test]
+fn grains_too_large_for_a_room_in_pieces_are_left_out_and_told() {
+    let mut spec = Spec { fraction: 0.2, specimen: cubes(10.0), ..Spec::default() };
+    for strategy in [Strategy::TakeAndPlace, Strategy::Rearrange] {
+        spec.placement.strategy = strategy;
+        spec.placement.attempts = (strategy == Strategy::TakeAndPlace).then_some(200);
+        let model = pack(&spec, &Silent).unwrap();
+        assert_eq!(check(&model).findings, []);
+        let detail = &model.report.stop_detail;
+        assert!(model.report.aggregates > 50 && detail.ends_with("grains are too large for the specimen"), "{detail}");
+    }
+}
+
 #[test]
 fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
     let rooms = [

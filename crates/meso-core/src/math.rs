@@ -42,6 +42,17 @@ impl Aabb {
         self.max = self.max.sup(point);
     }
 
+    /// The smallest box around this one and `other`.
+    #[must_use]
+    pub fn with(&self, other: &Self) -> Self {
+        Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
+    }
+
+    /// Distance to `point`; 0 where the box holds it.
+    pub fn distance(&self, point: &Vec3) -> f64 {
+        (self.min - point).sup(&(point - self.max)).sup(&Vec3::zeros()).norm()
+    }
+
     /// Edge lengths.
     pub fn size(&self) -> Vec3 {
         self.max - self.min

@@ -3,7 +3,7 @@
 use crate::aggregate::take::{Grain, Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
-use crate::packing::{self, Pose, Progress, Report, Request, Seconds, Strategy};
+use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Strategy};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -35,15 +35,19 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
+    let largest = spec.specimen.room().largest().less(spec.placement.wall_gap_mm);
+    if let Some(error) = spec.fits_nowhere(&grains, &largest) {
+        return Err(error);
+    }
     let taken = progress.seconds();
-    let mut outcome = packing::place(&request(spec, &grains, progress, start));
+    let mut outcome = packing::place(&request(spec, &grains, largest, progress, start));
     outcome.note(&grains, spec.grading.classes().len());
     // Every grain is freed as it settles: there is no moment with all of both.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
     packing::keep_off_faces(&mut bodies, &spec.specimen, spec.placement.wall_gap_mm);
     let placed = progress.seconds();
-    let mut report = packing::report(&request(spec, &[], progress, start), &aggregates, &inclusions, &outcome);
+    let mut report = packing::report(&request(spec, &[], largest, progress, start), &aggregates, &inclusions, &outcome);
     report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
 }
@@ -58,12 +62,19 @@ impl Model {
     }
 }
 
-fn request<'a>(spec: &'a Spec, grains: &'a [Grain], progress: &'a dyn Progress, started: f64) -> Request<'a> {
+fn request<'a>(
+    spec: &'a Spec,
+    grains: &'a [Grain],
+    largest: Largest,
+    progress: &'a dyn Progress,
+    started: f64,
+) -> Request<'a> {
     Request {
         specimen: &spec.specimen,
         fraction: spec.fraction,
         grading: &spec.grading,
         inclusions: spec.inclusions(),
+        largest,
         grains,
         seed: spec.seed,
         placement: &spec.placement,

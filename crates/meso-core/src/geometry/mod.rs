@@ -1,5 +1,6 @@
 //! Convex bodies: polyhedra, their hulls, offsets and the ellipsoids they are cut from.
 
+mod box_tree;
 mod clip;
 mod double_double;
 mod eights;
@@ -17,6 +18,7 @@ mod predicates;
 mod sieve;
 mod triangle_mesh;
 
+pub(crate) use box_tree::BoxTree;
 pub use clip::clipped;
 pub use faces::Face;
 pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull, convex_hull_like};

@@ -80,20 +80,59 @@ impl TriangleMesh {
         convex_hull(&self.vertices)
     }
 
+    /// The parts that share no vertex, each with its own vertices.
+    pub(crate) fn pieces(&self) -> Vec<Self> {
+        let piece_of = self.piece_of();
+        let mut numbers = BTreeMap::new();
+        let mut pieces: Vec<Self> = Vec::new();
+        let mut own = vec![0; self.vertices.len()];
+        for (vertex, root) in piece_of.iter().enumerate() {
+            let number = *numbers.entry(*root).or_insert(pieces.len());
+            if number == pieces.len() {
+                pieces.push(Self { vertices: Vec::new(), triangles: Vec::new() });
+            }
+            own[vertex] = pieces[number].vertices.len() as u32;
+            pieces[number].vertices.push(self.vertices[vertex]);
+        }
+        for triangle in &self.triangles {
+            let number = numbers[&piece_of[triangle[0] as usize]];
+            pieces[number].triangles.push(triangle.map(|vertex| own[vertex as usize]));
+        }
+        pieces
+    }
+
+    /// For every vertex the lowest that triangles connect it with.
+    fn piece_of(&self) -> Vec<u32> {
+        let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        let root = |lower: &mut Vec<u32>, mut vertex: u32| {
+            while lower[vertex as usize] != vertex {
+                // Half of the way is kept, so that the next walk is shorter.
+                lower[vertex as usize] = lower[lower[vertex as usize] as usize];
+                vertex = lower[vertex as usize];
+            }
+            vertex
+        };
+        for &[a, b, c] in &self.triangles {
+            for (p, q) in [(a, b), (b, c)] {
+                let (p, q) = (root(&mut lower, p), root(&mut lower, q));
+                lower[p.max(q) as usize] = p.min(q);
+            }
+        }
+        (0..self.vertices.len() as u32).map(|vertex| root(&mut lower, vertex)).collect()
+    }
+
     /// Nothing where the surface encloses a volume without a gap, every edge between two triangles.
     ///
     /// # Errors
     /// See [`SurfaceError`].
     pub fn check_closed(&self) -> Result<(), SurfaceError> {
-        let mut edges = BTreeMap::new();
-        for &[a, b, c] in &self.triangles {
-            for edge in [(a, b), (b, c), (c, a)] {
-                if edges.insert(edge, ()).is_some() {
-                    return Err(SurfaceError::NotManifold { from: self.place(edge.0), to: self.place(edge.1) });
-                }
-            }
+        let of_triangle = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
+        let mut edges: Vec<(u32, u32)> = self.triangles.iter().flat_map(of_triangle).collect();
+        edges.sort_unstable();
+        if let Some(&[(from, to), ..]) = edges.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(SurfaceError::NotManifold { from: self.place(from), to: self.place(to) });
         }
-        let open: Vec<_> = edges.keys().filter(|&&(a, b)| !edges.contains_key(&(b, a))).collect();
+        let open: Vec<_> = edges.iter().filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err()).collect();
         if let Some(&&(from, to)) = open.first() {
             return Err(SurfaceError::Open { edges: open.len(), from: self.place(from), to: self.place(to) });
         }

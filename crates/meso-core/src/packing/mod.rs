@@ -16,7 +16,7 @@ pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
+pub use specimen::{Largest, Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
 
 use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
@@ -104,6 +104,8 @@ pub struct Request<'a> {
     pub grading: &'a Grading,
     /// Voids and fibres asked for.
     pub inclusions: Inclusions,
+    /// What no body in the specimen exceeds, its distance to the walls kept.
+    pub largest: Largest,
     /// The grains in the order they are placed.
     pub grains: &'a [Grain],
     /// Seed of the positions.
@@ -176,6 +178,8 @@ pub struct Outcome {
     pub largest_mm3: Vec<f64>,
     /// Aggregates among the grains.
     pub aggregates_taken: usize,
+    /// Grains too large for any place in the specimen.
+    pub too_large: usize,
 }
 
 impl Outcome {
@@ -190,6 +194,7 @@ impl Outcome {
             itz_limited: Vec::new(),
             largest_mm3: Vec::new(),
             aggregates_taken: 0,
+            too_large: task.request.grains.iter().filter(|grain| !task.admits(grain)).count(),
         }
     }
 

@@ -4,6 +4,7 @@ use super::{
     DEFAULT_ATTEMPTS, Outcome, Period, Placement, Progress, Request, Room, StopReason, Strategy, rearrange,
     take_and_place,
 };
+use crate::aggregate::take::Grain;
 use crate::math::Aabb;
 
 /// A request, and what every strategy derives from it.
@@ -111,6 +112,11 @@ impl<'a> Task<'a> {
             started,
             deadline: request.placement.time_limit_s.map_or(f64::INFINITY, |limit| started + limit),
         }
+    }
+
+    /// False for a grain that no place in the specimen can hold: to try would be in vain.
+    pub(super) fn admits(&self, grain: &Grain) -> bool {
+        self.request.largest.admits(grain)
     }
 
     /// Where the centre of a grain may be, so that its box `local` about that centre keeps its distance to the walls of

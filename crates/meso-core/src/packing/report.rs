@@ -147,11 +147,14 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
     // Where all grains were taken and a class has none, half of its smallest is more than it asks for.
     let (some, none): (Vec<_>, Vec<_>) =
         classes.iter().zip(of_classes).partition(|(_, largest)| outcome.stop.is_some() || **largest > 0.0);
-    let too_small = none.iter().map(|(class, _)| class.too_small()).collect();
+    let too_small: Vec<String> = none.iter().map(|(class, _)| class.too_small()).collect();
     let short_classes = some.into_iter().filter_map(|(class, largest)| class.lack(*largest));
     let largest_of = |phase: &PhaseReport| of_phases[usize::from(phase.phase == Kind::Fibre)];
     let short: Vec<String> =
         short_classes.chain(phases.iter().filter_map(|phase| phase.lack(largest_of(phase)))).collect();
+    let too_large =
+        (outcome.too_large > 0).then(|| format!("{} grains are too large for the specimen", outcome.too_large));
+    let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
         version: env!("CARGO_PKG_VERSION").into(),
@@ -169,7 +172,7 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
         } else {
             outcome.dead_end
         }),
-        stop_detail: detail(request.fraction, &classes, &[short, too_small].concat()),
+        stop_detail: detail(request.fraction, &classes, &notes),
         classes,
         phases,
         seconds: Seconds::default(),

@@ -90,7 +90,7 @@ impl<'a> Search<'a> {
             number,
             candidate: Candidate::new(grain),
             stream: Stream::new(task.request.seed, Purpose::Place, grain.class, u64::from(grain.index)),
-            attempts_left: attempts,
+            attempts_left: if task.admits(grain) { attempts } else { 0 },
             ahead: Vec::with_capacity(AHEAD),
             found: None,
             candidates: 0,

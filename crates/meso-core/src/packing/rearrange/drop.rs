@@ -25,8 +25,8 @@ pub(super) fn fill(task: &Task) -> Vec<Pose> {
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
     let domain = task.domain();
     let mut ground = Ground { task, domain, balls: Balls::new(&domain, middle) };
-    let (long, short): (Vec<usize>, Vec<usize>) =
-        (0..grains.len()).partition(|&number| grains[number].kind == Kind::Fibre);
+    let admitted = (0..grains.len()).filter(|&number| task.admits(&grains[number]));
+    let (long, short): (Vec<usize>, Vec<usize>) = admitted.partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = vec![Pose::at(Vec3::zeros()); grains.len()];
     for order in [short, long] {
         let mut rest = order.as_slice();
@@ -122,7 +122,7 @@ impl Ground<'_> {
         let mut point = stream.point(&reach.min, &reach.max);
         let depth = depth + self.task.request.placement.wall_gap_mm;
         for _ in 0..DRAWS {
-            if self.task.room.is_box() || self.task.room.depth(&point) >= depth {
+            if self.task.room.is_box() || self.task.room.is_clear(&point, depth) {
                 break;
             }
             point = stream.point(&reach.min, &reach.max);

@@ -86,9 +86,10 @@ pub(super) fn place(task: &Task) -> Outcome {
     }
 }
 
-/// Every grain's number and pose at the start.
+/// The number and pose at the start of every grain that is not too large for the specimen.
 fn dropped(task: &Task) -> Vec<(u32, Pose)> {
-    (0..).zip(drop::fill(task)).collect()
+    let admitted = |&(grain, _): &(u32, Pose)| task.admits(&task.request.grains[grain as usize]);
+    (0..).zip(drop::fill(task)).filter(admitted).collect()
 }
 
 /// How a run of sweeps ended.

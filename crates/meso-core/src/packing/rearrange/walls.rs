@@ -34,7 +34,7 @@ impl<'a> Walls<'a> {
     /// done yet.
     pub(super) fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> (Vec3, bool) {
         let mut centre = self.boxed_in(centre, own_box);
-        if self.room.is_box() || self.room.depth(&centre) >= radius + self.gap {
+        if self.room.is_box() || self.room.is_clear(&centre, radius + self.gap) {
             return (centre, true);
         }
         let (x, yz) = turned.split_at(turned.len() / 3);

@@ -3,11 +3,13 @@
 //! Both are exact: the certified collision test against every triangle near, each a body of three points, and the count
 //! of the triangles above a point by exact signs. To touch a triangle is to meet it.
 
+use super::largest::{self, Largest};
 use super::room::{Obstacle, Room, Surface};
 use super::solid::{clear_of, within_box};
-use crate::geometry::{TriangleMesh, nearest_on_triangle, orient3d};
+use crate::geometry::{BoxTree, HullError, Polyhedron, TriangleMesh, nearest_on_triangle, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use rayon::prelude::*;
 use robust::{Coord, orient2d};
 
 /// What a closed surface of triangles encloses, moved to the origin.
@@ -21,130 +23,80 @@ pub(super) struct Closed {
     /// Normal of every triangle, and those of the walls behind an edge or corner of it that stands out into the room.
     outward: Vec<Vec<Vec3>>,
     boxes: Vec<Aabb>,
-    /// Edge of a cell of the grid, mm, and number of cells along each axis.
-    cell: f64,
-    counts: [usize; 3],
-    /// The triangles whose boxes reach into each cell.
-    cells: Vec<Vec<u32>>,
-    /// The same for each column of cells along z, every triangle once: what a point is counted against.
-    columns: Vec<Vec<u32>>,
+    tree: BoxTree,
 }
-
-/// Most cells along an axis.
-const MOST_CELLS: f64 = 48.0;
 
 impl Closed {
     /// The room within `mesh`, whose surface must be closed.
     pub(super) fn new(mesh: TriangleMesh) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
         let boxes: Vec<Aabb> = corners.iter().map(Aabb::around).collect();
-        let size = Aabb::around(&mesh.vertices).max;
-        let cell = (size.max() / MOST_CELLS).max(f64::MIN_POSITIVE);
-        let counts = [0, 1, 2].map(|i| (size[i] / cell).ceil().max(1.0) as usize);
-        let cells = vec![Vec::new(); counts.iter().product()];
-        let columns = vec![Vec::new(); counts[0] * counts[1]];
-        let outward = outward(&mesh, &corners);
-        let mut room =
-            Self { volume: mesh.volume(), mesh, size, corners, outward, boxes, cell, counts, cells, columns };
-        for triangle in 0..room.boxes.len() {
-            let Aabb { min, max } = room.boxes[triangle];
-            // The lowest cells are numbered as the columns are.
-            for column in room.cells_of(&Aabb { min: min.xy().push(0.0), max: max.xy().push(0.0) }) {
-                room.columns[column].push(triangle as u32);
-            }
-            for cell in room.cells_of(&room.boxes[triangle]) {
-                room.cells[cell].push(triangle as u32);
-            }
-        }
-        room
+        let (size, outward) = (Aabb::around(&mesh.vertices).max, outward(&mesh, &corners));
+        Self { volume: mesh.volume(), mesh, size, tree: BoxTree::new(&boxes), corners, outward, boxes }
     }
 
-    /// The number of the cell at a coordinate.
-    fn along(&self, x: f64, axis: usize) -> usize {
-        ((x / self.cell).max(0.0) as usize).min(self.counts[axis] - 1)
+    /// The triangles whose boxes meet `aabb`, in any order.
+    fn meeting<'a>(&'a self, aabb: &'a Aabb) -> impl Iterator<Item = u32> + 'a {
+        self.tree.near(aabb).filter(|&t| self.boxes[t as usize].intersects(aabb))
     }
 
-    /// Cells that a box reaches into; what sticks out counts to the outermost.
-    fn cells_of(&self, aabb: &Aabb) -> Vec<usize> {
-        let [x, y, z] = [0, 1, 2].map(|i| self.along(aabb.min[i], i)..=self.along(aabb.max[i], i));
-        let rows = z.flat_map(|k| y.clone().map(move |j| (k * self.counts[1] + j) * self.counts[0]));
-        rows.flat_map(|row| x.clone().map(move |i| row + i)).collect()
-    }
-
-    /// The triangles whose boxes meet `aabb`, each once.
+    /// The same by number.
     fn near(&self, aabb: &Aabb) -> Vec<u32> {
-        let all = self.cells_of(aabb).into_iter().flat_map(|cell| &self.cells[cell]);
-        let mut near: Vec<u32> = all.filter(|&&t| self.boxes[t as usize].intersects(aabb)).copied().collect();
+        let mut near: Vec<u32> = self.meeting(aabb).collect();
         near.sort_unstable();
-        near.dedup();
         near
-    }
-
-    /// The triangles whose boxes reach above `point`, or hold it.
-    fn above(&self, point: &Vec3) -> impl Iterator<Item = u32> {
-        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
-        let column = &self.columns[self.along(point.y, 1) * self.counts[0] + self.along(point.x, 0)];
-        column.iter().copied().filter(move |&t| self.boxes[t as usize].intersects(&upwards))
     }
 
     /// The nearest point of the surface and its distance, mm.
     fn nearest(&self, point: &Vec3) -> (Vec3, f64) {
-        // Most who ask are near the surface.
-        let mut reach = self.cell / 4.0;
-        loop {
-            let (place, distance) = self.nearest_within(point, reach);
-            // What was not looked at is farther off than the box reaches.
-            if distance <= reach {
-                return (place, distance);
-            }
-            reach = if distance.is_finite() { distance } else { 2.0 * reach };
-        }
+        let place = |t: u32| nearest_on_triangle(&self.corners[t as usize], point);
+        let found = self.tree.nearest(point, |t| (place(t) - point).norm());
+        found.map_or((*point, f64::INFINITY), |(t, distance)| (place(t), distance))
     }
 
-    /// The same of the triangles whose boxes come within `reach`, of equally near ones the first; infinite without any.
-    fn nearest_within(&self, point: &Vec3, reach: f64) -> (Vec3, f64) {
-        let around = Aabb { min: *point, max: *point }.grown(reach);
-        let mut best = (f64::INFINITY, u32::MAX, *point);
-        // A triangle of several cells is looked at in each: that is less work than a list of them without repetitions.
-        for &t in self.cells_of(&around).into_iter().flat_map(|cell| &self.cells[cell]) {
-            if self.boxes[t as usize].intersects(&around) {
-                let place = nearest_on_triangle(&self.corners[t as usize], point);
-                let distance = (place - point).norm();
-                if (distance, t) < (best.0, best.1) {
-                    best = (distance, t, place);
-                }
-            }
-        }
-        (best.2, best.0)
+    /// The convex hull of the surface.
+    pub(super) fn hull(&self) -> Result<Polyhedron, HullError> {
+        self.mesh.hull()
     }
 
     /// Two triangles that cross each other, or touch where they are not neighbours, if there are any.
     pub(super) fn crossing(&self) -> Option<[[Vec3; 3]; 2]> {
-        let meets = |&(a, b): &(u32, u32)| self.cross(a, b);
         let first = |a: u32| {
-            let near = self.near(&self.boxes[a as usize]).into_iter().filter(move |&b| b > a);
-            near.map(move |b| (a, b)).find(meets)
+            let crosses = |&b: &u32| b > a && self.cross(a, b);
+            self.near(&self.boxes[a as usize]).into_iter().find(crosses).map(|b| [a, b])
         };
-        let found = (0..self.boxes.len() as u32).find_map(first)?;
-        Some([found.0, found.1].map(|t| self.corners[t as usize]))
+        let found = (0..self.boxes.len() as u32).into_par_iter().find_map_first(first)?;
+        Some(found.map(|t| self.corners[t as usize]))
     }
 
     /// Neighbours share their common corners or edge; what else they share is a crossing.
     fn cross(&self, a: u32, b: u32) -> bool {
-        let [p, q] = [a, b].map(|t| self.mesh.triangles[t as usize]);
-        let at = |i: &u32| self.mesh.vertices[*i as usize];
-        let shared = p.iter().filter(|i| q.contains(i)).count();
-        // The corner or edge opposite to what is shared, against the whole other triangle.
-        let opposite = |own: &[u32; 3], other: &[u32; 3]| -> Vec<Vec3> {
-            own.iter().filter(|i| !other.contains(i)).map(at).collect()
-        };
-        let meets =
-            |points: &[Vec3], triangle: u32| gjk::intersects(points, &self.corners[triangle as usize]).unwrap_or(true);
-        match shared {
+        let [p, q] = [a, b].map(|t| &self.mesh.triangles[t as usize]);
+        let meets = |points: &[Vec3], t: u32| gjk::intersects(points, &self.corners[t as usize]).unwrap_or(true);
+        match p.iter().filter(|i| q.contains(i)).count() {
             0 => meets(&self.corners[a as usize], b),
-            1 | 2 => meets(&opposite(&p, &q), b) || meets(&opposite(&q, &p), a),
+            // The corner or edge opposite to what is shared, against the whole other triangle.
+            1 | 2 => {
+                let (own, other) = (self.opposite(a, b), self.opposite(b, a));
+                let part = self.is_beside(&other, a) || self.is_beside(&own, b);
+                !part && (meets(&own, b) || meets(&other, a))
+            }
             _ => true,
         }
+    }
+
+    /// The corners of a triangle that another has not.
+    fn opposite(&self, of: u32, other: u32) -> Vec<Vec3> {
+        let (own, other) = (&self.mesh.triangles[of as usize], &self.mesh.triangles[other as usize]);
+        own.iter().filter(|i| !other.contains(i)).map(|&i| self.mesh.vertices[i as usize]).collect()
+    }
+
+    /// True when the points all lie off the plane of a triangle, on one side of it.
+    fn is_beside(&self, points: &[Vec3], t: u32) -> bool {
+        let [a, b, c] = &self.corners[t as usize];
+        let mut sides = points.iter().map(|point| orient3d(a, b, c, point));
+        let first = sides.next().unwrap_or(0.0);
+        first != 0.0 && sides.all(|side| side * first > 0.0)
     }
 }
 
@@ -162,6 +114,27 @@ impl Room for Closed {
         self.size.min()
     }
 
+    fn largest(&self) -> Largest {
+        let ball_radius = largest::ball_radius(&self.aabb(), |point| self.depth(point));
+        // A piece that holds nothing is the surface of a hollow.
+        let pieces = self.mesh.pieces().into_iter().filter(|piece| piece.volume() > 0.0);
+        let (length, volume) = pieces.fold((0.0, 0.0), |(length, volume): (f64, f64), piece| {
+            (length.max(longest(&piece)), volume.max(piece.volume()))
+        });
+        Largest { ball_radius, length, volume }
+    }
+
+    fn share_within(&self, rim: f64) -> Option<f64> {
+        let middles = |axis: usize| (0..SAMPLES).map(move |k| (k as f64 + 0.5) / SAMPLES as f64 * self.size[axis]);
+        let row = |x: f64| middles(1).flat_map(move |y| middles(2).map(move |z| Vec3::new(x, y, z)));
+        let within = |gap: f64| {
+            let count = |x: f64| row(x).filter(|point| self.is_clear(point, gap)).count();
+            middles(0).collect::<Vec<_>>().into_par_iter().map(count).sum::<usize>()
+        };
+        let (inside, deep) = (within(0.0), within(rim));
+        (inside > 0).then(|| deep as f64 / inside as f64)
+    }
+
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
         within_box(&self.size, body, centre, gap).is_some_and(|(points, aabb)| {
             self.contains(&points[0])
@@ -172,8 +145,9 @@ impl Room for Closed {
     /// True when the surface winds once around the point, or the point lies on it: every triangle above or below counts by
     /// its orientation, edges to one of their two sides.
     fn contains(&self, point: &Vec3) -> bool {
+        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
         let mut windings = 0;
-        for t in self.above(point) {
+        for t in self.meeting(&upwards) {
             let [a, b, c] = &self.corners[t as usize];
             let turns = turns_around(&[*a, *b, *c], point);
             let side = orient3d(a, b, c, point);
@@ -193,6 +167,12 @@ impl Room for Closed {
         if self.contains(point) { distance } else { -distance }
     }
 
+    fn is_clear(&self, point: &Vec3, distance: f64) -> bool {
+        let around = Aabb { min: *point, max: *point }.grown(distance);
+        let clear = |t: u32| (nearest_on_triangle(&self.corners[t as usize], point) - point).norm() >= distance;
+        self.contains(point) && self.meeting(&around).all(clear)
+    }
+
     /// A centre that is outside goes back through the nearest point of the surface; the rest is for the triangles.
     fn confine(&self, _: &[Vec3], centre: &Vec3, gap: f64) -> Vec3 {
         if self.contains(centre) {
@@ -200,7 +180,7 @@ impl Room for Closed {
         }
         let (place, distance) = self.nearest(centre);
         let inwards = (place - centre) / distance.max(f64::MIN_POSITIVE);
-        place + inwards * (gap + 1e-3 * self.cell)
+        place + inwards * (gap + BACK * self.size.max())
     }
 
     fn is_convex(&self) -> bool {
@@ -217,6 +197,18 @@ impl Room for Closed {
     }
 }
 
+/// No two points of the surface are farther apart, mm: within its box, and within a ball about the middle of that.
+fn longest(piece: &TriangleMesh) -> f64 {
+    let aabb = Aabb::around(&piece.vertices);
+    let middle = (aabb.min + aabb.max) / 2.0;
+    let radius = piece.vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
+    aabb.size().norm().min(2.0 * radius)
+}
+
+/// Points along each axis by which a share of the room is measured.
+const SAMPLES: usize = 24;
+/// How far inside a centre begins that was outside, as a share of the room's size.
+const BACK: f64 = 2e-5;
 /// A corner is beyond a plane when it is so by this share of its distance: what is nearly flat does not stand out.
 const BEYOND: f64 = 1e-3;
 

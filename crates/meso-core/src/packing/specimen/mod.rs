@@ -8,6 +8,7 @@ mod convex;
 mod cuboid;
 mod cylinder;
 mod dogbone;
+mod largest;
 mod notched;
 mod period;
 mod profile;
@@ -15,6 +16,7 @@ mod room;
 mod solid;
 mod sphere;
 
+pub use largest::Largest;
 pub use period::{Period, Periodic};
 pub use room::{Obstacle, Room, Surface};
 
@@ -207,7 +209,7 @@ impl Specimen {
             }
             Self::Dogbone { .. } => Box::new(self.dogbone().room()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
-            Self::Mesh { vertices_mm, triangles } => within(surface(vertices_mm, triangles)?),
+            Self::Mesh { vertices_mm, triangles } => convex_or(Closed::new(surface(vertices_mm, triangles)?)),
         })
     }
 
@@ -216,12 +218,12 @@ impl Specimen {
     /// # Errors
     /// See [`RoomError`].
     pub fn check(&self) -> Result<Box<dyn Room>, RoomError> {
-        if let Self::Mesh { vertices_mm, triangles } = self
-            && let Some([triangle, _]) = Closed::new(surface(vertices_mm, triangles)?).crossing()
-        {
-            return Err(RoomError::Crossing { place: triangle[0].into() });
+        let Self::Mesh { vertices_mm, triangles } = self else { return self.build() };
+        let closed = Closed::new(surface(vertices_mm, triangles)?);
+        match closed.crossing() {
+            Some([triangle, _]) => Err(RoomError::Crossing { place: triangle[0].into() }),
+            None => Ok(convex_or(closed)),
         }
-        self.build()
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -254,12 +256,19 @@ impl Specimen {
 
     /// Bounding box, mm.
     pub fn aabb(&self) -> Aabb {
-        self.room().aabb()
+        match self {
+            // Of a large surface the room takes long to make.
+            Self::Mesh { vertices_mm, .. } => Aabb::around(&at_origin(vertices_mm)),
+            _ => self.room().aabb(),
+        }
     }
 
     /// Volume, mm3.
     pub fn volume(&self) -> f64 {
-        self.room().volume()
+        match self {
+            Self::Mesh { vertices_mm, triangles } => unchecked(vertices_mm, triangles).volume(),
+            _ => self.room().volume(),
+        }
     }
 }
 
@@ -267,10 +276,10 @@ impl Specimen {
 const CONVEX: f64 = 1e-12;
 
 /// The room within a closed surface; that of a convex one is packed as a polyhedron, which is denser and faster.
-fn within(mesh: TriangleMesh) -> Box<dyn Room> {
-    match mesh.hull() {
-        Ok(hull) if mesh.volume() >= (1.0 - CONVEX) * hull.volume() => Box::new(Convex::new(hull)),
-        _ => Box::new(Closed::new(mesh)),
+fn convex_or(closed: Closed) -> Box<dyn Room> {
+    match closed.hull() {
+        Ok(hull) if closed.volume() >= (1.0 - CONVEX) * hull.volume() => Box::new(Convex::new(hull)),
+        _ => Box::new(closed),
     }
 }
 
@@ -281,9 +290,13 @@ fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh
             return Err(RoomError::Corner { triangle, corner, corners });
         }
     }
-    let mesh = TriangleMesh { vertices: at_origin(vertices), triangles: triangles.to_vec() };
+    let mesh = unchecked(vertices, triangles);
     mesh.check_closed()?;
     Ok(mesh)
+}
+
+fn unchecked(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
+    TriangleMesh { vertices: at_origin(vertices), triangles: triangles.to_vec() }
 }
 
 /// The points moved so that the lowest corner of their bounding box is the origin.

@@ -1,5 +1,6 @@
 //! What every specimen can say about itself.
 
+use super::Largest;
 use crate::geometry::TriangleMesh;
 use crate::math::{Aabb, Vec3};
 use std::fmt::Debug;
@@ -21,9 +22,25 @@ pub trait Room: Debug + Send + Sync {
     /// asks for rounding, that errs by at most 1e-12 of the specimen's size on the side of refusing.
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool;
 
+    /// What no body in the room exceeds.
+    fn largest(&self) -> Largest {
+        Largest { ball_radius: self.width() / 2.0, length: self.aabb().size().norm(), volume: self.volume() }
+    }
+
+    /// Share of the room that is more than `rim` mm inside its surface, roughly, where that of its box says too little.
+    fn share_within(&self, rim: f64) -> Option<f64> {
+        let _ = rim;
+        None
+    }
+
     /// Distance from `point` to the surface, mm; negative outside, where only the sign is certain. Infinite where there
     /// is no surface.
     fn depth(&self, point: &Vec3) -> f64;
+
+    /// True when `point` is in the room and at least `distance` mm from its surface.
+    fn is_clear(&self, point: &Vec3, distance: f64) -> bool {
+        self.depth(point) >= distance
+    }
 
     /// True when the closed room has `point`.
     fn contains(&self, point: &Vec3) -> bool {
