@@ -6,21 +6,19 @@
 use super::msh::Volumes;
 use crate::math::{Aabb, Vec3};
 use crate::packing::Period;
+use std::collections::BTreeMap;
 
-/// Most tetrahedra that are opened: before the faces' nodes were smoothed one of 35 meshes of 40,000 cells had some.
+/// Most tetrahedra that are opened on a pair of faces: before the faces' nodes were smoothed one of 35 meshes of 40,000
+/// cells had some.
 const MOST: usize = 10_000;
 
 /// Opens the flat tetrahedra of `mesh` on the faces of `domain` across which the box repeats itself.
 pub(super) fn open(mesh: &mut Volumes, period: &Period, domain: &Aabb) {
     for axis in (0..3).filter(|&axis| period.along(axis).is_some()) {
         let faces = Faces { axis, places: [domain.min[axis], domain.max[axis]] };
-        for _ in 0..MOST {
-            let Some(quad) = faces.flat(mesh) else { break };
-            let middle = crossing(quad, axis);
-            for place in faces.places {
-                let moved = |point: Vec3| Vec3::from_fn(|i, _| if i == axis { place } else { point[i] });
-                divide(mesh, quad.map(moved), moved(middle));
-            }
+        let flat: Vec<u32> = (0..mesh.cells.len() as u32).rev().filter(|&cell| faces.have(mesh, cell)).collect();
+        if !flat.is_empty() {
+            Opened::new(mesh, faces).open(flat);
         }
     }
 }
@@ -32,16 +30,15 @@ struct Faces {
 }
 
 impl Faces {
+    /// True when a cell lies in one of them with all its corners.
+    fn have(&self, mesh: &Volumes, cell: u32) -> bool {
+        let [first, rest @ ..] = mesh.cells[cell as usize].map(|node| mesh.points[node as usize][self.axis]);
+        self.places.contains(&first) && rest.iter().all(|place| *place == first)
+    }
+
     /// The corners of a flat tetrahedron, those of its edges that cross first and last.
-    fn flat(&self, mesh: &Volumes) -> Option<[Vec3; 4]> {
-        let corners = |cell: &[u32; 4]| cell.map(|node| mesh.points[node as usize]);
-        let on = |cell: &[Vec3; 4]| {
-            let first = cell[0][self.axis];
-            self.places.contains(&first) && cell.iter().all(|corner| corner[self.axis] == first)
-        };
-        mesh.cells.iter().map(corners).filter(on).find_map(|[a, b, c, d]| {
-            [[a, b, c, d], [a, c, b, d], [a, d, b, c]].into_iter().find(|quad| self.cross(quad))
-        })
+    fn quad(&self, [a, b, c, d]: [Vec3; 4]) -> Option<[Vec3; 4]> {
+        [[a, b, c, d], [a, c, b, d], [a, d, b, c]].into_iter().find(|quad| self.cross(quad))
     }
 
     fn cross(&self, &[a, b, c, d]: &[Vec3; 4]) -> bool {
@@ -50,25 +47,99 @@ impl Faces {
     }
 }
 
-/// Divides the cells that have the edge ab or cd at a new node in the `middle` of both; those that have both go.
-fn divide(mesh: &mut Volumes, quad: [Vec3; 4], middle: Vec3) {
-    let node = |place: Vec3| mesh.points.iter().position(|point| *point == place).map(|node| node as u32);
-    let [Some(a), Some(b), Some(c), Some(d)] = quad.map(node) else { return };
-    let new = mesh.points.len() as u32;
-    mesh.points.push(middle);
-    let old = (std::mem::take(&mut mesh.cells), std::mem::take(&mut mesh.volume));
-    for (cell, volume) in old.0.into_iter().zip(old.1) {
-        let has = |p: u32, q: u32| cell.contains(&p) && cell.contains(&q);
-        let half = |end: u32| cell.map(|node| if node == end { new } else { node });
-        let parts = match (has(a, b), has(c, d)) {
-            (false, false) => vec![cell],
-            (true, false) => vec![half(a), half(b)],
-            (false, true) => vec![half(c), half(d)],
-            (true, true) => vec![],
-        };
-        mesh.volume.extend(std::iter::repeat_n(volume, parts.len()));
-        mesh.cells.extend(parts);
+/// The mesh, and what finds its nodes and cells at a pair of faces.
+struct Opened<'a> {
+    mesh: &'a mut Volumes,
+    faces: Faces,
+    /// The nodes on the faces by their places.
+    nodes: BTreeMap<[u64; 3], u32>,
+    /// The cells of each of these, and some that are gone.
+    cells: BTreeMap<u32, Vec<u32>>,
+    /// Of every cell.
+    gone: Vec<bool>,
+}
+
+impl<'a> Opened<'a> {
+    fn new(mesh: &'a mut Volumes, faces: Faces) -> Self {
+        let on = |node: &u32| faces.places.contains(&mesh.points[*node as usize][faces.axis]);
+        let nodes = (0..mesh.points.len() as u32).filter(on).map(|node| (key(&mesh.points[node as usize]), node));
+        let nodes: BTreeMap<[u64; 3], u32> = nodes.collect();
+        let mut cells: BTreeMap<u32, Vec<u32>> = nodes.values().map(|node| (*node, Vec::new())).collect();
+        for (number, cell) in (0..).zip(&mesh.cells) {
+            for node in cell {
+                if let Some(own) = cells.get_mut(node) {
+                    own.push(number);
+                }
+            }
+        }
+        let gone = vec![false; mesh.cells.len()];
+        Self { mesh, faces, nodes, cells, gone }
     }
+
+    /// Opens the cells in `flat`, the last first, and what becomes flat by that.
+    fn open(mut self, mut flat: Vec<u32>) {
+        let mut left = MOST;
+        while let Some(cell) = flat.pop().filter(|_| left > 0) {
+            let corners = self.mesh.cells[cell as usize].map(|node| self.mesh.points[node as usize]);
+            let Some(quad) = self.faces.quad(corners).filter(|_| !self.gone[cell as usize]) else { continue };
+            let middle = crossing(quad, self.faces.axis);
+            for place in self.faces.places {
+                let moved = |point: Vec3| Vec3::from_fn(|i, _| if i == self.faces.axis { place } else { point[i] });
+                let first = self.gone.len() as u32;
+                self.divide(quad.map(moved), moved(middle));
+                flat.extend((first..self.gone.len() as u32).filter(|&new| self.faces.have(self.mesh, new)));
+            }
+            left -= 1;
+        }
+        let mut gone = self.gone.iter();
+        self.mesh.cells.retain(|_| gone.next() == Some(&false));
+        let mut gone = self.gone.iter();
+        self.mesh.volume.retain(|_| gone.next() == Some(&false));
+    }
+
+    /// Divides the cells that have the edge ab or cd at a new node in the `middle` of both; those that have both go.
+    fn divide(&mut self, quad: [Vec3; 4], middle: Vec3) {
+        let [Some(a), Some(b), Some(c), Some(d)] = quad.map(|place| self.nodes.get(&key(&place)).copied()) else {
+            return;
+        };
+        let new = self.mesh.points.len() as u32;
+        self.mesh.points.push(middle);
+        self.nodes.insert(key(&middle), new);
+        self.cells.insert(new, Vec::new());
+        let mut around = [&self.cells[&a][..], &self.cells[&c][..]].concat();
+        around.sort_unstable();
+        around.dedup();
+        for number in around.into_iter().filter(|number| !self.gone[*number as usize]).collect::<Vec<_>>() {
+            let (cell, volume) = (self.mesh.cells[number as usize], self.mesh.volume[number as usize]);
+            let has = |p: u32, q: u32| cell.contains(&p) && cell.contains(&q);
+            let half = |end: u32| cell.map(|node| if node == end { new } else { node });
+            let parts = match (has(a, b), has(c, d)) {
+                (false, false) => continue,
+                (true, false) => vec![half(a), half(b)],
+                (false, true) => vec![half(c), half(d)],
+                (true, true) => vec![],
+            };
+            self.gone[number as usize] = true;
+            parts.into_iter().for_each(|part| self.add(part, volume));
+        }
+    }
+
+    fn add(&mut self, cell: [u32; 4], volume: u32) {
+        let number = self.gone.len() as u32;
+        self.gone.push(false);
+        self.mesh.cells.push(cell);
+        self.mesh.volume.push(volume);
+        cell.iter().for_each(|node| {
+            if let Some(own) = self.cells.get_mut(node) {
+                own.push(number);
+            }
+        });
+    }
+}
+
+/// A place as what can be looked up: -0 and 0 are one.
+fn key(place: &Vec3) -> [u64; 3] {
+    [0, 1, 2].map(|axis| (place[axis] + 0.0).to_bits())
 }
 
 /// Where ab and cd cross, seen along `axis`.
