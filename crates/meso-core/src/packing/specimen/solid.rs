@@ -4,7 +4,7 @@
 //! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
 
 use super::room::{Obstacle, Room, Surface};
-use crate::geometry::{HullError, Plane, convex_hull};
+use crate::geometry::{BoxTree, HullError, Plane, convex_hull, nearest_on_triangle};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 
@@ -23,6 +23,9 @@ struct Piece {
     vertices: Vec<Vec3>,
     planes: Vec<Plane>,
     aabb: Aabb,
+    /// Its faces in triangles, and what finds the nearest.
+    triangles: Vec<[Vec3; 3]>,
+    tree: BoxTree,
 }
 
 impl Solid {
@@ -40,7 +43,10 @@ impl Solid {
 impl Piece {
     fn new(points: &[Vec3]) -> Result<Self, HullError> {
         let hull = convex_hull(points)?;
-        Ok(Self { vertices: hull.vertices().to_vec(), planes: hull.planes().collect(), aabb: hull.aabb() })
+        let vertices = hull.vertices().to_vec();
+        let triangles: Vec<[Vec3; 3]> = hull.triangles().map(|t| t.map(|i| vertices[i as usize])).collect();
+        let tree = BoxTree::new(&triangles.iter().map(Aabb::around).collect::<Vec<_>>());
+        Ok(Self { vertices, planes: hull.planes().collect(), aabb: hull.aabb(), triangles, tree })
     }
 
     /// Distance to `point`, or a number that is at least `enough`; negative inside.
@@ -50,7 +56,9 @@ impl Piece {
         if height < 0.0 || height >= enough {
             return height;
         }
-        gjk::distance(std::slice::from_ref(point), &self.vertices).unwrap_or(0.0)
+        // Many points are asked about: the certified distance of two bodies takes ten times as long.
+        let distance = |t: u32| (nearest_on_triangle(&self.triangles[t as usize], point) - point).norm();
+        self.tree.nearest(point, distance).map_or(0.0, |(_, distance)| distance)
     }
 }
 
