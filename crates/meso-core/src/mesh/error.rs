@@ -49,8 +49,8 @@ pub enum MeshError {
     },
     /// gmsh put a node on a face of a periodic box that the opposite face does not have.
     #[error(
-        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box, and none on the opposite one; choose another \
-         element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the method lattice",
+        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box, and none on the opposite one, with somewhat \
+         smaller elements, too; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the method lattice",
         at[0], at[1], at[2]
     )]
     Unmatched {

@@ -234,9 +234,7 @@ fn assemble(
             with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, specimen, options)
         }
         (Method::Conforming, _) => {
-            let surfaces = conforming::Surfaces::new(placed, aggregates, specimen, options)?;
-            let output = gmsh(&surfaces)?;
-            with_layer(surfaces.mesh(&output)?, aggregates, specimen, options)
+            with_layer(conforming::mesh(placed, aggregates, specimen, options, gmsh)?, aggregates, specimen, options)
         }
     };
     mesh.periodic = specimen.periodic().0;

@@ -20,6 +20,7 @@ mod walls;
 pub use gaps::ROOM_MM;
 
 use super::lattice::Tetrahedra;
+use super::volumes::all_positive;
 use super::{Mesh, MeshError, MeshOptions, NO_AGGREGATE, Notes};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
@@ -35,6 +36,35 @@ use std::io::{self, Write};
 /// Not HXT, which is faster on several cores: where grains are close it needs nodes on the given surfaces, and breaks off
 /// (4.8 and 4.15: "corrupted size").
 pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41", "-bin", "-save_all"];
+
+/// Sizes that gmsh is asked for in turn, as shares of the one wanted, where it puts a node on one of two opposite faces
+/// alone, leaves a cell without volume or breaks off: with other nodes on the surfaces it does none of these, mostly.
+const TRIES: [f64; 3] = [1.0, 0.97, 0.94];
+
+/// The mesh of `aggregates` and mortar by `gmsh`; `images` as of [`Surfaces::new`].
+///
+/// # Errors
+/// As [`Surfaces::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
+pub(super) fn mesh(
+    aggregates: &[Aggregate],
+    images: &[Aggregate],
+    specimen: &Specimen,
+    options: &MeshOptions,
+    gmsh: super::Gmsh,
+) -> Result<Mesh, MeshError> {
+    let meshed = |share: f64| {
+        let options = MeshOptions { element_size_mm: share * options.element_size_mm, ..options.clone() };
+        let surfaces = Surfaces::new(aggregates, images, specimen, &options)?;
+        let mesh = surfaces.mesh(&gmsh(&surfaces)?)?;
+        all_positive(&mesh).map(|()| mesh)
+    };
+    let [first, others @ ..] = TRIES;
+    others.into_iter().fold(meshed(first), |last, share| match last {
+        // What went wrong with the size that was asked for is what is told.
+        Err(MeshError::Unmatched { .. } | MeshError::Flat { .. } | MeshError::Gmsh(_)) => meshed(share).or(last),
+        done => done,
+    })
+}
 
 /// The surfaces that a conforming mesh keeps.
 pub struct Surfaces<'a> {
