@@ -52,7 +52,12 @@ fn a_mesh_that_cannot_be_is_refused_before_anything_is_packed() {
     let folder = Folder::with_spec();
     for (spec, flags, code, said) in [
         ("small.toml", &["--element-size-mm", "99"][..], 2, "--element-size-mm is 99; it must lie within"),
-        ("small.toml", &["--method", "conforming", "--gmsh", "./no-gmsh"], 1, "./no-gmsh cannot be run"),
+        (
+            "small.toml",
+            &["--method", "conforming", "--gmsh", "./no-gmsh"],
+            1,
+            "./no-gmsh cannot be run (there is no such program)",
+        ),
         ("small.toml", &["--periodic-equations"], 2, "--periodic-equations is true; only a box without walls"),
         ("small.toml", &["--materials", "nowhere.toml"], 1, "nowhere.toml: No such file or directory; check the name"),
     ] {

@@ -68,8 +68,13 @@ impl Gmsh {
 
     fn missing(&self, error: &io::Error) -> MeshError {
         let program = Path::new(&self.program).display();
+        let why = match error.kind() {
+            io::ErrorKind::NotFound => "there is no such program".to_owned(),
+            io::ErrorKind::PermissionDenied => "it is no program, or may not be run".to_owned(),
+            _ => error.to_string(),
+        };
         MeshError::Gmsh(format!(
-            "{program} cannot be run ({error}); conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: \
+            "{program} cannot be run ({why}); conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: \
              pip install gmsh) and put it on the PATH or name it with --gmsh, or take --method lattice"
         ))
     }
