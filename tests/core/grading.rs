@@ -171,6 +171,9 @@ fn a_sieve_table_is_read_from_a_file_that_the_caller_opens() {
     let expected = Curve::Sieves { sieves_mm: vec![4.0, 8.0, 16.0], passing: vec![0.1, 0.45, 1.0] };
     assert_eq!(spec.grading.curve, expected);
     assert_eq!(read("sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n").unwrap().grading.curve, expected);
+    // As spreadsheets write them where a comma stands before the decimals.
+    assert_eq!(read("\u{feff}Sieve_mm;Passing\r\n4;0,1\r\n8;0,45\r\n16;1\r\n").unwrap().grading.curve, expected);
+    assert_eq!(read("\"sieve_mm\"\tpassing\n4\t0.1\n8\t0,45\n16\t1\n").unwrap().grading.curve, expected);
     for (csv, part) in [
         ("4,0.1\n16,1\n", "its first line must be sieve_mm,passing"),
         ("sieve_mm,passing\n4;0.1\n", "line 2 is \"4;0.1\"; it must be two numbers"),

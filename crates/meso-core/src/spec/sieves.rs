@@ -28,30 +28,42 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
 }
 
 /// Two columns under the heading `sieve_mm,passing` (shares from 0 to 1) or `sieve_mm,passing_percent`; in any order of
-/// rows; lines that are empty or begin with # are passed over.
+/// rows; lines that are empty or begin with # are passed over. Where the heading has a semicolon or a tab between its
+/// names, so have the rows, and a decimal comma is a point: as spreadsheets write them in half of the world.
 fn parse(text: &str) -> Result<Vec<(f64, f64)>, String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines = text.lines().zip(1..).map(|(line, number)| (line.trim(), number));
     let mut lines = lines.filter(|(line, _)| !line.is_empty() && !line.starts_with('#'));
-    let heading = lines.next().map(|(line, _)| line.to_lowercase().replace(' ', ""));
-    let scale = match heading.as_deref() {
-        Some("sieve_mm,passing") => 1.0,
-        Some("sieve_mm,passing_percent") => 100.0,
+    let heading = lines.next().map_or_else(String::new, |(line, _)| line.to_lowercase());
+    let between = [';', '\t'].into_iter().find(|between| heading.contains(*between)).unwrap_or(',');
+    let scale = match fields(&heading, between)[..] {
+        ["sieve_mm", "passing"] => 1.0,
+        ["sieve_mm", "passing_percent"] => 100.0,
         _ => {
             return Err(
                 "its first line must be sieve_mm,passing (shares from 0 to 1) or sieve_mm,passing_percent".into()
             );
         }
     };
-    let mut rows = lines.map(|(line, number)| row(line, number, scale)).collect::<Result<Vec<_>, _>>()?;
+    let mut rows = lines.map(|(line, number)| row(line, number, between, scale)).collect::<Result<Vec<_>, _>>()?;
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok(rows)
 }
 
-fn row(line: &str, number: usize, scale: f64) -> Result<(f64, f64), String> {
-    let numbers: Vec<f64> = line.split(',').filter_map(|field| field.trim().parse().ok()).collect();
-    match numbers[..] {
-        [sieve, share] if line.split(',').count() == 2 => Ok((sieve, share / scale)),
-        _ => Err(format!("line {number} is {line:?}; it must be two numbers with a comma between them")),
+/// What stands between the separators, without its quotes.
+fn fields(line: &str, between: char) -> Vec<&str> {
+    line.split(between).map(|field| field.trim().trim_matches('"').trim()).collect()
+}
+
+fn row(line: &str, number: usize, between: char, scale: f64) -> Result<(f64, f64), String> {
+    let number_in = |field: &&str| match between {
+        ',' => field.parse().ok(),
+        _ => field.replace(',', ".").parse().ok(),
+    };
+    match fields(line, between).iter().map(number_in).collect::<Vec<Option<f64>>>()[..] {
+        [Some(sieve), Some(share)] => Ok((sieve, share / scale)),
+        _ => {
+            Err(format!("line {number} is {line:?}; it must be two numbers, separated as the names in its first line"))
+        }
     }
 }
