@@ -219,6 +219,26 @@ fn cubes(edge: f64) -> Specimen {
     Specimen::Mesh { vertices_mm, triangles }
 }
 
+/// A cube of 20 mm with one of 6 mm in its middle, or beside it, whose triangles are turned round where it is a hollow.
+fn nested(at: f64, hollow: bool) -> Specimen {
+    let (outer, mut inner) = (Specimen::cube(20.0).room().surface(), Specimen::cube(6.0).room().surface());
+    inner.points.iter_mut().for_each(|point| *point += Vec3::new(at, 7.0, 7.0));
+    let inner_triangles = inner.triangles().map(|[a, b, c]| if hollow { [a, c, b] } else { [a, b, c] });
+    let triangles = outer.triangles().chain(inner_triangles.map(|t| t.map(|corner| corner + 8))).collect();
+    let vertices_mm = outer.points.into_iter().chain(inner.points).map(<[f64; 3]>::from).collect();
+    Specimen::Mesh { vertices_mm, triangles }
+}
+
+#[test]
+fn pieces_of_a_surface_on_the_wrong_side_of_others_are_refused() {
+    assert_eq!(nested(7.0, true).check().unwrap().volume(), 8000.0 - 216.0);
+    assert_eq!(nested(27.0, false).check().unwrap().volume(), 8000.0 + 216.0);
+    for wrong in [nested(7.0, false), nested(27.0, true)] {
+        let error = wrong.check().unwrap_err().to_string();
+        assert!(error.starts_with("a piece of its surface, at (") && error.contains("leave it out"), "{error}");
+    }
+}
+
 #[test]
 fn a_class_that_fits_into_no_piece_of_a_room_is_named_before_the_work() {
     for (edge, class) in [(5.0, "10-15 mm"), (8.0, "15-20 mm")] {

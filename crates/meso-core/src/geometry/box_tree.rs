@@ -41,11 +41,11 @@ impl BoxTree {
     }
 
     /// The items in the leaves whose boxes meet `aabb`: all whose own boxes do, each once, and a few more.
-    pub(crate) fn near<'a>(&'a self, aabb: &'a Aabb) -> impl Iterator<Item = u32> + 'a {
+    pub(crate) fn near(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let mut at = 0;
         let leaves = std::iter::from_fn(move || {
             while let Some(node) = self.nodes.get(at) {
-                let meets = node.aabb.intersects(aabb);
+                let meets = node.aabb.intersects(&aabb);
                 at = if meets { at + 1 } else { node.next as usize };
                 if meets && !node.items.is_empty() {
                     return Some(&self.items[node.items.start as usize..node.items.end as usize]);
@@ -125,7 +125,7 @@ mod tests {
             for point in self::boxes(&mut stream, 100).iter().map(|near| near.max) {
                 let near = Aabb { min: point, max: point }.grown(3.0);
                 let meets = |&item: &u32| boxes[item as usize].intersects(&near);
-                let mut found: Vec<u32> = tree.near(&near).filter(meets).collect();
+                let mut found: Vec<u32> = tree.near(near).filter(meets).collect();
                 found.sort_unstable();
                 assert_eq!(found, (0..count as u32).filter(meets).collect::<Vec<_>>());
                 met += found.len();

@@ -102,7 +102,7 @@ impl TriangleMesh {
     }
 
     /// For every vertex the lowest that triangles connect it with.
-    fn piece_of(&self) -> Vec<u32> {
+    pub(crate) fn piece_of(&self) -> Vec<u32> {
         let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
         let root = |lower: &mut Vec<u32>, mut vertex: u32| {
             while lower[vertex as usize] != vertex {

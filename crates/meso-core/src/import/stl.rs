@@ -13,7 +13,9 @@ const RECORD: usize = 50;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StlError {
     /// Neither form fits.
-    #[error("it is no STL: neither text that begins with `solid` nor a binary file of 84 + 50 n bytes")]
+    #[error(
+        "it is no STL: neither text that begins with `solid` nor a binary file of 84 + 50 n bytes, n the number at byte 80"
+    )]
     NotStl,
     /// A line of a text that cannot be read.
     #[error("line {line}: `{found}` is no vertex of three numbers")]
@@ -23,6 +25,9 @@ pub enum StlError {
         /// What stands there.
         found: String,
     },
+    /// No facets.
+    #[error("it has no triangles")]
+    Empty,
     /// Facets without three corners each.
     #[error("it has {corners} vertices, which are no whole number of triangles")]
     Incomplete {
@@ -46,7 +51,10 @@ pub fn read(bytes: &[u8]) -> Result<TriangleMesh, StlError> {
         Some(records) => records.chunks_exact(RECORD).flat_map(corners_of).collect(),
         None => text_corners(bytes)?,
     };
-    if corners.is_empty() || corners.len() % 3 != 0 {
+    if corners.is_empty() {
+        return Err(StlError::Empty);
+    }
+    if corners.len() % 3 != 0 {
         return Err(StlError::Incomplete { corners: corners.len() });
     }
     if let Some(corner) = corners.iter().position(|p: &Vec3| !p.iter().all(|x| x.is_finite())) {
@@ -71,11 +79,16 @@ fn corners_of(record: &[u8]) -> [Vec3; 3] {
 
 fn text_corners(bytes: &[u8]) -> Result<Vec<Vec3>, StlError> {
     let text = std::str::from_utf8(bytes).map_err(|_| StlError::NotStl)?;
-    if !text.trim_start().starts_with("solid") {
+    if !begins_with(text.trim_start(), "solid") {
         return Err(StlError::NotStl);
     }
     let lines = text.lines().zip(1..).map(|(line, number)| (line.trim(), number));
-    lines.filter(|(line, _)| line.starts_with("vertex")).map(|(line, number)| text_corner(line, number)).collect()
+    lines.filter(|(line, _)| begins_with(line, "vertex")).map(|(line, number)| text_corner(line, number)).collect()
+}
+
+/// Some programs write their words in capitals.
+fn begins_with(line: &str, word: &str) -> bool {
+    line.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
 }
 
 fn text_corner(line: &str, number: usize) -> Result<Vec3, StlError> {

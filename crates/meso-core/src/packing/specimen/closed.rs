@@ -11,6 +11,7 @@ use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
+use std::collections::BTreeMap;
 
 /// What a closed surface of triangles encloses, moved to the origin.
 #[derive(Clone, Debug)]
@@ -36,13 +37,13 @@ impl Closed {
     }
 
     /// The triangles whose boxes meet `aabb`, in any order.
-    fn meeting<'a>(&'a self, aabb: &'a Aabb) -> impl Iterator<Item = u32> + 'a {
-        self.tree.near(aabb).filter(|&t| self.boxes[t as usize].intersects(aabb))
+    fn meeting(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
+        self.tree.near(aabb).filter(move |&t| self.boxes[t as usize].intersects(&aabb))
     }
 
     /// The same by number.
     fn near(&self, aabb: &Aabb) -> Vec<u32> {
-        let mut near: Vec<u32> = self.meeting(aabb).collect();
+        let mut near: Vec<u32> = self.meeting(*aabb).collect();
         near.sort_unstable();
         near
     }
@@ -67,6 +68,38 @@ impl Closed {
         };
         let found = (0..self.boxes.len() as u32).into_par_iter().find_map_first(first)?;
         Some(found.map(|t| self.corners[t as usize]))
+    }
+
+    /// A corner of a piece that lies inside another where it should not: a surface around room lies in no other's room, one
+    /// around a hollow in one.
+    pub(super) fn nested(&self) -> Option<Vec3> {
+        let piece_of = self.mesh.piece_of();
+        let of = |triangle: u32| piece_of[self.mesh.triangles[triangle as usize][0] as usize];
+        let mut volumes = BTreeMap::new();
+        for (t, [a, b, c]) in (0..).zip(&self.corners) {
+            *volumes.entry(of(t)).or_insert(0.0) += a.dot(&b.cross(c));
+        }
+        let wrong = |(piece, volume): &(&u32, &f64)| {
+            let corner = &self.mesh.vertices[**piece as usize];
+            let others = self.windings(corner).filter(|&(t, ..)| of(t) != **piece);
+            others.map(|(_, turns, _)| turns).sum::<i32>() != i32::from(**volume < 0.0)
+        };
+        let found = volumes.iter().filter(|_| volumes.len() > 1).find(wrong);
+        found.map(|(piece, _)| self.mesh.vertices[*piece as usize])
+    }
+
+    /// The triangles whose boxes reach above `point`, or hold it; how often each winds around the point, 1, 0 or -1; and on
+    /// which side of its plane that is. Every one above or below counts by its orientation, edges to one of their two sides.
+    fn windings(&self, point: &Vec3) -> impl Iterator<Item = (u32, i32, f64)> {
+        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
+        let point = *point;
+        self.meeting(upwards).map(move |t| {
+            let [a, b, c] = &self.corners[t as usize];
+            let (turns, side) = (turns_around(&[*a, *b, *c], &point), orient3d(a, b, c, &point));
+            // An upward triangle with the point below it has the point on its inner side.
+            let winds = (turns > 0 && side < 0.0) || (turns < 0 && side > 0.0);
+            (t, if winds { turns } else { 0 }, side)
+        })
     }
 
     /// Neighbours share their common corners or edge; what else they share is a crossing.
@@ -142,24 +175,16 @@ impl Room for Closed {
         })
     }
 
-    /// True when the surface winds once around the point, or the point lies on it: every triangle above or below counts by
-    /// its orientation, edges to one of their two sides.
+    /// True when the surface winds once around the point, or the point lies on it.
     fn contains(&self, point: &Vec3) -> bool {
-        let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
-        let mut windings = 0;
-        for t in self.meeting(&upwards) {
-            let [a, b, c] = &self.corners[t as usize];
-            let turns = turns_around(&[*a, *b, *c], point);
-            let side = orient3d(a, b, c, point);
+        let mut sum = 0;
+        for (t, turns, side) in self.windings(point) {
             if side == 0.0 && gjk::intersects(std::slice::from_ref(point), &self.corners[t as usize]).unwrap_or(true) {
                 return true;
             }
-            // An upward triangle with the point below it has the point on its inner side.
-            if (turns > 0 && side < 0.0) || (turns < 0 && side > 0.0) {
-                windings += turns;
-            }
+            sum += turns;
         }
-        windings > 0
+        sum > 0
     }
 
     fn depth(&self, point: &Vec3) -> f64 {
@@ -170,7 +195,7 @@ impl Room for Closed {
     fn is_clear(&self, point: &Vec3, distance: f64) -> bool {
         let around = Aabb { min: *point, max: *point }.grown(distance);
         let clear = |t: u32| (nearest_on_triangle(&self.corners[t as usize], point) - point).norm() >= distance;
-        self.contains(point) && self.meeting(&around).all(clear)
+        self.contains(point) && self.meeting(around).all(clear)
     }
 
     /// A centre that is outside goes back through the nearest point of the surface; the rest is for the triangles.

@@ -139,6 +139,16 @@ pub enum RoomError {
         /// A corner of one of the two triangles, mm, in the specimen's frame.
         place: [f64; 3],
     },
+    /// A piece of the surface on the wrong side of the others.
+    #[error(
+        "a piece of its surface, at ({}, {}, {}), bounds room inside the room of another piece, or a hollow in none: turn its \
+         triangles round, or leave it out",
+        place[0], place[1], place[2]
+    )]
+    Nested {
+        /// A corner of the piece, mm, in the specimen's frame.
+        place: [f64; 3],
+    },
 }
 
 impl Default for Specimen {
@@ -213,17 +223,17 @@ impl Specimen {
         })
     }
 
-    /// As [`Specimen::build`], and looks for triangles that cross each other.
+    /// As [`Specimen::build`], and looks for triangles that cross each other and for pieces nested in others.
     ///
     /// # Errors
     /// See [`RoomError`].
     pub fn check(&self) -> Result<Box<dyn Room>, RoomError> {
         let Self::Mesh { vertices_mm, triangles } = self else { return self.build() };
         let closed = Closed::new(surface(vertices_mm, triangles)?);
-        match closed.crossing() {
-            Some([triangle, _]) => Err(RoomError::Crossing { place: triangle[0].into() }),
-            None => Ok(convex_or(closed)),
+        if let Some([triangle, _]) = closed.crossing() {
+            return Err(RoomError::Crossing { place: triangle[0].into() });
         }
+        closed.nested().map_or_else(|| Ok(convex_or(closed)), |corner| Err(RoomError::Nested { place: corner.into() }))
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
