@@ -20,14 +20,12 @@ fn fitted(model: &Model, element_size_mm: f64) -> Mesh {
 }
 
 #[test]
-fn in_a_dense_packing_no_angle_is_below_eight_degrees_hardly_any_below_ten_and_volumes_are_within_half_a_percent() {
+fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_a_percent() {
     let model = packed(Specimen::cube(50.0), 0.5, 1);
     let mesh = fitted(&model, 2.0);
     assert!(mesh.notes.closed_gaps > 1000, "closed gaps are what makes angles and volumes hard");
     let cells = quality::cells(&mesh);
-    assert_eq!(quality::bad_cells(&cells, 8.0), [0; 0]);
-    // Between the specimen's sides and aggregates closer to them than the lattice.
-    assert!(quality::bad_cells(&cells, 9.99).len() * 500 < cells.len());
+    assert_eq!(quality::bad_cells(&cells, 10.0 - 1e-9), [0; 0]);
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).unwrap();
     let volumes = PhaseVolumes::of_mesh(&mesh);
     assert!((volumes.aggregate / exact.aggregate - 1.0).abs() < 0.005, "{volumes:?} {exact:?}");
@@ -36,7 +34,7 @@ fn in_a_dense_packing_no_angle_is_below_eight_degrees_hardly_any_below_ten_and_v
 }
 
 #[test]
-fn nodes_between_one_aggregate_and_mortar_lie_on_its_surface_but_for_one_in_five_hundred_counted() {
+fn nodes_between_one_aggregate_and_mortar_lie_on_its_surface_but_for_one_in_five_thousand_counted() {
     let model = packed(Specimen::cube(50.0), 0.5, 2);
     let mesh = fitted(&model, 2.0);
     let mut around = vec![BTreeSet::new(); mesh.points.len()];
@@ -51,8 +49,9 @@ fn nodes_between_one_aggregate_and_mortar_lie_on_its_surface_but_for_one_in_five
     let heights: Vec<f64> = one.map(|(ids, p)| height(*ids.first().unwrap(), p).abs()).collect();
     let off: Vec<f64> = heights.iter().copied().filter(|height| *height > 1e-8).collect();
     assert!(heights.len() > 15_000);
-    // The gap to the specimen's side is thinner there than angles of eight degrees allow.
-    assert!(off.len() * 500 < heights.len(), "{} of {}", off.len(), heights.len());
+    // The gap to the specimen's side is thinner there than angles of ten degrees allow.
+    assert!(off.len() * 5000 < heights.len(), "{} of {}", off.len(), heights.len());
+    assert!(around.iter().all(|ids| !ids.is_empty()), "what was merged is in no list");
     assert_eq!(off.len(), mesh.notes.off_surface_nodes);
     for itz in [ItzForm::None, ItzForm::Cohesive] {
         let options = MeshOptions { method: Method::Lattice, itz, ..Default::default() };

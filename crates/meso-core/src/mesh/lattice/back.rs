@@ -2,8 +2,8 @@
 //!
 //! Where a grain comes close to the specimen's side the cut keeps its distance from that ([`crossing`](super::cut)), and
 //! [`mend`] lets nodes off their grain. Once that is done, these nodes look around for a place on the grain: first for one
-//! that leaves the angles as they should be, then for one at which the nodes around can make room for it, last with
-//! angles down to [`LEAST_DEG`]. What finds none goes as near as it may: there the gap is thinner than such angles allow.
+//! that leaves the angles as they should be, then for one at which the nodes around can make room for it. What finds none
+//! goes as near as it may: there the gap is thinner than such angles allow ([`merge`](super::merge)).
 
 use super::fit::{Fit, GUARD_DEG};
 use super::mend::{better, ways};
@@ -14,9 +14,7 @@ use crate::math::Vec3;
 use crate::mesh::NO_AGGREGATE;
 use rayon::prelude::*;
 
-/// The smallest dihedral angle that a way back may leave, degrees: 8 is promised.
-const LEAST_DEG: f64 = 8.01;
-/// Turns of all nodes for each angle; each one profits from the room that the one before made.
+/// Turns of all nodes; each one profits from the room that the one before made.
 const TURNS: usize = 2;
 /// How far around the node places on the grain are looked for, in elements.
 const REACHES: [f64; 4] = [0.15, 0.3, 0.5, 0.8];
@@ -31,16 +29,16 @@ const LEFT: f64 = 0.8;
 /// Parts of the way to the nearest place that are tried where no place on the grain will do.
 const PARTS: [f64; 3] = [0.9, 0.6, 0.3];
 
-/// Brings the nodes back; returns those that are still off.
-pub(super) fn back(fit: &Fit) -> Vec<u32> {
-    let mut off: Vec<u32> = (0..fit.roles.len() as u32).into_par_iter().filter(|&node| is_off(fit, node)).collect();
-    for degrees in [GUARD_DEG, LEAST_DEG] {
-        for _ in 0..TURNS {
-            let before = off.len();
-            off.retain(|&node| !returns(fit, node, sharpness_of(degrees)));
-            if off.len() == before {
-                break;
-            }
+/// Brings those of `nodes` back that are off; returns the ones that still are, ascending.
+pub(super) fn back(fit: &Fit, nodes: Vec<u32>) -> Vec<u32> {
+    let mut off: Vec<u32> = nodes.into_par_iter().filter(|&node| is_off(fit, node)).collect();
+    off.sort_unstable();
+    off.dedup();
+    for _ in 0..TURNS {
+        let before = off.len();
+        off.retain(|&node| !returns(fit, node, sharpness_of(GUARD_DEG)));
+        if off.len() == before {
+            break;
         }
     }
     off

@@ -15,10 +15,9 @@ const TRIES: usize = 12;
 /// Lengths of the steps tried, in elements.
 const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
-/// Mends what can be mended; returns the nodes that were let off the surfaces for it.
-pub(super) fn mend(fit: &Fit) -> Vec<u32> {
+/// Mends what can be mended of `suspects`, tetrahedra, and of those around; returns the nodes that were let off the surfaces for it.
+pub(super) fn mend(fit: &Fit, mut suspects: Vec<u32>) -> Vec<u32> {
     let limit = sharpness_of(GUARD_DEG);
-    let mut suspects: Vec<u32> = (0..fit.mesh.cells.len() as u32).collect();
     let mut released = Vec::new();
     for turn in 0..2 * TRIES {
         suspects = sharper(fit, suspects, limit);

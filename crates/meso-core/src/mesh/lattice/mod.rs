@@ -11,6 +11,7 @@ mod bcc;
 mod cut;
 mod fit;
 mod mend;
+mod merge;
 mod outline;
 mod places;
 mod roles;

@@ -7,6 +7,7 @@ use crate::math::Vec3;
 /// For every node the tetrahedra around it, as indices.
 pub(in crate::mesh) struct Stars {
     start: Vec<u32>,
+    end: Vec<u32>,
     cells: Vec<u32>,
 }
 
@@ -17,7 +18,7 @@ impl Stars {
         let corners = || mesh.iter().flatten().filter(|&&node| wanted[node as usize]);
         corners().for_each(|&node| start[node as usize + 1] += 1);
         (1..start.len()).for_each(|i| start[i] += start[i - 1]);
-        let mut next = start.clone();
+        let mut next = start[..wanted.len()].to_vec();
         let mut cells = vec![0; corners().count()];
         for (index, cell) in mesh.iter().enumerate() {
             for &node in cell.iter().filter(|&&node| wanted[node as usize]) {
@@ -25,11 +26,32 @@ impl Stars {
                 next[node as usize] += 1;
             }
         }
-        Self { start, cells }
+        start.truncate(wanted.len());
+        Self { start, end: next, cells }
     }
 
     pub(in crate::mesh) fn cells(&self, node: u32) -> &[u32] {
-        &self.cells[self.start[node as usize] as usize..self.start[node as usize + 1] as usize]
+        &self.cells[self.start[node as usize] as usize..self.end[node as usize] as usize]
+    }
+
+    /// Takes a tetrahedron out of the stars of its nodes.
+    pub(super) fn leave_out(&mut self, cell: u32, nodes: &[u32; 4]) {
+        for &node in nodes {
+            let (start, end) = (self.start[node as usize] as usize, self.end[node as usize] as usize);
+            if let Some(at) = self.cells[start..end].iter().position(|&other| other == cell) {
+                self.cells.copy_within(start + at + 1..end, start + at);
+                self.end[node as usize] -= 1;
+            }
+        }
+    }
+
+    /// Gives what `node` has to `into`, too, and leaves it nothing.
+    pub(super) fn join(&mut self, node: u32, into: u32) {
+        let all = [self.cells(node), self.cells(into)].concat();
+        self.start[into as usize] = self.cells.len() as u32;
+        self.cells.extend(all);
+        self.end[into as usize] = self.cells.len() as u32;
+        self.end[node as usize] = self.start[node as usize];
     }
 }
 
