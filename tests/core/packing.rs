@@ -170,11 +170,13 @@ impl Progress for StopAfter {
 
 #[test]
 fn an_interrupted_run_keeps_a_sound_packing() {
-    // In the take; among the first sweeps; among later ones.
-    for (questions, least) in [(1, 0.0), (12, 0.35), (60, 0.35)] {
+    // In the take, of which the coarsest class is there; while grains are dropped; among the first sweeps; among later ones.
+    for (questions, least) in [(1, 0.1), (60, 0.35), (200, 0.35), (240, 0.35)] {
         let model = pack(&small(0.6), &StopAfter(AtomicI32::new(questions))).unwrap();
         assert_eq!(model.report.stop_reason, StopReason::Interrupted, "after {questions} questions");
         assert!((least..0.6).contains(&model.report.fraction), "{} after {questions}", model.report.fraction);
+        let in_the_take = model.report.stop_detail.contains("aggregates were made, before all were");
+        assert_eq!(in_the_take, questions == 1, "{}", model.report.stop_detail);
         for (a, b) in near_pairs(&model.aggregates) {
             assert!(!gjk::intersects(a.body.vertices(), b.body.vertices()).unwrap());
         }
@@ -225,6 +227,21 @@ fn seven_tenths_fit_between_walls_and_more_in_a_periodic_box() {
         assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
         assert!((model.report.fraction - fraction).abs() < 5e-4, "{}", model.report.fraction);
         assert_eq!(check(&model).findings, []);
+    }
+}
+
+#[test]
+fn a_time_limit_ends_the_making_of_grains_and_what_is_made_is_placed() {
+    for strategy in [Strategy::Rearrange, Strategy::TakeAndPlace] {
+        let mut spec = Spec { specimen: Specimen::cube(150.0), ..small(0.5) };
+        (spec.placement.time_limit_s, spec.placement.strategy) = (Some(0.2), strategy);
+        let model = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap();
+        let report = &model.report;
+        assert_eq!(report.stop_reason, StopReason::TimeLimit);
+        assert!(report.stop_detail.contains("aggregates were made, before all were"), "{}", report.stop_detail);
+        assert!((0.1..0.4).contains(&report.fraction), "{strategy:?}: {}", report.fraction);
+        assert!(report.classes[2].fraction > 0.9 * report.classes[2].target_fraction, "the coarse ones are there");
+        assert_apart(&model);
     }
 }
 

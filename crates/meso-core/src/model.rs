@@ -7,6 +7,7 @@ use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, St
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +30,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
     spec.has_room()?;
     let start = progress.seconds();
-    let grains = take_grains(spec, progress)?;
+    let (grains, complete) = take_grains(spec, progress, start)?;
     let aggregates = grains.iter().filter(|grain| grain.kind == Kind::Aggregate);
     let longest = aggregates.map(|grain| 2.0 * f64::from(grain.outer_radius)).fold(0.0, f64::max);
     if let Some(error) = spec.meets_own_image(longest) {
@@ -42,6 +43,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     let taken = progress.seconds();
     let mut outcome = packing::place(&request(spec, &grains, largest, progress, start));
     outcome.note(&grains, spec.grading.classes().len());
+    outcome.cut_short = !complete;
     // Every grain is freed as it settles: there is no moment with all of both.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
@@ -83,12 +85,20 @@ fn request<'a>(
     }
 }
 
-fn take_grains(spec: &Spec, progress: &dyn Progress) -> Result<Vec<Grain>, SpecError> {
-    let go_on = || progress.update(0.0, spec.fraction);
+/// The grains, as many as there is time for, and whether these are all.
+fn take_grains(spec: &Spec, progress: &dyn Progress, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
+    let deadline = spec.placement.time_limit_s.map_or(f64::INFINITY, |limit| started + limit);
+    let stopped = AtomicBool::new(false);
+    let go_on = || {
+        let go_on = progress.update(0.0, spec.fraction) && progress.seconds() < deadline;
+        stopped.fetch_or(!go_on, Ordering::Relaxed);
+        go_on
+    };
     let Spec { grading, shape, itz, seed, .. } = spec;
     let recipe = Recipe { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
-    take(&recipe, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))
+    let grains = take(&recipe, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
+    Ok((grains, !stopped.into_inner()))
 }
 
 fn flat_shape(error: &HullError) -> SpecError {

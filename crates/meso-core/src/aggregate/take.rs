@@ -123,7 +123,8 @@ pub struct Recipe<'a> {
 pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
     let (classes, beyond) = (recipe.grading.classes(), 1.0 + surplus);
     let mut grains = Vec::new();
-    for (class, limits) in (0..).zip(&classes) {
+    // The coarse ones first: if it is to end early, they are what a packing begins with.
+    for (class, limits) in (0..classes.len() as u16).zip(&classes).rev() {
         let target = fraction * volume * limits.share * beyond;
         fill(&mut grains, target, recipe.go_on, |index| make(recipe, class, limits, index))?;
     }

@@ -180,6 +180,8 @@ pub struct Outcome {
     pub aggregates_taken: usize,
     /// Grains too large for any place in the specimen.
     pub too_large: usize,
+    /// True where the stop came before all grains were made.
+    pub cut_short: bool,
 }
 
 impl Outcome {
@@ -194,6 +196,7 @@ impl Outcome {
             itz_limited: Vec::new(),
             largest_mm3: Vec::new(),
             aggregates_taken: 0,
+            cut_short: false,
             too_large: task.request.grains.iter().filter(|grain| !task.admits(grain)).count(),
         }
     }

@@ -38,7 +38,11 @@ impl Placement {
 pub fn place(request: &Request) -> Outcome {
     let mut task = Task::new(request);
     match request.placement.chosen() {
-        Strategy::TakeAndPlace => take_and_place::place(&task, request.placement.attempts.unwrap_or(DEFAULT_ATTEMPTS)),
+        Strategy::TakeAndPlace => {
+            let placed = take_and_place::place(&task, request.placement.attempts.unwrap_or(DEFAULT_ATTEMPTS));
+            let has_any = placed.poses.iter().any(Option::is_some);
+            if has_any { placed } else { better_if_stopped(&task, placed, brief_s(&task)) }
+        }
         _ => {
             let brief_s = brief_s(&task);
             task.deadline -= brief_s;
@@ -47,36 +51,41 @@ pub fn place(request: &Request) -> Outcome {
     }
 }
 
-/// Attempts of the take-and-place that follows a rearrangement which was stopped.
+/// Attempts of the take-and-place that follows a stop.
 const BRIEF_ATTEMPTS: u32 = 100;
 /// It may last so many seconds a grain, twice what it takes, but no longer than this share of the time there is.
 const BRIEF_GRAIN_S: f64 = 5e-5;
 const BRIEF_SHARE: f64 = 0.25;
+/// Where the time went by while grains were made, it lasts no longer than this; nor much longer for a user who waits.
+const LATE_S: f64 = 1.0;
+const WAITED_FOR_S: f64 = 5.0;
 
 /// How long before the time is over a rearrangement is stopped, so that the take-and-place ends in time, s.
 fn brief_s(task: &Task) -> f64 {
     let left = task.deadline - task.request.progress.seconds();
-    (BRIEF_GRAIN_S * task.request.grains.len() as f64).min(BRIEF_SHARE * left).max(0.0)
+    let most = if left > 0.0 { BRIEF_SHARE * left } else { LATE_S };
+    most.min(BRIEF_GRAIN_S * task.request.grains.len() as f64)
 }
 
-/// Bodies stopped on their way overlap, and few of them can stay: then take-and-place, given a moment, holds more.
+/// Bodies stopped on their way overlap, and few of them can stay; where the stop came before all were made, none lies
+/// anywhere. Then take-and-place, given a moment, holds more.
 fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
     let grains = task.request.grains;
     let volume = |outcome: &Outcome| -> f64 {
         let placed = grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
         placed.map(|(grain, _)| grain.volume()).sum()
     };
-    let reached = volume(&moved) / task.volume;
-    // Where nothing was reached, the stop came before the grains were all there.
-    if moved.stop.is_none() || reached == 0.0 || reached >= Placement::brief_reach() {
+    let reached = volume(&moved);
+    if moved.stop.is_none() || reached >= Placement::brief_reach() * task.volume {
         return moved;
     }
     let progress = Unstoppable(task.request.progress);
     let mut brief = Task::new(&Request { progress: &progress, ..task.request });
-    brief.deadline = progress.seconds() + brief_s;
+    let most = if moved.stop == Some(StopReason::Interrupted) { WAITED_FOR_S } else { f64::INFINITY };
+    brief.deadline = progress.seconds() + brief_s.min(most);
     let mut placed = take_and_place::place(&brief, BRIEF_ATTEMPTS);
     placed.stop = moved.stop;
-    if volume(&placed) > volume(&moved) { placed } else { moved }
+    if volume(&placed) > reached { placed } else { moved }
 }
 
 /// The same clock, but no more stops.

@@ -154,7 +154,10 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
         short_classes.chain(phases.iter().filter_map(|phase| phase.lack(largest_of(phase)))).collect();
     let too_large =
         (outcome.too_large > 0).then(|| format!("{} grains are too large for the specimen", outcome.too_large));
-    let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).collect();
+    let cut_short = outcome
+        .cut_short
+        .then(|| format!("stopped when {} aggregates were made, before all were", outcome.aggregates_taken));
+    let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).chain(cut_short).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
         version: env!("CARGO_PKG_VERSION").into(),

@@ -22,7 +22,7 @@ const BATCH: usize = 32;
 /// Tries up to `attempts` positions for every grain of `task`, in its order; what finds none is left out.
 pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     let mut outcome = Outcome::empty(task, "take-and-place", StopReason::AttemptsExhausted);
-    // A stop during the take has left grains out; nothing placed of them would be what was asked.
+    // Of what a stop during the take has left, whoever chose the strategy makes what can be made.
     if outcome.stop.is_some() {
         return outcome;
     }

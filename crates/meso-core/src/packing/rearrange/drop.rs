@@ -5,8 +5,8 @@ use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
-use crate::packing::Pose;
 use crate::packing::place::Task;
+use crate::packing::{Pose, StopReason};
 use rayon::prelude::*;
 
 /// Random points looked at per dropped grain.
@@ -20,7 +20,10 @@ const TOGETHER: f64 = 1.0 / 32.0;
 
 /// For every grain, of the random positions looked at, the one that leaves it most room among those before it. Fibres come
 /// last: they look for a line that the others leave free.
-pub(super) fn fill(task: &Task) -> Vec<Pose> {
+///
+/// # Errors
+/// The reason to stop, where there is one before all are dropped.
+pub(super) fn fill(task: &Task) -> Result<Vec<Pose>, StopReason> {
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
     let domain = task.domain();
@@ -32,6 +35,9 @@ pub(super) fn fill(task: &Task) -> Vec<Pose> {
         let mut rest = order.as_slice();
         while !rest.is_empty() {
             let dropped = order.len() - rest.len();
+            if let Some(reason) = task.stopped(0.0) {
+                return Err(reason);
+            }
             let together = rest.len().min(1 + (TOGETHER * dropped as f64) as usize);
             for (number, row, centre) in ground.look_for(&rest[..together]) {
                 poses[number] = Pose::at(centre);
@@ -40,7 +46,7 @@ pub(super) fn fill(task: &Task) -> Vec<Pose> {
             rest = &rest[together..];
         }
     }
-    poses
+    Ok(poses)
 }
 
 /// A grain as balls of one radius (mm), about its centre: the one of its volume, or a row of thin ones along a fibre.

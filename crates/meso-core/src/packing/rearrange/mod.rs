@@ -61,14 +61,20 @@ const HURRY: f64 = LATE / 2.0;
 /// Places all grains of `task`, or as many as go, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
-    // A stop during the take has left grains out; nothing placed of them would be what was asked.
+    // Of what a stop during the take has left, whoever chose the strategy makes what can be made.
     if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;
     }
+    let mut settings = Settings::new(task);
+    let mut poses = match dropped(task) {
+        Ok(poses) => poses,
+        Err(reason) => {
+            outcome.stop = Some(reason);
+            return outcome;
+        }
+    };
     // Not needed before the end.
     outcome.poses = Vec::new();
-    let mut settings = Settings::new(task);
-    let mut poses = dropped(task);
     loop {
         // The lists of the dynamics are gone when the proof makes its own.
         let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
@@ -87,9 +93,12 @@ pub(super) fn place(task: &Task) -> Outcome {
 }
 
 /// The number and pose at the start of every grain that is not too large for the specimen.
-fn dropped(task: &Task) -> Vec<(u32, Pose)> {
+///
+/// # Errors
+/// The reason to stop, where there is one before all are dropped.
+fn dropped(task: &Task) -> Result<Vec<(u32, Pose)>, StopReason> {
     let admitted = |&(grain, _): &(u32, Pose)| task.admits(&task.request.grains[grain as usize]);
-    (0..).zip(drop::fill(task)).filter(admitted).collect()
+    Ok((0..).zip(drop::fill(task)?).filter(admitted).collect())
 }
 
 /// How a run of sweeps ended.
@@ -241,12 +250,13 @@ impl<'a> Dynamics<'a> {
 
     /// From the start again and slower, where that may help and there is time for it.
     fn start_over_or_relieve(&mut self, task: &Task<'a>) {
-        match self.settings.cooling.next(self.lack).filter(|_| task.spent() < EARLY) {
-            Some(slower) => {
-                self.settings = Settings { cooling: slower, ..Settings::new(task) };
-                self.begin(task, dropped(task));
-            }
-            None => self.relieve(task),
+        let Some(slower) = self.settings.cooling.next(self.lack).filter(|_| task.spent() < EARLY) else {
+            return self.relieve(task);
+        };
+        // A stop meanwhile is seen by the next look.
+        if let Ok(poses) = dropped(task) {
+            self.settings = Settings { cooling: slower, ..Settings::new(task) };
+            self.begin(task, poses);
         }
     }
 
