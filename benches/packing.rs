@@ -109,7 +109,7 @@ const HEADER: &str =
 /// The lines of the plot: the paper's rule by its number of attempts, rearrangement by its target.
 fn cases() -> Vec<(String, Vec<Case>)> {
     let literal = [10, 100, 1_000, 10_000];
-    let dense = [0.40, 0.50, 0.60, 0.65, 0.68];
+    let dense = [0.40, 0.50, 0.60, 0.65, 0.68, 0.70];
     let literal = literal.map(|n| Case { strategy: Strategy::TakeAndPlace, attempts: Some(n), fraction: 0.5 });
     let dense = dense.map(|fraction| Case { strategy: Strategy::Rearrange, attempts: None, fraction });
     vec![("take-and-place".into(), literal.into()), ("rearrange".into(), dense.into())]

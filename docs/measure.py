@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-RUNS = {f"{fraction:.2f}": ["--fraction", str(fraction)] for fraction in (0.40, 0.50, 0.60, 0.65, 0.68)}
+RUNS = {f"{fraction:.2f}": ["--fraction", str(fraction)] for fraction in (0.40, 0.50, 0.60, 0.65, 0.68, 0.70)}
 RUNS["the paper's rule"] = ["--strategy", "take-and-place", "--attempts", "100"]
 
 
