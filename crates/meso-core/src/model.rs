@@ -87,7 +87,7 @@ fn request<'a>(
 
 /// The grains, as many as there is time for, and whether these are all.
 fn take_grains(spec: &Spec, progress: &dyn Progress, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
-    let deadline = spec.placement.time_limit_s.map_or(f64::INFINITY, |limit| started + limit);
+    let deadline = spec.placement.deadline(started);
     let stopped = AtomicBool::new(false);
     let go_on = || {
         let go_on = progress.update(0.0, spec.fraction) && progress.seconds() < deadline;

@@ -23,6 +23,11 @@ pub(super) struct Task<'a> {
 }
 
 impl Placement {
+    /// When a run must end that began at `started`, s.
+    pub(crate) fn deadline(&self, started: f64) -> f64 {
+        self.time_limit_s.map_or(f64::INFINITY, |limit| started + limit)
+    }
+
     /// The strategy that `Auto` stands for: take-and-place where a number of attempts is given, since only it has one;
     /// else rearrangement, which reaches beyond it at any fraction, in less time.
     pub fn chosen(&self) -> Strategy {
@@ -119,7 +124,7 @@ impl<'a> Task<'a> {
             period,
             class_targets: aggregates.chain(inclusions).collect(),
             started,
-            deadline: request.placement.time_limit_s.map_or(f64::INFINITY, |limit| started + limit),
+            deadline: request.placement.deadline(started),
         }
     }
 

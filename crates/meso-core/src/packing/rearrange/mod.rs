@@ -66,7 +66,7 @@ pub(super) fn place(task: &Task) -> Outcome {
         return outcome;
     }
     let mut settings = Settings::new(task);
-    let mut poses = match dropped(task) {
+    let mut poses = match drop::fill(task) {
         Ok(poses) => poses,
         Err(reason) => {
             outcome.stop = Some(reason);
@@ -90,15 +90,6 @@ pub(super) fn place(task: &Task) -> Outcome {
         outcome.poses = proved.poses;
         return outcome;
     }
-}
-
-/// The number and pose at the start of every grain that is not too large for the specimen.
-///
-/// # Errors
-/// The reason to stop, where there is one before all are dropped.
-fn dropped(task: &Task) -> Result<Vec<(u32, Pose)>, StopReason> {
-    let admitted = |&(grain, _): &(u32, Pose)| task.admits(&task.request.grains[grain as usize]);
-    Ok((0..).zip(drop::fill(task)?).filter(admitted).collect())
 }
 
 /// How a run of sweeps ended.
@@ -254,7 +245,7 @@ impl<'a> Dynamics<'a> {
             return self.relieve(task);
         };
         // A stop meanwhile is seen by the next look.
-        if let Ok(poses) = dropped(task) {
+        if let Ok(poses) = drop::fill(task) {
             self.settings = Settings { cooling: slower, ..Settings::new(task) };
             self.begin(task, poses);
         }
