@@ -71,6 +71,13 @@ impl Ellipsoids {
         Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
+    /// The point of the inner ellipsoid farthest along the axis.
+    #[inline(always)]
+    pub(crate) fn inner_support(&self, axis: &Vec3) -> Vec3 {
+        let along = times(&self.around, axis);
+        along * (f64::from(self.inner_squared) / axis.dot(&along)).sqrt()
+    }
+
     /// S, the square of the inner over the outer ellipsoid, and the inradius: eight floats, as they lie in memory.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
@@ -79,19 +86,16 @@ impl Ellipsoids {
     }
 
     /// Finds how far the outer ellipsoid must shrink to lie inside every face plane of the solid whose facets these are.
-    ///
-    /// A face's normal is known to the rounding of its cross products over its area: slivers shrink the result.
     pub(crate) fn measure_inside(&mut self, facets: impl IntoIterator<Item = Facet>) {
         let (s, size) = (self.matrix(), self.circumradius);
         let (mut inner_squared, mut inradius) = (f64::INFINITY, f64::INFINITY);
-        for Facet { plane, area, corners } in facets {
-            let doubt = size * (64.0 * f64::EPSILON * corners as f64 * size * size / area + SLACK);
-            let offset = plane.offset - doubt;
+        for facet in facets {
+            let (normal, offset) = (facet.plane.normal, facet.certain_offset(size));
             if offset.is_nan() || offset <= 0.0 {
                 return;
             }
             inradius = inradius.min(offset);
-            inner_squared = inner_squared.min(offset * offset / plane.normal.dot(&(s * plane.normal)));
+            inner_squared = inner_squared.min(offset * offset / normal.dot(&(s * normal)));
         }
         self.inradius = (inradius * (1.0 - 1e-6)) as f32;
         // Below this the rounding of the axis could count; such flat bodies gain little from an inner ellipsoid.
@@ -141,6 +145,16 @@ impl Ellipsoids {
         ];
         let determinant = xx * adjugate[0] + xy * adjugate[3] + xz * adjugate[4];
         (symmetric_times(&adjugate, x), determinant)
+    }
+}
+
+impl Facet {
+    /// How far the facet's plane is from the frame's origin for certain, mm, of a body within `radius` mm of it.
+    ///
+    /// Its normal is known to the rounding of its cross products over its area: of slivers little is certain.
+    pub(crate) fn certain_offset(&self, radius: f64) -> f64 {
+        let share = 64.0 * f64::EPSILON * self.corners as f64 * radius * radius / self.area;
+        self.plane.offset - radius * (share + SLACK)
     }
 }
 

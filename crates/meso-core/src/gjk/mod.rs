@@ -23,6 +23,7 @@ mod classical;
 mod ellipsoid;
 mod enhanced;
 mod exact;
+mod gauge;
 mod integer;
 mod nearest;
 mod pair;
@@ -34,6 +35,7 @@ mod support;
 
 pub use batch::{Ask, clear_many, clear_many_counted, overlap_many};
 pub use body::{Body, Bounds};
+pub use gauge::Solid;
 pub use pair::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
 pub(crate) use query::farther;
 pub use query::{

@@ -7,9 +7,11 @@ use super::classical::Classical;
 use super::ellipsoid::{Ellipsoids, Known};
 use super::enhanced::{Enhanced, Found, Pair};
 use super::exact::ExactPair;
+use super::gauge::Solid;
 use super::portal::Portal;
 use super::query::Method;
 use super::simd::{Kernel, Search, dispatch};
+use crate::geometry::NarrowPolyhedron;
 use crate::math::Vec3;
 
 /// How many pairs each stage was left with.
@@ -21,7 +23,7 @@ pub struct Counters {
     pub after_spheres: u64,
     /// Pairs left after the ellipsoids.
     pub after_ellipsoids: u64,
-    /// Pairs put to GJK: those that a remembered axis did not decide.
+    /// Pairs put to GJK: those that neither a remembered axis nor a point inside the other's faces decided.
     pub gjk_calls: u64,
     /// Pairs put to exact arithmetic.
     pub exact_calls: u64,
@@ -92,23 +94,28 @@ pub fn apart_counted(
     Query { a, b, x: *b_from_a, gap }.axis(start, counters).map(|v| v.normalize())
 }
 
-/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is laid out only if its bounds do
-/// not tell; counts what it took.
+/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is laid out, in the memory of
+/// `made`, only if neither its bounds nor the faces of A tell; counts what it took.
 #[inline]
-pub fn apart_from<'b>(
-    a: &Body,
-    bounds: &Bounds,
-    b: impl FnOnce() -> &'b Body,
+pub fn apart_from(
+    a: &Solid,
+    b: (&Bounds, &NarrowPolyhedron),
+    made: &mut Body,
     (b_from_a, gap): (&Vec3, f64),
     counters: &mut Counters,
 ) -> bool {
-    let (stage, known) = glance(&a.bounds, &bounds.0, b_from_a, gap);
+    let (bounds, shape) = b;
+    let (stage, known) = glance(&a.body().bounds, &bounds.0, b_from_a, gap);
     let Known::Nothing(v) = known else {
         counters.count(stage);
         return matches!(known, Known::Apart(_));
     };
+    if a.meets(b, &v, b_from_a) {
+        counters.count(Stage::Start);
+        return false;
+    }
     counters.count(Stage::Gjk);
-    Query { a, b: b(), x: *b_from_a, gap }.settle(&v, counters)
+    Query { a: a.body(), b: bounds.lay_out(shape, made), x: *b_from_a, gap }.settle(&v, counters)
 }
 
 /// What the headers tell: one cache line each, no vertex.

@@ -41,17 +41,17 @@ impl Grid {
         self.raster.flat(self.raster.cell_of(point)) as u32
     }
 
-    /// The bodies that reach into the cell of this number, the last first.
+    /// The bodies that reach into the cell of this number, in the order they came.
     #[inline]
-    pub(super) fn list(&self, cell: u32) -> impl Iterator<Item = u32> {
-        self.lists[cell as usize].iter().rev().copied()
+    pub(super) fn list(&self, cell: u32) -> impl DoubleEndedIterator<Item = u32> {
+        self.lists[cell as usize].iter().copied()
     }
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
         let (low, high) = self.raster.range(aabb);
         cells(low, high).all(|cell| {
-            self.list(self.raster.flat(cell) as u32).all(|body| {
+            self.list(self.raster.flat(cell) as u32).rev().all(|body| {
                 // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
                 let lowest = self.lowest[body as usize];
                 let first = (0..3).all(|i| cell[i] == low[i].max(i32::from(lowest[i])));

@@ -4,7 +4,6 @@
 //! committed in order, and one that meets a batch mate goes on with its own random stream. A position that was refused
 //! stays refused when more is placed, so the outcome is the sequential one, bit for bit, for any number of threads.
 
-mod mask;
 mod scene;
 
 use super::place::Task;
@@ -119,9 +118,8 @@ impl<'a> Search<'a> {
             *share = [self.stream.unit(), self.stream.unit(), self.stream.unit()];
         }
         let centres = widest(Centres { shares, reach: task.reach(&self.candidate.aabb), period: &task.period });
-        self.ahead.extend(centres[..count].iter().map(|centre| Trial::new(*centre)));
+        self.ahead.extend(centres[..count].iter().rev().map(|centre| Trial::new(*centre)));
         scene.look(&self.candidate, &mut self.ahead);
-        self.ahead.reverse();
     }
 }
 

@@ -1,8 +1,7 @@
 //! What is placed so far, and whether a grain has room among it.
 
-use super::mask::{self, Mask};
 use crate::aggregate::take::Grain;
-use crate::geometry::{NarrowPolyhedron, Plane};
+use crate::geometry::NarrowPolyhedron;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
@@ -10,8 +9,12 @@ use crate::packing::grid::Grid;
 use crate::packing::place::Task;
 use std::hint::black_box;
 
-/// Edge of the mask's voxels, as a share of the middle grain's diameter: 2.9 mm in a grading of 5 to 20 mm.
-const VOXEL: f64 = 0.4;
+/// Inscribed balls share a point when their distance squared over that of their touching is below this, with room for what
+/// single precision loses. In a specimen of many thousand grains across it would lose more: attempts, never a proof.
+const MEETS: f32 = 0.99;
+
+/// Stands for: no body.
+const NONE: u32 = u32::MAX;
 
 /// The placed bodies, and the indices that find those near a candidate.
 pub(super) struct Scene<'a> {
@@ -26,10 +29,6 @@ pub(super) struct Scene<'a> {
     /// What a grain with its centre in the specimen's box may reach.
     domain: Aabb,
     grid: Grid,
-    mask: Mask,
-    /// Inner radius, mm, up to which the mask knows: of the roundest in the smaller half of the grains. It is they that take
-    /// most attempts, and a mask for the larger ones reaches twice as far.
-    masked: f64,
     /// Volume placed of every class, mm3.
     class_volume: Vec<f64>,
 }
@@ -46,9 +45,8 @@ struct Placed {
 pub(super) struct Candidate<'a> {
     pub(super) grain: &'a Grain,
     vertices: Vec<Vec3>,
-    planes: Vec<Plane>,
     /// In the form collision works on, with all that lets pairs be told apart early.
-    body: gjk::Body,
+    solid: gjk::Solid,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
 }
@@ -56,26 +54,23 @@ pub(super) struct Candidate<'a> {
 /// A position that a candidate tries.
 pub(super) struct Trial {
     pub(super) centre: Vec3,
-    /// What a look told: the grid's cell, the mask's bound, that the position is taken, or what is most likely in the way.
+    /// What a look told: the grid's cell, that the position is taken, or what is most likely in the way.
     cell: u32,
-    bound: u8,
     taken: bool,
-    closest: Option<usize>,
+    closest: Option<u32>,
 }
 
 impl Trial {
     pub(super) fn new(centre: Vec3) -> Self {
-        Self { centre, cell: 0, bound: mask::FAR, taken: false, closest: None }
+        Self { centre, cell: 0, taken: false, closest: None }
     }
 }
 
 impl<'a> Candidate<'a> {
     pub(super) fn new(grain: &'a Grain) -> Self {
-        let solid = grain.body.widened();
-        let facets = solid.facets();
-        let body = gjk::Body::new(solid.vertices()).with_inside_of(facets.iter().copied());
-        let planes = facets.iter().map(|facet| facet.plane).collect();
-        Self { grain, planes, body, aabb: grain.body.aabb(), vertices: solid.into_vertices() }
+        let body = grain.body.widened();
+        let solid = gjk::Solid::new(body.vertices(), &body.facets());
+        Self { grain, solid, aabb: grain.body.aabb(), vertices: body.into_vertices() }
     }
 }
 
@@ -83,7 +78,6 @@ impl<'a> Scene<'a> {
     pub(super) fn new(task: &'a Task<'a>) -> Self {
         let grains = task.request.grains;
         let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
-        let masked = grains[grains.len() / 2..].iter().map(|grain| f64::from(grain.inner_radius)).fold(0.0, f64::max);
         let domain = task.domain();
         Self {
             task,
@@ -91,10 +85,8 @@ impl<'a> Scene<'a> {
             placed: Vec::with_capacity(grains.len()),
             numbers: Vec::with_capacity(grains.len()),
             balls: Vec::with_capacity(grains.len()),
-            grid: Grid::new(&domain, 1.25 * middle).with_room_for(grains.len()),
-            mask: Mask::new(&task.room.aabb(), VOXEL * middle, if masked > 0.0 { masked } else { 1.0 }),
+            grid: Grid::new(&domain, middle).with_room_for(grains.len()),
             domain,
-            masked,
             class_volume: vec![0.0; task.class_targets.len()],
         }
     }
@@ -111,24 +103,23 @@ impl<'a> Scene<'a> {
 
     /// Places the candidate, which is the grain of this number, at `centre`.
     pub(super) fn insert(&mut self, number: usize, candidate: Candidate, centre: Vec3) {
-        let Candidate { grain, planes, body, aabb: local, .. } = candidate;
+        let Candidate { grain, solid, aabb: local, .. } = candidate;
         let aabb = local.moved(&centre);
         for shift in self.task.period.shifts(&aabb, &self.domain) {
             self.grid.insert(&aabb.moved(&shift));
             let centre = centre + shift;
-            self.mask.insert((&local, f64::from(grain.outer_radius)), &planes, &centre, self.masked);
             let [x, y, z] = <[f64; 3]>::from(centre).map(|x| x as f32);
             self.balls.push([x, y, z, grain.inner_radius]);
             self.numbers.push(number as u32);
-            self.placed.push(Placed { centre, bounds: body.bounds() });
+            self.placed.push(Placed { centre, bounds: solid.body().bounds() });
         }
         self.class_volume[usize::from(grain.class)] += grain.volume();
     }
 
     /// The pose of every grain; what finds near ones is given back before the list is made.
     pub(super) fn into_poses(self) -> Vec<Option<Pose>> {
-        let Self { task, placed, numbers, balls, grid, mask, .. } = self;
-        drop((balls, grid, mask));
+        let Self { task, placed, numbers, balls, grid, .. } = self;
+        drop((balls, grid));
         let mut poses = vec![None; task.request.grains.len()];
         // Images have their centres outside of the box.
         let itself = |centre: &Vec3| task.period.wrap(centre) == *centre;
@@ -148,24 +139,16 @@ impl<'a> Scene<'a> {
     pub(super) fn look(&self, it: &Candidate, trials: &mut [Trial]) {
         // What one look needs of memory is asked for before the first is waited for.
         for trial in &mut *trials {
-            trial.bound = self.mask.bound(&trial.centre);
-        }
-        let radius = f64::from(it.grain.inner_radius);
-        for trial in &mut *trials {
-            trial.taken = self.mask.forbids(trial.bound, radius);
-        }
-        let open = |trial: &&mut Trial| !trial.taken;
-        for trial in trials.iter_mut().filter(open) {
             trial.cell = self.grid.cell(&trial.centre);
         }
         let first = |cell| self.grid.list(cell).next().map_or(0.0, |body| self.balls[body as usize][0]);
-        black_box(trials.iter_mut().filter(open).map(|trial| first(trial.cell)).sum::<f32>());
-        for trial in trials.iter_mut().filter(open) {
-            trial.closest = self.closest(it, trial);
+        black_box(trials.iter().map(|trial| first(trial.cell)).sum::<f32>());
+        for trial in &mut *trials {
+            self.look_around(it, trial);
         }
         // So what the proofs will read.
-        let of = |other: usize| self.body(other).coordinates().map(|along| along[0]).iter().sum::<f32>();
-        let and = |other: usize| of(other) + self.placed[other].centre.x as f32;
+        let of = |other: u32| self.body(other as usize).coordinates().map(|along| along[0]).iter().sum::<f32>();
+        let and = |other: u32| of(other) + self.placed[other as usize].centre.x as f32;
         black_box(trials.iter().filter_map(|trial| trial.closest).map(and).sum::<f32>());
     }
 
@@ -174,7 +157,7 @@ impl<'a> Scene<'a> {
     pub(super) fn free(&self, it: &Candidate, trial: &Trial, work: &mut Workplace) -> bool {
         let (placement, Trial { centre, taken, closest, .. }) = (self.task.request.placement, trial);
         // The body most likely in the way, first: it ends most attempts.
-        if *taken || closest.is_some_and(|other| !self.apart(it, centre, other, work)) {
+        if *taken || closest.is_some_and(|other| !self.apart(it, centre, other as usize, work)) {
             return false;
         }
         if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
@@ -182,10 +165,7 @@ impl<'a> Scene<'a> {
         }
         let gap = placement.min_gap_mm;
         let aabb = it.aabb.moved(centre).grown(gap);
-        self.grid.all_near(&aabb, |other| {
-            let other = other as usize;
-            Some(other) == *closest || self.apart(it, centre, other, work)
-        })
+        self.grid.all_near(&aabb, |other| Some(other) == *closest || self.apart(it, centre, other as usize, work))
     }
 
     /// True when the candidate at `centre` is proved apart from the bodies placed from `first_mate` on.
@@ -193,20 +173,27 @@ impl<'a> Scene<'a> {
         (first_mate..self.placed.len()).all(|other| self.apart(it, centre, other, work))
     }
 
-    /// Of the bodies around the centre of a trial, the one whose inscribed ball comes nearest to the candidate's for their size.
-    fn closest(&self, it: &Candidate, Trial { centre, cell, .. }: &Trial) -> Option<usize> {
-        let (x, y, z) = (centre.x as f32, centre.y as f32, centre.z as f32);
+    /// Of the bodies around the centre of the trial, finds one whose inscribed ball meets the candidate's, or else that which
+    /// comes nearest to it for their size.
+    #[inline(always)]
+    fn look_around(&self, it: &Candidate, trial: &mut Trial) {
+        let [x, y, z] = <[f64; 3]>::from(trial.centre).map(|x| x as f32);
         let own_radius = it.grain.inner_radius;
-        let (mut least, mut closest) = (f32::INFINITY, None);
-        for other in self.grid.list(*cell) {
+        let (mut least, mut closest) = (f32::INFINITY, NONE);
+        // The first are the largest, and most often in the way.
+        for other in self.grid.list(trial.cell) {
             let [other_x, other_y, other_z, radius] = self.balls[other as usize];
             let (dx, dy, dz, reach) = (other_x - x, other_y - y, other_z - z, own_radius + radius);
             let closeness = (dx * dx + dy * dy + dz * dz) / (reach * reach);
-            if closeness < least {
-                (least, closest) = (closeness, Some(other as usize));
+            let is_nearer = closeness < least;
+            least = if is_nearer { closeness } else { least };
+            closest = if is_nearer { other } else { closest };
+            if closeness < MEETS {
+                break;
             }
         }
-        closest
+        trial.taken = least < MEETS;
+        trial.closest = (!trial.taken && closest != NONE).then_some(closest);
     }
 
     /// The shape of what was placed as this number.
@@ -217,9 +204,8 @@ impl<'a> Scene<'a> {
 
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Workplace) -> bool {
         let Placed { centre: other_centre, bounds } = &self.placed[placed];
-        let (gap, made) = (self.task.request.placement.min_gap_mm, &mut work.other);
-        let place = (&(other_centre - centre), gap);
-        gjk::apart_from(&it.body, bounds, || bounds.lay_out(self.body(placed), made), place, &mut work.counters)
+        let place = (&(other_centre - centre), self.task.request.placement.min_gap_mm);
+        gjk::apart_from(&it.solid, (bounds, self.body(placed)), &mut work.other, place, &mut work.counters)
     }
 }
 

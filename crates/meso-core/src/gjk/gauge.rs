@@ -1,0 +1,226 @@
+//! A body's faces in single precision: most pairs that overlap are told by a point of the one that lies inside the other.
+
+use super::body::{Body, Bounds, GROUP};
+use super::ellipsoid::Ellipsoids;
+use crate::geometry::{Facet, NarrowPolyhedron};
+use crate::math::Vec3;
+use crate::wide::{Wide, widest};
+
+/// Faces that are looked at together.
+const LANES: usize = 8;
+/// Rounding of the single-precision arithmetic on them, as a share of the lengths in it: ten times what a dozen operations
+/// lose.
+const ROUNDING: f64 = 1e-5;
+
+/// The faces of a body around its frame's origin, each as normal over offset: the body is where all of these are at most 1.
+#[derive(Clone, Debug)]
+struct Gauge {
+    /// x, y and z of all faces, each padded with zeros to a multiple of [`LANES`], which changes no maximum.
+    faces: [Vec<f32>; 3],
+    inner_radius: f64,
+}
+
+impl Gauge {
+    /// Every face a little nearer than it is, by what its plane may be off; `None` where the origin is not clearly inside
+    /// of all. `radius` is that of the ball about the origin that holds the body, mm.
+    fn new(facets: &[Facet], radius: f64) -> Option<Self> {
+        let offsets: Vec<f64> = facets.iter().map(|facet| facet.certain_offset(radius)).collect();
+        let inner_radius = offsets.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_inside = !offsets.iter().any(|offset| offset.is_nan()) && inner_radius > ROUNDING * radius;
+        is_inside.then(|| {
+            let mut faces = [0; 3].map(|_| vec![0.0; facets.len().next_multiple_of(LANES)]);
+            for (f, (facet, offset)) in facets.iter().zip(&offsets).enumerate() {
+                for (axis, along) in faces.iter_mut().enumerate() {
+                    along[f] = (facet.plane.normal[axis] / offset) as f32;
+                }
+            }
+            Self { faces, inner_radius }
+        })
+    }
+
+    /// True when all faces are below `limit` at the point.
+    #[inline(always)]
+    fn holds(&self, [x, y, z]: [f32; 3], limit: f32) -> bool {
+        let [nx, ny, nz] = &self.faces;
+        let mut most = [0.0_f32; LANES];
+        for ((nx, ny), nz) in nx.chunks_exact(LANES).zip(ny.chunks_exact(LANES)).zip(nz.chunks_exact(LANES)) {
+            for lane in 0..LANES {
+                let here = nx[lane] * x + ny[lane] * y + nz[lane] * z;
+                most[lane] = if here > most[lane] { here } else { most[lane] };
+            }
+        }
+        let mut top = most[0];
+        for here in &most[1..] {
+            top = if *here > top { *here } else { top };
+        }
+        // What is no number is above nothing.
+        top < limit && (x + y + z).is_finite()
+    }
+}
+
+/// A body and its faces.
+pub struct Solid {
+    body: Body,
+    gauge: Option<Gauge>,
+}
+
+impl Solid {
+    /// A solid of these vertices (mm) and facets; the origin of the frame should lie inside, near the middle.
+    ///
+    /// # Panics
+    /// Without vertices.
+    pub fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
+        let body = Body::new(vertices).with_inside_of(facets.iter().copied());
+        Self { gauge: Gauge::new(facets, body.circumradius()), body }
+    }
+
+    /// In the form that pairs are asked about in.
+    #[inline]
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// True only where a point of the other body is inside: of its inner ellipsoid the one that is farthest along `-axis`, or
+    /// the vertex that is, or the middle of these. `b_from_a` is what to add to the other's points to have them in this frame.
+    #[inline(always)]
+    pub(crate) fn meets(&self, b: (&Bounds, &NarrowPolyhedron), axis: &Vec3, b_from_a: &Vec3) -> bool {
+        let Some(gauge) = &self.gauge else { return false };
+        let (Bounds(bounds), shape) = b;
+        let doubt = ROUNDING * (self.body.circumradius() + bounds.circumradius);
+        let limit = (1.0 - doubt / gauge.inner_radius) as f32;
+        widest(Meets { gauge, bounds, shape, axis, b_from_a, limit })
+    }
+}
+
+/// The slots of a group, as bits of a height, and marks for those behind the last vertex: 1 from the middle on.
+static SLOTS: [u32; GROUP] = {
+    let mut slots = [0; GROUP];
+    let mut slot = 0;
+    while slot < GROUP {
+        slots[slot] = slot as u32;
+        slot += 1;
+    }
+    slots
+};
+static BEYOND: [f32; 2 * GROUP] = {
+    let mut beyond = [0.0; 2 * GROUP];
+    let mut slot = GROUP;
+    while slot < 2 * GROUP {
+        beyond[slot] = 1.0;
+        slot += 1;
+    }
+    beyond
+};
+
+/// [`Solid::meets`] on wide registers.
+struct Meets<'a> {
+    gauge: &'a Gauge,
+    bounds: &'a Ellipsoids,
+    shape: &'a NarrowPolyhedron,
+    axis: &'a Vec3,
+    b_from_a: &'a Vec3,
+    limit: f32,
+}
+
+impl Wide for Meets<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let inner = self.b_from_a - self.bounds.inner_support(self.axis);
+        let inner = [inner.x as f32, inner.y as f32, inner.z as f32];
+        if self.gauge.holds(inner, self.limit) {
+            return true;
+        }
+        let Some(lowest) = self.lowest() else { return false };
+        let mut middle = inner;
+        for (middle, lowest) in middle.iter_mut().zip(&lowest) {
+            *middle = 0.5 * (*middle + lowest);
+        }
+        self.gauge.holds(middle, self.limit) || self.gauge.holds(lowest, self.limit)
+    }
+}
+
+impl Meets<'_> {
+    /// The other body's vertex farthest along `-axis`; `None` where it has many.
+    #[inline(always)]
+    fn lowest(&self) -> Option<[f32; 3]> {
+        let Self { shape, axis, b_from_a, .. } = self;
+        let len = shape.vertex_count();
+        if len > GROUP {
+            return None;
+        }
+        // What lies in memory behind the vertices is read, and not used.
+        let (xs, ys, zs) = (shape.window::<GROUP>(0)?, shape.window::<GROUP>(1)?, shape.window::<GROUP>(2)?);
+        let (nx, ny, nz) = (axis.x as f32, axis.y as f32, axis.z as f32);
+        let beyond = &BEYOND[GROUP - len..2 * GROUP - len];
+        let mut least = [f32::INFINITY; LANES];
+        let along = xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)).zip(zs.chunks_exact(LANES));
+        let of_slots = SLOTS.chunks_exact(LANES).zip(beyond.chunks_exact(LANES));
+        for (((x, y), z), (slots, beyond)) in along.zip(of_slots).take(len.div_ceil(LANES)) {
+            for lane in 0..LANES {
+                let height = x[lane] * nx + y[lane] * ny + z[lane] * nz;
+                let key = f32::from_bits(height.to_bits() & !(GROUP as u32 - 1) | slots[lane]);
+                let key = if beyond[lane] > 0.0 { f32::INFINITY } else { key };
+                least[lane] = if key < least[lane] { key } else { least[lane] };
+            }
+        }
+        let mut low = least[0];
+        for key in &least[1..] {
+            low = if *key < low { *key } else { low };
+        }
+        // Infinity would stand for the first one.
+        let i = low.to_bits() as usize % GROUP;
+        Some([xs[i] + b_from_a.x as f32, ys[i] + b_from_a.y as f32, zs[i] + b_from_a.z as f32])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aggregate::random::{Purpose, Stream};
+    use crate::geometry::{Polyhedron, convex_hull};
+    use crate::gjk;
+
+    fn grain(stream: &mut Stream, points: usize) -> Polyhedron {
+        let axes = Vec3::new(4.0, 3.0, stream.uniform(0.5, 3.0));
+        let points: Vec<Vec3> = (0..points).map(|_| stream.direction().component_mul(&axes)).collect();
+        let narrow = |v: &Vec3| v.map(|x| f64::from(x as f32));
+        convex_hull(&points.iter().map(narrow).collect::<Vec<_>>()).expect("solid")
+    }
+
+    #[test]
+    fn a_point_inside_all_faces_is_an_overlap_and_most_overlaps_have_one() {
+        let mut stream = Stream::new(11, Purpose::Sample, 0, 0);
+        let (mut met, mut overlapping) = (0, 0);
+        for case in 0..4000 {
+            // Now and then more vertices than a group has.
+            let (a, b) = (grain(&mut stream, 24), grain(&mut stream, if case % 9 == 0 { 48 } else { 26 }));
+            let x = stream.direction() * stream.uniform(2.0, 7.0);
+            let axis = stream.direction() + x;
+            let (solid, bounds) = (Solid::new(a.vertices(), &a.facets()), Solid::new(b.vertices(), &b.facets()));
+            let moved: Vec<Vec3> = b.vertices().iter().map(|v| v + x).collect();
+            let overlaps = gjk::intersects(a.vertices(), &moved).expect("finite");
+            let meets = solid.meets((&bounds.body().bounds(), &NarrowPolyhedron::from(b)), &axis, &x);
+            assert!(overlaps || !meets, "case {case}");
+            (met, overlapping) = (met + u32::from(meets), overlapping + u32::from(overlaps));
+        }
+        assert!(overlapping > 1000 && 2 * met > overlapping, "{met} of {overlapping}");
+    }
+
+    #[test]
+    fn faces_around_no_certain_inside_hold_nothing() {
+        let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+        let body = convex_hull(&corners).expect("solid");
+        assert!(Solid::new(body.vertices(), &body.facets()).gauge.is_none());
+    }
+
+    #[test]
+    fn no_number_is_inside_of_nothing() {
+        let corners = [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]].map(Vec3::from);
+        let body = convex_hull(&corners).expect("solid");
+        let gauge = Solid::new(body.vertices(), &body.facets()).gauge.expect("about the origin");
+        assert!(gauge.holds([0.1; 3], 0.99));
+        assert!(!gauge.holds([f32::NAN, 0.1, 0.1], 0.99) && !gauge.holds([f32::INFINITY; 3], 0.99));
+    }
+}
