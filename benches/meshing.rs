@@ -22,6 +22,7 @@ use meso_core::{Model, Silent, Spec, pack, saved};
 use plot::{Line, Plot};
 use std::path::Path;
 use std::process::Command;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use table::Table;
@@ -144,7 +145,8 @@ fn case(method: &str, element_size_mm: f64, path: &Path) {
     );
 }
 
-/// The mesh, and gmsh's wall-clock seconds and peak memory, MB, where it has run.
+/// The mesh, and where gmsh has run, the wall-clock seconds of its runs, one after the other or at once, and the largest
+/// one's peak memory, MB.
 fn build(model: &Model, method: &str, element_size_mm: f64) -> (Mesh, Option<(f64, f64)>) {
     let (method, fit) = match method {
         "voxel" => (Method::Voxel, Fit::Plain),
@@ -153,15 +155,17 @@ fn build(model: &Model, method: &str, element_size_mm: f64) -> (Mesh, Option<(f6
         _ => (Method::Conforming, Fit::Plain),
     };
     let options = MeshOptions { method, fit, element_size_mm, itz: ItzForm::None, ..MeshOptions::default() };
-    let outside = std::cell::Cell::new(None);
+    let outside = Mutex::new(None);
     let gmsh = |surfaces: &mesh::conforming::Surfaces| {
         let start = Instant::now();
         let (output, peak) = watched(|| Gmsh::program("gmsh").run(surfaces));
-        outside.set(Some((start.elapsed().as_secs_f64(), peak)));
+        let mut outside = outside.lock().expect("no run has panicked");
+        let (seconds, peak_before) = outside.unwrap_or((0.0, 0.0));
+        *outside = Some((seconds + start.elapsed().as_secs_f64(), peak.max(peak_before)));
         output
     };
     let mesh = mesh::build_with(model, &options, &gmsh).expect("the specimen can be meshed");
-    (mesh, outside.get())
+    (mesh, outside.into_inner().expect("no run has panicked"))
 }
 
 /// Runs `work`; the peak memory of the processes it starts, MB.

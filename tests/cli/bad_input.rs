@@ -76,6 +76,7 @@ fn every_wrong_flag_exits_with_2_and_names_the_flag() {
         (&["mesh", "small.json", "-o", "m.inp", "--method", "magic"], "it must be one of voxel"),
         (&["mesh", "small.json", "-o", "m.inp", "--itz", "thick"], "it must be one of solid"),
         (&["mesh", "small.json", "-o", "m.inp", "--subsamples", "0"], "--subsamples"),
+        (&["mesh", "small.json", "-o", "m.inp", "--slabs", "101"], "--slabs is 101; it must be 1 to 100"),
         (&["convert", "small.json"], "--output"),
         (&["convert", "small.json", "-o", "a.inp"], "a.inp: the extension names no format"),
         (&["convert", "small.json", "-o", "a.inp"], "mesocrete mesh"),

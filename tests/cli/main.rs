@@ -9,6 +9,7 @@ mod command;
 mod conforming;
 mod conforming_periodic;
 mod conforming_rooms;
+mod conforming_slabs;
 mod files;
 mod help;
 mod interrupt;

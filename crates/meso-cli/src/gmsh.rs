@@ -73,7 +73,7 @@ impl Gmsh {
             io::ErrorKind::PermissionDenied => "it is no program, or may not be run".to_owned(),
             _ => error.to_string(),
         };
-        MeshError::Gmsh(format!(
+        MeshError::MissingGmsh(format!(
             "{program} cannot be run ({why}); conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: \
              pip install gmsh) and put it on the PATH or name it with --gmsh, or take --method lattice"
         ))

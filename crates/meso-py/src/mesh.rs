@@ -40,7 +40,9 @@ pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDi
     let of = Arc::clone(&model);
     let built = beside_python(py, None, move |_| mesh::build_with(&model, &options, &|surfaces| gmsh.run(surfaces)))?;
     built.map(|mesh| PyMesh(Arc::new(mesh), of)).map_err(|error| match error {
-        MeshError::Gmsh(_) | MeshError::Flat { .. } => PyRuntimeError::new_err(error.to_string()),
+        MeshError::MissingGmsh(_) | MeshError::Gmsh(_) | MeshError::Flat { .. } => {
+            PyRuntimeError::new_err(error.to_string())
+        }
         _ => PyValueError::new_err(error.to_string()),
     })
 }

@@ -52,7 +52,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     args.meshing.tell_unused(writes_deck);
     let model = inputs::model(&args.model)?;
     let deck = args.meshing.deck(&model.spec.specimen)?;
-    let mesh = args.meshing.build(&model)?;
+    let mesh = args.meshing.build(&model, args.quiet)?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
     }

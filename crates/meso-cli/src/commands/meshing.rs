@@ -7,7 +7,7 @@ use crate::{inputs, say};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
-use meso_core::mesh::conforming::ROOM_MM;
+use meso_core::mesh::conforming::{ROOM_MM, Surfaces};
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method};
 use meso_core::packing::{Placement, Specimen};
 use meso_core::spec::options_from_toml;
@@ -62,6 +62,9 @@ pub(super) struct Meshing {
     /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
+    /// Parts of a box that gmsh fills apart; absent: as its memory needs
+    #[arg(long, value_name = "N", value_parser = values::count)]
+    slabs: Option<u32>,
     /// The program gmsh, for --method conforming
     #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
     gmsh: PathBuf,
@@ -77,6 +80,7 @@ impl Meshing {
             subsamples: self.subsamples,
             fit: self.fit,
             order: self.order,
+            slabs: self.slabs,
         }
     }
 
@@ -136,10 +140,15 @@ impl Meshing {
     }
 
     /// Meshes; options that cannot be are wrong usage.
-    pub(super) fn build(&self, model: &Model) -> Result<Mesh, Failure> {
+    pub(super) fn build(&self, model: &Model, quiet: bool) -> Result<Mesh, Failure> {
         let gmsh = Gmsh::program(&self.gmsh);
-        mesh::build_with(model, &self.options(), &|surfaces| gmsh.run(surfaces))
-            .map_err(|error| self.wrong_mesh(&error))
+        let run = |surfaces: &Surfaces| {
+            if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
+                say::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
+            }
+            gmsh.run(surfaces)
+        };
+        mesh::build_with(model, &self.options(), &run).map_err(|error| self.wrong_mesh(&error))
     }
 
     fn wrong_mesh(&self, error: &MeshError) -> Failure {

@@ -95,7 +95,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
     let mut model = model.map_err(|error| args.name_flag(error))?;
-    let mesh = plan.has_mesh().then(|| args.meshing.build(&model)).transpose()?;
+    let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet)).transpose()?;
     plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         tell(&model.report);

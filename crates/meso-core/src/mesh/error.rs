@@ -30,7 +30,10 @@ pub enum MeshError {
     /// A conforming mesh was asked for where gmsh cannot run.
     #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
     NeedsGmsh,
-    /// gmsh could not be run, or did not do what it was asked.
+    /// gmsh is not there.
+    #[error("{0}")]
+    MissingGmsh(String),
+    /// gmsh did not do what it was asked.
     #[error("{0}")]
     Gmsh(String),
     /// Two aggregates, or one and the specimen's surface, are too close for a conforming mesh.

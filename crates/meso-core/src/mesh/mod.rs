@@ -187,7 +187,8 @@ impl Mesh {
 }
 
 /// What runs gmsh: its output, MSH 4.1 in binary, for the input that [`conforming::Surfaces::write`] gives.
-pub type Gmsh<'a> = &'a dyn Fn(&conforming::Surfaces) -> Result<Vec<u8>, MeshError>;
+/// Runs for the parts of a large specimen are asked for at the same time.
+pub type Gmsh<'a> = &'a (dyn Fn(&conforming::Surfaces) -> Result<Vec<u8>, MeshError> + Sync);
 
 /// Meshes a packed specimen by a method of our own.
 ///

@@ -23,6 +23,8 @@ pub struct MeshOptions {
     pub fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10), 1 does not (C3D4).
     pub order: u32,
+    /// Parts of a box that gmsh fills apart in a conforming mesh, 1 to 100; as many as its memory needs when absent.
+    pub slabs: Option<u32>,
 }
 
 /// The meshing methods, siblings behind one interface.
@@ -69,6 +71,7 @@ impl Default for MeshOptions {
             subsamples: 1,
             fit: Fit::Fitted,
             order: 1,
+            slabs: None,
         }
     }
 }
@@ -94,7 +97,18 @@ impl MeshOptions {
         if !(1..=8).contains(&self.subsamples) {
             return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));
         }
-        self.validate_order()
+        self.validate_order()?;
+        self.validate_slabs(specimen)
+    }
+
+    fn validate_slabs(&self, specimen: &Specimen) -> Result<(), MeshError> {
+        let accepted = match self.slabs {
+            None | Some(1) => return Ok(()),
+            Some(2..=100) if specimen.room().is_box() => return Ok(()),
+            Some(2..=100) => "a specimen that is no box takes 1",
+            Some(_) => "it must be 1 to 100",
+        };
+        Err(MeshError::option("slabs", self.slabs.unwrap_or_default(), accepted))
     }
 
     fn validate_order(&self) -> Result<(), MeshError> {

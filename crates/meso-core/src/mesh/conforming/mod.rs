@@ -1,20 +1,23 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
 //! The facets are cut into triangles here ([`facets`], [`walls`], curved ones [`round`]) and go to gmsh as discrete surfaces, without CAD and
-//! without booleans; in boxes that repeat themselves, images of grains are cut at the faces ([`periodic`]). Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
+//! without booleans; in boxes that repeat themselves, images of grains are cut at the faces ([`boxes`]), and large boxes go to gmsh in
+//! slabs ([`slabs`]), whose meshes become one ([`seams`]). Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
 //! nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
 //! [`GMSH_OPTIONS`] and hands its output back.
 
+mod boxes;
 mod faces;
 mod facets;
 mod flat;
 mod gaps;
 mod msh;
 mod parts;
-mod periodic;
 mod pieces;
 mod round;
+mod seams;
 mod shells;
+mod slabs;
 mod walls;
 
 pub use gaps::ROOM_MM;
@@ -26,8 +29,10 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
 use crate::packing::{Period, Room, Specimen};
 use facets::Triangles;
+use msh::Volumes;
 use rayon::prelude::*;
 use shells::{Filled, Shells};
+use slabs::Slabs;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
@@ -54,8 +59,9 @@ pub(super) fn mesh(
 ) -> Result<Mesh, MeshError> {
     let meshed = |share: f64| {
         let options = MeshOptions { element_size_mm: share * options.element_size_mm, ..options.clone() };
-        let surfaces = Surfaces::new(aggregates, images, specimen, &options)?;
-        let mesh = surfaces.mesh(&gmsh(&surfaces)?)?;
+        let mut division = Division::new(aggregates, images, specimen, &options)?;
+        division.runs[0].again = share != TRIES[0];
+        let mesh = division.mesh(aggregates, gmsh)?;
         all_positive(&mesh).map(|()| mesh)
     };
     let [first, others @ ..] = TRIES;
@@ -66,25 +72,24 @@ pub(super) fn mesh(
     })
 }
 
-/// The surfaces that a conforming mesh keeps.
-pub struct Surfaces<'a> {
-    aggregates: &'a [Aggregate],
-    shells: Shells,
-    /// Edge length asked of the elements, mm.
-    size: f64,
+/// What is asked of gmsh.
+struct Division {
+    /// By slab.
+    runs: Vec<Surfaces>,
+    slabs: Slabs,
     /// How the specimen repeats itself, and its box.
     period: Period,
     domain: Aabb,
 }
 
-impl<'a> Surfaces<'a> {
+impl Division {
     /// Cuts all facets into triangles of the element size. `images` are the aggregates and, where the specimen repeats
     /// itself, their images in it, whole.
     ///
     /// # Errors
     /// Aggregates so close to each other or to the specimen's surface that no good mesh can be between them.
-    pub fn new(
-        aggregates: &'a [Aggregate],
+    fn new(
+        aggregates: &[Aggregate],
         images: &[Aggregate],
         specimen: &Specimen,
         options: &MeshOptions,
@@ -92,13 +97,45 @@ impl<'a> Surfaces<'a> {
         let (room, size) = (specimen.room(), options.element_size_mm);
         let (period, domain) = (specimen.period(), room.aabb());
         gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
-        let shells = if period.is_none() {
-            walled(aggregates, specimen, &*room, size)
+        gaps::refuse_grazed(aggregates, &period)?;
+        let slabs = if room.is_box() { Slabs::new(images, &domain, size, options.slabs) } else { Slabs::one() };
+        let shells = if period.is_none() && slabs.places.is_empty() {
+            vec![walled(aggregates, specimen, &*room, size)]
         } else {
-            gaps::refuse_grazed(aggregates, &period)?;
-            periodic::shells(aggregates, &period, &domain, size)?
+            boxes::shells(aggregates, &period, &domain, &slabs, size)?
         };
-        Ok(Self { aggregates, shells, size, period, domain })
+        let runs = shells.into_iter().map(|shells| Surfaces { shells, size, again: false }).collect();
+        Ok(Self { runs, slabs, period, domain })
+    }
+
+    /// The mesh of `aggregates` and mortar, slab by slab by `gmsh`, as many at once as there are threads.
+    ///
+    /// # Errors
+    /// Those of `gmsh`; says what is wrong with its output; a node on a periodic face that has none opposite to it.
+    fn mesh(self, aggregates: &[Aggregate], gmsh: super::Gmsh) -> Result<Mesh, MeshError> {
+        let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh(surfaces)?));
+        let mut mesh = seams::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
+        flat::open(&mut mesh, &self.period, &self.domain);
+        boxes::all_matched(&mesh.points, &self.period, &self.domain)?;
+        let Volumes { points, cells, volume: grain } = mesh;
+        let cells = cells.par_iter().map(|cell| super::lattice::oriented(*cell, &points)).collect();
+        Ok(super::of_tetrahedra(Tetrahedra { points, cells, grain }, aggregates, Notes::default()))
+    }
+}
+
+/// The surfaces that a conforming mesh keeps, for one run of gmsh.
+pub struct Surfaces {
+    shells: Shells,
+    /// Edge length asked of the elements, mm.
+    size: f64,
+    /// Whether these are the first ones of another size than the one that was asked for.
+    again: bool,
+}
+
+impl Surfaces {
+    /// The size of the elements, mm, where gmsh is asked again from here on, since its mesh for another size is of no use.
+    pub fn again_mm(&self) -> Option<f64> {
+        self.again.then_some(self.size)
     }
 
     /// gmsh's script, which reads the surfaces from `file`.
@@ -114,24 +151,20 @@ impl<'a> Surfaces<'a> {
         msh::write(&self.shells, out)
     }
 
-    /// The mesh from gmsh's output, aggregates and mortar.
+    /// gmsh's output, with the index of its aggregate for every cell.
     ///
     /// # Errors
-    /// Says what is wrong with `output`; a node on a periodic face that has none opposite to it.
-    pub(super) fn mesh(&self, output: &[u8]) -> Result<Mesh, MeshError> {
+    /// Says what is wrong with `output`.
+    fn filled(&self, output: &[u8]) -> Result<Volumes, MeshError> {
         let mut read = msh::read(output).map_err(MeshError::Gmsh)?;
-        flat::open(&mut read, &self.period, &self.domain);
         let (filled, wanted) = (read.volume.iter().collect::<BTreeSet<_>>().len(), self.shells.volumes.len());
         if filled < wanted {
             let empty = wanted - filled;
             return Err(MeshError::Gmsh(format!("gmsh left {empty} of {wanted} volumes without elements")));
         }
-        periodic::all_matched(&read.points, &self.period, &self.domain)?;
-        let grain = |tag: &u32| self.shells.volumes[*tag as usize - 1].grain.unwrap_or(NO_AGGREGATE);
-        let cells = read.cells.par_iter().map(|cell| super::lattice::oriented(*cell, &read.points)).collect();
-        let grain = read.volume.iter().map(grain).collect();
-        let tetrahedra = Tetrahedra { points: read.points, cells, grain };
-        Ok(super::of_tetrahedra(tetrahedra, self.aggregates, Notes::default()))
+        let grain = |tag: u32| self.shells.volumes[tag as usize - 1].grain.unwrap_or(NO_AGGREGATE);
+        read.volume.iter_mut().for_each(|volume| *volume = grain(*volume));
+        Ok(read)
     }
 }
 

@@ -73,7 +73,7 @@ fn triangles(out: &mut impl Write, shells: &Shells) -> io::Result<()> {
     writeln!(out, "$EndElements")
 }
 
-/// Tetrahedra with the tag of the volume each lies in.
+/// Tetrahedra with the tag of the volume each lies in, later its aggregate's index.
 #[derive(Default)]
 pub(super) struct Volumes {
     pub(super) points: Vec<Vec3>,

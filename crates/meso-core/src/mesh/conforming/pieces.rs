@@ -1,8 +1,9 @@
-//! Grains as they lie in a periodic box: every image that reaches into it, cut at its faces.
+//! Grains as they lie in a box: every image that reaches into it, cut at its periodic faces and between its slabs.
 //!
 //! Cut points lie on a lattice on which moving them by whole periods is exact, and both sides of a face take them from
 //! the same edges in the same direction. So what two pieces share across a face is the same, bit for bit.
 
+use super::slabs::Slabs;
 use crate::aggregate::Aggregate;
 use crate::aggregate::take::rounded_to;
 use crate::geometry::Polyhedron;
@@ -42,19 +43,32 @@ impl Piece {
     }
 }
 
-/// All pieces of `grains`, by grain.
+/// All pieces of `grains`, by slab and grain.
 ///
 /// # Errors
-/// Where a face, an edge or a corner of the box grazes a grain.
-pub(super) fn pieces(grains: &[Aggregate], period: &Period, domain: &Aabb) -> Result<Vec<Piece>, MeshError> {
+/// Where a face, an edge or a corner of the box, or a plane between slabs, grazes a grain.
+pub(super) fn pieces(
+    grains: &[Aggregate],
+    period: &Period,
+    domain: &Aabb,
+    slabs: &Slabs,
+) -> Result<Vec<Vec<Piece>>, MeshError> {
     let open = period.mixed(domain, &Aabb::everywhere());
-    let of_grain = |(index, grain): (usize, &Aggregate)| -> Result<Vec<Piece>, MeshError> {
+    let of_grain = |(index, grain): (usize, &Aggregate)| -> Result<Vec<(usize, Piece)>, MeshError> {
         let shifts = period.shifts(&grain.body.aabb(), &open);
         let cut = |shift: &Vec3| Shape::new(&grain.body).within(&open.moved(&-shift)).map(|shape| (shape, *shift));
-        let pieces = shifts.iter().filter_map(cut).map(|(shape, shift)| shape.piece(index, shift, period));
-        pieces.map(|piece| sound(piece, grain)).collect()
+        let divided = |(shape, shift): (Shape, Vec3)| {
+            let parts = shape.divided(slabs, shift[slabs.axis]);
+            parts.into_iter().map(move |(slab, part)| (slab, part.piece(index, shift, period)))
+        };
+        let pieces = shifts.iter().filter_map(cut).flat_map(divided);
+        pieces.map(|(slab, piece)| Ok((slab, sound(piece, grain)?))).collect()
     };
-    Ok(grains.par_iter().enumerate().map(of_grain).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+    let mut by_slab: Vec<Vec<Piece>> = (0..=slabs.places.len()).map(|_| Vec::new()).collect();
+    for of_grain in grains.par_iter().enumerate().map(of_grain).collect::<Result<Vec<_>, _>>()? {
+        of_grain.into_iter().for_each(|(slab, piece)| by_slab[slab].push(piece));
+    }
+    Ok(by_slab)
 }
 
 /// Refuses what has edges without length.
@@ -75,6 +89,7 @@ fn sound(piece: Piece, grain: &Aggregate) -> Result<Piece, MeshError> {
 type Side = Option<(usize, bool)>;
 
 /// A convex body by its polygons.
+#[derive(Clone)]
 struct Shape {
     points: Vec<Vec3>,
     polygons: Vec<(Vec<u32>, Side)>,
@@ -97,6 +112,20 @@ impl Shape {
             }
         }
         Some(self)
+    }
+
+    /// The parts in slabs that are moved back by `shift`. What two of them share is cut from the same edges.
+    fn divided(self, slabs: &Slabs, shift: f64) -> Vec<(usize, Self)> {
+        let (mut parts, mut rest) = (Vec::new(), self);
+        for (slab, place) in slabs.places.iter().enumerate() {
+            let mut below = rest.clone();
+            below.cut(slabs.axis, place - shift, true);
+            rest.cut(slabs.axis, place - shift, false);
+            parts.push((slab, below));
+        }
+        parts.push((slabs.places.len(), rest));
+        parts.retain(|(_, part)| !part.polygons.is_empty());
+        parts
     }
 
     /// Leaves what lies below `place` where that is an upper face, above it otherwise.

@@ -1,4 +1,5 @@
-//! The surfaces in a box that repeats itself: cut grains, their caps on the box's faces, and what mortar has of these.
+//! The surfaces in a box that repeats itself or is meshed in slabs: cut grains, their caps on the box's faces and between the
+//! slabs, and what mortar has of these.
 //!
 //! Mortar may be in several parts: a flat grain can cut a corner off the box.
 
@@ -7,6 +8,7 @@ use super::facets::{LONGEST, Triangles};
 use super::parts;
 use super::pieces::{Piece, pieces, snap};
 use super::shells::{Filled, Shells};
+use super::slabs::Slabs;
 use super::walls::polygons;
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::{Aabb, Vec3};
@@ -18,24 +20,45 @@ use std::collections::BTreeMap;
 /// Nodes this near to a face are on it, mm.
 const ON_FACE_MM: f64 = 1e-7;
 
-/// The surfaces of `aggregates` and all their images in the box `domain`, with edges of about `size` mm.
+/// The surfaces of `aggregates` and all their images in the box `domain`, with edges of about `size` mm, slab by slab.
 ///
 /// # Errors
 /// Where a face of the box grazes an aggregate.
-pub(super) fn shells(aggregates: &[Aggregate], period: &Period, domain: &Aabb, size: f64) -> Result<Shells, MeshError> {
+pub(super) fn shells(
+    aggregates: &[Aggregate],
+    period: &Period,
+    domain: &Aabb,
+    slabs: &Slabs,
+    size: f64,
+) -> Result<Vec<Shells>, MeshError> {
     let limit = LONGEST * size;
-    let pieces = pieces(aggregates, period, domain)?;
-    let faces = (0..3).into_par_iter().map(|axis| faces::lower(axis, domain, &pieces, limit));
-    let faces = faces.collect::<Result<Vec<Face>, String>>().map_err(MeshError::Gmsh)?;
-    // A piece's own facets, its rims cut as the box's faces have them.
-    let facets = |piece: &Piece| polygons(piece.points.clone(), &piece.facets, limit, snap);
-    let facets: Vec<Triangles> = pieces.par_iter().map(facets).collect();
-    let mut nodes = Nodes::default();
-    let mut sheets = Sheets::new(&pieces, &facets, &mut nodes);
-    (0..3).for_each(|axis| sheets.add_faces(axis, &faces[axis], domain, &pieces, &mut nodes));
-    let mut shells = Shells { points: nodes.points, ..Shells::default() };
-    sheets.shells(&pieces, aggregates, &mut shells).map_err(MeshError::Gmsh)?;
-    Ok(shells)
+    let pieces = pieces(aggregates, period, domain, slabs)?;
+    let lower = |(pieces, aabb): (&Vec<Piece>, &Aabb)| {
+        let faces = (0..3).into_par_iter().map(|axis| faces::lower(axis, aabb, pieces, limit));
+        faces.collect::<Result<Vec<Face>, String>>()
+    };
+    let boxes = slabs.boxes(domain);
+    let faces: Vec<Vec<Face>> =
+        pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, String>>().map_err(MeshError::Gmsh)?;
+    let of_slab = |slab: usize| {
+        // A piece's own facets, its rims cut as the box's faces have them.
+        let facets = |piece: &Piece| polygons(piece.points.clone(), &piece.facets, limit, snap);
+        let facets: Vec<Triangles> = pieces[slab].par_iter().map(facets).collect();
+        let mut nodes = Nodes::default();
+        let mut sheets = Sheets::new(&pieces[slab], &facets, &mut nodes);
+        for (axis, lower) in faces[slab].iter().enumerate() {
+            // Above the last slab the first one comes again.
+            let above = if axis == slabs.axis { (slab + 1) % boxes.len() } else { slab };
+            let step = i32::from(axis != slabs.axis || above == 0);
+            sheets.add_lower(lower, &mut nodes);
+            let upper =
+                Upper { face: &faces[above][axis], pieces: &pieces[above], axis, place: boxes[slab].max[axis], step };
+            sheets.add_upper(&upper, &pieces[slab], &mut nodes);
+        }
+        let mut shells = Shells { points: nodes.points, ..Shells::default() };
+        sheets.shells(&pieces[slab], aggregates, &mut shells).map(|()| shells)
+    };
+    (0..boxes.len()).into_par_iter().map(of_slab).collect::<Result<_, String>>().map_err(MeshError::Gmsh)
 }
 
 /// Refuses nodes on a face of `domain` across which the box repeats itself that have none opposite to them.
@@ -60,6 +83,30 @@ pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Re
     Ok(())
 }
 
+/// The upper face of a slab: the lower one of what is above it, moved.
+struct Upper<'a> {
+    face: &'a Face,
+    /// What is above it.
+    pieces: &'a [Piece],
+    axis: usize,
+    place: f64,
+    /// Periods between the two.
+    step: i32,
+}
+
+impl Upper<'_> {
+    fn moved(&self, point: &Vec3) -> Vec3 {
+        Vec3::from_fn(|i, _| if i == self.axis { self.place } else { point[i] })
+    }
+
+    /// Grain and image of what is below the piece `above`.
+    fn below(&self, above: usize) -> (usize, [i32; 3]) {
+        let mut steps = self.pieces[above].steps;
+        steps[self.axis] += self.step;
+        (self.pieces[above].grain, steps)
+    }
+}
+
 /// The triangles on common nodes.
 struct Sheets {
     /// Of every piece.
@@ -78,26 +125,31 @@ impl Sheets {
         Self { facets: facets.iter().map(own).collect(), caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
     }
 
-    /// Adds a lower face, and the upper one that it is when moved.
-    fn add_faces(&mut self, axis: usize, face: &Face, domain: &Aabb, pieces: &[Piece], nodes: &mut Nodes) {
+    /// Adds a slab's own lower face.
+    fn add_lower(&mut self, face: &Face, nodes: &mut Nodes) {
+        let number: Vec<u32> = face.points.iter().map(|point| nodes.at(*point)).collect();
+        for (triangle, piece) in &face.triangles {
+            let [a, b, c] = triangle.map(|node| number[node as usize]);
+            self.sheet(*piece).push([a, c, b]);
+        }
+    }
+
+    /// Adds the upper face of the slab that has `pieces`.
+    fn add_upper(&mut self, upper: &Upper, pieces: &[Piece], nodes: &mut Nodes) {
         let by_place: BTreeMap<(usize, [i32; 3]), usize> =
             pieces.iter().enumerate().map(|(index, piece)| ((piece.grain, piece.steps), index)).collect();
-        let across = |piece: usize| {
-            let mut steps = pieces[piece].steps;
-            steps[axis] += 1;
-            by_place[&(pieces[piece].grain, steps)]
-        };
-        for (upper, place) in [(false, domain.min[axis]), (true, domain.max[axis])] {
-            let moved = |point: &Vec3| Vec3::from_fn(|i, _| if i == axis { place } else { point[i] });
-            let number: Vec<u32> = face.points.iter().map(|point| nodes.at(moved(point))).collect();
-            for (triangle, piece) in &face.triangles {
-                let [a, b, c] = triangle.map(|node| number[node as usize]);
-                let triangle = if upper { [a, b, c] } else { [a, c, b] };
-                match piece.map(|piece| if upper { across(piece) } else { piece }) {
-                    Some(piece) => self.caps[piece].push(triangle),
-                    None => self.rest.push(triangle),
-                }
-            }
+        let number: Vec<u32> = upper.face.points.iter().map(|point| nodes.at(upper.moved(point))).collect();
+        for (triangle, piece) in &upper.face.triangles {
+            let piece = piece.map(|above| by_place[&upper.below(above)]);
+            self.sheet(piece).push(triangle.map(|node| number[node as usize]));
+        }
+    }
+
+    /// The triangles of a piece's caps, or those between them.
+    fn sheet(&mut self, piece: Option<usize>) -> &mut Vec<[u32; 3]> {
+        match piece {
+            Some(piece) => &mut self.caps[piece],
+            None => &mut self.rest,
         }
     }
 

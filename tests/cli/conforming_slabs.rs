@@ -1,0 +1,108 @@
+//! Conforming meshes of boxes that gmsh fills in slabs. They skip without gmsh.
+
+use crate::conforming::with_options;
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, NO_AGGREGATE, Phase, PhaseVolumes, quality};
+use meso_core::{Model, Silent, Spec};
+use std::collections::BTreeMap;
+
+const SIDE_MM: f64 = 30.0;
+
+fn packed(specimen: &str, others: &str) -> Model {
+    let spec = format!(
+        "fraction = 0.4\nspecimen = {{ kind = 'cube', side_mm = 30{specimen} }}\n\
+         placement = {{ min_gap_mm = 0.05, wall_gap_mm = 0.05 }}\n{others}"
+    );
+    meso_core::pack(&Spec::from_toml(&spec).unwrap(), &Silent).unwrap()
+}
+
+fn in_slabs(model: &Model, itz: ItzForm, slabs: u32) -> Option<Mesh> {
+    with_options(model, MeshOptions { itz, element_size_mm: 3.0, slabs: Some(slabs), ..Default::default() })
+}
+
+/// Every face lies between two cells or on a side of the box.
+fn assert_whole(mesh: &Mesh) {
+    let mut faces = BTreeMap::new();
+    for cell in mesh.cells() {
+        for face in mesh.kind.faces() {
+            let mut corners = [0, 1, 2].map(|i| cell[face[i]]);
+            corners.sort_unstable();
+            *faces.entry(corners).or_insert(0) += 1;
+        }
+    }
+    for (corners, cells) in faces {
+        let on = |axis: usize, place: f64| corners.iter().all(|&node| mesh.points[node as usize][axis] == place);
+        let outside = (0..3).any(|axis| on(axis, 0.0) || on(axis, SIDE_MM));
+        assert_eq!(cells, if outside { 1 } else { 2 }, "{:?}", corners.map(|node| mesh.points[node as usize]));
+    }
+}
+
+#[test]
+fn slabs_make_one_mesh_in_which_every_aggregate_has_its_exact_volume() {
+    let model = packed("", "");
+    let Some(one) = in_slabs(&model, ItzForm::None, 1) else { return };
+    for slabs in [2, 3, 5] {
+        let mesh = in_slabs(&model, ItzForm::None, slabs).unwrap();
+        assert_whole(&mesh);
+        let cells = quality::cells(&mesh);
+        assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
+        assert!(mesh.cell_count() > one.cell_count() && mesh.cell_count() < 2 * one.cell_count(), "{slabs}");
+        let mut volumes = vec![0.0; model.aggregates.len()];
+        for (q, id) in cells.iter().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
+            volumes[*id as usize] += q.volume_mm3;
+        }
+        for (aggregate, volume) in model.aggregates.iter().zip(volumes) {
+            assert!((volume / aggregate.body.volume() - 1.0).abs() < 1e-9, "{slabs}: {}", aggregate.id);
+        }
+        let [whole, exact] = [PhaseVolumes::of_mesh(&mesh), PhaseVolumes::of_mesh(&one)];
+        assert!((whole.mortar / exact.mortar - 1.0).abs() < 1e-9, "{slabs}");
+    }
+}
+
+#[test]
+fn slabs_of_a_periodic_box_match_across_its_faces() {
+    let model = packed(", periodic = ['x', 'z']", "");
+    let Some(mesh) = in_slabs(&model, ItzForm::None, 3) else { return };
+    assert_whole(&mesh);
+    let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).unwrap();
+    assert!((PhaseVolumes::of_mesh(&mesh).aggregate / exact.aggregate - 1.0).abs() < 1e-12);
+    for axis in [0, 2] {
+        let on = |place: f64| {
+            let on = mesh.points.iter().filter(|point| point[axis] == place);
+            let mut within: Vec<[u64; 2]> =
+                on.map(|point| [1, 2].map(|next| point[(axis + next) % 3].to_bits())).collect();
+            within.sort_unstable();
+            within
+        };
+        assert!(on(0.0) == on(SIDE_MM) && on(0.0).len() > 200, "across {axis}: {}", on(0.0).len());
+    }
+}
+
+#[test]
+fn slabs_take_the_itz_in_any_form_and_voids_and_fibres() {
+    let others = "voids = { fraction = 0.02, diameter_mm = [2, 4] }\n\
+                  fibres = { fraction = 0.005, length_mm = 10, diameter_mm = 1 }\n";
+    let model = packed("", others);
+    for itz in [ItzForm::Solid, ItzForm::Cohesive] {
+        let Some(mesh) = in_slabs(&model, itz, 3) else { return };
+        let thickness = |solid: f64| if itz == ItzForm::Solid { solid } else { 0.0 };
+        let exact =
+            PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, |a| thickness(a.itz_thickness_mm)).unwrap();
+        let meshed = PhaseVolumes::of_mesh(&mesh);
+        for (phase, within) in [(Phase::Mortar, 1e-9), (Phase::Fibre, 1e-9), (Phase::Aggregate, 0.01)] {
+            assert!((meshed.of(phase) / exact.of(phase) - 1.0).abs() < within, "{itz:?} {phase:?}");
+        }
+        assert!((meshed.itz - exact.itz).abs() <= 0.015 * exact.itz, "{} {}", meshed.itz, exact.itz);
+        assert_eq!(mesh.cohesive().len() > 1000, itz == ItzForm::Cohesive);
+    }
+}
+
+#[test]
+fn slabs_give_the_same_mesh_on_any_number_of_threads() {
+    let model = packed("", "");
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| in_slabs(&model, ItzForm::None, 3))
+    };
+    let Some(one) = on(1) else { return };
+    assert_eq!(Some(one), on(3));
+}
