@@ -33,35 +33,72 @@ fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_
     assert!((volumes.total() / exact.total() - 1.0).abs() < 1e-9);
 }
 
-#[test]
-fn nodes_between_one_aggregate_and_mortar_lie_on_its_surface_but_for_one_in_five_thousand_counted() {
-    let model = packed(Specimen::cube(50.0), 0.5, 2);
-    let mesh = fitted(&model, 2.0);
+/// The ids of the aggregates, and [`NO_AGGREGATE`], whose cells every node has.
+fn around(mesh: &Mesh) -> Vec<BTreeSet<u32>> {
     let mut around = vec![BTreeSet::new(); mesh.points.len()];
     for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
         cell.iter().for_each(|&node| _ = around[node as usize].insert(*id));
     }
-    let height = |id: u32, p: &Vec3| {
-        let body = &model.aggregates[id as usize].body;
-        body.planes().map(|plane| plane.normal.dot(p) - plane.offset).fold(f64::MIN, f64::max)
-    };
-    let one = around.iter().zip(&mesh.points).filter(|(ids, _)| ids.len() == 2 && ids.contains(&NO_AGGREGATE));
-    let heights: Vec<f64> = one.map(|(ids, p)| height(*ids.first().unwrap(), p).abs()).collect();
-    let off: Vec<f64> = heights.iter().copied().filter(|height| *height > 1e-8).collect();
-    assert!(heights.len() > 15_000);
-    // The gap to the specimen's side is thinner there than angles of ten degrees allow.
-    assert!(off.len() * 5000 < heights.len(), "{} of {}", off.len(), heights.len());
+    around
+}
+
+/// How far `p` is from the nearest plane of a body's surface, mm.
+fn height(body: &Aggregate, p: &Vec3) -> f64 {
+    body.body.planes().map(|plane| plane.normal.dot(p) - plane.offset).fold(f64::MIN, f64::max).abs()
+}
+
+#[test]
+fn nodes_between_one_aggregate_and_mortar_lie_on_its_surface_but_where_a_gap_to_the_specimens_side_is_closed() {
+    const SIDE: f64 = 50.0;
+    let model = packed(Specimen::cube(SIDE), 0.5, 3);
+    let mesh = fitted(&model, 2.0);
+    let around = around(&mesh);
     assert!(around.iter().all(|ids| !ids.is_empty()), "what was merged is in no list");
-    assert_eq!(off.len(), mesh.notes.off_surface_nodes);
+    let one = around.iter().zip(&mesh.points).filter(|(ids, _)| ids.len() == 2 && ids.contains(&NO_AGGREGATE));
+    let at_side = |p: &Vec3| p.iter().any(|x| *x == 0.0 || *x == SIDE);
+    let (sides, within): (Vec<_>, Vec<_>) = one.partition(|(_, p)| at_side(p));
+    let heights = |nodes: &[(&BTreeSet<u32>, &Vec3)]| -> Vec<f64> {
+        nodes.iter().map(|(ids, p)| height(&model.aggregates[*ids.first().unwrap() as usize], p)).collect()
+    };
+    assert!(within.len() > 15_000);
+    assert_eq!(heights(&within).iter().filter(|height| **height > 1e-8).count(), 0);
+    assert_eq!(mesh.notes.off_surface_nodes, 0);
+    assert!(!sides.is_empty() && sides.len() * 5000 < within.len(), "one node for each such place, and these are rare");
+    assert!(heights(&sides).iter().all(|height| *height < 0.5), "{:?}", heights(&sides));
     for itz in [ItzForm::None, ItzForm::Cohesive] {
         let options = MeshOptions { method: Method::Lattice, itz, ..Default::default() };
         let parted = mesh::build(&model, &options).unwrap();
+        assert_eq!(parted.notes.closed_side_gaps, sides.len());
+        assert!(parted.notes.widest_closed_side_gap_mm < 0.01, "{:?}", parted.notes);
         let found = InterfaceDistance::of(&parted, &model.aggregates, &model.spec.specimen);
-        assert_eq!((found.alone, found.alone_off), (heights.len(), off.len()), "{itz:?}");
-        assert!((found.alone_max_mm - off.iter().copied().fold(0.0, f64::max)).abs() < 0.1);
+        assert_eq!((found.alone, found.alone_off), (within.len(), 0), "{itz:?}");
+        assert!(found.alone_max_mm < 1e-8);
         assert!(found.nodes > found.alone, "aggregates are joined at closed gaps");
     }
-    assert!(off.iter().all(|height| *height < 1.0), "{off:?}");
+}
+
+#[test]
+fn a_gap_to_a_side_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one_is_not() {
+    for fit in [None, Some(Fit::Plain), Some(Fit::Fitted)] {
+        for (gap, repeats) in [(0.2, false), (0.2, true), (3.0, false)] {
+            let blocks = [aggregate(5, block([gap, 6.0, 6.0], [9.0, 14.0, 14.0]), 0.5)];
+            let specimen = Specimen::Cube { side_mm: 20.0, periodic: Periodic([repeats; 3]) };
+            let method = if fit.is_some() { Method::Lattice } else { Method::Voxel };
+            let fit = fit.unwrap_or(Fit::Plain);
+            let options = MeshOptions { method, fit, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
+            let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
+            let there =
+                around(&mesh).iter().zip(&mesh.points).filter(|(ids, p)| ids.contains(&5) && p.x == 0.0).count();
+            let closed = fit == Fit::Plain && gap < 1.0;
+            assert_eq!(there > 0, closed, "{method:?} {fit:?} {gap}");
+            // Across a face that is another's image the mesh goes on.
+            let counted = if repeats { 0 } else { there };
+            assert_eq!(mesh.notes.closed_side_gaps, counted, "{method:?} {fit:?} {gap}");
+            assert_eq!(mesh.notes.closed_side_gap_aggregates, usize::from(counted > 0));
+            let widest = if counted > 0 { gap } else { 0.0 };
+            assert!((mesh.notes.widest_closed_side_gap_mm - widest).abs() < 1e-12, "{:?}", mesh.notes);
+        }
+    }
 }
 
 #[test]

@@ -160,6 +160,15 @@ fn notes(notes: &Notes) {
             notes.widest_closed_gap_mm
         ));
     }
+    if notes.closed_side_gaps > 0 {
+        say::line(format!(
+            "at {} nodes {} aggregates reach the specimen's sides, since the elements cannot show the gaps to these (widest {:.4} mm); \
+             wall_gap_mm keeps mortar there",
+            say::count(notes.closed_side_gaps),
+            say::count(notes.closed_side_gap_aggregates),
+            notes.widest_closed_side_gap_mm
+        ));
+    }
     if notes.off_surface_nodes > 0 {
         let nodes = say::count(notes.off_surface_nodes);
         say::line(format!(

@@ -1,6 +1,7 @@
 //! How far a mesh's interfaces lie from the exact surfaces of the aggregates.
 
 use super::Mesh;
+use super::flat_sides::FlatSides;
 use super::interface::Owners;
 use crate::aggregate::Aggregate;
 use crate::geometry::{Plane, nearest_on_triangle};
@@ -19,7 +20,8 @@ pub struct InterfaceDistance {
     pub max_mm: f64,
     /// Root mean square of all distances, mm.
     pub rms_mm: f64,
-    /// Nodes where one aggregate alone meets mortar or a fibre. All others join aggregates, and lie on one of them at best.
+    /// Nodes where one aggregate alone meets mortar or a fibre within the specimen. All others join aggregates with each
+    /// other or with the specimen's sides, and lie on one of these at best.
     pub alone: usize,
     /// Those of them that lie off the aggregate's surface, by more than 1e-9 of the specimen.
     pub alone_off: usize,
@@ -42,7 +44,11 @@ impl InterfaceDistance {
         };
         let nodes = interface_nodes(mesh);
         let distances: Vec<f64> = nodes.par_iter().map(distance).collect();
-        let joined = joined(mesh, &nodes);
+        let mut joined = joined(mesh, &nodes);
+        let sides = FlatSides::of(specimen);
+        for ((node, _), joined) in nodes.iter().zip(&mut joined) {
+            *joined |= sides.have(&mesh.points[*node as usize]);
+        }
         let alone = || distances.iter().copied().zip(&joined).filter(|(_, joined)| !**joined).map(|(d, _)| d);
         let rounding = ROUNDING * specimen.aabb().size().max();
         // Summed in the nodes' order: the same on any number of threads.
@@ -59,7 +65,7 @@ impl InterfaceDistance {
 }
 
 /// Corners of cells where an aggregate meets something else, with its id, each pair once, in order.
-pub(super) fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
+fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
     let owners = Owners::of(mesh);
     // Cohesive elements parted their nodes.
     let mut parted = vec![false; if mesh.cohesive.is_empty() { 0 } else { mesh.points.len() }];

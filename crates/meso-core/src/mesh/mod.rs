@@ -7,6 +7,7 @@ mod cohesive;
 pub mod conforming;
 mod distance;
 mod error;
+mod flat_sides;
 mod grains;
 mod interface;
 mod joined;
@@ -31,6 +32,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{Specimen, images_near};
+use flat_sides::FlatSides;
 use lattice::Tetrahedra;
 use serde::Serialize;
 use std::cmp::Ordering;
@@ -154,6 +156,13 @@ pub struct Notes {
     pub closed_gap_pairs: usize,
     /// The widest gap between two of these, mm.
     pub widest_closed_gap_mm: f64,
+    /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
+    /// two, thinner than the elements can show, is closed.
+    pub closed_side_gaps: usize,
+    /// Aggregates that have such nodes.
+    pub closed_side_gap_aggregates: usize,
+    /// The widest gap between one of them and its side, mm.
+    pub widest_closed_side_gap_mm: f64,
     /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
     pub off_surface_nodes: usize,
     /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
@@ -244,7 +253,7 @@ fn assemble(
         clip::clip(&mut mesh, &*room);
     }
     clip::leave_out_voids(&mut mesh, aggregates);
-    joined::note(&mut mesh, aggregates);
+    joined::note(&mut mesh, aggregates, &FlatSides::of(specimen));
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
         if mesh.periodic != [false; 3] {

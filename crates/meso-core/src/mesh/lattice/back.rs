@@ -7,6 +7,7 @@
 
 use super::fit::{Fit, GUARD_DEG};
 use super::mend::{better, ways};
+use super::merge::touching;
 use super::roles::Role;
 use super::star::{Star, sharpness_of};
 use super::surface::Surface;
@@ -50,7 +51,7 @@ fn is_off(fit: &Fit, node: u32) -> bool {
     match fit.roles[node as usize] {
         Role::Surface(grain) => !fit.surfaces[grain as usize].has(&x),
         Role::Contact => !grains(&fit.star(node), Role::Contact).iter().any(|&g| fit.surfaces[g as usize].has(&x)),
-        Role::Fixed | Role::Skin(_) | Role::Free => false,
+        Role::Fixed | Role::Joined(_) | Role::Skin(_) | Role::Free => false,
     }
 }
 
@@ -87,6 +88,22 @@ fn returns(fit: &Fit, node: u32, limit: f64) -> bool {
         fit.go(node, &place);
     }
     false
+}
+
+/// Brings a node of a flat side, where the gap to the grain is closed, to where the two nearly touch, or nearer to it.
+pub(super) fn touch(fit: &Fit, node: u32, grain: u32, axes: [bool; 3]) {
+    let x = fit.places.get(node);
+    let star = fit.star(node);
+    let places = touching(fit, node, grain, axes);
+    let limit = sharpness_of(GUARD_DEG).max(star.worst(&x, 2.0));
+    let mut closer = places.iter().take_while(|place| **place != x).take(ASKED);
+    if closer.any(|place| makes_room(fit, node, place, limit)) || places.contains(&x) {
+        return;
+    }
+    let nearer = |part: f64| places.first().map(|place| x + (place - x) * part);
+    if let Some(place) = PARTS.into_iter().filter_map(nearer).find(|place| star.worst(place, limit) <= limit) {
+        fit.go(node, &place);
+    }
 }
 
 /// Places on the surface around `x`: its own feet, those of points around it, and edges and corners.

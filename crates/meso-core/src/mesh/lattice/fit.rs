@@ -12,7 +12,7 @@ use super::roles::{Role, near_surface, relabel, roles};
 use super::skin::Skin;
 use super::star::{Star, Stars, sharpness};
 use super::surface::Surface;
-use super::{Tetrahedra, back, mend, merge, slide, smooth};
+use super::{Tetrahedra, back, mend, merge, relabel, slide, smooth};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::grains::Locator;
 use rayon::prelude::*;
@@ -23,9 +23,23 @@ pub(super) const GUARD_DEG: f64 = 10.0;
 const ROUNDS: usize = 5;
 /// Cells that lie between interface nodes alone get the grain of their centroid before these rounds.
 const RELABELLED: [usize; 2] = [2, 4];
-/// The smallest dihedral angle that merges may leave, degrees, turn by turn: first those that need nothing else, then those
-/// after which the nodes around are to make room (of 329 nodes in the paper's specimen at 2 mm 195, 44 and 19 stay off).
-const MERGES_DEG: [f64; 3] = [GUARD_DEG, 3.0, 1.0];
+/// The smallest dihedral angle that merges may leave, degrees, turn by turn, and whether they are into the specimen's sides:
+/// first those that need nothing else, then those after which the nodes around are to make room (of 329 nodes in the
+/// paper's specimen at 2 mm 14 are merged into sides, and 2 stay off; without sides 19 did).
+const MERGES: [(f64, bool); 12] = [
+    (GUARD_DEG, false),
+    (3.0, false),
+    (1.0, false),
+    (1.0, false),
+    (GUARD_DEG, true),
+    (3.0, true),
+    (3.0, false),
+    (3.0, true),
+    (3.0, false),
+    (1.0, true),
+    (1.0, false),
+    (1.0, true),
+];
 /// Edge of a patch, in elements; more than twice the longest edge of a tetrahedron, so that colours stay apart.
 const PATCH: f64 = 6.0;
 
@@ -73,30 +87,32 @@ pub(super) fn fit(
             patches.par_iter().for_each(|nodes| nodes.iter().for_each(|&node| fit.smooth(node, round)));
         }
     }
-    let (off, merged) = finish(mesh, surfaces, &mut stars, &places, &roles_now, size, skin);
+    let (off, merged) = finish(mesh, surfaces, &mut stars, &places, &mut roles_now, size, skin);
     mesh.points = places.into_points();
     merged.leave_out(mesh);
     off
 }
 
-/// Mends angles, brings nodes back onto their grain, and merges those that find no way there: in turns, each of which
-/// mends what the merges before it left too sharp. Returns how many nodes are still off, and what is merged.
+/// Mends angles, brings nodes back onto their grain, gives cells another label where that puts them there, and merges those
+/// that find no way: in turns, each of which mends what the merges before it left too sharp. Returns how many nodes are
+/// still off, and what is merged.
 fn finish(
     mesh: &mut Tetrahedra,
     surfaces: &[Surface],
     stars: &mut Stars,
     places: &Places,
-    roles: &[Role],
+    roles: &mut [Role],
     size: f64,
     skin: &Skin,
 ) -> (usize, Merged) {
     let mut merged = Merged::default();
+    let mut joined: Vec<(u32, u32, [bool; 3])> = Vec::new();
     let mut lost: Vec<u32> = Vec::new();
     let mut off: Vec<u32> = (0..roles.len() as u32).collect();
     let mut suspects: Vec<u32> = (0..mesh.cells.len() as u32).collect();
     // Mending after merges would let nodes off the specimen's own surface where that is no box.
-    let turns = if skin.outline.is_some() { 0 } else { MERGES_DEG.len() };
-    for least_deg in MERGES_DEG[..turns].iter().copied().map(Some).chain([None]) {
+    let turns = if skin.outline.is_some() { 0 } else { MERGES.len() };
+    for turn in MERGES[..turns].iter().map(Some).chain([None]) {
         let fit = Fit { mesh, surfaces, stars, places, roles, lacks: &[], size, skin };
         let released = mend::mend(&fit, suspects);
         // No way leads back to the specimen's own surface.
@@ -104,16 +120,31 @@ fn finish(
         lost.extend(released.iter().filter(was_outer));
         off.extend(released);
         off = back::back(&fit, off);
-        let Some(least_deg) = least_deg else { break };
+        let Some(&(least_deg, into_sides)) = turn else { break };
         let mut grown = Vec::new();
         off.retain(|&node| {
             let fit = Fit { mesh, surfaces, stars, places, roles, lacks: &[], size, skin };
-            let Some(merge) = merge::merge(&fit, node, least_deg) else { return true };
+            if let Some(change) = relabel::relabelled(&fit, node) {
+                change.cells.iter().for_each(|&cell| mesh.grain[cell as usize] = change.label);
+                change.roles.iter().for_each(|&(node, role)| roles[node as usize] = role);
+                return false;
+            }
+            let merge = if into_sides { merge::merge_into_side } else { merge::merge };
+            let Some(merge) = merge(&fit, node, least_deg) else { return true };
+            if let Role::Skin(hold) = roles[merge.into as usize] {
+                places.set(merge.into, &merge.place);
+                joined.push((merge.into, merge.grain, hold.axes));
+                roles[merge.into as usize] = Role::Joined(merge.grain);
+            }
             grown.push(merge.into);
             merged.add(merge, mesh, stars);
             false
         });
         suspects = grown.into_iter().flat_map(|node| stars.cells(node)).copied().collect();
+    }
+    for (node, grain, axes) in joined {
+        let fit = Fit { mesh, surfaces, stars, places, roles, lacks: &[], size, skin };
+        back::touch(&fit, node, grain, axes);
     }
     lost.sort_unstable();
     lost.dedup();

@@ -14,6 +14,7 @@ mod mend;
 mod merge;
 mod outline;
 mod places;
+mod relabel;
 mod roles;
 mod skin;
 mod slide;
