@@ -11,6 +11,7 @@ mod faces;
 mod facets;
 mod flat;
 mod gaps;
+mod mend;
 mod msh;
 mod parts;
 mod pieces;
@@ -18,7 +19,9 @@ mod round;
 mod seams;
 mod shells;
 mod slabs;
+mod swaps;
 mod walls;
+mod web;
 
 pub use gaps::ROOM_MM;
 
@@ -119,7 +122,9 @@ impl Division {
         boxes::all_matched(&mesh.points, &self.period, &self.domain)?;
         let Volumes { points, cells, volume: grain } = mesh;
         let cells = cells.par_iter().map(|cell| super::lattice::oriented(*cell, &points)).collect();
-        Ok(super::of_tetrahedra(Tetrahedra { points, cells, grain }, aggregates, Notes::default()))
+        let mut tetrahedra = Tetrahedra { points, cells, grain };
+        mend::mend(&mut tetrahedra);
+        Ok(super::of_tetrahedra(tetrahedra, aggregates, Notes::default()))
     }
 }
 
