@@ -58,3 +58,37 @@ fn a_command_that_has_nothing_to_keep_ends_at_once() {
     signal(&child, "-TERM");
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
+
+/// A gmsh that writes its process number beside itself, and then is never done.
+const ENDLESS: &str =
+    "#!/bin/sh\ncase \"$*\" in *--version*) exit 0;; esac\necho $$ > \"$(dirname \"$0\")/running\"\nexec sleep 100\n";
+
+#[test]
+fn an_interrupt_during_gmsh_ends_gmsh_and_leaves_nothing() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new();
+    let gaps = "placement = { min_gap_mm = 0.1, wall_gap_mm = 0.1 }\n";
+    folder.write("gaps.toml", format!("fraction = 0.2\nspecimen = {{ kind = 'cube', side_mm = 30 }}\n{gaps}"));
+    assert_eq!(folder.run(&["pack", "gaps.toml", "-o", "model.json"]).code, 0);
+    folder.write("endless", ENDLESS);
+    std::fs::set_permissions(folder.path("endless"), PermissionsExt::from_mode(0o755)).unwrap();
+    std::fs::create_dir(folder.path("temporary")).unwrap();
+    // After the packing, too, the first one counts.
+    for command in [["mesh", "model.json"], ["pack", "gaps.toml"]] {
+        let args = [&command[..], &["-o", "m.inp", "--method", "conforming", "--gmsh", "./endless"]].concat();
+        let mut child = folder.command(&args).env("TMPDIR", folder.path("temporary")).spawn().unwrap();
+        let begun = Instant::now();
+        while !std::fs::read(folder.path("running")).is_ok_and(|number| number.ends_with(b"\n")) {
+            assert!(child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(60), "no gmsh");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        signal(&child, "-INT");
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        let number = String::from_utf8(folder.read("running")).unwrap();
+        let is_there = Command::new("kill").args(["-0", number.trim()]).stderr(Stdio::null()).status().unwrap();
+        assert!(!is_there.success(), "gmsh goes on without us");
+        assert_eq!(std::fs::read_dir(folder.path("temporary")).unwrap().count(), 0, "its folder is left");
+        assert!(!folder.names().iter().any(|name| name == "m.inp" || name.ends_with(".tmp")), "{:?}", folder.names());
+        std::fs::remove_file(folder.path("running")).unwrap();
+    }
+}

@@ -2,13 +2,20 @@
 //!
 //! gmsh is under the GPL and is neither linked nor shipped; whoever wants conforming meshes installs it.
 
+use crate::interrupt;
 use meso_core::mesh::MeshError;
 use meso_core::mesh::conforming::{GMSH_OPTIONS, Surfaces};
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+/// How often it is looked whether gmsh is done, or is to stop.
+const POLL: Duration = Duration::from_millis(20);
 
 /// How gmsh is called.
 pub struct Gmsh {
@@ -20,7 +27,11 @@ pub struct Gmsh {
 impl Gmsh {
     /// The program `path`, looked for on the PATH where it is a bare name.
     pub fn program(path: impl AsRef<OsStr>) -> Self {
-        Self { program: path.as_ref().to_owned(), first: Vec::new() }
+        let path = Path::new(&path);
+        // It runs in another folder, from where a relative path would lead elsewhere.
+        let is_bare = path.parent().is_none_or(|folder| folder.as_os_str().is_empty());
+        let from_anywhere = if is_bare { None } else { std::path::absolute(path).ok() };
+        Self { program: from_anywhere.unwrap_or_else(|| path.to_owned()).into(), first: Vec::new() }
     }
 
     /// The module `gmsh` of the Python interpreter `python`.
@@ -43,27 +54,63 @@ impl Gmsh {
     /// # Errors
     /// Where gmsh is missing, with the remedy; what gmsh had to say where it failed.
     pub fn run(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
-        let files = |error: io::Error| MeshError::Gmsh(format!("the files for gmsh: {error}"));
+        self.run_until(surfaces, &|| false)
+    }
+
+    /// The same, but ends gmsh and gives up as soon as `stop` says so.
+    ///
+    /// # Errors
+    /// As those of [`run`](Self::run), and the stop.
+    pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
         let folder = tempfile::Builder::new().prefix("mesocrete-").tempdir().map_err(files)?;
-        surfaces.write(File::create(folder.path().join("surfaces.msh")).map_err(files)?).map_err(files)?;
-        std::fs::write(folder.path().join("volumes.geo"), surfaces.script("surfaces.msh")).map_err(files)?;
-        let said = self.call(folder.path())?;
-        std::fs::read(folder.path().join("volumes.msh"))
+        interrupt::remember(folder.path());
+        let output = self.fill(surfaces, folder.path(), stop);
+        interrupt::forget(folder.path());
+        output
+    }
+
+    fn fill(&self, surfaces: &Surfaces, folder: &Path, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
+        surfaces.write(File::create(folder.join("surfaces.msh")).map_err(files)?).map_err(files)?;
+        std::fs::write(folder.join("volumes.geo"), surfaces.script("surfaces.msh")).map_err(files)?;
+        let said = self.call(folder, stop)?;
+        std::fs::read(folder.join("volumes.msh"))
             .map_err(|_| MeshError::Gmsh(format!("gmsh made no mesh; it said:\n{said}")))
     }
 
     /// Runs gmsh in `folder`; what it said.
-    fn call(&self, folder: &Path) -> Result<String, MeshError> {
+    fn call(&self, folder: &Path, stop: &dyn Fn() -> bool) -> Result<String, MeshError> {
+        // Not through pipes: nobody would empty them meanwhile.
+        let saying = File::create(folder.join("said.txt")).map_err(files)?;
         let mut command = Command::new(&self.program);
         command.current_dir(folder).args(&self.first).arg("volumes.geo").args(GMSH_OPTIONS);
         command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
-        let output = command.output().map_err(|error| self.missing(&error))?;
-        let said = [output.stdout, output.stderr].concat();
+        command.stdin(Stdio::null()).stderr(saying.try_clone().map_err(files)?).stdout(saying);
+        let status = self.wait(&mut command, stop)?;
+        let said = std::fs::read(folder.join("said.txt")).map_err(files)?;
         let said = String::from_utf8_lossy(&said).trim().to_owned();
-        if output.status.success() {
+        if status.success() {
             return Ok(said);
         }
-        Err(MeshError::Gmsh(format!("gmsh failed ({}); it said:\n{said}", output.status)))
+        Err(MeshError::Gmsh(format!("gmsh failed ({status}); it said:\n{said}")))
+    }
+
+    /// Runs `command` to its end, or ends it when `stop` says so or the user ends this process.
+    fn wait(&self, command: &mut Command, stop: &dyn Fn() -> bool) -> Result<ExitStatus, MeshError> {
+        let child = command.spawn().map_err(|error| self.missing(&error))?;
+        let child = Arc::new(Mutex::new(child));
+        let _ends_with_us = interrupt::Running::new(&child);
+        loop {
+            let mut child = child.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(status) = child.try_wait().map_err(files)? {
+                return Ok(status);
+            }
+            if stop() {
+                let _ = child.kill().and_then(|()| child.wait());
+                return Err(MeshError::Gmsh("gmsh was stopped".to_owned()));
+            }
+            drop(child);
+            thread::sleep(POLL);
+        }
     }
 
     fn missing(&self, error: &io::Error) -> MeshError {
@@ -78,4 +125,11 @@ impl Gmsh {
              pip install gmsh) and put it on the PATH or name it with --gmsh, or take --method lattice"
         ))
     }
+}
+
+/// What went wrong with the files that gmsh reads and writes.
+fn files(error: io::Error) -> MeshError {
+    let text = error.to_string();
+    let (text, folder) = (text.split(" (os error").next().unwrap_or(&text), std::env::temp_dir());
+    MeshError::Gmsh(format!("the files for gmsh in {}: {text}; TMPDIR names another folder for them", folder.display()))
 }

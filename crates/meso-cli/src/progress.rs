@@ -16,7 +16,7 @@ pub(crate) struct Watch {
     started: Instant,
     /// The tenth of a second in which the line was last drawn, where someone sees it.
     drawn: Option<AtomicU64>,
-    _polling: interrupt::Polling,
+    polling: Option<interrupt::Polling>,
 }
 
 impl Watch {
@@ -24,7 +24,7 @@ impl Watch {
     pub(crate) fn start(quiet: bool) -> Self {
         let seen = !quiet && io::stderr().is_terminal();
         let drawn = seen.then(AtomicU64::default);
-        Self { started: Instant::now(), drawn, _polling: interrupt::Polling::begin() }
+        Self { started: Instant::now(), drawn, polling: Some(interrupt::Polling::begin()) }
     }
 
     /// Seconds since the start.
@@ -32,8 +32,9 @@ impl Watch {
         self.started.elapsed().as_secs_f64()
     }
 
-    /// Takes the line away.
-    pub(crate) fn finish(&self) {
+    /// Takes the line away. Nobody asks any more whether to stop, so that from now on Ctrl-C ends everything.
+    pub(crate) fn finish(&mut self) {
+        drop(self.polling.take());
         if self.drawn.is_some() {
             show(CLEAR);
         }

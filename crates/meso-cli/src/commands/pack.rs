@@ -91,7 +91,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     // Before the work: a hopeless target is named while nothing is lost.
     spec.doubts().iter().for_each(|doubt| say::line(format!("warning: {doubt}")));
-    let watch = Watch::start(args.quiet);
+    let mut watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
     let mut model = model.map_err(|error| args.name_flag(error))?;
