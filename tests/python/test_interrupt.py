@@ -144,6 +144,46 @@ def test_the_command_ends_with_130_on_ctrl_c_and_keeps_the_best_packing(command,
     assert 0.0 < best.fraction < 0.6
 
 
+# Told to end while it writes, or while it works out what takes seconds; then it ends as scripts do.
+ENDS_EARLY = """
+import os, signal, sys, threading, time
+import mesocrete as mc
+mesh = mc.pack({"specimen": {"kind": "cube", "side_mm": 60.0}}, fraction=0.3, seed=1).mesh(element_size=0.5)
+sent = []
+def send():
+    sent.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+timer = threading.Timer(0.1, send)
+timer.start()
+try:
+    WORK
+except KeyboardInterrupt:
+    print(time.monotonic() - sent[0])
+"""
+
+
+def seconds_to_end(work, folder):
+    """Runs `work` of a mesh, told to end a tenth of a second later; how long it took, and what is left in the folder."""
+    script = ENDS_EARLY.replace("WORK", work)
+    done = subprocess.run([sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and done.stdout, f"not told to end in time: {done.stderr}"
+    return float(done.stdout), os.listdir(folder)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
+@pytest.mark.parametrize("name", ["mesh.inp", "mesh.pvtu"])
+def test_ctrl_c_while_a_file_is_written_leaves_none_behind(name, tmp_path):
+    seconds, left = seconds_to_end(f"mesh.write({name!r})", tmp_path)
+    assert seconds < 3.0
+    assert left == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
+def test_ctrl_c_is_heard_while_a_meshs_quality_is_measured(tmp_path):
+    seconds, _ = seconds_to_end("mesh.quality()", tmp_path)
+    assert seconds < 0.5
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="counts tasks in /proc")
 def test_no_worker_is_left_behind(small_spec):
     mc.pack(small_spec)

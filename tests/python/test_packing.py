@@ -61,6 +61,12 @@ def test_aggregates_are_a_sequence_in_descending_volume(packing):
     assert aggregates[np.int64(0)] == aggregates[0]
     assert [a.id for a in aggregates[5:0:-2]] == [5, 3, 1]
     assert aggregates[0] in aggregates
+    assert aggregates.index(aggregates[3]) == 3
+    assert aggregates.index(aggregates[3], -len(packing)) == 3
+    with pytest.raises(ValueError, match="is not among the aggregates"):
+        aggregates.index(aggregates[3], 4)
+    assert (aggregates.count(aggregates[3]), aggregates.count("no aggregate")) == (1, 0)
+    assert pickle.loads(pickle.dumps(aggregates)) == aggregates
     assert [a.id for a in reversed(aggregates)][0] == len(packing) - 1
     with pytest.raises(IndexError):
         aggregates[len(packing)]

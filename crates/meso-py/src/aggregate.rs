@@ -2,6 +2,7 @@
 
 use crate::arrays;
 use crate::boundary::guard;
+use crate::packing::PyPacking;
 use crate::polyhedron::{PyPolyhedron, offset_error};
 use crate::tree::type_name;
 use meso_core::Model;
@@ -133,6 +134,13 @@ pub(crate) fn inclusions(model: &Model) -> Vec<PyAggregate> {
 }
 
 impl PyAggregates {
+    /// The positions of what equals `value`.
+    fn equal_to(&self, value: &Bound<'_, PyAny>) -> impl Iterator<Item = usize> {
+        let value = value.cast::<PyAggregate>().ok().map(|aggregate| aggregate.get().0.clone());
+        let same = move |aggregate: &Aggregate| value.as_ref() == Some(aggregate);
+        self.0.aggregates.iter().enumerate().filter(move |(_, aggregate)| same(aggregate)).map(|(position, _)| position)
+    }
+
     fn at(&self, index: usize) -> PyAggregate {
         PyAggregate(self.0.aggregates[index].clone())
     }
@@ -172,6 +180,35 @@ impl PyAggregates {
 
     fn __iter__(&self) -> PyAggregateIterator {
         PyAggregateIterator { aggregates: Self(Arc::clone(&self.0)), next: AtomicUsize::new(0) }
+    }
+
+    /// Position of the first aggregate that equals `value`, from `start` on and before `stop`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     Where there is none.
+    #[pyo3(signature = (value, start=0, stop=None))]
+    fn index(&self, value: &Bound<'_, PyAny>, start: isize, stop: Option<isize>) -> PyResult<usize> {
+        let count = self.__len__();
+        let from_end = |index: isize| if index < 0 { index.saturating_add_unsigned(count).max(0) } else { index };
+        let [start, stop] = [start, stop.unwrap_or(isize::MAX)].map(|index| (from_end(index) as usize).min(count));
+        let found = self.equal_to(value).find(|position| (start..stop).contains(position));
+        found.ok_or_else(|| PyValueError::new_err(format!("{value} is not among the aggregates")))
+    }
+
+    /// How many aggregates equal `value`.
+    fn count(&self, value: &Bound<'_, PyAny>) -> usize {
+        self.equal_to(value).count()
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.0.aggregates == other.0.aggregates
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let restore = py.import("operator")?.getattr("attrgetter")?.call1(("aggregates",))?;
+        (restore, (PyPacking(Arc::clone(&self.0)),)).into_pyobject(py)
     }
 
     fn __repr__(&self) -> String {

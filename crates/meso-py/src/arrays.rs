@@ -34,6 +34,19 @@ pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3
     }
 }
 
+/// Fetches numpy's function tables, which are otherwise fetched when the first array is made and first read: what goes
+/// wrong then, a Ctrl-C too, is a panic.
+///
+/// # Errors
+/// Where numpy cannot be imported.
+pub(crate) fn load_numpy(py: Python<'_>) -> PyResult<()> {
+    numpy::get_array_module(py)?;
+    PyArray1::<u8>::from_slice(py, &[])
+        .try_readonly()
+        .map(drop)
+        .map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
 /// The short way: a plain, aligned, C-ordered float64 array of three columns.
 fn plain(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec3>>> {
     // `cast` looks at dtype, byte order and dimensions, and lets subclasses (masked arrays) pass; `cast_exact` is the

@@ -1,6 +1,7 @@
 //! Files for the core's readers and writers, which open none: by extension, and whole or not at all.
 
 use crate::boundary::file_error;
+use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFile, MeshFormat, Surfaces};
@@ -25,14 +26,20 @@ pub(crate) fn load(path: &Path) -> PyResult<Model> {
 ///
 /// # Errors
 /// `ValueError` for an extension that names none, `OSError` where the file cannot be written.
-pub(crate) fn write_model(model: &Model, path: &Path, overwrite: bool, surfaces: Surfaces) -> PyResult<()> {
+pub(crate) fn write_model(
+    model: &Model,
+    path: &Path,
+    overwrite: bool,
+    surfaces: Surfaces,
+    watch: &Watch,
+) -> PyResult<()> {
     if let Some(format) = Format::from_path(path) {
-        return write_whole(path, overwrite, |out| format.write(model, surfaces, out));
+        return write_whole(path, overwrite, watch, |out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let mesh = mesh::build(model, &MeshOptions::default());
         let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding);
+        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding, watch);
     }
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp"]].concat()))
 }
@@ -48,14 +55,15 @@ pub(crate) fn write_mesh(
     path: &Path,
     overwrite: bool,
     encoding: Encoding,
+    watch: &Watch,
 ) -> PyResult<()> {
     let format = MeshFormat::from_path(path);
     if format == Some(MeshFormat::Inp) {
         deck.validate(mesh).map_err(|error| PyValueError::new_err(error.to_string()))?;
     }
     match format.map(|format| format.files(path, mesh)).as_deref() {
-        Some([file]) => write_whole(path, overwrite, |out| file.write(mesh, deck, encoding, out)),
-        Some(files) => write_together(files, overwrite, |file, out| file.write(mesh, deck, encoding, out)),
+        Some([file]) => write_whole(path, overwrite, watch, |out| file.write(mesh, deck, encoding, out)),
+        Some(files) => write_together(files, overwrite, watch, |file, out| file.write(mesh, deck, encoding, out)),
         None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
     }
 }
@@ -69,6 +77,7 @@ fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
 fn write_together(
     files: &[MeshFile],
     overwrite: bool,
+    watch: &Watch,
     write: impl Fn(&MeshFile, &mut dyn Write) -> io::Result<()>,
 ) -> PyResult<()> {
     if let Some(there) = files.iter().find(|file| !overwrite && file.path.exists()) {
@@ -76,7 +85,7 @@ fn write_together(
         return Err(PyFileExistsError::new_err(message));
     }
     let complete = |file: &MeshFile| {
-        fill_beside(&file.path, |out| write(file, out)).map_err(|error| file_error(&file.path, error))
+        fill_beside(&file.path, watch, |out| write(file, out)).map_err(|error| file_error(&file.path, error))
     };
     let made = files.iter().map(complete).collect::<PyResult<Vec<_>>>()?;
     for (made, file) in made.into_iter().zip(files) {
@@ -86,15 +95,22 @@ fn write_together(
 }
 
 /// Lets `write` fill a file beside `path` and moves it there when it is complete; devices and pipes are streamed to.
-fn write_whole(path: &Path, overwrite: bool, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> PyResult<()> {
+fn write_whole(
+    path: &Path,
+    overwrite: bool,
+    watch: &Watch,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> PyResult<()> {
     if !overwrite && path.exists() {
         return Err(PyFileExistsError::new_err(format!("{} exists; overwrite=True replaces it", path.display())));
     }
     let written = match std::fs::metadata(path) {
-        Ok(there) if !there.is_file() => File::options().write(true).open(path).and_then(|file| stream(file, write)),
+        Ok(there) if !there.is_file() => {
+            File::options().write(true).open(path).and_then(|file| stream(Watched { file, watch }, write))
+        }
         // A link is followed, so that it stays a link.
-        Ok(_) => path.canonicalize().and_then(|real| fill_and_move(&real, write)),
-        Err(_) => fill_and_move(path, write),
+        Ok(_) => path.canonicalize().and_then(|real| fill_and_move(&real, watch, write)),
+        Err(_) => fill_and_move(path, watch, write),
     };
     written.map_err(|error| file_error(path, error))
 }
@@ -105,22 +121,46 @@ fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>)
     out.flush()
 }
 
-fn fill_and_move(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    fill_beside(path, write)?.persist(path).map(drop).map_err(|failed| failed.error)
+fn fill_and_move(path: &Path, watch: &Watch, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    fill_beside(path, watch, write)?.persist(path).map(drop).map_err(|failed| failed.error)
 }
 
 /// A complete file beside `path`, which waits for its name.
 fn fill_beside(
     path: &Path,
+    watch: &Watch,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<tempfile::NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = new_file(folder)?;
-    let mut out = BufWriter::with_capacity(1 << 20, file);
+    watch.has_files();
+    let mut out = BufWriter::with_capacity(1 << 20, Watched { file: new_file(folder)?, watch });
     write(&mut out)?;
-    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    let Watched { file, .. } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.as_file().sync_all()?;
+    go_on(watch)?;
     Ok(file)
+}
+
+/// A file that takes no more where the work is to stop, so that a temporary one is given up.
+struct Watched<'a, F> {
+    file: F,
+    watch: &'a Watch,
+}
+
+impl<F: Write> Write for Watched<'_, F> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        go_on(self.watch)?;
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// An error where the work is to stop. It is not called interrupted, since that means to try again.
+fn go_on(watch: &Watch) -> io::Result<()> {
+    if watch.goes_on() { Ok(()) } else { Err(io::Error::other("stopped")) }
 }
 
 /// A temporary file; unlike tempfile's own it gets the permissions any new file gets, and errors keep their number.

@@ -9,7 +9,7 @@ use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-/// Bodies answered between two looks for Ctrl-C: some milliseconds.
+/// Bodies read or answered between two looks for Ctrl-C: some milliseconds.
 const CHUNK: usize = 4096;
 
 /// Whether the convex hulls of `a` and `b` share a point.
@@ -92,7 +92,13 @@ fn each(bodies: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
     let items = bodies.try_iter().map_err(|_| {
         PyTypeError::new_err(format!("bodies is of type {given}; it must be an iterable of (n, 3) arrays"))
     })?;
-    items.enumerate().map(|(i, body)| points(&format!("bodies[{i}]"), &body?)).collect()
+    let body = |(i, body): (usize, PyResult<Bound<'_, PyAny>>)| {
+        if i % CHUNK == 0 {
+            bodies.py().check_signals()?;
+        }
+        points(&format!("bodies[{i}]"), &body?)
+    };
+    items.enumerate().map(body).collect()
 }
 
 fn parse(method: &str) -> PyResult<Method> {

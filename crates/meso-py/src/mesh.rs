@@ -4,7 +4,7 @@ use crate::arrays;
 use crate::boundary::guard;
 use crate::files;
 use crate::packing::{call_view, plain};
-use crate::run::beside_python;
+use crate::run::{Watch, beside_python};
 use crate::spec::options;
 use meso_cli::gmsh::Gmsh;
 use meso_core::Model;
@@ -38,7 +38,12 @@ pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDi
     let options: MeshOptions = options(Some(keywords))?;
     let gmsh = gmsh(py)?;
     let of = Arc::clone(&model);
-    let built = beside_python(py, None, move |_| mesh::build_with(&model, &options, &|surfaces| gmsh.run(surfaces)))?;
+    let built = beside_python(py, None, move |watch| {
+        mesh::build_with(&model, &options, &|surfaces| {
+            watch.has_files();
+            gmsh.run_until(surfaces, &|| !watch.goes_on())
+        })
+    })?;
     built.map(|mesh| PyMesh(Arc::new(mesh), of)).map_err(|error| match error {
         MeshError::MissingGmsh(_) | MeshError::Gmsh(_) | MeshError::Flat { .. } => {
             PyRuntimeError::new_err(error.to_string())
@@ -97,8 +102,10 @@ impl PyMesh {
     /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where
     /// there are fibres.
     fn volumes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let volumes = py.detach(|| PhaseVolumes::of_mesh(&self.0));
-        plain(py, &volumes)
+        guard(|| {
+            let mesh = Arc::clone(&self.0);
+            plain(py, &beside_python(py, None, move |_| PhaseVolumes::of_mesh(&mesh))?)
+        })
     }
 
     /// Zero-thickness cohesive elements, the aggregate side's face and then the nodes over it, counter-clockwise seen from
@@ -121,16 +128,21 @@ impl PyMesh {
     /// Pairs are (value, index of the cell); `interface_distance` has the keys `nodes`, `max_mm` and `rms_mm`, and of the nodes between one
     /// aggregate and mortar `alone`, `alone_off` (how many lie off its surface) and `alone_max_mm`.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let (mesh, model) = (&*self.0, &*self.1);
-        let of = || QualityReport::of(mesh, &model.bodies(), &model.spec.specimen, &Materials::default());
-        let report = py.detach(of);
-        plain(py, &report)
+        guard(|| {
+            let (mesh, model) = (Arc::clone(&self.0), Arc::clone(&self.1));
+            let of =
+                move |_: &Watch| QualityReport::of(&mesh, &model.bodies(), &model.spec.specimen, &Materials::default());
+            plain(py, &beside_python(py, None, of)?)
+        })
     }
 
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices: ndarray, int64.
-    fn bad_cells<'py>(&self, py: Python<'py>, degrees: f64) -> Bound<'py, PyArray1<i64>> {
-        let bad = py.detach(|| quality::bad_cells(&quality::cells(&self.0), degrees));
-        PyArray1::from_vec(py, bad.into_iter().map(|cell| cell as i64).collect())
+    fn bad_cells<'py>(&self, py: Python<'py>, degrees: f64) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        guard(|| {
+            let mesh = Arc::clone(&self.0);
+            let bad = beside_python(py, None, move |_| quality::bad_cells(&quality::cells(&mesh), degrees))?;
+            Ok(PyArray1::from_vec(py, bad.into_iter().map(|cell| cell as i64).collect()))
+        })
     }
 
     /// Writes the mesh, whole or not at all; the extension names the format.
@@ -171,7 +183,9 @@ impl PyMesh {
         guard(|| {
             let (mesh, deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
             let encoding = Encoding::compressed(compress);
-            beside_python(slf.py(), None, move |_| files::write_mesh(&mesh, &deck, &path, overwrite, encoding))?
+            beside_python(slf.py(), None, move |watch| {
+                files::write_mesh(&mesh, &deck, &path, overwrite, encoding, watch)
+            })?
         })
     }
 

@@ -222,7 +222,7 @@ impl PyPacking {
     fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, compress: bool, images: &str) -> PyResult<()> {
         let model = Arc::clone(&self.0);
         let surfaces = Surfaces { encoding: Encoding::compressed(compress), images: named_images(images)? };
-        guard(|| beside_python(py, None, move |_| files::write_model(&model, &path, overwrite, surfaces))?)
+        guard(|| beside_python(py, None, move |watch| files::write_model(&model, &path, overwrite, surfaces, watch))?)
     }
 
     /// The specimen's surface: points (n, 3), mm, and triangles (m, 3), counter-clockwise from outside.

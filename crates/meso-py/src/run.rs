@@ -15,13 +15,28 @@ use std::time::{Duration, Instant};
 const POLL: Duration = Duration::from_millis(40);
 /// How long a cancelled worker is waited for; after that it ends by itself at its next look at the flag.
 const GRACE: Duration = Duration::from_millis(80);
+/// The same where it has files on their way, which it takes away itself: the caller may be about to end the process.
+const FILES_GRACE: Duration = Duration::from_secs(3);
 
 /// What the worker and the waiting thread share.
 pub(crate) struct Watch {
     go_on: AtomicBool,
     fraction: AtomicU64,
     target: AtomicU64,
+    has_files: AtomicBool,
     start: Instant,
+}
+
+impl Watch {
+    /// Whether nobody asked to stop.
+    pub(crate) fn goes_on(&self) -> bool {
+        self.go_on.load(Relaxed)
+    }
+
+    /// From now on there are temporary files, and the worker often looks whether to stop.
+    pub(crate) fn has_files(&self) {
+        self.has_files.store(true, Relaxed);
+    }
 }
 
 impl Progress for Watch {
@@ -50,6 +65,7 @@ pub(crate) fn beside_python<T: Send + 'static>(
         go_on: AtomicBool::new(true),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
+        has_files: AtomicBool::new(false),
         start: Instant::now(),
     });
     let pool = rayon::ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
@@ -72,7 +88,7 @@ pub(crate) fn beside_python<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
-                    let _ = wait(GRACE);
+                    let _ = wait(if watch.has_files.load(Relaxed) { FILES_GRACE } else { GRACE });
                     return Err(error);
                 }
             }
