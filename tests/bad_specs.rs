@@ -28,6 +28,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("seed = -1", "seed", "is -1; it must be a whole number from 0 to 18446744073709551615"),
     ("seed = 18446744073709551616", "seed", "it must be a whole number from 0 to 18446744073709551615"),
     ("seed = 1.5", "seed", "it must be a whole number"),
+    ("seed = 1.0", "seed", "is 1.0; it must be a whole number"),
     ("seed = 'one'", "seed", "it must be a whole number"),
     ("seed = 99999999999999999999999999999999999999999999", "seed", "too large"),
     // specimen

@@ -121,6 +121,12 @@ fn a_library_stands_in_the_saved_spec_so_that_the_model_can_be_made_again() {
 }
 
 #[test]
+fn grains_in_json_may_be_bare_lists_of_vertices() {
+    let bare = b"\xef\xbb\xbf[[[0,0,0],[3,0,0],[0,2,0],[0,0,2]]]";
+    assert_eq!(library(&[("bare.json", bare)], "bare.json"), library(&[("flint.json", TETRAHEDRON)], "flint.json"));
+}
+
+#[test]
 fn what_is_no_convex_grain_is_rejected_by_name() {
     let (dented, cube) = (pyramid(-0.5), cube_stl());
     let open = dented.replacen("facet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "outer loop\nvertex 0 0 1\n", 1);
@@ -134,6 +140,7 @@ fn what_is_no_convex_grain_is_rejected_by_name() {
         ("far.json", beyond, "far.json: grain 0: a face names vertex 9 of 4"),
         ("none.json", b"[]", "it holds no grain"),
         ("text.json", b"{}", "it is no list of grains"),
+        ("cut.json", b"[[[0,0,0],", "it is no JSON: EOF while parsing"),
     ] {
         let path = format!("stones/{name}");
         let error = library(&[(&path, bytes)], "stones").unwrap_err();

@@ -38,9 +38,14 @@ impl Spec {
     }
 
     /// What the user should hear before the work: that so dense a packing was never seen, that a class is too small for a
-    /// single aggregate.
+    /// single aggregate, that an option counts for nothing.
     pub fn doubts(&self) -> Vec<String> {
-        self.beyond_reach().into_iter().chain(self.empty_class()).collect()
+        self.beyond_reach().into_iter().chain(self.empty_class()).chain(self.unused_attempts()).collect()
+    }
+
+    fn unused_attempts(&self) -> Option<String> {
+        let unused = self.placement.attempts.is_some() && self.placement.chosen() == Strategy::Rearrange;
+        unused.then(|| "attempts count for the strategy take-and-place alone; rearrange makes none".to_owned())
     }
 
     /// The first class whose target is less than half of its smallest aggregate, and so gets none.

@@ -86,7 +86,10 @@ fn room(spec: &Spec, key: &str, longest: f64) -> Checked {
     } else {
         format!("the specimen repeats itself after {}, and they would meet their own images", number(repeat))
     };
-    let message = format!("makes bodies {} long but {why}; take smaller ones or a larger specimen", number(longest));
+    let message = format!(
+        "makes bodies {} long but {why}; take smaller ones or a larger specimen",
+        number((longest * 1e3).round() / 1e3)
+    );
     Err(SpecError::value(key, message))
 }
 

@@ -11,6 +11,8 @@ use serde::Deserialize;
 const KEY: &str = "shape.library";
 /// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
 const CONVEX: f64 = 0.999;
+const NO_LIST: &str = "it is no list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
+                       ...], \"faces\": [[0, 1, 2], ...]}";
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold.
 pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecError> {
@@ -83,31 +85,37 @@ enum Listed {
     Model { aggregates: Vec<Grain> },
 }
 
+/// A grain is the hull of its vertices where nothing is said of faces.
 #[derive(Deserialize)]
-struct Grain {
-    name: Option<String>,
-    vertices: Vec<[f64; 3]>,
-    /// Without them the grain is the hull of its vertices.
-    faces: Option<Vec<Vec<u32>>>,
+#[serde(untagged)]
+enum Grain {
+    Vertices(Vec<[f64; 3]>),
+    Named { name: Option<String>, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>> },
 }
 
 fn read_json(bytes: &[u8]) -> Result<Vec<Vec<Vec3>>, String> {
-    let listed: serde_json::Result<Listed> = serde_json::from_slice(bytes);
-    let (Listed::Bare(grains) | Listed::Grains { grains } | Listed::Model { aggregates: grains }) = listed
-        .map_err(|_| "it is no list of grains like [{\"vertices\": [[x, y, z], ...], \"faces\": [[0, 1, 2], ...]}]")?;
+    // Some programs begin a text with its byte order.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let tree: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| format!("it is no JSON: {error}"))?;
+    let (Listed::Bare(grains) | Listed::Grains { grains } | Listed::Model { aggregates: grains }) =
+        serde_json::from_value(tree).map_err(|_| NO_LIST)?;
     if grains.is_empty() {
         return Err("it holds no grain".to_owned());
     }
     let named = |(i, grain): (usize, Grain)| {
-        let name = grain.name.clone().unwrap_or_else(|| format!("grain {i}"));
-        json_grain(grain).map_err(|reason| format!("{name}: {reason}"))
+        let (name, vertices, faces) = match grain {
+            Grain::Vertices(vertices) => (None, vertices, None),
+            Grain::Named { name, vertices, faces } => (name, vertices, faces),
+        };
+        let name = name.unwrap_or_else(|| format!("grain {i}"));
+        json_grain(vertices, faces).map_err(|reason| format!("{name}: {reason}"))
     };
     grains.into_iter().enumerate().map(named).collect()
 }
 
-fn json_grain(grain: Grain) -> Result<Vec<Vec3>, String> {
-    let vertices: Vec<Vec3> = grain.vertices.into_iter().map(Vec3::from).collect();
-    let Some(faces) = grain.faces else {
+fn json_grain(vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>>) -> Result<Vec<Vec3>, String> {
+    let vertices: Vec<Vec3> = vertices.into_iter().map(Vec3::from).collect();
+    let Some(faces) = faces else {
         return convex_hull(&vertices).map(|hull| hull.vertices().to_vec()).map_err(|error| error.to_string());
     };
     if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {

@@ -14,7 +14,8 @@ pub(super) fn found(value: &Unexpected<'_>) -> String {
         Unexpected::Bool(flag) => flag.to_string(),
         Unexpected::Unsigned(n) => n.to_string(),
         Unexpected::Signed(n) => n.to_string(),
-        Unexpected::Float(x) => number(*x),
+        // With its point: that may be all that is wrong.
+        Unexpected::Float(x) => format!("{x:?}").to_lowercase(),
         Unexpected::Str(text) if text.chars().count() > 40 => {
             format!("{:?}...", text.chars().take(40).collect::<String>())
         }
