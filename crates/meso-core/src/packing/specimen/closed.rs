@@ -3,10 +3,11 @@
 //! Both are exact: the certified collision test against every triangle near, each a body of three points, and the count
 //! of the triangles above a point by exact signs. To touch a triangle is to meet it.
 
+use super::facets::Facets;
 use super::largest::{self, Largest};
 use super::room::{Obstacle, Room, Surface};
 use super::solid::{clear_of, within_box};
-use crate::geometry::{BoxTree, HullError, Polyhedron, TriangleMesh, nearest_on_triangle, orient3d};
+use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
@@ -19,40 +20,22 @@ pub(super) struct Closed {
     mesh: TriangleMesh,
     volume: f64,
     size: Vec3,
-    /// Corners of every triangle.
-    corners: Vec<[Vec3; 3]>,
+    facets: Facets,
     /// Normal of every triangle, and those of the walls behind an edge or corner of it that stands out into the room.
     outward: Vec<Vec<Vec3>>,
-    boxes: Vec<Aabb>,
-    tree: BoxTree,
 }
 
 impl Closed {
     /// The room within `mesh`, whose surface must be closed.
     pub(super) fn new(mesh: TriangleMesh) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
-        let boxes: Vec<Aabb> = corners.iter().map(Aabb::around).collect();
         let (size, outward) = (Aabb::around(&mesh.vertices).max, outward(&mesh, &corners));
-        Self { volume: mesh.volume(), mesh, size, tree: BoxTree::new(&boxes), corners, outward, boxes }
-    }
-
-    /// The triangles whose boxes meet `aabb`, in any order.
-    fn meeting(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
-        self.tree.near(aabb).filter(move |&t| self.boxes[t as usize].intersects(&aabb))
-    }
-
-    /// The same by number.
-    fn near(&self, aabb: &Aabb) -> Vec<u32> {
-        let mut near: Vec<u32> = self.meeting(*aabb).collect();
-        near.sort_unstable();
-        near
+        Self { volume: mesh.volume(), mesh, size, facets: Facets::new(corners), outward }
     }
 
     /// The nearest point of the surface and its distance, mm.
     fn nearest(&self, point: &Vec3) -> (Vec3, f64) {
-        let place = |t: u32| nearest_on_triangle(&self.corners[t as usize], point);
-        let found = self.tree.nearest(point, |t| (place(t) - point).norm());
-        found.map_or((*point, f64::INFINITY), |(t, distance)| (place(t), distance))
+        self.facets.nearest(point).unwrap_or((*point, f64::INFINITY))
     }
 
     /// The convex hull of the surface.
@@ -64,10 +47,10 @@ impl Closed {
     pub(super) fn crossing(&self) -> Option<[[Vec3; 3]; 2]> {
         let first = |a: u32| {
             let crosses = |&b: &u32| b > a && self.cross(a, b);
-            self.near(&self.boxes[a as usize]).into_iter().find(crosses).map(|b| [a, b])
+            self.facets.around(a).into_iter().find(crosses).map(|b| [a, b])
         };
-        let found = (0..self.boxes.len() as u32).into_par_iter().find_map_first(first)?;
-        Some(found.map(|t| self.corners[t as usize]))
+        let found = (0..self.mesh.triangles.len() as u32).into_par_iter().find_map_first(first)?;
+        Some(found.map(|t| *self.facets.of(t)))
     }
 
     /// A corner of a piece that lies inside another where it should not: a surface around room lies in no other's room, one
@@ -76,7 +59,7 @@ impl Closed {
         let piece_of = self.mesh.piece_of();
         let of = |triangle: u32| piece_of[self.mesh.triangles[triangle as usize][0] as usize];
         let mut volumes = BTreeMap::new();
-        for (t, [a, b, c]) in (0..).zip(&self.corners) {
+        for (t, [a, b, c]) in (0..).zip(self.facets.corners()) {
             *volumes.entry(of(t)).or_insert(0.0) += a.dot(&b.cross(c));
         }
         let wrong = |(piece, volume): &(&u32, &f64)| {
@@ -93,8 +76,8 @@ impl Closed {
     fn windings(&self, point: &Vec3) -> impl Iterator<Item = (u32, i32, f64)> {
         let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
         let point = *point;
-        self.meeting(upwards).map(move |t| {
-            let [a, b, c] = &self.corners[t as usize];
+        self.facets.meeting(upwards).map(move |t| {
+            let [a, b, c] = self.facets.of(t);
             let (turns, side) = (turns_around(&[*a, *b, *c], &point), orient3d(a, b, c, &point));
             // An upward triangle with the point below it has the point on its inner side.
             let winds = (turns > 0 && side < 0.0) || (turns < 0 && side > 0.0);
@@ -105,9 +88,9 @@ impl Closed {
     /// Neighbours share their common corners or edge; what else they share is a crossing.
     fn cross(&self, a: u32, b: u32) -> bool {
         let [p, q] = [a, b].map(|t| &self.mesh.triangles[t as usize]);
-        let meets = |points: &[Vec3], t: u32| gjk::intersects(points, &self.corners[t as usize]).unwrap_or(true);
+        let meets = |points: &[Vec3], t: u32| gjk::intersects(points, self.facets.of(t)).unwrap_or(true);
         match p.iter().filter(|i| q.contains(i)).count() {
-            0 => meets(&self.corners[a as usize], b),
+            0 => meets(self.facets.of(a), b),
             // The corner or edge opposite to what is shared, against the whole other triangle.
             1 | 2 => {
                 let (own, other) = (self.opposite(a, b), self.opposite(b, a));
@@ -126,7 +109,7 @@ impl Closed {
 
     /// True when the points all lie off the plane of a triangle, on one side of it.
     fn is_beside(&self, points: &[Vec3], t: u32) -> bool {
-        let [a, b, c] = &self.corners[t as usize];
+        let [a, b, c] = self.facets.of(t);
         let mut sides = points.iter().map(|point| orient3d(a, b, c, point));
         let first = sides.next().unwrap_or(0.0);
         first != 0.0 && sides.all(|side| side * first > 0.0)
@@ -171,7 +154,7 @@ impl Room for Closed {
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
         within_box(&self.size, body, centre, gap).is_some_and(|(points, aabb)| {
             self.contains(&points[0])
-                && self.near(&aabb.grown(gap)).iter().all(|&t| clear_of(&points, &self.corners[t as usize], gap))
+                && self.facets.near(&aabb.grown(gap)).iter().all(|&t| clear_of(&points, self.facets.of(t), gap))
         })
     }
 
@@ -179,7 +162,7 @@ impl Room for Closed {
     fn contains(&self, point: &Vec3) -> bool {
         let mut sum = 0;
         for (t, turns, side) in self.windings(point) {
-            if side == 0.0 && gjk::intersects(std::slice::from_ref(point), &self.corners[t as usize]).unwrap_or(true) {
+            if side == 0.0 && gjk::intersects(std::slice::from_ref(point), self.facets.of(t)).unwrap_or(true) {
                 return true;
             }
             sum += turns;
@@ -194,8 +177,8 @@ impl Room for Closed {
 
     fn is_clear(&self, point: &Vec3, distance: f64) -> bool {
         let around = Aabb { min: *point, max: *point }.grown(distance);
-        let clear = |t: u32| (nearest_on_triangle(&self.corners[t as usize], point) - point).norm() >= distance;
-        self.contains(point) && self.meeting(around).all(clear)
+        let clear = |t: u32| self.facets.nearest_of(t, point).1 >= distance;
+        self.contains(point) && self.facets.meeting(around).all(clear)
     }
 
     /// A centre that is outside goes back through the nearest point of the surface; the rest is for the triangles.
@@ -213,8 +196,8 @@ impl Room for Closed {
     }
 
     fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
-        let obstacle = |t: u32| Obstacle { points: &self.corners[t as usize], outward: &self.outward[t as usize] };
-        self.near(near).into_iter().map(obstacle).collect()
+        let obstacle = |t: u32| Obstacle { points: self.facets.of(t), outward: &self.outward[t as usize] };
+        self.facets.near(near).into_iter().map(obstacle).collect()
     }
 
     fn surface(&self) -> Surface {

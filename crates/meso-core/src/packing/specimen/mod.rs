@@ -8,6 +8,7 @@ mod convex;
 mod cuboid;
 mod cylinder;
 mod dogbone;
+mod facets;
 mod largest;
 mod notched;
 mod period;

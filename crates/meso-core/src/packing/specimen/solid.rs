@@ -3,8 +3,9 @@
 //! A body is inside when it is inside the box and, by the certified collision test, shares no point with a piece; to
 //! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
 
+use super::facets::Facets;
 use super::room::{Obstacle, Room, Surface};
-use crate::geometry::{BoxTree, HullError, Plane, convex_hull, nearest_on_triangle};
+use crate::geometry::{HullError, Plane, convex_hull};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 
@@ -23,9 +24,8 @@ struct Piece {
     vertices: Vec<Vec3>,
     planes: Vec<Plane>,
     aabb: Aabb,
-    /// Its faces in triangles, and what finds the nearest.
-    triangles: Vec<[Vec3; 3]>,
-    tree: BoxTree,
+    /// Its faces in triangles.
+    facets: Facets,
 }
 
 impl Solid {
@@ -44,9 +44,8 @@ impl Piece {
     fn new(points: &[Vec3]) -> Result<Self, HullError> {
         let hull = convex_hull(points)?;
         let vertices = hull.vertices().to_vec();
-        let triangles: Vec<[Vec3; 3]> = hull.triangles().map(|t| t.map(|i| vertices[i as usize])).collect();
-        let tree = BoxTree::new(&triangles.iter().map(Aabb::around).collect::<Vec<_>>());
-        Ok(Self { vertices, planes: hull.planes().collect(), aabb: hull.aabb(), triangles, tree })
+        let facets = Facets::new(hull.triangles().map(|t| t.map(|i| vertices[i as usize])).collect());
+        Ok(Self { vertices, planes: hull.planes().collect(), aabb: hull.aabb(), facets })
     }
 
     /// Distance to `point`, or a number that is at least `enough`; negative inside.
@@ -57,8 +56,7 @@ impl Piece {
             return height;
         }
         // Many points are asked about: the certified distance of two bodies takes ten times as long.
-        let distance = |t: u32| (nearest_on_triangle(&self.triangles[t as usize], point) - point).norm();
-        self.tree.nearest(point, distance).map_or(0.0, |(_, distance)| distance)
+        self.facets.nearest(point).map_or(0.0, |(_, distance)| distance)
     }
 }
 
