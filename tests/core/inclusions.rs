@@ -286,6 +286,15 @@ fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
 }
 
 #[test]
+fn a_phase_of_which_nothing_is_placed_holds_nothing_and_not_less() {
+    let text = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 40 }\n\
+                [voids]\nfraction = 1e-6\ndiameter_mm = [4, 4]\n";
+    let model = pack(&spec(text), &Silent).unwrap();
+    assert_eq!(model.report.phases[0].bodies, 0);
+    assert!(model.report.phases[0].fraction.is_sign_positive(), "an empty sum is -0.0");
+}
+
+#[test]
 fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
     let model = packed(BOTH);
     let figures = statistics(&model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap();

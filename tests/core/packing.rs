@@ -175,7 +175,7 @@ fn an_interrupted_run_keeps_a_sound_packing() {
         let model = pack(&small(0.6), &StopAfter(AtomicI32::new(questions))).unwrap();
         assert_eq!(model.report.stop_reason, StopReason::Interrupted, "after {questions} questions");
         assert!((least..0.6).contains(&model.report.fraction), "{} after {questions}", model.report.fraction);
-        let in_the_take = model.report.stop_detail.contains("aggregates were made, before all were");
+        let in_the_take = model.report.stop_detail.contains("aggregates were made, before all grains were");
         assert_eq!(in_the_take, questions == 1, "{}", model.report.stop_detail);
         for (a, b) in near_pairs(&model.aggregates) {
             assert!(!gjk::intersects(a.body.vertices(), b.body.vertices()).unwrap());
@@ -238,11 +238,41 @@ fn a_time_limit_ends_the_making_of_grains_and_what_is_made_is_placed() {
         let model = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap();
         let report = &model.report;
         assert_eq!(report.stop_reason, StopReason::TimeLimit);
-        assert!(report.stop_detail.contains("aggregates were made, before all were"), "{}", report.stop_detail);
+        assert!(report.stop_detail.contains("aggregates were made, before all grains were"), "{}", report.stop_detail);
         assert!((0.1..0.4).contains(&report.fraction), "{strategy:?}: {}", report.fraction);
         assert!(report.classes[2].fraction > 0.9 * report.classes[2].target_fraction, "the coarse ones are there");
         assert_apart(&model);
     }
+}
+
+#[test]
+fn a_stop_among_tiny_voids_costs_no_coarse_grain_its_place() {
+    // 60,000 voids come after the grains, and the time is over before they are made.
+    let text = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 50 }\n\
+                [voids]\nfraction = 0.002\ndiameter_mm = [0.2, 0.2]\n[placement]\ntime_limit_s = 0.5\n";
+    let model = pack(&Spec::from_toml(text).unwrap(), &Ticking(AtomicI32::new(0))).unwrap();
+    assert_eq!(model.report.stop_reason, StopReason::TimeLimit);
+    assert!(model.report.fraction > 0.25, "{}", model.report.fraction);
+    assert!(model.inclusions.len() > 1000, "{} voids", model.inclusions.len());
+    assert_apart(&model);
+}
+
+#[test]
+fn grains_and_fibres_alike_are_left_out_where_time_is_short() {
+    let text = "fraction = 0.5\nspecimen = { kind = 'cube', side_mm = 60 }\n\
+                [fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 20\n[placement]\ntime_limit_s = ";
+    let short = |limit: f64| {
+        let spec = Spec::from_toml(&format!("{text}{limit:?}")).unwrap();
+        let report = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap().report;
+        assert_eq!(report.stop_reason, StopReason::TimeLimit, "{limit} s");
+        report
+    };
+    // Stopped while bodies are dropped, take-and-place begins with the coarse grains, which no fibre lets in.
+    let coarse = &short(0.4).classes[2];
+    assert!(coarse.fraction > 0.8 * coarse.target_fraction, "{coarse:?}");
+    // Jammed for want of time: each kind gives up its share.
+    let report = short(3.0);
+    assert!(report.fraction > 0.4 && report.phases[0].fraction > 0.005, "{}", report.stop_detail);
 }
 
 #[test]

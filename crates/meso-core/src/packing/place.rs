@@ -1,11 +1,13 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::{
-    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Progress, Request, Room, StopReason, Strategy, rearrange,
+    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, Room, StopReason, Strategy, rearrange,
     take_and_place,
 };
+use crate::aggregate::Kind;
 use crate::aggregate::take::Grain;
 use crate::math::Aabb;
+use std::borrow::Cow;
 
 /// A request, and what every strategy derives from it.
 pub(super) struct Task<'a> {
@@ -64,6 +66,8 @@ const BRIEF_SHARE: f64 = 0.25;
 /// Where the time went by while grains were made, it lasts no longer than this; nor much longer for a user who waits.
 const LATE_S: f64 = 1.0;
 const WAITED_FOR_S: f64 = 5.0;
+/// No grain is placed in less, and those for which there is no time need not be known.
+const QUICKEST_GRAIN_S: f64 = 5e-6;
 
 /// How long before the time is over a rearrangement is stopped, so that the take-and-place ends in time, s.
 fn brief_s(task: &Task) -> f64 {
@@ -76,21 +80,44 @@ fn brief_s(task: &Task) -> f64 {
 /// anywhere. Then take-and-place, given a moment, holds more.
 fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
     let grains = task.request.grains;
-    let volume = |outcome: &Outcome| -> f64 {
-        let placed = grains.iter().zip(&outcome.poses).filter(|(_, pose)| pose.is_some());
+    let volume = |poses: &[Option<Pose>]| -> f64 {
+        let placed = grains.iter().zip(poses).filter(|(_, pose)| pose.is_some());
         placed.map(|(grain, _)| grain.volume()).sum()
     };
-    let reached = volume(&moved);
+    let reached = volume(&moved.poses);
     if moved.stop.is_none() || reached >= Placement::brief_reach() * task.volume {
         return moved;
     }
     let progress = Unstoppable(task.request.progress);
-    let mut brief = Task::new(&Request { progress: &progress, ..task.request });
     let most = if moved.stop == Some(StopReason::Interrupted) { WAITED_FOR_S } else { f64::INFINITY };
-    brief.deadline = progress.seconds() + brief_s.min(most);
+    let seconds = brief_s.min(most);
+    let numbers = placeable(grains, seconds);
+    let fitting = in_order(grains, &numbers);
+    let mut brief = Task::new(&Request { progress: &progress, grains: &fitting, ..task.request });
+    brief.deadline = progress.seconds() + seconds;
     let mut placed = take_and_place::place(&brief, BRIEF_ATTEMPTS);
+    let mut poses = vec![None; grains.len()];
+    numbers.iter().zip(placed.poses).for_each(|(&number, pose)| poses[number] = pose);
+    placed.poses = poses;
     placed.stop = moved.stop;
-    if volume(&placed) > reached { placed } else { moved }
+    if volume(&placed.poses) > reached { placed } else { moved }
+}
+
+/// The numbers of the grains that so many seconds are enough to place: the largest, and fibres last. A fibre finds a line
+/// among coarse grains, but a coarse grain no room among fibres: with 1 % of 0.5 x 30 mm in a 100 mm cube asked for 0.50, 100
+/// attempts reached 0.40 in this order, and 0.19 with the fibres first.
+fn placeable(grains: &[Grain], seconds: f64) -> Vec<usize> {
+    let (fibres, others): (Vec<usize>, Vec<usize>) =
+        (0..grains.len()).partition(|&number| grains[number].kind == Kind::Fibre);
+    others.into_iter().chain(fibres).take((seconds / QUICKEST_GRAIN_S) as usize).collect()
+}
+
+/// The grains of these numbers; copies only where they lie otherwise.
+fn in_order<'a>(grains: &'a [Grain], numbers: &[usize]) -> Cow<'a, [Grain]> {
+    if numbers.iter().copied().eq(0..numbers.len()) {
+        return Cow::Borrowed(&grains[..numbers.len()]);
+    }
+    Cow::Owned(numbers.iter().map(|&number| grains[number].clone()).collect())
 }
 
 /// The same clock, but no more stops.

@@ -156,7 +156,7 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
         (outcome.too_large > 0).then(|| format!("{} grains are too large for the specimen", outcome.too_large));
     let cut_short = outcome
         .cut_short
-        .then(|| format!("stopped when {} aggregates were made, before all were", outcome.aggregates_taken));
+        .then(|| format!("stopped when {} aggregates were made, before all grains were", outcome.aggregates_taken));
     let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).chain(cut_short).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
@@ -220,7 +220,8 @@ impl PhaseReport {
         let phases = Kind::FURTHER.into_iter().zip(asked.fractions()).filter(|(_, target)| *target > 0.0);
         let phase = |(phase, target_fraction)| {
             let own = || bodies.iter().filter(|body| body.kind == phase);
-            let volume: f64 = own().map(|body| body.body.volume()).sum();
+            // An empty sum is -0.0, which would be printed.
+            let volume = own().map(|body| body.body.volume()).fold(0.0, |sum, volume| sum + volume);
             Self { phase, target_fraction, fraction: volume / volume_mm3, volume_mm3: volume, bodies: own().count() }
         };
         phases.map(phase).collect()

@@ -15,6 +15,7 @@ mod obstacle;
 mod pairs;
 mod prove;
 mod slender;
+mod turn;
 mod walls;
 
 use super::place::Task;
@@ -25,6 +26,7 @@ use cooling::{Cooling, FALL, HOPEFUL};
 use pairs::{Gaps, Look, Pairs};
 use walls::Walls;
 
+use crate::aggregate::Kind;
 use crate::aggregate::take::Grain;
 
 /// Wanted gap beyond the least one, as a share of the smallest grain's radius: room for the last digits to settle.
@@ -273,13 +275,17 @@ impl<'a> Dynamics<'a> {
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let mut poses = self.bodies.poses();
         let share = self.settings.cooling.relieve(self.lack);
-        let mut budget = share * poses.iter().map(|&(grain, _)| grains[grain as usize].volume()).sum::<f64>();
+        // Every kind gives up the same share: fibres are so thin that all of them would be the first to go.
+        let volume = |grain: u32| grains[grain as usize].volume();
+        let kind = |grain: u32| grains[grain as usize].kind as usize;
+        let mut budgets = [0.0; 1 + Kind::FURTHER.len()];
+        poses.iter().for_each(|&(grain, _)| budgets[kind(grain)] += volume(grain));
+        budgets.iter_mut().for_each(|budget| *budget *= share);
         let mut left_out = vec![false; grains.len()];
         for (_, grain) in worst {
-            left_out[grain as usize] = true;
-            budget -= grains[grain as usize].volume();
-            if budget <= 0.0 {
-                break;
+            if budgets[kind(grain)] > 0.0 {
+                left_out[grain as usize] = true;
+                budgets[kind(grain)] -= volume(grain);
             }
         }
         poses.retain(|&(grain, _)| !left_out[grain as usize]);
