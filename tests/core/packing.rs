@@ -261,18 +261,23 @@ fn a_stop_among_tiny_voids_costs_no_coarse_grain_its_place() {
 fn grains_and_fibres_alike_are_left_out_where_time_is_short() {
     let text = "fraction = 0.5\nspecimen = { kind = 'cube', side_mm = 60 }\n\
                 [fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 20\n[placement]\ntime_limit_s = ";
-    let short = |limit: f64| {
+    let within = |limit: f64| {
         let spec = Spec::from_toml(&format!("{text}{limit:?}")).unwrap();
-        let report = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap().report;
-        assert_eq!(report.stop_reason, StopReason::TimeLimit, "{limit} s");
-        report
+        pack(&spec, &Ticking(AtomicI32::new(0))).unwrap().report
     };
     // Stopped while bodies are dropped, take-and-place begins with the coarse grains, which no fibre lets in.
-    let coarse = &short(0.4).classes[2];
-    assert!(coarse.fraction > 0.8 * coarse.target_fraction, "{coarse:?}");
+    let report = within(0.4);
+    let coarse = &report.classes[2];
+    assert!(coarse.fraction > 0.8 * coarse.target_fraction, "{}", report.stop_detail);
     // Jammed for want of time: each kind gives up its share.
-    let report = short(3.0);
-    assert!(report.fraction > 0.4 && report.phases[0].fraction > 0.005, "{}", report.stop_detail);
+    let mut relieved = 0;
+    for report in [6.0, 9.0, 12.0].map(within) {
+        if report.stop_reason == StopReason::TimeLimit && report.strategy == "rearrange" {
+            assert!(report.fraction > 0.4 && report.phases[0].fraction > 0.007, "{}", report.stop_detail);
+            relieved += 1;
+        }
+    }
+    assert!(relieved > 0, "none was short of time");
 }
 
 #[test]
