@@ -8,7 +8,7 @@ use super::pieces::snap;
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 
-/// Triangles that one run of gmsh is given, about: 1.4 GB of its memory.
+/// Triangles of grains that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
 const MOST_TRIANGLES: f64 = 500_000.0;
 /// Share of a slab's thickness in which its plane is looked for.
 const WINDOW: f64 = 0.25;
