@@ -168,7 +168,9 @@ fn elements_as_coarse_as_the_aggregates_end() {
     // That of its centre, which may have moved for better angles.
     let mut held = vec![BTreeSet::new(); mesh.points.len()];
     for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
-        cell.iter().for_each(|&node| drop(held[node as usize].insert(*id)));
+        for &node in cell {
+            held[node as usize].insert(*id);
+        }
     }
     let inside: BTreeSet<u32> = held.iter().filter(|held| held.len() == 1).flatten().copied().collect();
     assert!(model.aggregates.iter().all(|a| inside.contains(&a.id)), "each aggregate has a node inside");
