@@ -97,7 +97,7 @@ fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
     let volumes = PhaseVolumes::of_mesh(&mesh);
     let errors = [volumes.itz / exact.itz, volumes.aggregate / exact.aggregate].map(|ratio| (ratio - 1.0).abs());
-    assert!(errors[0] < 0.02 && errors[1] < 0.01, "{errors:?}");
+    assert!(errors[0] < 0.005 && errors[1] < 0.01, "{errors:?}");
     assert!(mesh.notes.pinched_itz_nodes * 50 < mesh.points.len(), "{:?}", mesh.notes);
 }
 

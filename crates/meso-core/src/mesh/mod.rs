@@ -283,7 +283,7 @@ fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], specimen: &Specimen, opt
         mesh.notes.thinned_itz_nodes = thinned.nodes;
         mesh.notes.pinched_itz_nodes = thinned.pinched;
         if options.method == Method::Lattice {
-            let blunted = layer::blunt(&mut mesh, &thinned.rails, options.element_size_mm);
+            let blunted = layer::blunt(&mut mesh, &thinned, options.element_size_mm);
             mesh.notes.shifted_itz_nodes = blunted.shifted;
             mesh.notes.pinched_itz_nodes += blunted.collapsed;
         }

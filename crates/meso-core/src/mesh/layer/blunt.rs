@@ -5,6 +5,8 @@
 //! thickness there. What is sharper than [`SHARP_DEG`] is worked
 //! at, and no more: a layer of 0.1 mm on elements of 2 mm has angles of some 3 degrees of its own.
 
+use super::Thinned;
+use super::balance::balance;
 use super::collapse::{bury, collapse};
 use super::faces::Faces;
 use super::flat::Flat;
@@ -47,8 +49,9 @@ pub(super) struct Task {
 
 pub(super) const NO_RAIL: u32 = u32::MAX;
 
-/// Works on `mesh`, with elements of about `size` mm; `rails` are its layer's, inner ends first.
-pub(crate) fn blunt(mesh: &mut Mesh, rails: &[[u32; 2]], size: f64) -> Blunted {
+/// Works on `mesh`, with elements of about `size` mm and what `layer` says of its layer.
+pub(crate) fn blunt(mesh: &mut Mesh, layer: &Thinned, size: f64) -> Blunted {
+    let rails = layer.rails.as_slice();
     let task = Task::new(mesh, rails);
     let mut suspects: Vec<u32> = (0..mesh.cell_count() as u32).collect();
     let mut shifted = vec![false; mesh.points.len()];
@@ -77,6 +80,11 @@ pub(crate) fn blunt(mesh: &mut Mesh, rails: &[[u32; 2]], size: f64) -> Blunted {
         for _ in 0..TURNS {
             suspects = task.turn(mesh, &suspects, &mut shifted, size);
         }
+    }
+    if let Some(exact) = layer.exact_mm3 {
+        let mut loose = vec![false; mesh.points.len()];
+        rails.iter().zip(&layer.loose).for_each(|(rail, is_loose)| loose[rail[0] as usize] = *is_loose);
+        balance(mesh, &task, &loose, exact);
     }
     let shifted = rails.iter().filter(|rail| shifted[rail[0] as usize]).count();
     bury(mesh, &dead);

@@ -41,6 +41,11 @@ impl<'a> Bodies<'a> {
         self.all.len() as u32
     }
 
+    /// One body of each id.
+    pub(super) fn first_of_each(&self) -> impl Iterator<Item = u32> {
+        self.by_id.chunk_by(|&a, &b| self.get(a).id == self.get(b).id).map(|same| same[0])
+    }
+
     pub(super) fn get(&self, index: u32) -> &'a Aggregate {
         &self.all[index as usize]
     }

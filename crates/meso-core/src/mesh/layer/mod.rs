@@ -5,10 +5,12 @@
 //! faces ([`seat`]), and between each interface triangle and its image stands a prism, cut into three tetrahedra. Where a
 //! cell would turn over, its nodes move aside ([`nudge`]); where that does not help they go less far, at last not at all
 //! ([`settle`]); a rail of no length takes just one of the three tetrahedra of each prism with it, so neighbours still match.
+//! In lattices sharp cells are made blunter ([`blunt`](mod@blunt)), and the layer's volume right again ([`balance`]).
 //!
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
 //! stay in these, and images of one place go the same ways ([`ties`]).
 
+mod balance;
 mod blunt;
 mod bodies;
 mod collapse;
@@ -46,6 +48,10 @@ pub(super) struct Thinned {
     pub(super) pinched: usize,
     /// Inner and outer ends.
     pub(super) rails: Vec<[u32; 2]>,
+    /// For every rail whether its outer end lies on no face of its aggregate: there is no exact place for the inner one.
+    pub(super) loose: Vec<bool>,
+    /// The layers' volume in truth, mm3, where it can be told.
+    pub(super) exact_mm3: Option<f64>,
 }
 
 /// A tetrahedron of the layer; it holds both ends of one rail.
@@ -78,7 +84,8 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
     let mut images = shrinks.images(&mesh.points, &owner, &ties);
     turned::turn(mesh, &faces, &copies, &shrinks, &ties, &mut images);
     let mut seats = images.clone();
-    seat::seat(mesh, &copies, &shrinks, &ties, &mut seats);
+    let mut loose = seat::seat(mesh, &copies, &shrinks, &ties, &mut seats);
+    loose.sort_unstable();
     nudge::nudge(mesh, &layer, &ties, &images, &mut seats);
     let ways = settle(mesh, &seats, &layer, &ties);
     let mut thinned = Thinned {
@@ -86,8 +93,12 @@ pub(super) fn add(mesh: &mut Mesh, aggregates: &[Aggregate], thickness: impl Fn(
         nodes: copies.iter().filter(|(.., copy)| ways.is_short(*copy)).count(),
         pinched: copies.iter().filter(|(.., copy)| ways.is_pinched(*copy)).count(),
         rails: Vec::new(),
+        loose: Vec::new(),
+        exact_mm3: balance::exact(&bodies, thickness),
     };
     mesh.points.par_iter_mut().zip(&seats).enumerate().for_each(|(node, (p, to))| *p = ways.place(node as u32, p, to));
+    let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !ways.is_pinched(*copy));
+    thinned.loose = kept.map(|copy| loose.binary_search(&ties.lead(copy)).is_ok()).collect();
     thinned.rails = append(mesh, &layer, &copies, &ways);
     bodies.name(mesh);
     thinned

@@ -21,32 +21,39 @@ const DAMPING: f64 = 1e-3;
 /// Steps until the damping no longer counts: each leaves half of a gap between planes 2 degrees apart, less of others.
 const STEPS: usize = 30;
 
-/// Moves the images of the copies of interface nodes onto their seats.
-pub(super) fn seat(mesh: &Mesh, copies: &Copies, shrinks: &Shrinks, ties: &Ties, images: &mut [Vec3]) {
+/// Moves the images of the copies of interface nodes onto their seats; returns the copies that lie on no face of their body,
+/// and keep their images.
+pub(super) fn seat(mesh: &Mesh, copies: &Copies, shrinks: &Shrinks, ties: &Ties, images: &mut [Vec3]) -> Vec<u32> {
     let all: Vec<_> = copies.iter().filter(|(.., copy)| ties.leads(*copy) && !ties.is_pinned(*copy)).collect();
     let seated = |&(body, node, copy): &(u32, u32, u32)| {
         let flat = ties.flat(copy);
         let shrink = shrinks.get(body, flat)?;
         Some((copy, on_own_faces(shrink, flat, &mesh.points[node as usize], &images[copy as usize])))
     };
-    let seated: Vec<(u32, Vec3)> = all.par_iter().filter_map(seated).collect();
-    seated.into_iter().for_each(|(copy, seat)| images[copy as usize] = seat);
+    let seated: Vec<(u32, Option<Vec3>)> = all.par_iter().filter_map(seated).collect();
+    let mut loose = Vec::new();
+    for (copy, seat) in seated {
+        match seat {
+            Some(seat) => images[copy as usize] = seat,
+            None => loose.push(copy),
+        }
+    }
     ties.spread(images);
+    loose
 }
 
-/// The seat on `flat` of the node at `x`, whose image along its ray is `image`; the image itself where no face holds the
-/// node.
-fn on_own_faces(shrink: &Shrink, flat: Flat, x: &Vec3, image: &Vec3) -> Vec3 {
+/// The seat on `flat` of the node at `x`, whose image along its ray is `image`; none where no face holds the node.
+fn on_own_faces(shrink: &Shrink, flat: Flat, x: &Vec3, image: &Vec3) -> Option<Vec3> {
     let from_centre = x - shrink.centre;
     let holds = |plane: &&(Vec3, f64)| (plane.0.dot(&from_centre) - plane.1).abs() <= ON * plane.1;
     let own: Vec<&(Vec3, f64)> = shrink.planes.iter().filter(holds).collect();
     let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
     let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
-    let Some(inverse) = damped.try_inverse().filter(|_| !own.is_empty()) else { return *image };
+    let inverse = damped.try_inverse().filter(|_| !own.is_empty())?;
     let mut place = image - shrink.centre;
     for _ in 0..STEPS {
         let lack = |plane: &(Vec3, f64)| plane.1 - shrink.thickness - plane.0.dot(&place);
         place += inverse * slopes.iter().zip(&own).map(|(slope, plane)| slope * lack(plane)).sum::<Vec3>();
     }
-    shrink.centre + place
+    Some(shrink.centre + place)
 }
