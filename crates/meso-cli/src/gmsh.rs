@@ -27,11 +27,7 @@ pub struct Gmsh {
 impl Gmsh {
     /// The program `path`, looked for on the PATH where it is a bare name.
     pub fn program(path: impl AsRef<OsStr>) -> Self {
-        let path = Path::new(&path);
-        // It runs in another folder, from where a relative path would lead elsewhere.
-        let is_bare = path.parent().is_none_or(|folder| folder.as_os_str().is_empty());
-        let from_anywhere = if is_bare { None } else { std::path::absolute(path).ok() };
-        Self { program: from_anywhere.unwrap_or_else(|| path.to_owned()).into(), first: Vec::new() }
+        Self { program: path.as_ref().to_owned(), first: Vec::new() }
     }
 
     /// The module `gmsh` of the Python interpreter `python`.
@@ -40,12 +36,22 @@ impl Gmsh {
         Self { program: python.as_ref().to_owned(), first: vec!["-c".into(), script.into()] }
     }
 
+    /// The program, wherever it is to run, with what comes before its own arguments.
+    fn command(&self) -> Command {
+        let path = Path::new(&self.program);
+        let is_bare = path.parent().is_none_or(|folder| folder.as_os_str().is_empty());
+        let from_anywhere = if is_bare { None } else { std::path::absolute(path).ok() };
+        let mut command = Command::new(from_anywhere.as_deref().unwrap_or(path));
+        command.args(&self.first);
+        command
+    }
+
     /// Finds out whether gmsh is there.
     ///
     /// # Errors
     /// Where it is missing, with the remedy.
     pub fn check(&self) -> Result<(), MeshError> {
-        let asked = Command::new(&self.program).args(&self.first).arg("--version").output();
+        let asked = self.command().arg("--version").output();
         asked.map(drop).map_err(|error| self.missing(&error))
     }
 
@@ -81,8 +87,8 @@ impl Gmsh {
     fn call(&self, folder: &Path, stop: &dyn Fn() -> bool) -> Result<String, MeshError> {
         // Not through pipes: nobody would empty them meanwhile.
         let saying = File::create(folder.join("said.txt")).map_err(files)?;
-        let mut command = Command::new(&self.program);
-        command.current_dir(folder).args(&self.first).arg("volumes.geo").args(GMSH_OPTIONS);
+        let mut command = self.command();
+        command.current_dir(folder).arg("volumes.geo").args(GMSH_OPTIONS);
         command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
         command.stdin(Stdio::null()).stderr(saying.try_clone().map_err(files)?).stdout(saying);
         let status = self.wait(&mut command, stop)?;
