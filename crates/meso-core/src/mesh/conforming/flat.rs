@@ -38,12 +38,7 @@ impl Faces {
 
     /// The corners of a flat tetrahedron, those of its edges that cross first and last.
     fn quad(&self, [a, b, c, d]: [Vec3; 4]) -> Option<[Vec3; 4]> {
-        [[a, b, c, d], [a, c, b, d], [a, d, b, c]].into_iter().find(|quad| self.cross(quad))
-    }
-
-    fn cross(&self, &[a, b, c, d]: &[Vec3; 4]) -> bool {
-        let turn = |p: Vec3, q: Vec3, r: Vec3| (q - p).cross(&(r - p))[self.axis];
-        turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0
+        [[a, b, c, d], [a, c, b, d], [a, d, b, c]].into_iter().find(|quad| do_cross(quad, self.axis))
     }
 }
 
@@ -140,6 +135,16 @@ impl<'a> Opened<'a> {
 /// A place as what can be looked up: -0 and 0 are one.
 fn key(place: &Vec3) -> [u64; 3] {
     [0, 1, 2].map(|axis| (place[axis] + 0.0).to_bits())
+}
+
+/// Twice the area of the triangle from a over b to c, seen along `axis`.
+pub(super) fn turn(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
+    (b - a).cross(&(c - a))[axis]
+}
+
+/// Whether ab and cd cross, seen along `axis`.
+pub(super) fn do_cross([a, b, c, d]: &[Vec3; 4], axis: usize) -> bool {
+    turn(axis, a, b, c) * turn(axis, a, b, d) < 0.0 && turn(axis, c, d, a) * turn(axis, c, d, b) < 0.0
 }
 
 /// Where ab and cd cross, seen along `axis`.

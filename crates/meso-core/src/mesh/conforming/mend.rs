@@ -6,7 +6,7 @@
 
 use super::swaps::{put_through, take_out};
 use super::web::Web;
-use crate::mesh::lattice::{Star, Tetrahedra, sharpness_of, ways};
+use crate::mesh::lattice::{Star, Tetrahedra, sharpness, sharpness_of, ways};
 use rayon::prelude::*;
 
 /// Cells with a smaller angle are mended, degrees: somewhat more than what counts as bad.
@@ -19,7 +19,7 @@ const STEPS: [f64; 3] = [0.3, 0.1, 0.03];
 /// Mends the poor cells of `mesh`.
 pub(super) fn mend(mesh: &mut Tetrahedra) {
     let limit = sharpness_of(POOR_DEG);
-    let of = |cell: &[u32; 4]| crate::mesh::lattice::sharpness(cell.map(|node| mesh.points[node as usize]));
+    let of = |cell: &[u32; 4]| sharpness(cell.map(|node| mesh.points[node as usize]));
     let mut poor: Vec<u32> =
         (0..mesh.cells.len() as u32).into_par_iter().filter(|&cell| of(&mesh.cells[cell as usize]) > limit).collect();
     let mut web = Web::new(mesh, &poor);

@@ -6,6 +6,7 @@
 //! corners on the plane, which gmsh leaves where it recovers an edge, have no volume and go first.
 
 use super::faces::Nodes;
+use super::flat::{do_cross, turn};
 use super::msh::Volumes;
 use super::slabs::Slabs;
 use crate::math::Vec3;
@@ -189,9 +190,8 @@ impl<'a> Seam<'a> {
         false
     }
 
-    /// Twice the area of the triangle from a over b to c, seen along the axis.
     fn turn(&self, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
-        (b - a).cross(&(c - a))[self.axis]
+        turn(self.axis, a, b, c)
     }
 
     /// The height of `place` over every side of a triangle, in heights of the corner opposite to it.
@@ -202,8 +202,7 @@ impl<'a> Seam<'a> {
     }
 
     fn do_cross(&self, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> bool {
-        let [a, b, c, d] = [a, b, c, d].map(|node| self.mesh.points[node as usize]);
-        self.turn(&a, &b, &c) * self.turn(&a, &b, &d) < 0.0 && self.turn(&c, &d, &a) * self.turn(&c, &d, &b) < 0.0
+        do_cross(&[a, b, c, d].map(|node| self.mesh.points[node as usize]), self.axis)
     }
 
     fn crossing(&self, quad: [u32; 4]) -> Vec3 {

@@ -38,23 +38,13 @@ fn ring(web: &Web, cells: &[u32], a: u32, b: u32) -> Option<Vec<u32>> {
 
 /// The other two nodes of a cell, so that with a and b before them the volume stays positive.
 fn beside(cell: [u32; 4], a: u32, b: u32) -> [u32; 2] {
-    const EVEN: [[usize; 4]; 12] = [
-        [0, 1, 2, 3],
-        [0, 2, 3, 1],
-        [0, 3, 1, 2],
-        [1, 0, 3, 2],
-        [1, 2, 0, 3],
-        [1, 3, 2, 0],
-        [2, 0, 1, 3],
-        [2, 1, 3, 0],
-        [2, 3, 0, 1],
-        [3, 0, 2, 1],
-        [3, 1, 0, 2],
-        [3, 2, 1, 0],
-    ];
-    let found = EVEN.iter().find(|order| cell[order[0]] == a && cell[order[1]] == b);
-    let [_, _, i, j] = *found.expect("a cell around an edge has both its ends");
-    [cell[i], cell[j]]
+    let place = |end: u32| cell.iter().position(|node| *node == end).expect("a cell around an edge has both its ends");
+    let (at_a, at_b) = (place(a), place(b));
+    let mut others = cell.into_iter().filter(|node| ![a, b].contains(node));
+    let [first, second] = [others.next(), others.next()].map(|node| node.expect("a cell has four nodes"));
+    // The order a, b, first, second takes so many exchanges of neighbours, or two less.
+    let is_even = (at_a + at_b + usize::from(at_a < at_b)).is_multiple_of(2);
+    if is_even { [first, second] } else { [second, first] }
 }
 
 /// The cells over and under the triangles of the ring that are the least sharp, if less so than `limit`.
