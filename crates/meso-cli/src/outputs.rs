@@ -182,7 +182,7 @@ fn quiet_if_closed(result: io::Result<()>) -> io::Result<()> {
 fn fill_beside(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<TempPath> {
     let (file, temporary) = new_file(folder(path))?.into_parts();
     interrupt::remember(&temporary);
-    let mut out = BufWriter::with_capacity(1 << 16, file);
+    let mut out = BufWriter::with_capacity(1 << 15, file);
     write(&mut out)?;
     out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
     Ok(temporary)

@@ -12,6 +12,7 @@ pub use read::{ReadError, read};
 
 use crate::aggregate::Aggregate;
 use crate::geometry::{Face, Polyhedron};
+use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{Report, Seconds};
 use rayon::prelude::*;
@@ -107,7 +108,7 @@ fn write_body(body: &Polyhedron, out: &mut Vec<u8>) -> io::Result<()> {
     out.extend_from_slice(b",\"vertices\":");
     for (i, vertex) in body.vertices().iter().enumerate() {
         out.push(if i == 0 { b'[' } else { b',' });
-        serde_json::to_writer(&mut *out, &<[f64; 3]>::from(*vertex))?;
+        write_vertex(vertex, out);
     }
     out.extend_from_slice(b"],\"faces\":[");
     for face in body.faces() {
@@ -116,6 +117,30 @@ fn write_body(body: &Polyhedron, out: &mut Vec<u8>) -> io::Result<()> {
     out.pop();
     out.extend_from_slice(b"]}");
     Ok(())
+}
+
+/// Characters of the longest number.
+const NUMBER: usize = 24;
+/// Most numbers have as many characters, and no more than twice as many: two copies of a constant length are one of any other.
+const HALF: usize = 16;
+
+/// The serializer's numbers, put together as the faces are.
+fn write_vertex(vertex: &Vec3, out: &mut Vec<u8>) {
+    let (mut digits, mut text, mut end) = (zmij::Buffer::new(), [b'['; 3 * (NUMBER + 1) + 1], 1);
+    for x in vertex.iter() {
+        let number = digits.format_finite(*x).as_bytes();
+        let to = end + number.len();
+        if let (Some(first), Some(last)) = (number.first_chunk::<HALF>(), number.last_chunk::<HALF>()) {
+            text[end..end + HALF].copy_from_slice(first);
+            text[to - HALF..to].copy_from_slice(last);
+        } else {
+            text[end..to].copy_from_slice(number);
+        }
+        text[to] = b',';
+        end = to + 1;
+    }
+    text[end - 1] = b']';
+    out.extend_from_slice(&text[..end]);
 }
 
 /// Corners of the faces that are put together by bytes.
