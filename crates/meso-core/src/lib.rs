@@ -10,6 +10,7 @@ pub mod formats;
 pub mod geometry;
 pub mod gjk;
 pub mod import;
+mod lanes;
 pub mod materials;
 pub mod math;
 pub mod mesh;

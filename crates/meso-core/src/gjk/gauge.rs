@@ -3,11 +3,10 @@
 use super::body::{Body, Bounds, GROUP};
 use super::ellipsoid::Ellipsoids;
 use crate::geometry::{Facet, NarrowPolyhedron};
+use crate::lanes::{LANES, least};
 use crate::math::Vec3;
 use crate::wide::{Wide, widest};
 
-/// Faces that are looked at together.
-const LANES: usize = 8;
 /// Rounding of the single-precision arithmetic on them, as a share of the lengths in it: ten times what a dozen operations
 /// lose.
 const ROUNDING: f64 = 1e-5;
@@ -15,8 +14,8 @@ const ROUNDING: f64 = 1e-5;
 /// The faces of a body around its frame's origin, each as normal over offset: the body is where all of these are at most 1.
 #[derive(Clone, Debug)]
 struct Gauge {
-    /// x, y and z of all faces, each padded with zeros to a multiple of [`LANES`], which changes no maximum.
-    faces: [Vec<f32>; 3],
+    /// x, then y, then z of all faces, each padded with zeros to a multiple of [`LANES`], which changes no maximum.
+    faces: Box<[f32]>,
     inner_radius: f64,
 }
 
@@ -24,37 +23,38 @@ impl Gauge {
     /// Every face a little nearer than it is, by what its plane may be off; `None` where the origin is not clearly inside
     /// of all. `radius` is that of the ball about the origin that holds the body, mm.
     fn new(facets: &[Facet], radius: f64) -> Option<Self> {
-        let offsets: Vec<f64> = facets.iter().map(|facet| facet.certain_offset(radius)).collect();
-        let inner_radius = offsets.iter().copied().fold(f64::INFINITY, f64::min);
-        let is_inside = !offsets.iter().any(|offset| offset.is_nan()) && inner_radius > ROUNDING * radius;
-        is_inside.then(|| {
-            let mut faces = [0; 3].map(|_| vec![0.0; facets.len().next_multiple_of(LANES)]);
-            for (f, (facet, offset)) in facets.iter().zip(&offsets).enumerate() {
-                for (axis, along) in faces.iter_mut().enumerate() {
-                    along[f] = (facet.plane.normal[axis] / offset) as f32;
-                }
+        let padded = facets.len().next_multiple_of(LANES);
+        let (mut faces, mut inner_radius) = (vec![0.0; 3 * padded].into_boxed_slice(), f64::INFINITY);
+        for (f, facet) in facets.iter().enumerate() {
+            let offset = facet.certain_offset(radius);
+            if offset.is_nan() || offset <= ROUNDING * radius {
+                return None;
             }
-            Self { faces, inner_radius }
-        })
+            inner_radius = inner_radius.min(offset);
+            let share = facet.plane.normal * (1.0 / offset);
+            for axis in 0..3 {
+                faces[axis * padded + f] = share[axis] as f32;
+            }
+        }
+        Some(Self { faces, inner_radius })
     }
 
     /// True when all faces are below `limit` at the point.
     #[inline(always)]
     fn holds(&self, [x, y, z]: [f32; 3], limit: f32) -> bool {
-        let [nx, ny, nz] = &self.faces;
-        let mut most = [0.0_f32; LANES];
+        let padded = self.faces.len() / 3;
+        let (nx, rest) = self.faces.split_at(padded);
+        let (ny, nz) = rest.split_at(padded);
+        // Negated, since the least of eight is what `lanes` finds.
+        let mut low = [0.0_f32; LANES];
         for ((nx, ny), nz) in nx.chunks_exact(LANES).zip(ny.chunks_exact(LANES)).zip(nz.chunks_exact(LANES)) {
             for lane in 0..LANES {
-                let here = nx[lane] * x + ny[lane] * y + nz[lane] * z;
-                most[lane] = if here > most[lane] { here } else { most[lane] };
+                let below = -(nx[lane] * x + ny[lane] * y + nz[lane] * z);
+                low[lane] = if below < low[lane] { below } else { low[lane] };
             }
         }
-        let mut top = most[0];
-        for here in &most[1..] {
-            top = if *here > top { *here } else { top };
-        }
         // What is no number is above nothing.
-        top < limit && (x + y + z).is_finite()
+        least(&low) > -limit && (x + y + z).is_finite()
     }
 }
 
@@ -154,7 +154,7 @@ impl Meets<'_> {
         let (xs, ys, zs) = (shape.window::<GROUP>(0)?, shape.window::<GROUP>(1)?, shape.window::<GROUP>(2)?);
         let (nx, ny, nz) = (axis.x as f32, axis.y as f32, axis.z as f32);
         let beyond = &BEYOND[GROUP - len..2 * GROUP - len];
-        let mut least = [f32::INFINITY; LANES];
+        let mut lowest = [f32::INFINITY; LANES];
         let along = xs.chunks_exact(LANES).zip(ys.chunks_exact(LANES)).zip(zs.chunks_exact(LANES));
         let of_slots = SLOTS.chunks_exact(LANES).zip(beyond.chunks_exact(LANES));
         for (((x, y), z), (slots, beyond)) in along.zip(of_slots).take(len.div_ceil(LANES)) {
@@ -162,13 +162,10 @@ impl Meets<'_> {
                 let height = x[lane] * nx + y[lane] * ny + z[lane] * nz;
                 let key = f32::from_bits(height.to_bits() & !(GROUP as u32 - 1) | slots[lane]);
                 let key = if beyond[lane] > 0.0 { f32::INFINITY } else { key };
-                least[lane] = if key < least[lane] { key } else { least[lane] };
+                lowest[lane] = if key < lowest[lane] { key } else { lowest[lane] };
             }
         }
-        let mut low = least[0];
-        for key in &least[1..] {
-            low = if *key < low { *key } else { low };
-        }
+        let low = least(&lowest);
         // Infinity would stand for the first one.
         let i = low.to_bits() as usize % GROUP;
         Some([xs[i] + b_from_a.x as f32, ys[i] + b_from_a.y as f32, zs[i] + b_from_a.z as f32])

@@ -6,6 +6,7 @@
 //! all facets there are.
 
 use super::cloud::{Cloud, LANES, MOST_GROUPS, MOST_POINTS};
+use crate::lanes::least_lane;
 use crate::math::Vec3;
 use crate::wide::{Wide, widest};
 
@@ -136,8 +137,8 @@ struct Turning {
     x: [Narrow; MOST_GROUPS],
     y: [Narrow; MOST_GROUPS],
     z: [Narrow; MOST_GROUPS],
-    /// One over every point's depth below the plane; NaN for points in it.
-    per_depth: [Narrow; MOST_GROUPS],
+    /// One over every point's height above the plane, which is below 0; NaN for points in it.
+    per_height: [Narrow; MOST_GROUPS],
 }
 
 /// One number of each point in a group.
@@ -191,8 +192,8 @@ impl Turning {
         let mut not_below = [0; LANES];
         for group in 0..self.cloud.groups {
             let heights = self.cloud.heights(group, plane, &mut not_below);
-            for (per_depth, height) in self.per_depth[group].iter_mut().zip(&heights) {
-                *per_depth = -1.0 / *height as f32;
+            for (per_height, height) in self.per_height[group].iter_mut().zip(&heights) {
+                *per_height = 1.0 / *height as f32;
             }
         }
         not_below.iter().sum()
@@ -201,7 +202,7 @@ impl Turning {
     #[inline(always)]
     fn leave_out(&mut self, points: &[usize]) {
         for &point in points {
-            self.per_depth[point / LANES][point % LANES] = f32::NAN;
+            self.per_height[point / LANES][point % LANES] = f32::NAN;
         }
     }
 
@@ -213,38 +214,22 @@ impl Turning {
         let outward = (to - at).cross(normal);
         let (ox, oy, oz) = (outward.x as f32, outward.y as f32, outward.z as f32);
         let offset = outward.dot(&at) as f32;
-        let (mut best, mut number) = ([f32::NEG_INFINITY; LANES], [0_u32; LANES]);
+        let (mut best, mut number) = ([f32::MAX; LANES], [0_u32; LANES]);
         for group in 0..self.cloud.groups {
             let (x, y, z) = (&self.x[group], &self.y[group], &self.z[group]);
-            let per_depth = &self.per_depth[group];
+            let per_height = &self.per_height[group];
             let mut slopes = [0.0; LANES];
             for lane in 0..LANES {
-                slopes[lane] = (ox * x[lane] + oy * y[lane] + oz * z[lane] - offset) * per_depth[lane];
+                slopes[lane] = (ox * x[lane] + oy * y[lane] + oz * z[lane] - offset) * per_height[lane];
             }
             for lane in 0..LANES {
-                number[lane] = if slopes[lane] > best[lane] { group as u32 } else { number[lane] };
+                number[lane] = if slopes[lane] < best[lane] { group as u32 } else { number[lane] };
             }
             for lane in 0..LANES {
-                best[lane] = if slopes[lane] > best[lane] { slopes[lane] } else { best[lane] };
+                best[lane] = if slopes[lane] < best[lane] { slopes[lane] } else { best[lane] };
             }
         }
-        // The best lane without a branch: no guess of it would be right.
-        let mut top = best;
-        for half in [4, 2, 1] {
-            for lane in 0..half {
-                top[lane] = if top[lane + half] > top[lane] { top[lane + half] } else { top[lane] };
-            }
-        }
-        let mut winners = [u32::MAX; LANES];
-        for lane in 0..LANES {
-            let winner = number[lane] * LANES as u32 + lane as u32;
-            winners[lane] = if best[lane] == top[0] { winner } else { u32::MAX };
-        }
-        for half in [4, 2, 1] {
-            for lane in 0..half {
-                winners[lane] = winners[lane].min(winners[lane + half]);
-            }
-        }
-        winners[0] as usize
+        let (_, lane) = least_lane(&best);
+        number[lane] as usize * LANES + lane
     }
 }
