@@ -17,6 +17,7 @@ pub mod mesh;
 pub mod model;
 pub mod packing;
 pub mod page;
+mod prefetch;
 pub mod recipes;
 pub mod saved;
 pub mod spec;

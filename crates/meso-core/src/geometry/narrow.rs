@@ -77,8 +77,14 @@ impl NarrowPolyhedron {
     /// All x, all y, all z, mm.
     pub fn coordinates(&self) -> [&[f32]; 3] {
         let n = self.vertex_count();
-        let all: &[f32] = bytemuck::cast_slice(&self.lists[..3 * n]);
+        let all: &[f32] = bytemuck::cast_slice(self.all_coordinates());
         [&all[..n], &all[n..2 * n], &all[2 * n..]]
+    }
+
+    /// All coordinates in one piece, as they lie in memory.
+    #[inline(always)]
+    pub(crate) fn all_coordinates(&self) -> &[u32] {
+        &self.lists[..3 * self.vertex_count()]
     }
 
     /// The coordinates along an axis, with whatever lies behind them in memory: so many numbers, if there are so many.

@@ -1,7 +1,7 @@
 //! Broad phase: a grid of cells that each list the bodies whose box reaches into them.
 
 use super::raster::{Raster, cells};
-use crate::math::{Aabb, Vec3};
+use crate::math::Aabb;
 
 /// Bodies by the cells their boxes reach into. Bodies are only ever added.
 #[derive(Clone, Debug)]
@@ -20,12 +20,6 @@ impl Grid {
         Self { lists: vec![Vec::new(); raster.len()], raster, lowest: Vec::new() }
     }
 
-    /// The same with memory set aside for so many bodies, more than which are welcome.
-    pub(super) fn with_room_for(mut self, bodies: usize) -> Self {
-        self.lowest.reserve_exact(bodies);
-        self
-    }
-
     /// Adds the next body; bodies are numbered from 0 in the order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb) {
         let (low, high) = self.raster.range(aabb);
@@ -35,23 +29,11 @@ impl Grid {
         self.lowest.push(low.map(|i| i as u16));
     }
 
-    /// The number of the cell at `point`.
-    #[inline]
-    pub(super) fn cell(&self, point: &Vec3) -> u32 {
-        self.raster.flat(self.raster.cell_of(point)) as u32
-    }
-
-    /// The bodies that reach into the cell of this number, in the order they came.
-    #[inline]
-    pub(super) fn list(&self, cell: u32) -> impl DoubleEndedIterator<Item = u32> {
-        self.lists[cell as usize].iter().copied()
-    }
-
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
         let (low, high) = self.raster.range(aabb);
         cells(low, high).all(|cell| {
-            self.list(self.raster.flat(cell) as u32).rev().all(|body| {
+            self.lists[self.raster.flat(cell)].iter().rev().all(|&body| {
                 // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
                 let lowest = self.lowest[body as usize];
                 let first = (0..3).all(|i| cell[i] == low[i].max(i32::from(lowest[i])));
@@ -65,6 +47,7 @@ impl Grid {
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};
+    use crate::math::Vec3;
 
     #[test]
     fn near_bodies_are_named_once_each() {

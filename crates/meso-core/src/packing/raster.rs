@@ -37,6 +37,21 @@ impl Raster {
         [along(0), along(1), along(2)]
     }
 
+    /// The numbers of the cells at points whose coordinates are given by axis; of points beside a cell's side by less than single
+    /// precision tells, that on either side.
+    #[inline(always)]
+    pub(super) fn flat_about<const N: usize>(&self, points: &[[f32; N]; 3]) -> [u32; N] {
+        let mut flat = [0; N];
+        for axis in [2, 1, 0] {
+            let (origin, per_mm, count) = (self.origin[axis] as f32, self.per_mm as f32, self.counts[axis]);
+            for i in 0..N {
+                let along = (((points[axis][i] - origin) * per_mm) as i32).clamp(0, count - 1);
+                flat[i] = flat[i] * count as u32 + along as u32;
+            }
+        }
+        flat
+    }
+
     /// The lowest and the highest cell that `aabb` reaches into.
     #[inline]
     pub(super) fn range(&self, aabb: &Aabb) -> ([i32; 3], [i32; 3]) {

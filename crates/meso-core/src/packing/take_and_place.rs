@@ -4,16 +4,18 @@
 //! committed in order, and one that meets a batch mate goes on with its own random stream. A position that was refused
 //! stays refused when more is placed, so the outcome is the sequential one, bit for bit, for any number of threads.
 
+mod nearby;
 mod scene;
 
 use super::place::Task;
 use super::{Outcome, Period, StopReason};
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::snap;
+use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
 use rayon::prelude::*;
-use scene::{Candidate, Scene, Trial, Workplace};
+use scene::{Candidate, Look, Looking, Scene, Workplace};
 
 /// Grains that search at the same time. A constant, so that the counters do not depend on the threads.
 const BATCH: usize = 32;
@@ -28,19 +30,21 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     // Not needed before the end.
     outcome.poses = Vec::new();
     let mut scene = Scene::new(task);
+    let some_body = || gjk::Body::new(&[Vec3::zeros()]);
+    let mut other = some_body();
     let grains = task.request.grains.len();
     for first in (0..grains).step_by(BATCH) {
-        let scouted: Vec<Search> = (first..grains.min(first + BATCH))
+        let mut scouted: Vec<Search> = (first..grains.min(first + BATCH))
             .into_par_iter()
-            .map(|grain| {
+            .map_init(some_body, |other, grain| {
                 let mut search = Search::new(task, grain, attempts);
-                search.run(&scene);
+                search.run(&scene, other);
                 search
             })
             .collect();
         let first_mate = scene.len();
-        for search in scouted {
-            commit(&mut scene, search, first_mate, &mut outcome);
+        for search in &mut scouted {
+            commit(&mut scene, search, first_mate, &mut other, &mut outcome);
         }
         if let Some(reason) = task.stopped(scene.volume()) {
             outcome.stop = Some(reason);
@@ -51,23 +55,31 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     outcome
 }
 
-fn commit(scene: &mut Scene, mut search: Search, first_mate: usize, outcome: &mut Outcome) {
+fn commit(scene: &mut Scene, search: &mut Search, first_mate: usize, other: &mut gjk::Body, outcome: &mut Outcome) {
     if scene.class_is_full(search.candidate.grain) {
         return;
     }
-    let Search { candidate, found, work, .. } = &mut search;
-    if found.is_some_and(|centre| !scene.free_of_mates(candidate, &centre, first_mate, work)) {
-        search.run(scene);
+    let work = &mut Workplace { counters: &mut search.counters, other };
+    let meets_mates = |centre: Vec3| !scene.free_of_mates(&search.candidate, &centre, first_mate, work);
+    if search.found.is_some_and(meets_mates) {
+        search.run(scene, other);
     }
     outcome.work.candidates += search.candidates;
-    outcome.work.add(&search.work.counters);
+    outcome.work.add(&search.counters);
     if let Some(centre) = search.found {
-        scene.insert(search.number, search.candidate, centre);
+        scene.insert(search.number, &search.candidate, centre);
     }
 }
 
 /// Positions of a grain that are looked at together: what each reads lies anywhere in memory, and is waited for together.
 const AHEAD: usize = 16;
+
+/// Positions tried next, with what a look at each told. Those left are the first ones, and the last of them is next.
+struct Ahead {
+    centres: [Vec3; AHEAD],
+    looks: [Look; AHEAD],
+    left: usize,
+}
 
 /// The search of one grain for a free position; it can be resumed.
 struct Search<'a> {
@@ -75,11 +87,10 @@ struct Search<'a> {
     candidate: Candidate<'a>,
     stream: Stream,
     attempts_left: u32,
-    /// Attempts begun, the last first.
-    ahead: Vec<Trial>,
+    ahead: Ahead,
     found: Option<Vec3>,
     candidates: u64,
-    work: Workplace,
+    counters: Counters,
 }
 
 impl<'a> Search<'a> {
@@ -90,36 +101,41 @@ impl<'a> Search<'a> {
             candidate: Candidate::new(grain),
             stream: Stream::new(task.request.seed, Purpose::Place, grain.class, u64::from(grain.index)),
             attempts_left: if task.admits(grain) { attempts } else { 0 },
-            ahead: Vec::with_capacity(AHEAD),
+            ahead: Ahead { centres: [Vec3::zeros(); AHEAD], looks: [Look::Clear; AHEAD], left: 0 },
             found: None,
             candidates: 0,
-            work: Workplace::new(),
+            counters: Counters::default(),
         }
     }
 
     /// Goes on to the next free position.
-    fn run(&mut self, scene: &Scene) {
+    fn run(&mut self, scene: &Scene, other: &mut gjk::Body) {
         self.found = None;
         while self.found.is_none() {
-            if self.ahead.is_empty() && self.attempts_left > 0 {
-                self.look_ahead(scene);
+            if self.ahead.left == 0 && !self.look_ahead(scene) {
+                return;
             }
-            let Some(trial) = self.ahead.pop() else { return };
+            self.ahead.left -= 1;
             self.candidates += 1;
-            self.found = scene.free(&self.candidate, &trial, &mut self.work).then_some(trial.centre);
+            let (centre, look) = (self.ahead.centres[self.ahead.left], self.ahead.looks[self.ahead.left]);
+            let work = &mut Workplace { counters: &mut self.counters, other };
+            self.found = scene.free(&self.candidate, &centre, look, work).then_some(centre);
         }
     }
 
-    fn look_ahead(&mut self, scene: &Scene) {
+    /// Draws the next positions and looks at them; false where no attempts are left.
+    fn look_ahead(&mut self, scene: &Scene) -> bool {
         let (task, count) = (scene.task, self.attempts_left.min(AHEAD as u32) as usize);
         self.attempts_left -= count as u32;
         let mut shares = [[0.0; 3]; AHEAD];
-        for share in &mut shares[..count] {
+        for share in shares[..count].iter_mut().rev() {
             *share = [self.stream.unit(), self.stream.unit(), self.stream.unit()];
         }
-        let centres = widest(Centres { shares, reach: task.reach(&self.candidate.aabb), period: &task.period });
-        self.ahead.extend(centres[..count].iter().rev().map(|centre| Trial::new(*centre)));
-        scene.look(&self.candidate, &mut self.ahead);
+        let Ahead { centres, looks, left } = &mut self.ahead;
+        *centres = widest(Centres { shares, reach: task.reach(&self.candidate.aabb), period: &task.period });
+        widest(Looking { scene, it: &self.candidate, centres, looks: &mut looks[..count] });
+        *left = count;
+        count > 0
     }
 }
 

@@ -1,24 +1,22 @@
 //! What is placed so far, and whether a grain has room among it.
 
+use super::nearby::Nearby;
 use crate::aggregate::take::Grain;
 use crate::geometry::NarrowPolyhedron;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
-use crate::packing::grid::Grid;
 use crate::packing::place::Task;
-use std::hint::black_box;
+use crate::prefetch::prefetch;
+use crate::wide::Wide;
 
-/// Edge of the grid's cells, as a share of the middle grain's diameter: from 0.8 on all take the same time, and large ones less
-/// memory.
+/// Edge of the grid's cells, as a share of the middle grain's diameter: from 1 to 1.5 all take the same time, and this the
+/// least memory.
 const CELL: f64 = 1.25;
 
 /// Inscribed balls share a point when their distance squared over that of their touching is below this, with room for what
 /// single precision loses. In a specimen of many thousand grains across it would lose more: attempts, never a proof.
 const MEETS: f32 = 0.99;
-
-/// Stands for: no body.
-const NONE: u32 = u32::MAX;
 
 /// The placed bodies, and the indices that find those near a candidate.
 pub(super) struct Scene<'a> {
@@ -28,11 +26,9 @@ pub(super) struct Scene<'a> {
     /// The number of the grain that each is. Apart, so that the memory of a grain and of where it lies are waited for
     /// together.
     numbers: Vec<u32>,
-    /// Centre and radius of the ball that each holds, mm: what is read of many lies close together.
-    balls: Vec<[f32; 4]>,
     /// What a grain with its centre in the specimen's box may reach.
     domain: Aabb,
-    grid: Grid,
+    nearby: Nearby,
     /// Volume placed of every class, mm3.
     class_volume: Vec<f64>,
 }
@@ -55,19 +51,15 @@ pub(super) struct Candidate<'a> {
     pub(super) aabb: Aabb,
 }
 
-/// A position that a candidate tries.
-pub(super) struct Trial {
-    pub(super) centre: Vec3,
-    /// What a look told: the grid's cell, that the position is taken, or what is most likely in the way.
-    cell: u32,
-    taken: bool,
-    closest: Option<u32>,
-}
-
-impl Trial {
-    pub(super) fn new(centre: Vec3) -> Self {
-        Self { centre, cell: 0, taken: false, closest: None }
-    }
+/// What a look at a position told.
+#[derive(Clone, Copy)]
+pub(super) enum Look {
+    /// A body is there.
+    Taken,
+    /// This body is most likely in the way.
+    Near(u32),
+    /// Nothing is close.
+    Clear,
 }
 
 impl<'a> Candidate<'a> {
@@ -88,8 +80,11 @@ impl<'a> Scene<'a> {
             // Doubling would leave as much memory behind; of what is set aside only what is used counts.
             placed: Vec::with_capacity(grains.len()),
             numbers: Vec::with_capacity(grains.len()),
-            balls: Vec::with_capacity(grains.len()),
-            grid: Grid::new(&domain, CELL * middle).with_room_for(grains.len()),
+            nearby: Nearby::new(
+                &domain,
+                std::env::var("CELL").map_or(CELL, |c| c.parse().unwrap()) * middle,
+                grains.len(),
+            ),
             domain,
             class_volume: vec![0.0; task.class_targets.len()],
         }
@@ -106,14 +101,13 @@ impl<'a> Scene<'a> {
     }
 
     /// Places the candidate, which is the grain of this number, at `centre`.
-    pub(super) fn insert(&mut self, number: usize, candidate: Candidate, centre: Vec3) {
+    pub(super) fn insert(&mut self, number: usize, candidate: &Candidate, centre: Vec3) {
         let Candidate { grain, solid, aabb: local, .. } = candidate;
         let aabb = local.moved(&centre);
         for shift in self.task.period.shifts(&aabb, &self.domain) {
-            self.grid.insert(&aabb.moved(&shift));
             let centre = centre + shift;
             let [x, y, z] = <[f64; 3]>::from(centre).map(|x| x as f32);
-            self.balls.push([x, y, z, grain.inner_radius]);
+            self.nearby.insert(&aabb.moved(&shift), [x, y, z, grain.inner_radius]);
             self.numbers.push(number as u32);
             self.placed.push(Placed { centre, bounds: solid.body().bounds() });
         }
@@ -122,8 +116,8 @@ impl<'a> Scene<'a> {
 
     /// The pose of every grain; what finds near ones is given back before the list is made.
     pub(super) fn into_poses(self) -> Vec<Option<Pose>> {
-        let Self { task, placed, numbers, balls, grid, .. } = self;
-        drop((balls, grid));
+        let Self { task, placed, numbers, nearby, .. } = self;
+        drop(nearby);
         let mut poses = vec![None; task.request.grains.len()];
         // Images have their centres outside of the box.
         let itself = |centre: &Vec3| task.period.wrap(centre) == *centre;
@@ -139,65 +133,28 @@ impl<'a> Scene<'a> {
         self.class_volume[class] + grain.volume() / 2.0 >= self.task.class_targets[class]
     }
 
-    /// Looks at all of `trials` once for what ends most of them; what it says of one stays right when more is placed.
-    pub(super) fn look(&self, it: &Candidate, trials: &mut [Trial]) {
-        // What one look needs of memory is asked for before the first is waited for.
-        for trial in &mut *trials {
-            trial.cell = self.grid.cell(&trial.centre);
-        }
-        let first = |cell| self.grid.list(cell).next().map_or(0.0, |body| self.balls[body as usize][0]);
-        black_box(trials.iter().map(|trial| first(trial.cell)).sum::<f32>());
-        for trial in &mut *trials {
-            self.look_around(it, trial);
-        }
-        // So what the proofs will read.
-        let of = |other: u32| self.body(other as usize).coordinates().map(|along| along[0]).iter().sum::<f32>();
-        let and = |other: u32| of(other) + self.placed[other as usize].centre.x as f32;
-        black_box(trials.iter().filter_map(|trial| trial.closest).map(and).sum::<f32>());
-    }
-
-    /// True when the candidate at the place of the `trial` that was looked at is proved apart from everything placed, and
-    /// inside the specimen.
-    pub(super) fn free(&self, it: &Candidate, trial: &Trial, work: &mut Workplace) -> bool {
-        let (placement, Trial { centre, taken, closest, .. }) = (self.task.request.placement, trial);
+    /// True when the candidate at `centre`, which was looked at, is proved apart from everything placed, and inside the
+    /// specimen.
+    pub(super) fn free(&self, it: &Candidate, centre: &Vec3, look: Look, work: &mut Workplace) -> bool {
         // The body most likely in the way, first: it ends most attempts.
-        if *taken || closest.is_some_and(|other| !self.apart(it, centre, other as usize, work)) {
-            return false;
-        }
+        let closest = match look {
+            Look::Taken => return false,
+            Look::Near(other) if !self.apart(it, centre, other as usize, work) => return false,
+            Look::Near(other) => Some(other),
+            Look::Clear => None,
+        };
+        let placement = self.task.request.placement;
         if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
             return false;
         }
         let gap = placement.min_gap_mm;
         let aabb = it.aabb.moved(centre).grown(gap);
-        self.grid.all_near(&aabb, |other| Some(other) == *closest || self.apart(it, centre, other as usize, work))
+        self.nearby.all_near(&aabb, |other| Some(other) == closest || self.apart(it, centre, other as usize, work))
     }
 
     /// True when the candidate at `centre` is proved apart from the bodies placed from `first_mate` on.
     pub(super) fn free_of_mates(&self, it: &Candidate, centre: &Vec3, first_mate: usize, work: &mut Workplace) -> bool {
         (first_mate..self.placed.len()).all(|other| self.apart(it, centre, other, work))
-    }
-
-    /// Of the bodies around the centre of the trial, finds one whose inscribed ball meets the candidate's, or else that which
-    /// comes nearest to it for their size.
-    #[inline(always)]
-    fn look_around(&self, it: &Candidate, trial: &mut Trial) {
-        let [x, y, z] = <[f64; 3]>::from(trial.centre).map(|x| x as f32);
-        let own_radius = it.grain.inner_radius;
-        let (mut least, mut closest) = (f32::INFINITY, NONE);
-        // The first are the largest, and most often in the way.
-        for other in self.grid.list(trial.cell) {
-            let [other_x, other_y, other_z, radius] = self.balls[other as usize];
-            let (dx, dy, dz, reach) = (other_x - x, other_y - y, other_z - z, own_radius + radius);
-            let closeness = (dx * dx + dy * dy + dz * dz) / (reach * reach);
-            let is_nearer = closeness < least;
-            least = if is_nearer { closeness } else { least };
-            closest = if is_nearer { other } else { closest };
-            if closeness < MEETS {
-                break;
-            }
-        }
-        trial.taken = least < MEETS;
-        trial.closest = (!trial.taken && closest != NONE).then_some(closest);
     }
 
     /// The shape of what was placed as this number.
@@ -209,8 +166,60 @@ impl<'a> Scene<'a> {
     fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Workplace) -> bool {
         let Placed { centre: other_centre, bounds } = &self.placed[placed];
         let place = (&(other_centre - centre), self.task.request.placement.min_gap_mm);
-        gjk::apart_from(&it.solid, (bounds, self.body(placed)), &mut work.other, place, &mut work.counters)
+        gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, place, work.counters)
     }
+}
+
+/// Looks at positions for the candidate once for what ends most attempts, on wide registers; what it says of one stays right when
+/// more is placed.
+pub(super) struct Looking<'a, const N: usize> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) it: &'a Candidate<'a>,
+    pub(super) centres: &'a [Vec3; N],
+    /// Of so many of the first centres.
+    pub(super) looks: &'a mut [Look],
+}
+
+impl<const N: usize> Wide for Looking<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { scene, it, centres, looks } = self;
+        let at = by_axis(centres);
+        // What one look needs of memory is asked for before the first is waited for.
+        let cells = scene.nearby.cells_about(&at);
+        for &cell in &cells[..looks.len()] {
+            scene.nearby.prefetch(cell);
+        }
+        for (i, look) in looks.iter_mut().enumerate() {
+            let closest = scene.nearby.closest(cells[i], [at[0][i], at[1][i], at[2][i]], it.grain.inner_radius);
+            *look = match scene.nearby.body(closest) {
+                _ if closest.closeness < MEETS => Look::Taken,
+                Some(body) => Look::Near(body),
+                None => Look::Clear,
+            };
+        }
+        // So what the proofs will read.
+        for look in looks {
+            if let Look::Near(other) = *look {
+                prefetch(&scene.placed[other as usize..=other as usize]);
+                prefetch(scene.body(other as usize).all_coordinates());
+            }
+        }
+    }
+}
+
+/// The coordinates in single precision.
+#[inline(always)]
+fn by_axis<const N: usize>(points: &[Vec3; N]) -> [[f32; N]; 3] {
+    let mut by_axis = [[0.0; N]; 3];
+    for (i, point) in points.iter().enumerate() {
+        for (axis, along) in by_axis.iter_mut().enumerate() {
+            along[i] = point[axis] as f32;
+        }
+    }
+    by_axis
 }
 
 /// The middle grain's diameter counts for no less than this share of the root mean cube of all; gradings come to 0.7 or more.
@@ -224,14 +233,8 @@ fn middle_size(grains: &[Grain]) -> f64 {
 }
 
 /// What a search needs to ask about pairs.
-pub(super) struct Workplace {
-    pub(super) counters: Counters,
+pub(super) struct Workplace<'a> {
+    pub(super) counters: &'a mut Counters,
     /// The other body, where one is needed: its memory.
-    other: gjk::Body,
-}
-
-impl Workplace {
-    pub(super) fn new() -> Self {
-        Self { counters: Counters::default(), other: gjk::Body::new(&[Vec3::zeros()]) }
-    }
+    pub(super) other: &'a mut gjk::Body,
 }

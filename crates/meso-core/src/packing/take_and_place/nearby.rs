@@ -1,0 +1,264 @@
+//! What lies near a place: a grid of cells that each list the bodies whose box reaches into them, with the balls that these hold.
+//!
+//! A look at a random place waits for memory: so bodies stand eight to a piece with their balls, which are looked at together, and
+//! one or two pieces are all that a look reads.
+
+use crate::lanes::{Eight, LANES, least_lane_from_0};
+use crate::math::Aabb;
+use crate::packing::raster::{Raster, cells};
+use crate::prefetch::prefetch;
+
+/// Stands for: no body, and no piece.
+const NONE: u32 = u32::MAX;
+
+/// Where the ball of no body is, mm: farther than any other, though its distance squared is still a number.
+const NOWHERE: f32 = 1e15;
+
+/// Up to eight bodies of a cell.
+#[derive(Clone, Debug)]
+struct Piece {
+    x: Eight,
+    y: Eight,
+    z: Eight,
+    radius: Eight,
+    bodies: [u32; LANES],
+    count: u32,
+    /// The cell's piece before this one, which is full.
+    before: u32,
+}
+
+impl Piece {
+    const EMPTY: Self = Self {
+        x: [NOWHERE; LANES],
+        y: [NOWHERE; LANES],
+        z: [NOWHERE; LANES],
+        radius: [0.0; LANES],
+        bodies: [NONE; LANES],
+        count: 0,
+        before: NONE,
+    };
+}
+
+/// Pieces in blocks of so many: no more memory than they need, and small allocations of others use it again.
+const BLOCK: usize = 256;
+
+/// Pieces by their numbers.
+#[derive(Clone, Debug, Default)]
+struct Pieces(Vec<Vec<Piece>>);
+
+impl Pieces {
+    #[inline(always)]
+    fn get(&self, number: u32) -> &Piece {
+        &self.0[number as usize / BLOCK][number as usize % BLOCK]
+    }
+
+    fn get_mut(&mut self, number: u32) -> &mut Piece {
+        &mut self.0[number as usize / BLOCK][number as usize % BLOCK]
+    }
+
+    /// Adds a piece; its number.
+    fn add(&mut self, piece: Piece) -> u32 {
+        if self.0.last().is_none_or(|block| block.len() == BLOCK) {
+            self.0.push(Vec::with_capacity(BLOCK));
+        }
+        let last = self.0.len() - 1;
+        self.0[last].push(piece);
+        (last * BLOCK + self.0[last].len() - 1) as u32
+    }
+}
+
+/// Bodies by the cells that their boxes reach into. They are only ever added.
+#[derive(Clone, Debug)]
+pub(super) struct Nearby {
+    raster: Raster,
+    /// Last piece of every cell.
+    last: Vec<u32>,
+    pieces: Pieces,
+    /// Lowest cell of every body, by body.
+    lowest: Vec<[u16; 3]>,
+}
+
+/// The body that is nearest to a ball for the size of both.
+#[derive(Clone, Copy)]
+pub(super) struct Closest {
+    /// Distance squared of the two balls' centres over that where they touch.
+    pub(super) closeness: f32,
+    /// The piece that has it, and its lane there.
+    piece: u32,
+    lane: usize,
+}
+
+impl Nearby {
+    /// Nothing yet, over `domain` with cells of about `cell` mm, and memory set aside for so many bodies, more than which are
+    /// welcome.
+    pub(super) fn new(domain: &Aabb, cell: f64, bodies: usize) -> Self {
+        let raster = Raster::new(domain, cell);
+        let lowest = Vec::with_capacity(bodies);
+        Self { last: vec![NONE; raster.len()], raster, pieces: Pieces::default(), lowest }
+    }
+
+    /// Adds the next body by its box and the x, y, z and radius of a ball that it holds, mm; bodies are numbered from 0 in the
+    /// order they come.
+    pub(super) fn insert(&mut self, aabb: &Aabb, ball: [f32; 4]) {
+        let body = self.lowest.len() as u32;
+        let (low, high) = self.raster.range(aabb);
+        for cell in cells(low, high) {
+            let (piece, lane) = self.open_lane(self.raster.flat(cell));
+            let [x, y, z, radius] = ball;
+            (piece.x[lane], piece.y[lane], piece.z[lane]) = (x, y, z);
+            (piece.radius[lane], piece.bodies[lane]) = (radius, body);
+        }
+        self.lowest.push(low.map(|i| i as u16));
+    }
+
+    /// A cell's last piece, or a new one where that is full, and the lane in it that is next.
+    fn open_lane(&mut self, cell: usize) -> (&mut Piece, usize) {
+        let last = &mut self.last[cell];
+        if *last == NONE || self.pieces.get(*last).count as usize == LANES {
+            *last = self.pieces.add(Piece { before: *last, ..Piece::EMPTY });
+        }
+        let piece = self.pieces.get_mut(*last);
+        piece.count += 1;
+        let lane = piece.count as usize - 1;
+        (piece, lane)
+    }
+
+    /// The numbers of the cells at these points, by axis; beside a cell's side that on either side.
+    #[inline(always)]
+    pub(super) fn cells_about<const N: usize>(&self, points: &[[f32; N]; 3]) -> [u32; N] {
+        self.raster.flat_about(points)
+    }
+
+    /// Begins to bring near what a look into this cell reads.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, cell: u32) {
+        let last = self.last[cell as usize];
+        if last != NONE {
+            prefetch(std::slice::from_ref(self.pieces.get(last)));
+        }
+    }
+
+    /// Of the bodies that reach into this cell, that which is nearest to the ball about x, y, z for the size of both.
+    #[inline(always)]
+    pub(super) fn closest(&self, cell: u32, [x, y, z]: [f32; 3], own_radius: f32) -> Closest {
+        let (mut least, mut pieces) = ([f32::MAX; LANES], [NONE; LANES]);
+        let mut next = self.last[cell as usize];
+        while next != NONE {
+            let piece = self.pieces.get(next);
+            let mut closeness = [0.0; LANES];
+            for lane in 0..LANES {
+                let (dx, dy, dz) = (piece.x[lane] - x, piece.y[lane] - y, piece.z[lane] - z);
+                let reach = own_radius + piece.radius[lane];
+                closeness[lane] = (dx * dx + dy * dy + dz * dz) / (reach * reach);
+            }
+            for lane in 0..LANES {
+                pieces[lane] = if closeness[lane] < least[lane] { next } else { pieces[lane] };
+            }
+            for lane in 0..LANES {
+                least[lane] = if closeness[lane] < least[lane] { closeness[lane] } else { least[lane] };
+            }
+            next = piece.before;
+        }
+        let (closeness, lane) = least_lane_from_0(&least);
+        Closest { closeness, piece: pieces[lane], lane }
+    }
+
+    /// The number of the body that was found, if there is one.
+    #[inline(always)]
+    pub(super) fn body(&self, found: Closest) -> Option<u32> {
+        (found.piece != NONE).then(|| self.pieces.get(found.piece).bodies[found.lane])
+    }
+
+    /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
+    pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
+        let (low, high) = self.raster.range(aabb);
+        cells(low, high).all(|cell| {
+            let mut next = self.last[self.raster.flat(cell)];
+            while next != NONE {
+                let piece = self.pieces.get(next);
+                let all = piece.bodies[..piece.count as usize].iter().rev().all(|&body| {
+                    // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
+                    let lowest = self.lowest[body as usize];
+                    let first = (0..3).all(|i| cell[i] == low[i].max(i32::from(lowest[i])));
+                    !first || visit(body)
+                });
+                if !all {
+                    return false;
+                }
+                next = piece.before;
+            }
+            true
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aggregate::random::{Purpose, Stream};
+    use crate::math::Vec3;
+
+    const DOMAIN: f64 = 30.0;
+
+    /// Balls in boxes a little larger than they are, as x, y, z and radius.
+    fn scene(stream: &mut Stream, bodies: usize) -> (Nearby, Vec<Aabb>, Vec<[f32; 4]>) {
+        let domain = Aabb { min: Vec3::zeros(), max: Vec3::repeat(DOMAIN) };
+        let mut nearby = Nearby::new(&domain, 6.0, 1);
+        let (mut boxes, mut balls) = (Vec::new(), Vec::new());
+        for _ in 0..bodies {
+            let (centre, radius) = (stream.point(&domain.min, &domain.max), stream.uniform(0.5, 3.0));
+            let aabb = Aabb { min: centre - Vec3::repeat(1.2 * radius), max: centre + Vec3::repeat(1.3 * radius) };
+            let [x, y, z, radius] = [centre.x, centre.y, centre.z, radius].map(|x| x as f32);
+            nearby.insert(&aabb, [x, y, z, radius]);
+            boxes.push(aabb);
+            balls.push([x, y, z, radius]);
+        }
+        (nearby, boxes, balls)
+    }
+
+    #[test]
+    fn near_bodies_are_named_once_each() {
+        // More than fill a piece of most cells, and more than a block of pieces.
+        let (nearby, boxes, _) = scene(&mut Stream::new(3, Purpose::Sample, 0, 0), 900);
+        assert!(nearby.pieces.0.len() > 1);
+        for aabb in &boxes {
+            let mut seen = vec![0; boxes.len()];
+            nearby.all_near(aabb, |body| {
+                seen[body as usize] += 1;
+                true
+            });
+            for (seen, other) in seen.into_iter().zip(&boxes) {
+                assert!(seen <= 1);
+                assert!(seen == 1 || !aabb.intersects(other), "a near body was missed");
+            }
+        }
+    }
+
+    #[test]
+    fn a_look_finds_a_ball_that_holds_the_point_wherever_one_does() {
+        let mut stream = Stream::new(4, Purpose::Sample, 0, 0);
+        let (nearby, _, balls) = scene(&mut stream, 600);
+        let mut held = 0;
+        for _ in 0..200 {
+            let points: [[f32; 5]; 3] =
+                std::array::from_fn(|_| std::array::from_fn(|_| stream.uniform(0.0, DOMAIN) as f32));
+            for (i, cell) in nearby.cells_about(&points).into_iter().enumerate() {
+                let at = [points[0][i], points[1][i], points[2][i]];
+                let closeness = |[x, y, z, radius]: &[f32; 4]| {
+                    ((x - at[0]).powi(2) + (y - at[1]).powi(2) + (z - at[2]).powi(2)) / radius.powi(2)
+                };
+                let least = balls.iter().map(closeness).fold(f32::INFINITY, f32::min);
+                let found = nearby.closest(cell, at, 0.0);
+                if least < 1.0 {
+                    let body = nearby.body(found).expect("its box reaches into the cell");
+                    assert!((found.closeness / least - 1.0).abs() < 1e-5);
+                    assert!((closeness(&balls[body as usize]) / least - 1.0).abs() < 1e-5);
+                    held += 1;
+                } else {
+                    assert!(found.closeness >= 0.9999);
+                }
+            }
+        }
+        assert!((300..700).contains(&held), "{held} of 1000");
+    }
+}
