@@ -3,7 +3,7 @@
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::check;
-use meso_core::packing::{Progress, Silent, Specimen, StopReason, Strategy};
+use meso_core::packing::{Periodic, Progress, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, gjk, pack};
 use std::sync::atomic::{AtomicI32, Ordering};
 
@@ -154,6 +154,20 @@ fn a_packing_that_cannot_be_ends_with_what_fits_and_says_so() {
     assert_eq!(model.report.stop_reason, StopReason::Jammed);
     assert!(model.report.fraction > 0.3, "{}", model.report.fraction);
     assert_apart(&model);
+}
+
+/// Where the worst wedged grains alone went, the finest class lacked 13 % and the two others next to nothing.
+#[test]
+fn a_hopeless_target_ends_where_a_lower_one_would_with_its_grading() {
+    let mut spec = Spec { specimen: Specimen::Cube { side_mm: 45.0, periodic: Periodic::ALL }, ..small(0.78) };
+    spec.grading.d_max_mm = 15.0;
+    spec.grading.classes_mm = vec![5.0, 10.0, 15.0];
+    let model = packed(&spec);
+    let report = &model.report;
+    assert_eq!(report.stop_reason, StopReason::Jammed, "{}", report.stop_detail);
+    assert!(report.fraction > 0.70, "{}", report.stop_detail);
+    let reached: Vec<f64> = report.classes.iter().map(|class| class.fraction / class.target_fraction).collect();
+    assert!((reached[0] - reached[1]).abs() < 0.03, "{}", report.stop_detail);
 }
 
 /// Says stop after so many questions.

@@ -18,17 +18,18 @@ const DRAWS: usize = 100;
 /// Grains that are dropped together, blind to each other, as a share of those that lie there.
 const TOGETHER: f64 = 1.0 / 32.0;
 
-/// For every grain that is not too large for the specimen its number and, of the random positions looked at, the one that
-/// leaves it most room among those before it. Fibres come last: they look for a line that the others leave free.
+/// For every grain that is wanted (by its number) and not too large for the specimen its number and, of the random positions
+/// looked at, the one that leaves it most room among those before it. Fibres come last: they look for a line that the others
+/// leave free.
 ///
 /// # Errors
 /// The reason to stop, where there is one before all are dropped.
-pub(super) fn fill(task: &Task) -> Result<Vec<(u32, Pose)>, StopReason> {
+pub(super) fn fill(task: &Task, wanted: impl Fn(usize) -> bool) -> Result<Vec<(u32, Pose)>, StopReason> {
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
     let domain = task.domain();
     let mut ground = Ground { task, domain, balls: Balls::new(&domain, middle) };
-    let admitted = (0..grains.len()).filter(|&number| task.admits(&grains[number]));
+    let admitted = (0..grains.len()).filter(|&number| wanted(number) && task.admits(&grains[number]));
     let (long, short): (Vec<usize>, Vec<usize>) = admitted.partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = Vec::with_capacity(grains.len());
     for order in [short, long] {

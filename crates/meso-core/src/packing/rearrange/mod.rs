@@ -15,6 +15,7 @@ mod obstacle;
 mod pairs;
 mod prove;
 mod slender;
+mod thin;
 mod turn;
 mod walls;
 
@@ -68,7 +69,7 @@ pub(super) fn place(task: &Task) -> Outcome {
         return outcome;
     }
     let mut settings = Settings::new(task);
-    let mut poses = match drop::fill(task) {
+    let mut poses = match drop::fill(task, |_| true) {
         Ok(poses) => poses,
         Err(reason) => {
             outcome.stop = Some(reason);
@@ -241,16 +242,37 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// From the start again and slower, where that may help and there is time for it.
+    /// From the start again, slower or with fewer grains, where that may help and there is time for it.
     fn start_over_or_relieve(&mut self, task: &Task<'a>) {
-        let Some(slower) = self.settings.cooling.next(self.lack).filter(|_| task.spent() < EARLY) else {
+        if task.spent() >= EARLY {
             return self.relieve(task);
-        };
+        }
+        let moving = self.grains();
+        if let Some(slower) = self.settings.cooling.next(self.lack) {
+            return self.start_over(task, slower, &moving);
+        }
+        let fewer = self.settings.cooling.fewer(self.lack);
+        let fewer = fewer.map(|(excess, cooling)| (thin::thinned(task.request.grains, &moving, excess), cooling));
+        match fewer {
+            Some((kept, cooling)) if kept.len() < moving.len() => self.start_over(task, cooling, &kept),
+            _ => self.relieve(task),
+        }
+    }
+
+    /// Drops these grains anew.
+    fn start_over(&mut self, task: &Task<'a>, cooling: Cooling, grains: &[u32]) {
         // A stop meanwhile is seen by the next look.
-        if let Ok(poses) = drop::fill(task) {
-            self.settings = Settings { cooling: slower, ..Settings::new(task) };
+        if let Ok(poses) = drop::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
+            self.settings = Settings { cooling, ..Settings::new(task) };
             self.begin(task, poses);
         }
+    }
+
+    /// The numbers of the moving grains, ascending.
+    fn grains(&self) -> Vec<u32> {
+        let mut grains: Vec<u32> = self.bodies.fixed.iter().map(|body| body.grain).collect();
+        grains.sort_unstable();
+        grains
     }
 
     /// Goes on with these bodies, at rest.
