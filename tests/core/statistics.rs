@@ -4,7 +4,7 @@ use crate::solids::{Source, block};
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::Vec3;
-use meso_core::packing::Specimen;
+use meso_core::packing::{Periodic, Specimen};
 use meso_core::statistics::{Options, Statistics, statistics};
 use meso_core::{Model, Silent, Spec, pack};
 
@@ -131,6 +131,21 @@ fn nearest_distances_of_a_lattice_are_its_gaps() {
     let far = measured(60.0, two.to_vec()).nearest_distance_mm.unwrap();
     assert!(far.min == far.max && (30.0..30.1).contains(&far.min), "{far:?}");
     assert_eq!(measured(60.0, vec![ball(Vec3::repeat(30.0), 3.0)]).nearest_distance_mm, None);
+}
+
+/// Images two sizes of an aggregate off were looked at, no others: the nearest was another one, or none.
+#[test]
+fn the_nearest_aggregate_may_be_an_image_far_beyond_a_face() {
+    let nearest = |x: &[f64]| {
+        let mut model = model(100.0, x.iter().map(|&x| ball(Vec3::new(x, 50.0, 50.0), 3.0)).collect());
+        model.spec.specimen = Specimen::Cube { side_mm: 100.0, periodic: Periodic([true, false, false]) };
+        statistics(&model, &Options { lines: 0, points: 0, ..Options::default() }).unwrap().nearest_distance_mm.unwrap()
+    };
+    // 48 mm apart in the box, 40 mm across its face.
+    let two = nearest(&[20.0, 74.0]);
+    assert!((40.0..40.1).contains(&two.min) && (40.0..40.1).contains(&two.max), "{two:?}");
+    let one = nearest(&[50.0]);
+    assert!((94.0..94.1).contains(&one.mean), "its own image: {one:?}");
 }
 
 #[test]

@@ -86,7 +86,8 @@ pub struct Statistics {
     pub orientation: Orientation,
     /// Fraction against depth.
     pub wall_effect: WallEffect,
-    /// Distance from each aggregate to the nearest other one, mm; absent for fewer than two.
+    /// Distance from each aggregate to the nearest other one, mm; absent for fewer than two. In a specimen that repeats
+    /// itself images are others, too, an aggregate's own among them.
     pub nearest_distance_mm: Option<Distribution>,
     /// Two-point correlation and lineal path.
     pub correlation: Correlation,
@@ -101,11 +102,9 @@ pub struct Statistics {
 /// A loaded model may hold coordinates beyond what the exact distance accepts.
 pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkError> {
     let (room, aggregates) = (model.spec.specimen.room(), model.aggregates.as_slice());
-    // Where the specimen repeats itself, points, lines and neighbours may meet images, too: an aggregate reaches half its
-    // length out of the box, and a neighbour is hardly farther than one length.
-    let images = images_near(aggregates, &model.spec.specimen, 2.0 * model.spec.grading.d_max_mm);
-    let index = Index::new(&images, &room.aabb());
-    let sample = Sample { room: &*room, aggregates: &images, index: &index, options };
+    // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
+    let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
+    let sample = Sample { room: &*room, aggregates: &images.aggregates, index: &images.index, options };
     Ok(Statistics {
         fraction: ordered_sum(aggregates, |a| a.body.volume()) / room.volume(),
         specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / room.volume(),
@@ -113,10 +112,25 @@ pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkErr
         shapes: Shapes::of(aggregates),
         orientation: Orientation::of(aggregates),
         wall_effect: wall::wall_effect(&sample),
-        nearest_distance_mm: nearest::nearest_distances(&images, aggregates.len(), &index)?,
+        nearest_distance_mm: nearest::nearest_distances(model, &images)?,
         correlation: correlation::correlation(&sample),
         phases: PhaseFigures::all(&model.inclusions, room.volume()),
     })
+}
+
+/// The aggregates, then, where the specimen repeats itself, their images that come within `margin` mm of it.
+struct Images {
+    aggregates: Vec<Aggregate>,
+    index: Index,
+    margin: f64,
+}
+
+impl Images {
+    fn near(model: &Model, margin: f64) -> Self {
+        let aggregates = images_near(&model.aggregates, &model.spec.specimen, margin);
+        let index = Index::new(&aggregates, &model.spec.specimen.aabb());
+        Self { aggregates, index, margin }
+    }
 }
 
 /// What sampling needs.

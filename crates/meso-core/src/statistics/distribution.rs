@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Mean, spread and quantiles of a sample.
+/// Mean, spread and quantiles of a sample; a quantile between two values is between them as it is between their ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Distribution {
     /// Mean.
@@ -11,11 +11,11 @@ pub struct Distribution {
     pub sd: f64,
     /// Smallest.
     pub min: f64,
-    /// A tenth is at most this.
+    /// A tenth is less.
     pub p10: f64,
-    /// Half is at most this.
+    /// Half is less.
     pub median: f64,
-    /// Nine tenths are at most this.
+    /// Nine tenths are less.
     pub p90: f64,
     /// Largest.
     pub max: f64,
@@ -29,7 +29,11 @@ impl Distribution {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
-        let quantile = |share: f64| values[(share * (n - 1.0)).round() as usize];
+        let quantile = |share: f64| {
+            let place = share * (n - 1.0);
+            let (below, above) = (values[place as usize], values[place.ceil() as usize]);
+            below + (above - below) * place.fract()
+        };
         let (min, max) = (*values.first()?, *values.last()?);
         Some(Self {
             mean,
@@ -40,5 +44,19 @@ impl Distribution {
             p90: quantile(0.9),
             max,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_is_between_its_two_middle_values() {
+        let four = Distribution::of([4.0, 1.0, 2.0, 8.0]).unwrap();
+        assert_eq!((four.min, four.median, four.max), (1.0, 3.0, 8.0));
+        let eleven = Distribution::of((0..11).map(f64::from)).unwrap();
+        assert_eq!((eleven.p10, eleven.median, eleven.p90), (1.0, 5.0, 9.0));
+        assert_eq!(Distribution::of([]), None);
     }
 }

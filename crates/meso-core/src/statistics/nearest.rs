@@ -1,23 +1,41 @@
 //! How much mortar is between an aggregate and the nearest other one.
 
-use super::Distribution;
 use super::index::Index;
+use super::{Distribution, Images};
 use crate::aggregate::Aggregate;
 use crate::gjk::{self, GjkError};
 use crate::math::{Aabb, Vec3};
+use crate::model::Model;
 use rayon::prelude::*;
 
-/// Distances from each of the first `count` aggregates to the nearest other one, mm; `None` where there is no other.
-pub(super) fn nearest_distances(
-    aggregates: &[Aggregate],
-    count: usize,
-    index: &Index,
-) -> Result<Option<Distribution>, GjkError> {
-    if aggregates.len() < 2 {
-        return Ok(None);
+/// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. Where the specimen repeats
+/// itself images are others, too, an aggregate's own among them.
+pub(super) fn nearest_distances(model: &Model, images: &Images) -> Result<Option<Distribution>, GjkError> {
+    let (count, specimen) = (model.aggregates.len(), &model.spec.specimen);
+    let mut found = distances(&images.aggregates, count, &images.index)?;
+    let mut margin = images.margin;
+    // An image further off than those at hand may be nearer than the nearest of them.
+    while !specimen.period().is_none() && found.iter().any(|distance| *distance > margin - outmost(model)) {
+        margin *= 2.0;
+        let wider = Images::near(model, margin);
+        found = distances(&wider.aggregates, count, &wider.index)?;
     }
-    let distances = (0..count as u32).into_par_iter().map(|a| nearest(aggregates, index, a));
-    Ok(Distribution::of(distances.collect::<Result<Vec<_>, _>>()?))
+    Ok(Distribution::of(found.into_iter().filter(|distance| distance.is_finite())))
+}
+
+/// How far aggregates reach out of the specimen's box, mm.
+fn outmost(model: &Model) -> f64 {
+    let room = model.spec.specimen.aabb();
+    let beyond = |body: Aabb| (room.min - body.min).sup(&(body.max - room.max)).max();
+    model.aggregates.iter().map(|aggregate| beyond(aggregate.body.aabb())).fold(0.0, f64::max)
+}
+
+/// From each of the first `count` aggregates; infinite where there is no other.
+fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Vec<f64>, GjkError> {
+    if aggregates.len() < 2 {
+        return Ok(vec![f64::INFINITY; count]);
+    }
+    (0..count as u32).into_par_iter().map(|a| nearest(aggregates, index, a)).collect()
 }
 
 /// Looks into a growing box around the aggregate until the nearest found is nearer than the box reaches.
