@@ -114,11 +114,44 @@ fn bands_of_the_standards_narrow_to_all_and_do_not_cross() {
 fn an_astm_size_of_three_digits_spans_the_sizes_it_is_made_of() {
     // 467 is 4, 6 and 7 together: from the finest of 7 to the coarsest of 4.
     let sieves = |standard: Standard| standard.rows().iter().map(|row| row.0).collect::<Vec<_>>();
-    for (whole, coarse) in [(Standard::Astm357, Standard::Astm3), (Standard::Astm467, Standard::Astm4)] {
+    let sizes = [
+        (Standard::Astm357, Standard::Astm3),
+        (Standard::Astm467, Standard::Astm4),
+        (Standard::Astm56, Standard::Astm5),
+        (Standard::Astm89, Standard::Astm8),
+    ];
+    for (whole, coarse) in sizes {
         assert_eq!(sieves(whole).last(), sieves(coarse).last(), "{whole:?}");
     }
     assert_eq!(sieves(Standard::Astm67), [2.36, 4.75, 9.5, 19.0, 25.0]);
     assert_eq!(Standard::Astm7.rows()[2], (9.5, 40.0, 70.0));
+}
+
+/// Of each size its nominal limits, mm, as the standard has them.
+#[test]
+fn every_size_of_astm_c33_has_its_name_and_nine_tenths_within_its_limits() {
+    for (size, d_min, d_max) in [
+        ("1", 37.5, 90.0),
+        ("2", 37.5, 63.0),
+        ("3", 25.0, 50.0),
+        ("357", 4.75, 50.0),
+        ("4", 19.0, 37.5),
+        ("467", 4.75, 37.5),
+        ("5", 12.5, 25.0),
+        ("56", 9.5, 25.0),
+        ("57", 4.75, 25.0),
+        ("6", 9.5, 19.0),
+        ("67", 4.75, 19.0),
+        ("7", 4.75, 12.5),
+        ("8", 2.36, 9.5),
+        ("89", 1.18, 9.5),
+        ("9", 1.18, 4.75),
+    ] {
+        let name = format!("curve = {{ kind = 'standard', name = 'astm-c33-{size}' }}");
+        let curve = grading(&format!("{name}\nd_min_mm = {d_min:?}\nd_max_mm = {d_max:?}")).curve;
+        let within = curve.passing(d_max, d_max) - curve.passing(d_min, d_max);
+        assert!((0.84..0.96).contains(&within), "{size}: {within}");
+    }
 }
 
 #[test]

@@ -46,7 +46,7 @@ pub enum Form {
 pub enum SizeDefinition {
     /// The longest axis 2a (the paper's).
     LongestAxis,
-    /// The width of the smallest square hole the polyhedron passes.
+    /// The width of the smallest square hole the polyhedron passes lengthwise.
     Sieve,
 }
 

@@ -5,7 +5,8 @@
 //! - EN 12620, coarse d/D of category Gc 85/20 (Table 2; betontechnische-daten.de, Sec. 2.2.3): 0 to 5 % pass d/2, 0 to 20 %
 //!   pass d, 85 to 99 % pass D, 98 to 100 % pass 1.4 D, all pass 2 D.
 //! - ASTM C33, Table "Grading requirements for coarse aggregates", and the same sizes in AASHTO M 43, from which Table 703-1
-//!   of the Colorado Department of Transportation's specifications repeats those given here.
+//!   of the Colorado Department of Transportation's specifications repeats those given here. All but size 56, which C33 has
+//!   wider than M 43 (40 to 85 % pass 19 mm and 10 to 40 % 12.5 mm, not 40 to 75 and 15 to 35 %), were held against a second copy of M 43.
 //! - GB/T 14685-2011 and -2022, Table 1, pebble and crushed stone, continuous gradings (those of JGJ 52-2006, Table
 //!   3.2.1-2, too), which give shares retained; turned into shares passing here. Held against two public programs, one with
 //!   the table of JGJ 52, one with that of GB/T 14685-2022: the latter differs for 5-40 mm, the former does not.
@@ -51,6 +52,12 @@ pub enum Standard {
     /// EN 12620, 16/32.
     #[serde(rename = "en-12620-16-32")]
     En16To32,
+    /// ASTM C33, size 1 (90 to 37.5 mm).
+    #[serde(rename = "astm-c33-1")]
+    Astm1,
+    /// ASTM C33, size 2 (63 to 37.5 mm).
+    #[serde(rename = "astm-c33-2")]
+    Astm2,
     /// ASTM C33, size 3 (50 to 25 mm).
     #[serde(rename = "astm-c33-3")]
     Astm3,
@@ -63,6 +70,12 @@ pub enum Standard {
     /// ASTM C33, size 467 (37.5 to 4.75 mm).
     #[serde(rename = "astm-c33-467")]
     Astm467,
+    /// ASTM C33, size 5 (25 to 12.5 mm).
+    #[serde(rename = "astm-c33-5")]
+    Astm5,
+    /// ASTM C33, size 56 (25 to 9.5 mm).
+    #[serde(rename = "astm-c33-56")]
+    Astm56,
     /// ASTM C33, size 57 (25 to 4.75 mm).
     #[serde(rename = "astm-c33-57")]
     Astm57,
@@ -78,6 +91,12 @@ pub enum Standard {
     /// ASTM C33, size 8 (9.5 to 2.36 mm).
     #[serde(rename = "astm-c33-8")]
     Astm8,
+    /// ASTM C33, size 89 (9.5 to 1.18 mm).
+    #[serde(rename = "astm-c33-89")]
+    Astm89,
+    /// ASTM C33, size 9 (4.75 to 1.18 mm).
+    #[serde(rename = "astm-c33-9")]
+    Astm9,
     /// GB/T 14685, continuous 5-16 mm.
     #[serde(rename = "gbt-14685-5-16")]
     Gb5To16,
@@ -103,7 +122,7 @@ const DIN: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 31.5];
 
 impl Standard {
     /// All of them.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 32] = [
         Self::DinA8,
         Self::DinB8,
         Self::DinC8,
@@ -116,15 +135,21 @@ impl Standard {
         Self::En4To8,
         Self::En8To16,
         Self::En16To32,
+        Self::Astm1,
+        Self::Astm2,
         Self::Astm3,
         Self::Astm357,
         Self::Astm4,
         Self::Astm467,
+        Self::Astm5,
+        Self::Astm56,
         Self::Astm57,
         Self::Astm6,
         Self::Astm67,
         Self::Astm7,
         Self::Astm8,
+        Self::Astm89,
+        Self::Astm9,
         Self::Gb5To16,
         Self::Gb5To20,
         Self::Gb5To25,
@@ -147,15 +172,21 @@ impl Standard {
             Self::En4To8 => "EN 12620 4/8, middle of Gc 85/20",
             Self::En8To16 => "EN 12620 8/16, middle of Gc 85/20",
             Self::En16To32 => "EN 12620 16/32, middle of Gc 85/20",
+            Self::Astm1 => "ASTM C33 size 1, middle of the band",
+            Self::Astm2 => "ASTM C33 size 2, middle of the band",
             Self::Astm3 => "ASTM C33 size 3, middle of the band",
             Self::Astm357 => "ASTM C33 size 357, middle of the band",
             Self::Astm4 => "ASTM C33 size 4, middle of the band",
             Self::Astm467 => "ASTM C33 size 467, middle of the band",
+            Self::Astm5 => "ASTM C33 size 5, middle of the band",
+            Self::Astm56 => "ASTM C33 size 56, middle of the band",
             Self::Astm57 => "ASTM C33 size 57, middle of the band",
             Self::Astm6 => "ASTM C33 size 6, middle of the band",
             Self::Astm67 => "ASTM C33 size 67, middle of the band",
             Self::Astm7 => "ASTM C33 size 7, middle of the band",
             Self::Astm8 => "ASTM C33 size 8, middle of the band",
+            Self::Astm89 => "ASTM C33 size 89, middle of the band",
+            Self::Astm9 => "ASTM C33 size 9, middle of the band",
             Self::Gb5To16 => "GB/T 14685 continuous 5-16 mm, middle of the band",
             Self::Gb5To20 => "GB/T 14685 continuous 5-20 mm, middle of the band",
             Self::Gb5To25 => "GB/T 14685 continuous 5-25 mm, middle of the band",
@@ -184,6 +215,16 @@ impl Standard {
             Self::En4To8 => en([2.0, 4.0, 8.0, 11.2, 16.0]),
             Self::En8To16 => en([4.0, 8.0, 16.0, 22.4, 31.5]),
             Self::En16To32 => en([8.0, 16.0, 31.5, 45.0, 63.0]),
+            Self::Astm1 => vec![
+                (19.0, 0.0, 5.0),
+                (37.5, 0.0, 15.0),
+                (63.0, 25.0, 60.0),
+                (90.0, 90.0, 100.0),
+                (100.0, 100.0, 100.0),
+            ],
+            Self::Astm2 => {
+                vec![(19.0, 0.0, 5.0), (37.5, 0.0, 15.0), (50.0, 35.0, 70.0), (63.0, 90.0, 100.0), (75.0, 100.0, 100.0)]
+            }
             Self::Astm3 => {
                 vec![(12.5, 0.0, 5.0), (25.0, 0.0, 15.0), (37.5, 35.0, 70.0), (50.0, 90.0, 100.0), (63.0, 100.0, 100.0)]
             }
@@ -200,6 +241,17 @@ impl Standard {
             Self::Astm467 => {
                 vec![(4.75, 0.0, 5.0), (9.5, 10.0, 30.0), (19.0, 35.0, 70.0), (37.5, 95.0, 100.0), (50.0, 100.0, 100.0)]
             }
+            Self::Astm5 => {
+                vec![(9.5, 0.0, 5.0), (12.5, 0.0, 10.0), (19.0, 20.0, 55.0), (25.0, 90.0, 100.0), (37.5, 100.0, 100.0)]
+            }
+            Self::Astm56 => vec![
+                (4.75, 0.0, 5.0),
+                (9.5, 0.0, 15.0),
+                (12.5, 10.0, 40.0),
+                (19.0, 40.0, 85.0),
+                (25.0, 90.0, 100.0),
+                (37.5, 100.0, 100.0),
+            ],
             Self::Astm57 => {
                 vec![(2.36, 0.0, 5.0), (4.75, 0.0, 10.0), (12.5, 25.0, 60.0), (25.0, 95.0, 100.0), (37.5, 100.0, 100.0)]
             }
@@ -214,6 +266,17 @@ impl Standard {
             }
             Self::Astm8 => {
                 vec![(1.18, 0.0, 5.0), (2.36, 0.0, 10.0), (4.75, 10.0, 30.0), (9.5, 85.0, 100.0), (12.5, 100.0, 100.0)]
+            }
+            Self::Astm89 => vec![
+                (0.3, 0.0, 5.0),
+                (1.18, 0.0, 10.0),
+                (2.36, 5.0, 30.0),
+                (4.75, 20.0, 55.0),
+                (9.5, 90.0, 100.0),
+                (12.5, 100.0, 100.0),
+            ],
+            Self::Astm9 => {
+                vec![(0.3, 0.0, 5.0), (1.18, 0.0, 10.0), (2.36, 10.0, 40.0), (4.75, 85.0, 100.0), (9.5, 100.0, 100.0)]
             }
             Self::Gb5To16 => retained(&[
                 (2.36, 95.0, 100.0),
