@@ -3,6 +3,7 @@
 use crate::mesh::{aggregate, block, deck, turned_blocks};
 use crate::mesh_specimens::rooms;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
+use meso_core::materials::Strength;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Phase};
 use meso_core::packing::{Periodic, Specimen};
@@ -210,6 +211,43 @@ fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
             }
         }
     }
+}
+
+/// Plastic strain of every row of a compression curve: the inelastic one less d / (1 - d) s / E.
+fn plastic_strains(text: &str, modulus: f64) -> Vec<f64> {
+    let cards = cards(text);
+    let rows = |keyword: &str| -> Vec<[f64; 2]> {
+        let card = cards.iter().find(|card| card.keyword == keyword).unwrap();
+        card.data.iter().map(|row| [0, 1].map(|k| row[k].parse().unwrap())).collect()
+    };
+    let (hardening, damage) = (rows("CONCRETE COMPRESSION HARDENING"), rows("CONCRETE COMPRESSION DAMAGE"));
+    let plastic = |([s, strain], [d, _]): (&[f64; 2], &[f64; 2])| strain - d / (1.0 - d) * s / modulus;
+    hardening.iter().zip(&damage).map(plastic).collect()
+}
+
+/// Abaqus ends with an error where plastic strain falls: a crushing energy of 0.05 N/mm in elements of 1 mm was written all
+/// the same, and a peak strain below the elastic one was raised in silence.
+#[test]
+fn curves_that_abaqus_refuses_are_named() {
+    let mesh = two_voxels(false);
+    let with = |change: fn(&mut Strength)| {
+        let mut options = DeckOptions { analysis: Analysis::Compression, ..Default::default() };
+        change(&mut options.materials.mortar_strength);
+        options
+    };
+    let error = |options: DeckOptions| options.validate(&mesh).unwrap_err().to_string();
+    // Strength^2 times width over modulus is 40^2 / 26000 = 0.0615 N/mm.
+    let crushing = error(with(|strength| strength.crushing_energy_n_per_mm = 0.06));
+    assert!(crushing.contains("crushing_energy_n_per_mm is 0.06; MORTAR needs 6.154e-2 or more"), "{crushing}");
+    let peak = error(with(|strength| strength.peak_strain = 0.0016));
+    assert!(peak.contains("peak_strain is 0.0016; MORTAR needs 1.615e-3 or more"), "{peak}");
+    let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 2e-4));
+    assert!(fracture.contains("fracture_energy_n_per_mm is 0.0002; MORTAR needs 2.769e-4 or more"), "{fracture}");
+    let just = with(|strength| strength.crushing_energy_n_per_mm = 0.062);
+    let plastic = plastic_strains(&deck(&mesh, &just), just.materials.mortar.youngs_modulus_mpa);
+    assert!(plastic.windows(2).all(|w| w[0] <= w[1]), "{plastic:?}");
+    let elastic = DeckOptions { analysis: Analysis::Elastic, ..with(|strength| strength.peak_strain = 0.0016) };
+    assert!(elastic.validate(&mesh).is_ok(), "it has no curves");
 }
 
 #[test]

@@ -26,8 +26,8 @@ const RISING: usize = 8;
 /// Compression hardening for crack bands `width` mm wide.
 pub(super) fn compression(elastic: &Elastic, strength: &Strength, width: f64) -> Vec<Row> {
     let (e, fc) = (elastic.youngs_modulus_mpa, strength.compressive_mpa);
-    // The rising branch needs k > 1: a peak strain beyond the elastic one.
-    let peak_strain = strength.peak_strain.max(1.05 * fc / e);
+    // The rising branch needs k > 1, a peak strain beyond the elastic one: the limits see to it.
+    let peak_strain = strength.peak_strain;
     let k = e * peak_strain / fc;
     let stress = |eta: f64| fc * (k * eta - eta * eta) / (1.0 + (k - 2.0) * eta);
     let start = limit_share(k);

@@ -2,6 +2,7 @@
 
 use super::DeckOptions;
 use crate::materials::{Elastic, Materials};
+use crate::mesh::Phase;
 
 /// An option that a deck cannot hold.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -80,6 +81,29 @@ fn materials(values: &Materials) -> Result<(), DeckError> {
         )?;
     }
     positive("materials.plasticity.biaxial_ratio", plasticity.biaxial_ratio)
+}
+
+/// A peak strain must be so many times the elastic strain of the strength: its curve rises from there.
+const PEAK_OVER_ELASTIC: f64 = 1.05;
+
+/// Finds out whether Abaqus takes the curves of `phase` in elements `width` mm wide: it refuses plastic strains that fall.
+///
+/// Beyond the peak, at the share s of the strength f, plastic strain is larger by -ln(s) G / (width f) - (1 - s) f / E, which
+/// rises from s = 1 on where G is f^2 width / E; a crack's plastic opening grows by G / (4 f) where it loses f / (5 E).
+pub(super) fn curves(materials: &Materials, phase: Phase, width: f64) -> Result<(), DeckError> {
+    let Some(strength) = materials.strength(phase) else { return Ok(()) };
+    let (e, fc, ft) = (materials.elastic(phase).youngs_modulus_mpa, strength.compressive_mpa, strength.tensile_mpa);
+    let given = &materials.mortar_strength;
+    let share = strength.fracture_energy_n_per_mm / given.fracture_energy_n_per_mm;
+    for (name, value, least, why) in [
+        ("peak_strain", given.peak_strain, PEAK_OVER_ELASTIC * fc / e, "its elastic strain"),
+        ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm, fc * fc * width / e / share, "its element size"),
+        ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm, 0.8 * ft * ft / e / share, "its elastic strain"),
+    ] {
+        let accepted = format!("{} needs {least:.3e} or more for {why}", phase.name());
+        require(&format!("materials.mortar_strength.{name}"), value, value >= least, &accepted)?;
+    }
+    Ok(())
 }
 
 fn elastic(name: &str, values: &Elastic) -> Result<(), DeckError> {

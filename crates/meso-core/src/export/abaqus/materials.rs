@@ -2,6 +2,7 @@
 
 use super::damage::{self, Row};
 use super::geometry::present;
+use super::limits::{self, DeckError};
 use super::lines::{Lines, real};
 use super::{Analysis, DeckOptions};
 use crate::materials::{Elastic, Materials, Strength};
@@ -30,6 +31,12 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
     lines.line("*COHESIVE SECTION, ELSET=ITZ, MATERIAL=ITZ, RESPONSE=TRACTION SEPARATION")?;
     // A constitutive thickness of 1: separations are strains, and the density is per area.
     lines.line("1.0,")
+}
+
+/// Finds out whether Abaqus takes the curves of every phase in the elements it has.
+pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), DeckError> {
+    let mut strong = present(mesh).filter(|&phase| materials.strength(phase).is_some());
+    strong.try_for_each(|phase| limits::curves(materials, phase, crack_band(mesh, phase)))
 }
 
 fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::Result<()> {

@@ -16,8 +16,8 @@ mod materials;
 mod periodic;
 
 use crate::materials::Materials;
-use crate::mesh::Mesh;
 use crate::mesh::sides::Sides;
+use crate::mesh::{Mesh, Phase};
 pub use limits::DeckError;
 use lines::Lines;
 use serde::{Deserialize, Serialize};
@@ -89,7 +89,14 @@ impl DeckOptions {
     /// Names the option, its value and what is accepted.
     pub fn validate(&self, mesh: &Mesh) -> Result<(), DeckError> {
         self.validate_for(mesh.periodic)?;
+        if self.has_curves() {
+            materials::check(mesh, &self.materials)?;
+        }
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
+    }
+
+    fn has_curves(&self) -> bool {
+        self.analysis.damages() && !self.geometry_only
     }
 
     /// What can be said before there is a mesh: of a specimen that repeats itself along the `periodic` axes.
@@ -98,6 +105,9 @@ impl DeckOptions {
     /// As [`validate`](Self::validate).
     pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), DeckError> {
         limits::check(self)?;
+        if self.has_curves() {
+            limits::curves(&self.materials, Phase::Mortar, 0.0)?;
+        }
         if !self.periodic_equations {
             return Ok(());
         }
