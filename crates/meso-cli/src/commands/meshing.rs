@@ -62,7 +62,7 @@ pub(super) struct Meshing {
     /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
-    /// Parts of a box that gmsh fills apart; absent: as its memory needs
+    /// Parts of a specimen that gmsh fills apart; absent: as its memory needs
     #[arg(long, value_name = "N", value_parser = values::count)]
     slabs: Option<u32>,
     /// The program gmsh, for --method conforming

@@ -23,7 +23,8 @@ pub struct MeshOptions {
     pub fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10), 1 does not (C3D4).
     pub order: u32,
-    /// Parts of a box that gmsh fills apart in a conforming mesh, 1 to 100; as many as its memory needs when absent.
+    /// Parts of a specimen, other than a sphere, that gmsh fills apart in a conforming mesh, 1 to 100; as many as its memory
+    /// needs when absent.
     pub slabs: Option<u32>,
 }
 
@@ -104,8 +105,8 @@ impl MeshOptions {
     fn validate_slabs(&self, specimen: &Specimen) -> Result<(), MeshError> {
         let accepted = match self.slabs {
             None | Some(1) => return Ok(()),
-            Some(2..=100) if specimen.room().is_box() => return Ok(()),
-            Some(2..=100) => "a specimen that is no box takes 1",
+            Some(2..=100) if !matches!(specimen, Specimen::Sphere { .. }) => return Ok(()),
+            Some(2..=100) => "a sphere takes 1",
             Some(_) => "it must be 1 to 100",
         };
         Err(MeshError::option("slabs", self.slabs.unwrap_or_default(), accepted))

@@ -4,12 +4,11 @@
 //! Mortar may be in several parts: a flat grain can cut a corner off the box.
 
 use super::faces::{self, Face, Nodes};
-use super::facets::{LONGEST, Triangles};
+use super::facets::{LONGEST, Triangles, facets};
 use super::parts;
-use super::pieces::{Piece, pieces, snap};
+use super::pieces::{Piece, pieces};
 use super::shells::{Filled, Shells};
 use super::slabs::Slabs;
-use super::walls::polygons;
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::MeshError;
@@ -42,8 +41,8 @@ pub(super) fn shells(
         pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, String>>().map_err(MeshError::Gmsh)?;
     let of_slab = |slab: usize| {
         // A piece's own facets, its rims cut as the box's faces have them.
-        let facets = |piece: &Piece| polygons(piece.points.clone(), &piece.facets, limit, snap);
-        let facets: Vec<Triangles> = pieces[slab].par_iter().map(facets).collect();
+        let facets = |piece: &Piece| facets(&piece.points, piece.facets.iter().cloned(), limit);
+        let facets: Vec<Triangles> = pieces[slab].par_iter().map(facets).collect::<Result<_, String>>()?;
         let mut nodes = Nodes::default();
         let mut sheets = Sheets::new(&pieces[slab], &facets, &mut nodes);
         for (axis, lower) in faces[slab].iter().enumerate() {
@@ -84,14 +83,14 @@ pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Re
 }
 
 /// The upper face of a slab: the lower one of what is above it, moved.
-struct Upper<'a> {
-    face: &'a Face,
+pub(super) struct Upper<'a> {
+    pub(super) face: &'a Face,
     /// What is above it.
-    pieces: &'a [Piece],
-    axis: usize,
-    place: f64,
+    pub(super) pieces: &'a [Piece],
+    pub(super) axis: usize,
+    pub(super) place: f64,
     /// Periods between the two.
-    step: i32,
+    pub(super) step: i32,
 }
 
 impl Upper<'_> {
@@ -108,7 +107,7 @@ impl Upper<'_> {
 }
 
 /// The triangles on common nodes.
-struct Sheets {
+pub(super) struct Sheets {
     /// Of every piece.
     facets: Vec<Vec<[u32; 3]>>,
     caps: Vec<Vec<[u32; 3]>>,
@@ -117,7 +116,7 @@ struct Sheets {
 }
 
 impl Sheets {
-    fn new(pieces: &[Piece], facets: &[Triangles], nodes: &mut Nodes) -> Self {
+    pub(super) fn new(pieces: &[Piece], facets: &[Triangles], nodes: &mut Nodes) -> Self {
         let own = |surface: &Triangles| {
             let number: Vec<u32> = surface.points.iter().map(|point| nodes.at(*point)).collect();
             surface.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])).collect()
@@ -125,8 +124,14 @@ impl Sheets {
         Self { facets: facets.iter().map(own).collect(), caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
     }
 
+    /// Adds the part of the specimen's own surface that bounds mortar.
+    pub(super) fn add_walls(&mut self, walls: &Triangles, nodes: &mut Nodes) {
+        let number: Vec<u32> = walls.points.iter().map(|point| nodes.at(*point)).collect();
+        self.rest.extend(walls.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])));
+    }
+
     /// Adds a slab's own lower face.
-    fn add_lower(&mut self, face: &Face, nodes: &mut Nodes) {
+    pub(super) fn add_lower(&mut self, face: &Face, nodes: &mut Nodes) {
         let number: Vec<u32> = face.points.iter().map(|point| nodes.at(*point)).collect();
         for (triangle, piece) in &face.triangles {
             let [a, b, c] = triangle.map(|node| number[node as usize]);
@@ -135,7 +140,7 @@ impl Sheets {
     }
 
     /// Adds the upper face of the slab that has `pieces`.
-    fn add_upper(&mut self, upper: &Upper, pieces: &[Piece], nodes: &mut Nodes) {
+    pub(super) fn add_upper(&mut self, upper: &Upper, pieces: &[Piece], nodes: &mut Nodes) {
         let by_place: BTreeMap<(usize, [i32; 3]), usize> =
             pieces.iter().enumerate().map(|(index, piece)| ((piece.grain, piece.steps), index)).collect();
         let number: Vec<u32> = upper.face.points.iter().map(|point| nodes.at(upper.moved(point))).collect();
@@ -154,7 +159,12 @@ impl Sheets {
     }
 
     /// The shells of the pieces and of the mortar, with the volumes in them.
-    fn shells(mut self, pieces: &[Piece], aggregates: &[Aggregate], shells: &mut Shells) -> Result<(), String> {
+    pub(super) fn shells(
+        mut self,
+        pieces: &[Piece],
+        aggregates: &[Aggregate],
+        shells: &mut Shells,
+    ) -> Result<(), String> {
         let is_cut = |piece: &usize| !pieces[*piece].caps.is_empty();
         let outside = (0..pieces.len()).filter(is_cut).map(|piece| {
             // Counter-clockwise from outside the mortar.

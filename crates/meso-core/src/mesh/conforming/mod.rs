@@ -1,8 +1,8 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
 //! The facets are cut into triangles here ([`facets`], [`walls`], curved ones [`round`]) and go to gmsh as discrete surfaces, without CAD and
-//! without booleans; in boxes that repeat themselves, images of grains are cut at the faces ([`boxes`]), and large boxes go to gmsh in
-//! slabs ([`slabs`]), whose meshes become one ([`seams`]). Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
+//! without booleans; in boxes that repeat themselves, images of grains are cut at the faces ([`boxes`]), and large specimens go to gmsh in
+//! slabs ([`slabs`], [`rooms`]), whose meshes become one ([`seams`]). Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
 //! nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
 //! [`GMSH_OPTIONS`] and hands its output back.
 
@@ -15,6 +15,8 @@ mod mend;
 mod msh;
 mod parts;
 mod pieces;
+mod plane;
+mod rooms;
 mod round;
 mod seams;
 mod shells;
@@ -101,11 +103,18 @@ impl Division {
         let (period, domain) = (specimen.period(), room.aabb());
         gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
         gaps::refuse_grazed(aggregates, &period)?;
-        let slabs = if room.is_box() { Slabs::new(images, &domain, size, options.slabs) } else { Slabs::one() };
-        let shells = if period.is_none() && slabs.places.is_empty() {
-            vec![walled(aggregates, specimen, &*room, size)]
-        } else {
-            boxes::shells(aggregates, &period, &domain, &slabs, size)?
+        let walls = walls::polygons(specimen, &*room, size);
+        let corners = walls.as_ref().map_or(&[][..], |walls| &walls.points);
+        let slabs = match specimen {
+            Specimen::Sphere { .. } => Slabs::one(),
+            _ => Slabs::new(images, corners, &domain, size, options.slabs),
+        };
+        let shells = match walls {
+            _ if period.is_none() && slabs.places.is_empty() => {
+                vec![walled(aggregates, specimen, &*room, size).map_err(MeshError::Gmsh)?]
+            }
+            Some(walls) => rooms::shells(aggregates, walls, &period, &domain, &slabs, size)?,
+            None => boxes::shells(aggregates, &period, &domain, &slabs, size)?,
         };
         let runs = shells.into_iter().map(|shells| Surfaces { shells, size, again: false }).collect();
         Ok(Self { runs, slabs, period, domain })
@@ -174,8 +183,12 @@ impl Surfaces {
 }
 
 /// Aggregates within a specimen's surface that none of them meets.
-fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Room, size: f64) -> Shells {
-    let bodies: Vec<Triangles> = aggregates.par_iter().map(|a| facets::facets(&a.body, size)).collect();
+///
+/// # Errors
+/// As [`facets::facets`].
+fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Room, size: f64) -> Result<Shells, String> {
+    let bodies: Vec<Triangles> =
+        aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, String>>()?;
     let mut shells = Shells::default();
     let mut holes = Vec::new();
     for (grain, (aggregate, surface)) in (0..).zip(aggregates.iter().zip(&bodies)) {
@@ -187,7 +200,7 @@ fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Room, size: 
         }
     }
     // The specimen's surface first, then those that bound holes.
-    let outer = shells.closed(&walls::walls(specimen, room, size));
+    let outer = shells.closed(&walls::walls(specimen, room, size)?);
     shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, grain: None });
-    shells
+    Ok(shells)
 }

@@ -9,7 +9,7 @@ use crate::aggregate::take::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::MeshError;
-use crate::packing::Period;
+use crate::packing::{Period, Surface};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -37,6 +37,12 @@ pub(super) struct Piece {
 }
 
 impl Piece {
+    /// The corners of its caps on the lower or `upper` face across `axis`, counter-clockwise from outside.
+    pub(super) fn loops(&self, axis: usize, upper: bool) -> impl Iterator<Item = Vec<Vec3>> {
+        let here = self.caps.iter().filter(move |cap| (cap.0, cap.1) == (axis, upper));
+        here.map(|cap| cap.2.iter().map(|&corner| self.points[corner as usize]).collect())
+    }
+
     /// A point inside.
     pub(super) fn centre(&self) -> Vec3 {
         self.points.iter().sum::<Vec3>() / self.points.len() as f64
@@ -71,6 +77,14 @@ pub(super) fn pieces(
     Ok(by_slab)
 }
 
+/// The parts of a specimen's surface in `slabs`, and where the planes cut it.
+pub(super) fn walls(surface: Surface, slabs: &Slabs, period: &Period) -> Vec<Piece> {
+    let polygons = surface.faces.into_iter().map(|face| (face, None)).collect();
+    let whole = Shape { points: surface.points, polygons };
+    let parts = whole.divided(slabs, 0.0).into_iter();
+    parts.map(|(_, part)| part.piece(0, Vec3::zeros(), period)).collect()
+}
+
 /// Refuses what has edges without length.
 fn sound(piece: Piece, grain: &Aggregate) -> Result<Piece, MeshError> {
     let polygons = piece.facets.iter().chain(piece.caps.iter().map(|cap| &cap.2));
@@ -88,7 +102,7 @@ fn sound(piece: Piece, grain: &Aggregate) -> Result<Piece, MeshError> {
 /// What a polygon of a cut body is: a facet, or the cut at a face of the box.
 type Side = Option<(usize, bool)>;
 
-/// A convex body by its polygons.
+/// A body by its convex polygons; in slabs it may be any.
 #[derive(Clone)]
 struct Shape {
     points: Vec<Vec3>,
@@ -138,12 +152,7 @@ impl Shape {
             *corners = kept;
             !corners.is_empty()
         });
-        let Some((&first, _)) = rim.first_key_value() else { return };
-        let mut cap = vec![first];
-        while let Some(&next) = rim.get(&cap[cap.len() - 1]).filter(|next| **next != first && cap.len() < rim.len()) {
-            cap.push(next);
-        }
-        self.polygons.push((cap, Some((axis, upper))));
+        self.polygons.extend(loops(rim).into_iter().map(|cap| (cap, Some((axis, upper)))));
     }
 
     /// Moved by `shift`, with the points it uses.
@@ -171,6 +180,20 @@ impl Shape {
         }
         piece
     }
+}
+
+/// The loops that `edges` make, from node to node: of a convex body one.
+fn loops(mut edges: BTreeMap<u32, u32>) -> Vec<Vec<u32>> {
+    let mut loops = Vec::new();
+    while let Some((first, next)) = edges.pop_first() {
+        let (mut nodes, mut at) = (vec![first], Some(next));
+        while let Some(node) = at.filter(|node| *node != first) {
+            nodes.push(node);
+            at = edges.remove(&node);
+        }
+        loops.push(nodes);
+    }
+    loops
 }
 
 /// A body's points while a plane cuts it.

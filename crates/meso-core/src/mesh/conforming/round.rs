@@ -2,15 +2,10 @@
 
 use super::facets::{LONGEST, Triangles, refined};
 use crate::math::Vec3;
+use crate::packing::Surface;
 
 /// Well within the least gap that is advised between grains and walls, 0.05 mm.
 pub(super) const CHORD_MM: f64 = 0.02;
-
-/// Facets of the prism that a cylinder's surface begins with.
-const SIDES: u32 = 6;
-const BOTTOM: u32 = 0;
-const TOP: u32 = 1;
-const MANTLE: u32 = 2;
 
 /// The sphere that touches the coordinate planes, from an octahedron.
 pub(super) fn sphere(diameter: f64, size: f64) -> Triangles {
@@ -25,31 +20,20 @@ pub(super) fn sphere(diameter: f64, size: f64) -> Triangles {
     })
 }
 
-/// The upright cylinder on z = 0 that touches the other coordinate planes, from a prism.
-pub(super) fn cylinder(diameter: f64, height: f64, size: f64) -> Triangles {
+/// The prism in the upright cylinder on z = 0 that touches the other coordinate planes, as fine as elements of `size` mm.
+pub(super) fn prism(diameter: f64, height: f64, size: f64) -> Surface {
     let radius = diameter / 2.0;
-    let on_the_mantle = |place: Vec3| {
-        let arm = Vec3::new(place.x - radius, place.y - radius, 0.0);
-        let out = arm * (radius / arm.norm());
-        Vec3::new(radius + out.x, radius + out.y, place.z)
-    };
+    let sides = (std::f64::consts::TAU * radius / longest(radius, size)).ceil().max(6.0) as u32;
     let ring = |z: f64| {
-        (0..SIDES).map(move |i| {
-            let angle = f64::from(i) * (std::f64::consts::TAU / f64::from(SIDES));
+        (0..sides).map(move |i| {
+            let angle = f64::from(i) * (std::f64::consts::TAU / f64::from(sides));
             Vec3::new(radius + radius * libm::cos(angle), radius + radius * libm::sin(angle), z)
         })
     };
-    let of_side = |i: u32| {
-        let (j, up) = ((i + 1) % SIDES, SIDES);
-        [([i, j, j + up], MANTLE), ([i, j + up, i + up], MANTLE)]
-    };
-    let of_ends = |i: u32| [([0, i + 1, i], BOTTOM), ([SIDES, SIDES + i, SIDES + i + 1], TOP)];
-    let triangles = (0..SIDES).flat_map(of_side).chain((1..SIDES - 1).flat_map(of_ends));
-    let points = ring(0.0).chain(ring(height)).map(on_the_mantle).collect();
-    refined(points, triangles, longest(radius, size), |facet, place| match facet {
-        MANTLE => on_the_mantle(place),
-        _ => place,
-    })
+    let ends = [(0..sides).rev().collect(), (sides..2 * sides).collect()];
+    let side = |i: u32| (i, (i + 1) % sides);
+    let mantle = (0..sides).map(side).map(|(i, j)| vec![i, j, j + sides, i + sides]);
+    Surface { points: ring(0.0).chain(ring(height)).collect(), faces: ends.into_iter().chain(mantle).collect() }
 }
 
 /// The longest edge on a wall of `radius`, mm: the middle of a triangle with edges l is l^2 / 6 radius off a sphere.

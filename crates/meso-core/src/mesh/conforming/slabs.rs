@@ -1,4 +1,4 @@
-//! Boxes in slabs, each of which gmsh fills apart: its memory grows with all that it is given, and its time faster than that.
+//! Specimens in slabs, each of which gmsh fills apart: its memory grows with all that it is given, and its time faster than that.
 //!
 //! Planes across the longest side divide grains and mortar alike, as the faces of periodic boxes do; nothing of them is left
 //! in the mesh but nodes. They go where no grain begins, ends or has a corner nearby.
@@ -13,7 +13,7 @@ const MOST_TRIANGLES: f64 = 500_000.0;
 /// Share of a slab's thickness in which its plane is looked for.
 const WINDOW: f64 = 0.25;
 /// A corner this much nearer to the plane counts as an outermost point: it leaves one short edge, not a sliver all around.
-const CORNER: f64 = 50.0;
+const CORNER: f64 = 20.0;
 
 /// The planes between slabs.
 pub(super) struct Slabs {
@@ -24,11 +24,12 @@ pub(super) struct Slabs {
 }
 
 impl Slabs {
-    /// As many as `asked`, or as `images`, the grains in the box `domain`, need with elements of `size` mm.
-    pub(super) fn new(images: &[Aggregate], domain: &Aabb, size: f64, asked: Option<u32>) -> Self {
+    /// As many as `asked`, or as `images`, the grains in the box `domain`, need with elements of `size` mm; `walls` are corners
+    /// of the specimen, from which planes keep clear.
+    pub(super) fn new(images: &[Aggregate], walls: &[Vec3], domain: &Aabb, size: f64, asked: Option<u32>) -> Self {
         let triangles: f64 = images.iter().map(|image| triangles(image, size)).sum();
         let needed = || (triangles / MOST_TRIANGLES).ceil() as u32;
-        Self::of(images, domain, asked.unwrap_or_else(needed))
+        Self::of(images, walls, domain, asked.unwrap_or_else(needed))
     }
 
     /// No planes.
@@ -37,10 +38,10 @@ impl Slabs {
     }
 
     /// The planes of `count` slabs, fewer where a plane has no room.
-    fn of(images: &[Aggregate], domain: &Aabb, count: u32) -> Self {
+    fn of(images: &[Aggregate], walls: &[Vec3], domain: &Aabb, count: u32) -> Self {
         let axis = domain.size().imax();
         let thickness = domain.size()[axis] / f64::from(count);
-        let crowd = Crowd::new(images, axis);
+        let crowd = Crowd::new(images, walls, axis);
         let place = |slab: u32| {
             let middle = domain.min[axis] + f64::from(slab) * thickness;
             crowd.widest(middle - WINDOW / 2.0 * thickness, middle + WINDOW / 2.0 * thickness)
@@ -73,10 +74,11 @@ struct Crowd {
 }
 
 impl Crowd {
-    fn new(images: &[Aggregate], axis: usize) -> Self {
+    fn new(images: &[Aggregate], walls: &[Vec3], axis: usize) -> Self {
         let boxes = images.iter().map(|image| image.body.aabb());
         let mut ends: Vec<f64> = boxes.flat_map(|aabb| [aabb.min[axis], aabb.max[axis]]).collect();
-        let mut corners: Vec<f64> = images.iter().flat_map(|image| image.body.vertices()).map(|v| v[axis]).collect();
+        let bodies = images.iter().flat_map(|image| image.body.vertices());
+        let mut corners: Vec<f64> = bodies.chain(walls).map(|v| v[axis]).collect();
         ends.sort_by(f64::total_cmp);
         corners.sort_by(f64::total_cmp);
         Self { corners, ends }

@@ -1,6 +1,6 @@
 //! The specimen's own surface as triangles.
 
-use super::facets::{LONGEST, Triangles, refined};
+use super::facets::{LONGEST, Triangles, facets};
 use super::round;
 use crate::math::{Aabb, Vec3};
 use crate::packing::{Room, Specimen, Surface};
@@ -8,15 +8,24 @@ use std::collections::BTreeMap;
 
 /// The surface of `specimen`, whose room is `room`, with edges of about `size` mm, counter-clockwise from outside: plane
 /// faces exactly, curved ones by triangles whose nodes lie on them.
-pub(super) fn walls(specimen: &Specimen, room: &dyn Room, size: f64) -> Triangles {
+///
+/// # Errors
+/// As [`facets`].
+pub(super) fn walls(specimen: &Specimen, room: &dyn Room, size: f64) -> Result<Triangles, String> {
+    match (specimen, polygons(specimen, room, size)) {
+        (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),
+        (Specimen::Sphere { diameter_mm }, None) => Ok(round::sphere(*diameter_mm, size)),
+        (_, None) => Ok(grid(&room.aabb(), size)),
+    }
+}
+
+/// The same as plane faces; boxes have their own ([`grid`], and [`boxes`](super::boxes)), and spheres have none.
+pub(super) fn polygons(specimen: &Specimen, room: &dyn Room, size: f64) -> Option<Surface> {
     match *specimen {
-        Specimen::Cylinder { diameter_mm, height_mm } => round::cylinder(diameter_mm, height_mm, size),
-        Specimen::Sphere { diameter_mm } => round::sphere(diameter_mm, size),
-        _ if room.is_box() => grid(&room.aabb(), size),
-        _ => {
-            let Surface { points, faces } = room.surface();
-            polygons(points, &faces, LONGEST * size, |place| place)
-        }
+        Specimen::Sphere { .. } => None,
+        Specimen::Cylinder { diameter_mm, height_mm } => Some(round::prism(diameter_mm, height_mm, size)),
+        _ if room.is_box() => None,
+        _ => Some(room.surface()),
     }
 }
 
@@ -26,28 +35,6 @@ pub(super) fn chord(specimen: &Specimen) -> f64 {
         Specimen::Cylinder { .. } | Specimen::Sphere { .. } => round::CHORD_MM,
         _ => 0.0,
     }
-}
-
-/// Polygons as triangles with no edge longer than `limit` mm; new nodes go `onto` their place.
-pub(super) fn polygons(points: Vec<Vec3>, faces: &[Vec<u32>], limit: f64, onto: impl Fn(Vec3) -> Vec3) -> Triangles {
-    let fans = faces.iter().map(|face| fan(&points, face)).collect::<Vec<_>>();
-    let triangles = (0..).zip(fans).flat_map(|(facet, fan)| fan.into_iter().map(move |triangle| (triangle, facet)));
-    refined(points, triangles, limit, |_, place| onto(place))
-}
-
-/// The fan of a polygon whose smallest triangle is largest: a corner in the middle of a side must not begin it.
-fn fan(points: &[Vec3], face: &[u32]) -> Vec<[u32; 3]> {
-    let from = |apex: usize| -> Vec<[u32; 3]> {
-        let at = |k: usize| face[(apex + k) % face.len()];
-        (2..face.len()).map(|k| [at(0), at(k - 1), at(k)]).collect()
-    };
-    let area = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|i| points[i as usize]);
-        (b - a).cross(&(c - a)).norm()
-    };
-    let smallest = |fan: &[[u32; 3]]| fan.iter().map(area).fold(f64::INFINITY, f64::min);
-    let fans = (0..face.len()).map(from);
-    fans.max_by(|a, b| smallest(a).total_cmp(&smallest(b))).unwrap_or_default()
 }
 
 /// A box' faces as triangles of a grid, opposite faces alike: moved along its axis, one lies node on node on the other.
