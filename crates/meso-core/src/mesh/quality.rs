@@ -63,6 +63,12 @@ fn face_vectors([a, b, c, d]: [Vec3; 4]) -> [Vec3; 4] {
     [cross(b, c, d), cross(a, d, c), cross(a, b, d), cross(a, c, b)]
 }
 
+/// Shortest altitude of the tetrahedron with these corners, mm: six times its volume over twice its largest face's area.
+pub(crate) fn shortest_altitude(p: [Vec3; 4]) -> f64 {
+    let six_volumes = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
+    six_volumes / face_vectors(p).map(|n| n.norm_squared()).into_iter().fold(0.0, f64::max).sqrt()
+}
+
 /// Measures of the tetrahedron with these corners, mm.
 pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
     let degrees = |cosine: f64| libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees();
@@ -74,7 +80,7 @@ pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
         min_dihedral_deg: degrees(high),
         max_dihedral_deg: degrees(low),
         radius_ratio: 3.0 * inscribed / circumradius(p),
-        shortest_altitude_mm: 3.0 * volume / areas.iter().fold(0.0, |a: f64, b| a.max(*b)),
+        shortest_altitude_mm: shortest_altitude(p),
         volume_mm3: volume,
     }
 }

@@ -1,67 +1,84 @@
-//! Sharp cells of gmsh's mesh are mended where no surface is touched: by other cells in the same room ([`swaps`](super::swaps)),
-//! and by better places for nodes that lie inside one material.
+//! Sharp cells of gmsh's mesh are mended, and no surface moves: by other cells in the same room ([`swaps`](super::swaps)), by
+//! better places for nodes, and by nodes less or more ([`nodes`](super::nodes)).
 //!
-//! Every step leaves the sharpest angle there less sharp than it was, no altitude shorter and every volume positive. What lies between close
-//! facets has all its nodes on these, and stays.
+//! Every step leaves the sharpest angle there less sharp than it was, no altitude shorter and every volume positive. Nodes on a
+//! facet move within it, those on its edges along these, and both sides of a facet's triangles change alike ([`Seat`]): so
+//! every aggregate stays what it is. What lies on the outside of the mesh stays, too, for it may have to match the opposite side.
 
+use super::nodes::{divide, join};
+use super::seat::Seat;
 use super::swaps::{put_through, take_out};
 use super::web::Web;
-use crate::mesh::lattice::{Star, Tetrahedra, sharpness, sharpness_of, ways};
+use crate::mesh::lattice::{Star, Tetrahedra, sharpness, sharpness_of};
 use rayon::prelude::*;
 
-/// Cells with a smaller angle are mended, degrees: somewhat more than what counts as bad.
-const POOR_DEG: f64 = 10.0;
-/// Times that what is still poor is looked at.
-const ROUNDS: usize = 4;
+/// Cells with a smaller angle are mended, degrees (somewhat more than what counts as bad), and how many times those are looked
+/// at that are still poor where something changed; the sharpest once more at the end.
+const TURNS: [(f64, usize); 2] = [(10.0, 4), (3.0, 8)];
 /// Steps tried, in lengths of the node's shortest edge.
 const STEPS: [f64; 3] = [0.3, 0.1, 0.03];
 
 /// Mends the poor cells of `mesh`.
 pub(super) fn mend(mesh: &mut Tetrahedra) {
-    let limit = sharpness_of(POOR_DEG);
     let of = |cell: &[u32; 4]| sharpness(cell.map(|node| mesh.points[node as usize]));
-    let mut poor: Vec<u32> =
+    let limit = sharpness_of(TURNS[0].0);
+    let poor: Vec<u32> =
         (0..mesh.cells.len() as u32).into_par_iter().filter(|&cell| of(&mesh.cells[cell as usize]) > limit).collect();
     let mut web = Web::new(mesh, &poor);
-    for _ in 0..ROUNDS {
-        let before = poor.len();
-        let mut touched = Vec::new();
-        for &cell in &poor {
-            if !web.is_gone(cell) && web.sharpest(&[cell]) > limit {
-                touched.extend(web.cell(cell));
-                better(&mut web, cell);
-            }
-        }
-        touched.sort_unstable();
-        touched.dedup();
-        poor = touched.iter().flat_map(|&node| web.star(node)).copied().collect();
-        poor.sort_unstable();
-        poor.dedup();
-        poor.retain(|&cell| web.sharpest(&[cell]) > limit);
-        if poor.len() == before {
-            break;
+    for (degrees, rounds) in TURNS {
+        let limit = sharpness_of(degrees);
+        let mut poor = web.sharper(limit);
+        for _ in 0..rounds {
+            poor = still_poor(&mut web, &poor, limit);
         }
     }
     web.finish();
 }
 
-/// Takes the first way found that makes what is around a cell less sharp.
-fn better(web: &mut Web, cell: u32) {
-    let [a, b, c, d] = web.cell(cell);
-    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
-    if edges.into_iter().any(|[a, b]| take_out(web, a, b)) {
-        return;
+/// Betters the cells in `poor`; those that are sharper than `limit` where that changed something.
+fn still_poor(web: &mut Web, poor: &[u32], limit: f64) -> Vec<u32> {
+    let mut touched = Vec::new();
+    for &cell in poor {
+        if !web.is_gone(cell) && web.sharpest(&[cell]) > limit {
+            let nodes = web.cell(cell);
+            if better(web, cell) {
+                touched.extend(nodes);
+            }
+        }
     }
-    if [a, b, c, d].into_iter().any(|apex| put_through(web, cell, apex)) {
-        return;
-    }
-    [a, b, c, d].into_iter().for_each(|node| relocate(web, node));
+    touched.sort_unstable();
+    touched.dedup();
+    let mut poor: Vec<u32> = touched.iter().flat_map(|&node| web.star(node)).copied().collect();
+    poor.sort_unstable();
+    poor.dedup();
+    poor.retain(|&cell| web.sharpest(&[cell]) > limit);
+    poor
 }
 
-/// Moves a node inside one material to the best place around it.
-fn relocate(web: &mut Web, node: u32) {
-    if !is_free(web, node) {
-        return;
+/// Takes the first way found that makes what is around a cell less sharp; whether there was one.
+fn better(web: &mut Web, cell: u32) -> bool {
+    let nodes = web.cell(cell);
+    let [a, b, c, d] = nodes;
+    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
+    if edges.into_iter().any(|[a, b]| take_out(web, a, b)) {
+        return true;
+    }
+    if nodes.into_iter().any(|apex| put_through(web, cell, apex)) {
+        return true;
+    }
+    let seats = nodes.map(|node| (node, Seat::of(web, node)));
+    if seats.iter().any(|(node, seat)| join(web, *node, &nodes, seat)) {
+        return true;
+    }
+    let moved = seats.iter().filter(|(node, seat)| relocate(web, *node, seat)).count();
+    moved > 0 || edges.into_iter().any(|[a, b]| divide(web, a, b))
+}
+
+/// Moves a node to the best place around it that its seat allows; whether there was a better one.
+fn relocate(web: &mut Web, node: u32, seat: &Seat) -> bool {
+    let ways = seat.ways();
+    if ways.is_empty() || web.star(node).is_empty() {
+        return false;
     }
     let cells = web.star(node).iter().map(|&cell| (web.cell(cell), web.grain(cell)));
     let mut star = Star::of_cells(node, cells, |node| web.point(node));
@@ -69,45 +86,28 @@ fn relocate(web: &mut Web, node: u32) {
     let neighbours = web.star(node).iter().flat_map(|&cell| web.cell(cell)).filter(|other| *other != node);
     let shortest = neighbours.map(|other| (web.point(other) - from).norm()).fold(f64::INFINITY, f64::min);
     let mut best = (star.sharpest_first(), None);
-    for place in STEPS.iter().flat_map(|step| ways().map(move |way| from + way * (step * shortest))) {
+    for place in STEPS.iter().flat_map(|step| ways.iter().map(move |way| from + way * (step * shortest))) {
         let worst = star.worst(&place, best.0);
         if worst < best.0 {
             best = (worst, Some(place));
         }
     }
-    let Some(place) = best.1 else { return };
+    let Some(place) = best.1 else { return false };
     let altitude = |web: &Web| web.shortest_altitude(web.star(node).iter().map(|&cell| web.cell(cell)));
     let before = altitude(web);
     web.go(node, place);
-    if altitude(web) < before {
+    let is_thinner = altitude(web) < before;
+    if is_thinner {
         web.go(node, from);
     }
-}
-
-/// True where one material is all around a node, and its cells are known.
-fn is_free(web: &Web, node: u32) -> bool {
-    let star = web.star(node);
-    if star.is_empty() {
-        return false;
-    }
-    let mut edges = Vec::with_capacity(3 * star.len());
-    for &cell in star {
-        if web.grain(cell) != web.grain(star[0]) {
-            return false;
-        }
-        let mut face: Vec<u32> = web.cell(cell).into_iter().filter(|other| *other != node).collect();
-        face.sort_unstable();
-        edges.extend([[face[0], face[1]], [face[0], face[2]], [face[1], face[2]]]);
-    }
-    edges.sort_unstable();
-    edges.chunk_by(|a, b| a == b).all(|same| same.len() == 2)
+    !is_thinner
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::mesh::conforming::swaps::{put_through, take_out};
+    use crate::mesh::conforming::seat::octants;
     use crate::mesh::lattice::oriented;
 
     /// Two apexes over and under a triangle of this radius, `height` from it.
@@ -160,17 +160,43 @@ mod tests {
     }
 
     #[test]
-    fn a_node_inside_one_material_goes_where_angles_are_larger_and_others_stay() {
-        for (grain, moves) in [(vec![5; 8], true), (vec![5, 5, 5, 5, 6, 6, 6, 6], false)] {
-            let ends = (0..3).flat_map(|i| [Vec3::ith(i, 1.0), Vec3::ith(i, -1.0)]);
-            let points: Vec<Vec3> = ends.chain([Vec3::new(0.3, 0.3, 0.38)]).collect();
-            let of = |octant: u32| [octant >> 2 & 1, 2 + (octant >> 1 & 1), 4 + (octant & 1), 6];
-            let mut mesh = mesh(points.clone(), &(0..8).map(of).collect::<Vec<_>>(), grain);
-            let whole = volume(&mesh);
-            mend(&mut mesh);
-            assert_eq!(mesh.points[6] != points[6], moves);
-            assert_eq!(mesh.points[..6], points[..6]);
-            assert!((volume(&mesh) - whole).abs() < 1e-12);
+    fn an_edge_in_a_facet_gives_way_to_the_other_diagonal_on_both_sides() {
+        for (height, done) in [(0.0, true), (0.01, false)] {
+            let quad = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.12, height], [0.0, -0.12, 0.0]];
+            let points = quad.into_iter().chain([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).map(Vec3::from).collect();
+            let cells = [[0, 1, 2, 4], [0, 1, 4, 3], [0, 1, 3, 5], [0, 1, 5, 2]];
+            let mut mesh = mesh(points, &cells, vec![5, 5, 6, 6]);
+            let before = volume(&mesh);
+            let mut web = Web::new(&mut mesh, &[0, 1, 2, 3]);
+            assert_eq!(take_out(&mut web, 0, 1), done);
+            web.finish();
+            assert_eq!(mesh.cells.iter().all(|cell| cell.contains(&2) && cell.contains(&3)), done);
+            let above = |(cell, grain): (&[u32; 4], &u32)| cell.contains(&4) == (*grain == 5);
+            assert!(mesh.cells.len() == 4 && mesh.cells.iter().zip(&mesh.grain).all(above));
+            assert!((volume(&mesh) - before).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_node_goes_where_angles_are_larger_as_far_as_its_materials_let_it() {
+        let none: fn([bool; 3]) -> u32 = |_| 5;
+        let halves: fn([bool; 3]) -> u32 = |[_, _, z]| u32::from(z);
+        let quarter: fn([bool; 3]) -> u32 = |[x, y, _]| u32::from(x && y);
+        for (from, grain, free) in [
+            ([0.3, 0.3, 0.38], none, [true, true, true]),
+            ([0.45, 0.5, 0.0], halves, [true, true, false]),
+            ([0.0, 0.0, 0.9], quarter, [false, false, true]),
+            ([0.3, 0.3, 0.38], quarter, [false, false, false]),
+        ] {
+            let from = Vec3::from(from);
+            let mut mesh = octants(from, grain);
+            let (whole, corners) = (volume(&mesh), mesh.points[..6].to_vec());
+            let mut web = Web::new(&mut mesh, &[0, 1, 2, 3, 4, 5, 6, 7]);
+            let seat = Seat::of(&web, 6);
+            assert_eq!(relocate(&mut web, 6, &seat), free != [false; 3]);
+            assert!(mesh.points[..6] == corners[..] && (volume(&mesh) - whole).abs() < 1e-12);
+            let moved = (0..3).map(|axis| mesh.points[6][axis] != from[axis]);
+            assert!(moved.zip(free).all(|(moved, free)| free || !moved), "{:?}", mesh.points[6]);
         }
     }
 }

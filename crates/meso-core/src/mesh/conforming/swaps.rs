@@ -3,37 +3,61 @@
 //! Freitag and Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing" (1997); the cells without the edge are
 //! found as there, by the best triangulation of the ring around it (Klincsek 1980).
 
+use super::seat::are_in_a_plane;
 use super::web::Web;
 
 /// Longest ring that is looked at: longer ones seldom gain, and cost the cube of their length.
 const LONGEST_RING: usize = 7;
 
-/// Takes the edge from a to b out of the cells around it where all are of one grain and that leaves no angle as sharp as the
-/// sharpest there; whether it did.
+/// Takes the edge from a to b out of the cells around it where that leaves no angle as sharp as the sharpest there; whether it
+/// did. The cells are of one grain, or on both sides of a plane facet, in which the edge's two triangles then have the other
+/// diagonal.
 pub(super) fn take_out(web: &mut Web, a: u32, b: u32) -> bool {
     let cells = web.around(&[a, b]);
-    let Some(ring) = ring(web, &cells, a, b) else { return false };
-    let Some(new) = without_edge(web, &ring, a, b, web.sharpest(&cells)) else { return false };
-    replace_thicker(web, &cells, &new)
+    let Some(arcs) = arcs(web, &cells, a, b) else { return false };
+    let sharpest = web.sharpest(&cells);
+    let mut new = Vec::new();
+    for (grain, arc) in arcs {
+        let Some(of_arc) = without_edge(web, &arc, a, b, sharpest) else { return false };
+        new.extend(of_arc.into_iter().map(|cell| (cell, grain)));
+    }
+    web.replace_thicker(&cells, &new)
 }
 
-/// The nodes around the edge, counter-clockwise seen from b, where they close up and all cells are of one grain.
-fn ring(web: &Web, cells: &[u32], a: u32, b: u32) -> Option<Vec<u32>> {
-    let (&first, rest) = cells.split_first()?;
-    if !(3..=LONGEST_RING).contains(&cells.len()) || rest.iter().any(|&cell| web.grain(cell) != web.grain(first)) {
-        return None;
+/// The nodes around the edge, counter-clockwise seen from b, where they close up: all of them where the cells are of one grain,
+/// otherwise those of either side, from one of the facet's two to the other.
+fn arcs(web: &Web, cells: &[u32], a: u32, b: u32) -> Option<Vec<(u32, Vec<u32>)>> {
+    let steps: Vec<([u32; 2], u32)> =
+        cells.iter().map(|&cell| (beside(web.cell(cell), a, b), web.grain(cell))).collect();
+    let after = |node: u32| steps.iter().find(|step| step.0[0] == node);
+    let is_first = |step: &&([u32; 2], u32)| steps.iter().any(|last| last.0[1] == step.0[0] && last.1 != step.1);
+    let first = steps.iter().find(is_first).or(steps.first())?;
+    let mut arcs = vec![(first.1, vec![first.0[0]])];
+    let mut step = first;
+    for place in 1..=steps.len() {
+        let [here, next] = step.0;
+        let (grain, arc) = arcs.last_mut()?;
+        if *grain == step.1 {
+            arc.push(next);
+        } else {
+            arcs.push((step.1, vec![here, next]));
+        }
+        step = after(next)?;
+        // Shut once, and only at the end.
+        if (step.0 == first.0) != (place == steps.len()) {
+            return None;
+        }
     }
-    let steps: Vec<[u32; 2]> = cells.iter().map(|&cell| beside(web.cell(cell), a, b)).collect();
-    let mut ring = vec![steps[0][0]];
-    for _ in 0..steps.len() {
-        let [_, next] = steps.iter().find(|step| Some(&step[0]) == ring.last())?;
-        ring.push(*next);
+    let are_short = arcs.iter().all(|(_, arc)| (3..=LONGEST_RING).contains(&arc.len()));
+    match &mut arcs[..] {
+        [(_, ring)] => {
+            ring.pop();
+            (3..=LONGEST_RING).contains(&ring.len())
+        }
+        [(_, one), _] => are_short && are_in_a_plane([a, b, one[0], one[one.len() - 1]].map(|node| web.point(node))),
+        _ => false,
     }
-    let closes = ring.pop() == Some(ring[0]);
-    let mut once = ring.clone();
-    once.sort_unstable();
-    once.dedup();
-    (closes && once.len() == ring.len()).then_some(ring)
+    .then_some(arcs)
 }
 
 /// The other two nodes of a cell, so that with a and b before them the volume stays positive.
@@ -47,7 +71,7 @@ fn beside(cell: [u32; 4], a: u32, b: u32) -> [u32; 2] {
     if is_even { [first, second] } else { [second, first] }
 }
 
-/// The cells over and under the triangles of the ring that are the least sharp, if less so than `limit`.
+/// The cells over and under the triangles of the ring, or of an arc and its chord, that are the least sharp, if less so than `limit`.
 fn without_edge(web: &Web, ring: &[u32], a: u32, b: u32, limit: f64) -> Option<Vec<[u32; 4]>> {
     let count = ring.len();
     // From one node of the ring to a later one: how sharp the best triangulation between them is, and its third node.
@@ -93,22 +117,12 @@ pub(super) fn put_through(web: &mut Web, cell: u32, apex: u32) -> bool {
     let other = if first == cell { second } else { first };
     let Some(beyond) = web.cell(other).into_iter().find(|node| !face.contains(node)) else { return false };
     // The corner that `beyond` takes in each keeps its place in the order, and so its turn.
-    let new: Vec<[u32; 4]> =
-        face.iter().map(|gone| nodes.map(|node| if node == *gone { beyond } else { node })).collect();
-    let sharpest = new.iter().map(|cell| web.sharpness(*cell)).fold(-1.0, f64::max);
+    let grain = web.grain(cell);
+    let new: Vec<([u32; 4], u32)> =
+        face.iter().map(|gone| (nodes.map(|node| if node == *gone { beyond } else { node }), grain)).collect();
+    let sharpest = new.iter().map(|(cell, _)| web.sharpness(*cell)).fold(-1.0, f64::max);
     if sharpest >= web.sharpest(&cells) {
         return false;
     }
-    replace_thicker(web, &cells, &new)
-}
-
-/// Puts `new` cells in the place of `old` ones where that makes no altitude, and so no stable time step, shorter; whether it
-/// did.
-fn replace_thicker(web: &mut Web, old: &[u32], new: &[[u32; 4]]) -> bool {
-    let before = web.shortest_altitude(old.iter().map(|&cell| web.cell(cell)));
-    let thicker = web.shortest_altitude(new.iter().copied()) >= before;
-    if thicker {
-        web.replace(old, new);
-    }
-    thicker
+    web.replace_thicker(&cells, &new)
 }

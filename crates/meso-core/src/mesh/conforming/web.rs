@@ -2,6 +2,8 @@
 
 use crate::math::Vec3;
 use crate::mesh::lattice::{Tetrahedra, sharpness};
+use crate::mesh::quality::shortest_altitude;
+use rayon::prelude::*;
 
 /// A cell that is no more.
 const GONE: [u32; 4] = [u32::MAX; 4];
@@ -84,6 +86,12 @@ impl<'a> Web<'a> {
         sharpness(cell.map(|node| self.point(node)))
     }
 
+    /// The cells that are sharper than `limit`, ascending.
+    pub(super) fn sharper(&self, limit: f64) -> Vec<u32> {
+        let is_sharper = |&cell: &u32| !self.is_gone(cell) && self.sharpness(self.cell(cell)) > limit;
+        (0..self.mesh.cells.len() as u32).into_par_iter().filter(is_sharper).collect()
+    }
+
     /// The sharpness of the sharpest of `cells`.
     pub(super) fn sharpest(&self, cells: &[u32]) -> f64 {
         cells.iter().map(|&cell| self.sharpness(self.cell(cell))).fold(-1.0, f64::max)
@@ -91,17 +99,16 @@ impl<'a> Web<'a> {
 
     /// The shortest altitude of `cells`, mm.
     pub(super) fn shortest_altitude(&self, cells: impl Iterator<Item = [u32; 4]>) -> f64 {
-        cells.map(|cell| altitude(cell.map(|node| self.point(node)))).fold(f64::INFINITY, f64::min)
+        cells.map(|cell| shortest_altitude(cell.map(|node| self.point(node)))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Puts `new` cells in the place of `old` ones, all of one grain.
-    pub(super) fn replace(&mut self, old: &[u32], new: &[[u32; 4]]) {
-        let grain = self.grain(old[0]);
+    /// Puts `new` cells with their grains in the place of `old` ones.
+    fn replace(&mut self, old: &[u32], new: &[([u32; 4], u32)]) {
         old.iter().for_each(|&cell| self.unlink(cell));
-        for (place, &nodes) in new.iter().enumerate() {
+        for (place, &(nodes, grain)) in new.iter().enumerate() {
             let cell = old.get(place).copied().unwrap_or(self.mesh.cells.len() as u32);
             if place < old.len() {
-                self.mesh.cells[cell as usize] = nodes;
+                (self.mesh.cells[cell as usize], self.mesh.grain[cell as usize]) = (nodes, grain);
             } else {
                 self.mesh.cells.push(nodes);
                 self.mesh.grain.push(grain);
@@ -111,17 +118,47 @@ impl<'a> Web<'a> {
         old.iter().skip(new.len()).for_each(|&cell| self.mesh.cells[cell as usize] = GONE);
     }
 
-    /// Takes out what is gone.
+    /// The same where that makes no altitude, and so no stable time step, shorter; whether it did.
+    pub(super) fn replace_thicker(&mut self, old: &[u32], new: &[([u32; 4], u32)]) -> bool {
+        let before = self.shortest_altitude(old.iter().map(|&cell| self.cell(cell)));
+        let thicker = self.shortest_altitude(new.iter().map(|(cell, _)| *cell)) >= before;
+        if thicker {
+            self.replace(old, new);
+        }
+        thicker
+    }
+
+    /// Adds a node without cells.
+    pub(super) fn add(&mut self, place: Vec3) -> u32 {
+        self.mesh.points.push(place);
+        self.list.push(self.stars.len() as u32);
+        self.stars.push(Vec::new());
+        self.list.len() as u32 - 1
+    }
+
+    /// Takes the node that was added last, and has no cells, out again.
+    pub(super) fn take_back(&mut self, node: u32) {
+        self.mesh.points.truncate(node as usize);
+        self.list.truncate(node as usize);
+        self.stars.pop();
+    }
+
+    /// Takes out what is gone, and the nodes that no cell has any more.
     pub(super) fn finish(self) {
         let mut cells = self.mesh.cells.iter();
         self.mesh.grain.retain(|_| cells.next() != Some(&GONE));
         self.mesh.cells.retain(|cell| *cell != GONE);
+        let is_lone = |node: usize| self.stars.get(self.list[node] as usize).is_some_and(Vec::is_empty);
+        let mut number = vec![0; self.mesh.points.len()];
+        let mut kept = 0;
+        for node in 0..number.len() {
+            number[node] = kept as u32;
+            if !is_lone(node) {
+                self.mesh.points[kept] = self.mesh.points[node];
+                kept += 1;
+            }
+        }
+        self.mesh.points.truncate(kept);
+        self.mesh.cells.iter_mut().flatten().for_each(|node| *node = number[*node as usize]);
     }
-}
-
-/// Shortest altitude of a tetrahedron, mm: six times its volume over twice its largest face's area.
-fn altitude([a, b, c, d]: [Vec3; 4]) -> f64 {
-    let (u, v, w) = (b - a, c - a, d - a);
-    let faces = [u.cross(&v), v.cross(&w), w.cross(&u), (v - u).cross(&(w - u))];
-    u.cross(&v).dot(&w) / faces.map(|face| face.norm_squared()).into_iter().fold(0.0, f64::max).sqrt()
 }

@@ -84,6 +84,11 @@ impl Star {
         Self { centre: place(node), faces: cells.map(face).collect() }
     }
 
+    /// The node's own place.
+    pub(in crate::mesh) fn centre(&self) -> Vec3 {
+        self.centre
+    }
+
     /// [`sharpness`] of the sharpest tetrahedron with the node at `x`. The search ends at the first above `limit`.
     pub(in crate::mesh) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
         let mut worst: f64 = -1.0;

@@ -1,0 +1,155 @@
+//! What a node of a finished mesh lies on, and so where it may go and which neighbours it may become one with: surfaces between
+//! materials stay as they are, point for point, and so do those around the mesh.
+
+use super::web::Web;
+use crate::math::Vec3;
+use crate::mesh::lattice::ways;
+use crate::mesh::quality::shortest_altitude;
+
+/// Nodes this near to a plane or a line are on it, mm: what rounding leaves is a hundredth of it.
+pub(super) const ON_MM: f64 = 1e-10;
+
+/// Where a node may go.
+pub(super) enum Seat {
+    /// Inside one material.
+    Free,
+    /// In one facet, with this normal; the nodes are its neighbours there.
+    Facet(Vec3, Vec<u32>),
+    /// On an edge between two facets, in this direction; the nodes are its neighbours there.
+    Edge(Vec3, [u32; 2]),
+    /// Nowhere.
+    Fixed,
+}
+
+impl Seat {
+    pub(super) fn of(web: &Web, node: u32) -> Self {
+        let Some(sides) = sides(web, node) else { return Self::Fixed };
+        let at = web.point(node);
+        let cross = |[x, y]: &[u32; 2]| (web.point(*x) - at).cross(&(web.point(*y) - at));
+        let Some(largest) = largest(sides.iter().map(cross)) else { return Self::Free };
+        let normal = largest / largest.norm();
+        let is_off = |other: &u32| normal.dot(&(web.point(*other) - at)).abs() > ON_MM;
+        let beyond: Vec<[u32; 2]> = sides.iter().copied().filter(|side| side.iter().any(is_off)).collect();
+        let around = neighbours(&sides);
+        let Some(second) = self::largest(beyond.iter().map(cross)) else { return Self::Facet(normal, around) };
+        let second = second / second.norm();
+        let is_off_second = |other: &u32| second.dot(&(web.point(*other) - at)).abs() > ON_MM;
+        if beyond.as_flattened().iter().any(is_off_second) {
+            return Self::Fixed;
+        }
+        let both: Vec<u32> = around.into_iter().filter(|other| !is_off(other) && !is_off_second(other)).collect();
+        let [p, q] = both[..] else { return Self::Fixed };
+        let along = web.point(q) - web.point(p);
+        let along = along / along.norm();
+        let from = at - web.point(p);
+        if (from - along * along.dot(&from)).norm() > ON_MM { Self::Fixed } else { Self::Edge(along, [p, q]) }
+    }
+
+    /// Directions, of unit length, in which the node may go.
+    pub(super) fn ways(&self) -> Vec<Vec3> {
+        match self {
+            Self::Free => ways().collect(),
+            Self::Facet(normal, _) => {
+                let u = normal.cross(&Vec3::ith(normal.iamin(), 1.0)).normalize();
+                let (v, half) = (normal.cross(&u), std::f64::consts::FRAC_1_SQRT_2);
+                [u, v, (u + v) * half, (u - v) * half].into_iter().flat_map(|way| [way, -way]).collect()
+            }
+            Self::Edge(along, _) => vec![*along, -along],
+            Self::Fixed => Vec::new(),
+        }
+    }
+
+    /// Whether `node`, which has this seat, may become one with its neighbour `other`.
+    pub(super) fn may_join(&self, node: u32, other: u32) -> bool {
+        match self {
+            Self::Free => node != other,
+            Self::Facet(_, around) => around.contains(&other),
+            Self::Edge(_, ends) => ends.contains(&other),
+            Self::Fixed => false,
+        }
+    }
+}
+
+/// The other two nodes of every triangle that a node has between two materials; `None` where it is on the outside of the mesh
+/// or its cells are not known.
+fn sides(web: &Web, node: u32) -> Option<Vec<[u32; 2]>> {
+    let star = web.star(node);
+    let mut faces = Vec::with_capacity(3 * star.len());
+    for &cell in star {
+        let (nodes, grain) = (web.cell(cell), web.grain(cell));
+        let edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[i, j]: [usize; 2]| [nodes[i], nodes[j]]);
+        let beside = edges.into_iter().filter(|edge| !edge.contains(&node));
+        faces.extend(beside.map(|[a, b]| ([a.min(b), a.max(b)], grain)));
+    }
+    faces.sort_unstable();
+    let mut sides = Vec::new();
+    for face in faces.chunk_by(|a, b| a.0 == b.0) {
+        let [(side, here), (_, there)] = *face else { return None };
+        if here != there {
+            sides.push(side);
+        }
+    }
+    (!star.is_empty()).then_some(sides)
+}
+
+fn largest(normals: impl Iterator<Item = Vec3>) -> Option<Vec3> {
+    normals.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
+}
+
+fn neighbours(sides: &[[u32; 2]]) -> Vec<u32> {
+    let mut nodes = sides.as_flattened().to_vec();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// Whether four points are in one plane.
+pub(super) fn are_in_a_plane(points: [Vec3; 4]) -> bool {
+    shortest_altitude(points).abs() <= ON_MM
+}
+
+/// The eight octants between points on the axes and `centre`, node 6, with the grains of those where x, y and z are
+/// positive or not.
+#[cfg(test)]
+pub(super) fn octants(centre: Vec3, grain: impl Fn([bool; 3]) -> u32) -> crate::mesh::lattice::Tetrahedra {
+    let ends = (0..3).flat_map(|i| [Vec3::ith(i, 1.0), Vec3::ith(i, -1.0)]);
+    let points: Vec<Vec3> = ends.chain([centre]).collect();
+    let of = |octant: u32| [octant >> 2 & 1, 2 + (octant >> 1 & 1), 4 + (octant & 1), 6];
+    let cells = (0..8).map(|octant| crate::mesh::lattice::oriented(of(octant), &points)).collect();
+    let grain = (0..8).map(|octant| grain([octant & 4 == 0, octant & 2 == 0, octant & 1 == 0])).collect();
+    crate::mesh::lattice::Tetrahedra { points, cells, grain }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seat(centre: Vec3, grain: impl Fn([bool; 3]) -> u32) -> Seat {
+        let mut mesh = octants(centre, grain);
+        Seat::of(&Web::new(&mut mesh, &[0, 1, 2, 3, 4, 5, 6, 7]), 6)
+    }
+
+    #[test]
+    fn a_node_is_free_inside_a_material_and_goes_within_a_facet_or_along_an_edge_alone() {
+        let centre = Vec3::new(0.2, 0.1, 0.0);
+        assert!(matches!(seat(centre, |_| 5), Seat::Free));
+        let facet = seat(centre, |[_, _, z]| u32::from(z));
+        assert!(matches!(&facet, Seat::Facet(normal, around) if normal.z.abs() == 1.0 && *around == [0, 1, 2, 3]));
+        assert!(
+            facet.ways().len() == 8 && facet.ways().iter().all(|way| way.z == 0.0 && (way.norm() - 1.0).abs() < 1e-15)
+        );
+        let off = seat(Vec3::new(0.2, 0.1, 1e-6), |[_, _, z]| u32::from(z));
+        assert!(matches!(off, Seat::Fixed), "of four planes that are all but one");
+        let edge = seat(Vec3::new(0.0, 0.0, 0.3), |[x, y, _]| u32::from(x && y));
+        assert!(matches!(&edge, Seat::Edge(along, [4, 5]) if along.z.abs() == 1.0));
+        assert!(edge.may_join(6, 4) && !edge.may_join(6, 0));
+        assert!(matches!(seat(Vec3::zeros(), |[x, y, z]| u32::from(x && y && z)), Seat::Fixed), "a corner");
+    }
+
+    #[test]
+    fn nodes_on_the_outside_of_a_mesh_are_fixed() {
+        let mut mesh = octants(Vec3::zeros(), |_| 5);
+        let web = Web::new(&mut mesh, &[0, 1, 2, 3, 4, 5, 6, 7]);
+        assert!((0..6).all(|node| matches!(Seat::of(&web, node), Seat::Fixed)));
+    }
+}
