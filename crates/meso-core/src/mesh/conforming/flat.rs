@@ -147,8 +147,8 @@ pub(super) fn do_cross([a, b, c, d]: &[Vec3; 4], axis: usize) -> bool {
     turn(axis, a, b, c) * turn(axis, a, b, d) < 0.0 && turn(axis, c, d, a) * turn(axis, c, d, b) < 0.0
 }
 
-/// Where ab and cd cross, seen along `axis`.
-fn crossing([a, b, c, d]: [Vec3; 4], axis: usize) -> Vec3 {
+/// Where ab and cd cross, seen along `axis`; across it the place is on ab.
+pub(super) fn crossing([a, b, c, d]: [Vec3; 4], axis: usize) -> Vec3 {
     let turn = |p: Vec3, q: Vec3| p.cross(&q)[axis];
     a + (b - a) * (turn(c - a, d - c) / turn(b - a, d - c))
 }

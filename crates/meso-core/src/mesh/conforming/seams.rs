@@ -6,17 +6,18 @@
 //! corners on the plane, which gmsh leaves where it recovers an edge, have no volume and go first.
 
 use super::faces::Nodes;
-use super::flat::{do_cross, turn};
+use super::flat::{crossing, do_cross, turn};
 use super::msh::Volumes;
 use super::slabs::Slabs;
 use crate::math::Vec3;
 use crate::mesh::MeshError;
+use std::collections::BTreeSet;
 
 /// Nodes this near to a plane are on it, mm: those that gmsh adds there are rounded.
 const ON_PLANE_MM: f64 = 1e-9;
 /// A node this near to an edge, in heights of the triangle, lies on it.
 const ON_EDGE: f64 = 1e-6;
-/// Most nodes that a plane is given.
+/// Most times that a plane is given nodes.
 const MOST: usize = 10_000;
 
 /// The meshes of `slabs`, in their order, as one.
@@ -111,7 +112,7 @@ impl<'a> Seam<'a> {
             if lone.iter().all(Vec::is_empty) {
                 return Ok(());
             }
-            if !self.put_node(&lone) && !self.cross(&lone) {
+            if !self.put_nodes([&below, &above], &lone) && !self.cross(&lone) {
                 break;
             }
         }
@@ -148,9 +149,11 @@ impl<'a> Seam<'a> {
         corners.iter().all(|node| self.on(*node)).then_some(corners)
     }
 
-    /// Gives a node that one side alone has to the other one; false where there is none, or no place for it.
-    fn put_node(&mut self, lone: &[Vec<Corners>; 2]) -> bool {
-        let all = [0, 1].map(|side| nodes(&self.triangles(side)));
+    /// Gives nodes that one side alone has to the other one, but no two to neighbours; false where there is none, or no place
+    /// for it.
+    fn put_nodes(&mut self, triangles: [&[Corners]; 2], lone: &[Vec<Corners>; 2]) -> bool {
+        let all = triangles.map(nodes);
+        let mut busy = BTreeSet::new();
         for (own, other) in [(0, 1), (1, 0)] {
             for node in nodes(&lone[own]).into_iter().filter(|node| all[other].binary_search(node).is_err()) {
                 let place = self.mesh.points[node as usize];
@@ -159,35 +162,36 @@ impl<'a> Seam<'a> {
                 let Some((heights, corners)) = around.max_by(|a, b| least(&a.0).total_cmp(&least(&b.0))) else {
                     continue;
                 };
-                if least(&heights) < -ON_EDGE {
+                if least(&heights) < -ON_EDGE || corners.iter().any(|corner| busy.contains(corner)) {
                     continue;
                 }
                 match [0, 1, 2].into_iter().find(|&i| heights[i] < ON_EDGE) {
                     Some(i) => self.divide_edge(other, [corners[(i + 1) % 3], corners[(i + 2) % 3]], node),
                     None => self.divide_triangle(other, corners, node),
                 }
-                return true;
+                busy.extend(corners);
             }
         }
-        false
+        !busy.is_empty()
     }
 
-    /// Puts a node where edges of the two sides cross; false where none do.
+    /// Puts nodes where edges of the two sides cross, but no two at one edge; false where none do.
     fn cross(&mut self, lone: &[Vec<Corners>; 2]) -> bool {
         let [below, above] = [0, 1].map(|side| edges(&lone[side]));
+        let mut busy = BTreeSet::new();
         for &[a, b] in below.iter().filter(|edge| above.binary_search(edge).is_err()) {
             for &[c, d] in above.iter().filter(|edge| below.binary_search(edge).is_err()) {
-                if self.do_cross([a, b], [c, d]) {
+                if ![a, b, c, d].iter().any(|end| busy.contains(end)) && self.do_cross([a, b], [c, d]) {
                     let middle = self.crossing([a, b, c, d]);
                     let node = self.mesh.points.len() as u32;
                     self.mesh.points.push(middle);
                     self.divide_edge(0, [a, b], node);
                     self.divide_edge(1, [c, d], node);
-                    return true;
+                    busy.extend([a, b, c, d]);
                 }
             }
         }
-        false
+        !busy.is_empty()
     }
 
     fn turn(&self, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
@@ -206,9 +210,7 @@ impl<'a> Seam<'a> {
     }
 
     fn crossing(&self, quad: [u32; 4]) -> Vec3 {
-        let [a, b, c, d] = quad.map(|node| self.mesh.points[node as usize]);
-        let share = self.turn(&a, &c, &d) / (self.turn(&a, &c, &d) + self.turn(&b, &d, &c));
-        let mut place = a + (b - a) * share;
+        let mut place = crossing(quad.map(|node| self.mesh.points[node as usize]), self.axis);
         place[self.axis] = self.place;
         place
     }
