@@ -6,7 +6,9 @@ use crate::periodic_decks::{SIDE_MM, equations, packed, tied};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{
+    self, Fit, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality,
+};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
@@ -99,6 +101,18 @@ fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_
     let errors = [volumes.itz / exact.itz, volumes.aggregate / exact.aggregate].map(|ratio| (ratio - 1.0).abs());
     assert!(errors[0] < 0.005 && errors[1] < 0.01, "{errors:?}");
     assert!(mesh.notes.pinched_itz_nodes * 50 < mesh.points.len(), "{:?}", mesh.notes);
+}
+
+/// Those on the faces stay where they are, since they have to match. Here the notes told 4, before they were counted.
+#[test]
+fn nodes_on_periodic_faces_that_lie_off_their_aggregate_are_among_those_in_the_notes() {
+    let specimen = Specimen::Cube { side_mm: 40.0, periodic: Periodic([true; 3]) };
+    let model = meso_core::pack(&Spec { fraction: 0.5, specimen, ..Default::default() }, &Silent).unwrap();
+    let mesh = meshed(&model, (Method::Lattice, Fit::Fitted), ItzForm::None);
+    let distance = InterfaceDistance::of(&mesh, &model.aggregates, &model.spec.specimen);
+    let counted = mesh.notes.off_surface_nodes;
+    assert!(distance.alone_off > 20, "{distance:?}");
+    assert!((distance.alone_off..distance.alone_off + 10).contains(&counted), "{counted} {distance:?}");
 }
 
 /// A block of 8 mm in the middle of a face across x, turned about x, in a box of 16 mm.

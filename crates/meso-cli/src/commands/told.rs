@@ -172,7 +172,8 @@ fn notes(notes: &Notes) {
     if notes.off_surface_nodes > 0 {
         let nodes = say::count(notes.off_surface_nodes);
         say::line(format!(
-            "{nodes} nodes could not be put on the surfaces with angles of 10 degrees, mostly in gaps to the specimen's sides"
+            "{nodes} nodes could not be put on the surfaces with angles of 10 degrees, mostly in gaps to the specimen's sides or on \
+             faces that match opposite ones"
         ));
     }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {

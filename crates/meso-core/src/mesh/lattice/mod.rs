@@ -102,7 +102,8 @@ pub(super) fn fitted(
     let outline = outline.as_ref().map(|outline| (outline, trim::trim(&mut mesh)));
     let skin = Skin { outline, repeats };
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
-    let off_surface_nodes = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &skin);
+    let off = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &skin);
+    let off_surface_nodes = off + roles::fixed_off_surface(&mesh, &surfaces, bcc.domain(), &skin);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })
 }
 

@@ -3,6 +3,7 @@
 use super::Tetrahedra;
 use super::places::Places;
 use super::skin::{Hold, Skin};
+use super::surface::Surface;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::NO_AGGREGATE;
 use crate::mesh::grains::Locator;
@@ -43,6 +44,18 @@ pub(super) fn roles(mesh: &Tetrahedra, domain: &Aabb, skin: &Skin) -> Vec<Role> 
         Around::Two(..) | Around::Many => Role::Contact,
     };
     mesh.points.par_iter().zip(&around(mesh)).enumerate().map(role).collect()
+}
+
+/// Nodes that stay where they are, since their side has to match the opposite one, where one grain meets mortar and whose
+/// surface they do not lie on.
+pub(super) fn fixed_off_surface(mesh: &Tetrahedra, surfaces: &[Surface], domain: &Aabb, skin: &Skin) -> usize {
+    let roles = roles(mesh, domain, skin);
+    let fixed = mesh.points.iter().zip(around(mesh)).zip(roles).filter(|(_, role)| *role == Role::Fixed);
+    let is_off = |&((point, around), _): &((&Vec3, Around), Role)| match around {
+        Around::Two(NO_AGGREGATE, grain) | Around::Two(grain, NO_AGGREGATE) => !surfaces[grain as usize].has(point),
+        Around::Unseen | Around::One(_) | Around::Two(..) | Around::Many => false,
+    };
+    fixed.filter(is_off).count()
 }
 
 /// Gives the tetrahedra whose nodes all lie between materials the grain of their centroid: no interface moves, but
