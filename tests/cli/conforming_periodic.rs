@@ -152,6 +152,31 @@ fn a_node_that_gmsh_adds_to_one_of_two_opposite_faces_each_time_is_named_with_th
     assert!(error.contains("choose another element_size_mm"), "{error}");
 }
 
+/// A gmsh that breaks off the first time it has surfaces to fill.
+const BREAKS_OFF_ONCE: &str = "#!/bin/sh\ncase \"$*\" in *--version*) exit 0;; esac\n\
+    mark=\"$(dirname \"$0\")/begun\"\nif [ ! -e \"$mark\" ]; then : > \"$mark\"; echo no luck >&2; exit 1; fi\nexec gmsh \"$@\"\n";
+
+#[test]
+fn a_second_run_of_gmsh_is_told_with_its_element_size_unless_the_command_is_quiet() {
+    use std::os::unix::fs::PermissionsExt;
+    if !has_gmsh() {
+        return;
+    }
+    let folder = Folder::new();
+    let gaps = "placement = { min_gap_mm = 0.1, wall_gap_mm = 0.1 }\n";
+    folder.write("gaps.toml", format!("fraction = 0.2\nspecimen = {{ kind = 'cube', side_mm = 30 }}\n{gaps}"));
+    assert_eq!(folder.run(&["pack", "gaps.toml", "-o", "model.json"]).code, 0);
+    folder.write("once", BREAKS_OFF_ONCE);
+    std::fs::set_permissions(folder.path("once"), PermissionsExt::from_mode(0o755)).unwrap();
+    let mesh = ["mesh", "model.json", "-o", "m.inp", "--method", "conforming", "--element-size-mm", "5", "--force"];
+    let told = "gmsh's mesh cannot be used; asking it again, for elements of 4.850 mm";
+    for (quiet, tells) in [(&[][..], true), (&["--quiet"][..], false)] {
+        let run = folder.run(&[&mesh[..], &["--gmsh", "./once"], quiet].concat());
+        assert!(run.code == 0 && run.stderr.contains(told) == tells, "{}", run.stderr);
+        std::fs::remove_file(folder.path("begun")).unwrap();
+    }
+}
+
 #[test]
 fn one_command_packs_a_periodic_box_for_gmsh_and_ties_its_faces() {
     if !has_gmsh() {
