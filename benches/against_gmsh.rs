@@ -1,0 +1,109 @@
+//! What a conforming mesh costs against gmsh alone: CPU seconds of everything, slabs and mending included, over those of gmsh
+//! in one run on the surfaces of the same packing.
+//!
+//! `cargo bench --bench against_gmsh -- [SIDE_MM [ELEMENT_SIZE_MM]]` takes a cube at 0.50 with gaps of 0.05 mm, of 60 mm and
+//! 2 mm elements when nothing is given (the paper's specimen has 150 mm and takes half an hour), and puts its row into
+//! `benches/results/against_gmsh.csv` in place of the one that is there. `gmsh` is the one on the PATH.
+//!
+//! Both meshes are made twice, in turns, in processes of their own, and the lesser times count: what else the machine does
+//! adds to all of them.
+
+#![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
+
+#[path = "collision/table.rs"]
+mod table;
+
+use meso_cli::gmsh::Gmsh;
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, quality};
+use meso_core::packing::Specimen;
+use meso_core::{Silent, Spec, pack};
+use std::process::Command;
+use table::Table;
+
+const HEADER: &str = "side_mm,element_size_mm,grains,elements,cpu_s,own_cpu_s,gmsh_cpu_s,gmsh_alone_cpu_s,ratio,own_share_percent,\
+                      smallest_dihedral_deg,below_1_deg,below_8_deg,shortest_altitude_mm";
+const CSV: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../benches/results/against_gmsh.csv");
+const TURNS: usize = 2;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    if let [word, slabs, side, size] = &words[..]
+        && word == "--case"
+    {
+        return case(slabs.parse().ok(), number(side), number(size));
+    }
+    let [side, size] = [(0, 60.0), (1, 2.0)].map(|(i, usual)| words.get(i).map_or(usual, |word| number(word)));
+    let run = |slabs: &str| {
+        let mut command = Command::new(std::env::current_exe().expect("a bench has a path"));
+        let output = command.args(["--case", slabs, &side.to_string(), &size.to_string()]).output();
+        let output = output.expect("the bench can start itself");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("a row is text").trim().split(',').map(String::from).collect()
+    };
+    // By what was asked for: own and gmsh's CPU seconds come first.
+    let turns: Vec<[Vec<String>; 2]> = (0..TURNS).map(|_| [run("as-needed"), run("1")]).collect();
+    let least = |which: usize, column: usize| {
+        turns.iter().map(|turn| number(&turn[which][column])).fold(f64::INFINITY, f64::min)
+    };
+    let (own, gmsh, alone) = (least(0, 0), least(0, 1), least(1, 1));
+    let rest = &turns[0][0][2..];
+    let times = [own + gmsh, own, gmsh, alone].map(|seconds| format!("{seconds:.1}")).join(",");
+    let shares = format!("{:.2},{:.1}", (own + gmsh) / alone, 100.0 * own / (own + gmsh));
+    enter(format!("{side},{size},{},{},{times},{shares},{}", rest[0], rest[1], rest[2..].join(",")));
+}
+
+/// Puts a row in place of the one of its side and size.
+fn enter(row: String) {
+    println!("{HEADER}\n{row}");
+    let key = |row: &str| row.split(',').take(2).map(number).collect::<Vec<_>>();
+    let text = std::fs::read_to_string(CSV).unwrap_or_default();
+    let old =
+        if text.lines().next() == Some(HEADER) { text.lines().skip(1).map(String::from).collect() } else { vec![] };
+    let own = key(&row);
+    let mut rows: Vec<String> = old.into_iter().filter(|old: &String| key(old) != own).chain([row]).collect();
+    rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("numbers"));
+    let mut table = Table::new(HEADER);
+    rows.iter().for_each(|row| table.row(&row.split(',').map(String::from).collect::<Vec<_>>()));
+    table.save("against_gmsh.csv");
+}
+
+/// Meshes in so many slabs, and prints own and gmsh's CPU seconds and what the mesh is like.
+fn case(slabs: Option<u32>, side_mm: f64, element_size_mm: f64) {
+    let mut spec = Spec { seed: 1, specimen: Specimen::cube(side_mm), ..Spec::default() };
+    (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
+    let model = pack(&spec, &Silent).expect("the spec is valid");
+    let options = MeshOptions {
+        method: Method::Conforming,
+        element_size_mm,
+        itz: ItzForm::None,
+        slabs,
+        ..MeshOptions::default()
+    };
+    let before = cpu_seconds();
+    let mesh = mesh::build_with(&model, &options, &|surfaces| Gmsh::program("gmsh").run(surfaces)).expect("a mesh");
+    let [own, gmsh] = [0, 1].map(|i| cpu_seconds()[i] - before[i]);
+    let cells = quality::cells(&mesh);
+    let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
+    let below = |degrees: f64| quality::bad_cells(&cells, degrees).len();
+    println!(
+        "{own},{gmsh},{},{},{:.2},{},{},{:.4}",
+        model.aggregates.len(),
+        cells.len(),
+        least(|cell| cell.min_dihedral_deg),
+        below(1.0),
+        below(8.0),
+        least(|cell| cell.shortest_altitude_mm),
+    );
+}
+
+/// User and system time of this process, and of those it waited for: fields 14 to 17 of /proc/self/stat, in hundredths.
+fn cpu_seconds() -> [f64; 2] {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<f64> =
+        stat.rsplit_once(')').map_or("", |parts| parts.1).split_whitespace().skip(11).take(4).map(number).collect();
+    [fields[0] + fields[1], fields[2] + fields[3]].map(|hundredths| hundredths / 100.0)
+}
+
+fn number(word: &str) -> f64 {
+    word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
+}
