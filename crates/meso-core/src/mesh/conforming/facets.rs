@@ -37,7 +37,7 @@ pub(super) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, String>
 /// Convex plane facets, their corners in `points` counter-clockwise from outside; no edge is longer than `limit` mm by much.
 ///
 /// # Errors
-/// Where a facet's edges cross: those of a convex one do not.
+/// Where a facet has no area, or its edges cross: those of a convex one do not.
 pub(super) fn facets(
     points: &[Vec3],
     polygons: impl IntoIterator<Item = Vec<u32>>,
@@ -46,7 +46,12 @@ pub(super) fn facets(
     let (mut nodes, mut triangles) = (Nodes::default(), Vec::new());
     for polygon in polygons {
         let corners: Vec<Vec3> = polygon.iter().map(|&corner| points[corner as usize]).collect();
-        let facet = region(Frame::of(&corners), &[corners], limit)?;
+        let frame = Frame::of(&corners);
+        if !frame.is_plane() {
+            let at = corners[0];
+            return Err(format!("a facet at {:.6}, {:.6}, {:.6} mm has no area", at.x, at.y, at.z));
+        }
+        let facet = region(frame, &[corners], limit)?;
         let numbers: Vec<u32> = facet.points.iter().map(|point| nodes.at(*point)).collect();
         triangles.extend(facet.triangles.iter().map(|triangle| triangle.map(|node| numbers[node as usize])));
     }
@@ -227,6 +232,13 @@ mod tests {
         gaps.sort_by(f64::total_cmp);
         // A fan's halves had nodes 0.0015 and 0.0008 mm apart.
         assert!(surface.points.len() > 20 && (gaps[0] - short).abs() < 1e-12 && gaps[1] > 0.5, "{:?}", &gaps[..3]);
+    }
+
+    #[test]
+    fn a_facet_without_area_is_named() {
+        let corners = [0.0, 1.0, 3.0].map(|x| Vec3::new(x, 0.0, 2.0));
+        let error = facets(&corners, [vec![0, 1, 2]], 1.0).unwrap_err();
+        assert_eq!(error, "a facet at 0.000000, 0.000000, 2.000000 mm has no area");
     }
 
     #[test]

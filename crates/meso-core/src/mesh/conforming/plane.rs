@@ -47,6 +47,11 @@ impl Frame {
         Self { u: v.cross(&normal), v, foot: normal * normal.dot(&polygon[0]) }
     }
 
+    /// False for a polygon without area.
+    pub(super) fn is_plane(&self) -> bool {
+        [self.u, self.v, self.foot].iter().flatten().all(|x| x.is_finite())
+    }
+
     fn flat(&self, place: &Vec3) -> Point2<f64> {
         Point2::new(self.u.dot(place), self.v.dot(place))
     }

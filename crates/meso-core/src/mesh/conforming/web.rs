@@ -151,8 +151,8 @@ impl<'a> Web<'a> {
         let is_lone = |node: usize| self.stars.get(self.list[node] as usize).is_some_and(Vec::is_empty);
         let mut number = vec![0; self.mesh.points.len()];
         let mut kept = 0;
-        for node in 0..number.len() {
-            number[node] = kept as u32;
+        for (node, own) in number.iter_mut().enumerate() {
+            *own = kept as u32;
             if !is_lone(node) {
                 self.mesh.points[kept] = self.mesh.points[node];
                 kept += 1;
