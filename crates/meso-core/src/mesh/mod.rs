@@ -19,9 +19,11 @@ pub mod quality;
 mod second_order;
 mod separate;
 pub mod sides;
+mod swaps;
 mod sweep;
 mod volumes;
 mod voxel;
+mod web;
 
 pub use distance::InterfaceDistance;
 pub use error::MeshError;

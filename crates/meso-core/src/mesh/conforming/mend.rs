@@ -1,4 +1,4 @@
-//! Sharp cells of gmsh's mesh are mended, and no surface moves: by other cells in the same room ([`swaps`](super::swaps)), by
+//! Sharp cells of gmsh's mesh are mended, and no surface moves: by other cells in the same room ([`swaps`](crate::mesh::swaps)), by
 //! better places for nodes, and by nodes less or more ([`nodes`](super::nodes)).
 //!
 //! Every step leaves the sharpest angle there less sharp than it was, no altitude shorter and every volume positive. Nodes on a
@@ -7,9 +7,9 @@
 
 use super::nodes::{divide, join};
 use super::seat::Seat;
-use super::swaps::{put_through, take_out};
-use super::web::Web;
 use crate::mesh::lattice::{Star, Tetrahedra, sharpness, sharpness_of};
+use crate::mesh::swaps::swapped;
+use crate::mesh::web::Web;
 use rayon::prelude::*;
 
 /// Cells with a smaller angle are mended, degrees (somewhat more than what counts as bad), and how many times those are looked
@@ -57,20 +57,17 @@ fn still_poor(web: &mut Web, poor: &[u32], limit: f64) -> Vec<u32> {
 
 /// Takes the first way found that makes what is around a cell less sharp; whether there was one.
 fn better(web: &mut Web, cell: u32) -> bool {
+    if swapped(web, cell) {
+        return true;
+    }
     let nodes = web.cell(cell);
-    let [a, b, c, d] = nodes;
-    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
-    if edges.into_iter().any(|[a, b]| take_out(web, a, b)) {
-        return true;
-    }
-    if nodes.into_iter().any(|apex| put_through(web, cell, apex)) {
-        return true;
-    }
     let seats = nodes.map(|node| (node, Seat::of(web, node)));
     if seats.iter().any(|(node, seat)| join(web, *node, &nodes, seat)) {
         return true;
     }
     let moved = seats.iter().filter(|(node, seat)| relocate(web, *node, seat)).count();
+    let [a, b, c, d] = nodes;
+    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
     moved > 0 || edges.into_iter().any(|[a, b]| divide(web, a, b))
 }
 
@@ -109,6 +106,7 @@ mod tests {
     use crate::math::Vec3;
     use crate::mesh::conforming::seat::octants;
     use crate::mesh::lattice::oriented;
+    use crate::mesh::swaps::{put_through, take_out};
 
     /// Two apexes over and under a triangle of this radius, `height` from it.
     fn spindle(radius: f64, height: f64) -> Vec<Vec3> {

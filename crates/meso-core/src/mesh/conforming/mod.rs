@@ -23,9 +23,7 @@ mod seams;
 mod seat;
 mod shells;
 mod slabs;
-mod swaps;
 mod walls;
-mod web;
 
 pub use gaps::ROOM_MM;
 

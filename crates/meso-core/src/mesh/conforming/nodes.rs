@@ -3,11 +3,12 @@
 //!
 //! Contraction and insertion as of Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement" (2007).
 
-use super::seat::{Seat, are_in_a_plane};
-use super::web::Web;
+use super::seat::Seat;
 use crate::math::Vec3;
 use crate::mesh::NO_AGGREGATE;
 use crate::mesh::lattice::{Star, sharpness_of};
+use crate::mesh::swaps::are_in_a_plane;
+use crate::mesh::web::Web;
 
 /// Steps tried for a new node, in lengths of the edge that it divides.
 const STEPS: [f64; 3] = [0.3, 0.1, 0.03];

@@ -1,13 +1,10 @@
 //! What a node of a finished mesh lies on, and so where it may go and which neighbours it may become one with: surfaces between
 //! materials stay as they are, point for point, and so do those around the mesh.
 
-use super::web::Web;
 use crate::math::Vec3;
 use crate::mesh::lattice::ways;
-use crate::mesh::quality::shortest_altitude;
-
-/// Nodes this near to a plane or a line are on it, mm: what rounding leaves is a hundredth of it.
-pub(super) const ON_MM: f64 = 1e-10;
+use crate::mesh::swaps::ON_MM;
+use crate::mesh::web::Web;
 
 /// Where a node may go.
 pub(super) enum Seat {
@@ -101,11 +98,6 @@ fn neighbours(sides: &[[u32; 2]]) -> Vec<u32> {
     nodes.sort_unstable();
     nodes.dedup();
     nodes
-}
-
-/// Whether four points are in one plane.
-pub(super) fn are_in_a_plane(points: [Vec3; 4]) -> bool {
-    shortest_altitude(points).abs() <= ON_MM
 }
 
 /// The eight octants between points on the axes and `centre`, node 6, with the grains of those where x, y and z are

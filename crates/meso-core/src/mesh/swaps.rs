@@ -3,11 +3,23 @@
 //! Freitag and Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing" (1997); the cells without the edge are
 //! found as there, by the best triangulation of the ring around it (Klincsek 1980).
 
-use super::seat::are_in_a_plane;
+use super::quality::shortest_altitude;
 use super::web::Web;
+use crate::math::Vec3;
+
+/// Nodes this near to a plane or a line are on it, mm: what rounding leaves is a hundredth of it.
+pub(super) const ON_MM: f64 = 1e-10;
 
 /// Longest ring that is looked at: longer ones seldom gain, and cost the cube of their length.
 const LONGEST_RING: usize = 7;
+
+/// Takes the first swap found that makes what is around `cell` less sharp; whether there was one.
+pub(super) fn swapped(web: &mut Web, cell: u32) -> bool {
+    let [a, b, c, d] = web.cell(cell);
+    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
+    edges.into_iter().any(|[a, b]| take_out(web, a, b))
+        || [a, b, c, d].into_iter().any(|apex| put_through(web, cell, apex))
+}
 
 /// Takes the edge from a to b out of the cells around it where that leaves no angle as sharp as the sharpest there; whether it
 /// did. The cells are of one grain, or on both sides of a plane facet, in which the edge's two triangles then have the other
@@ -22,6 +34,11 @@ pub(super) fn take_out(web: &mut Web, a: u32, b: u32) -> bool {
         new.extend(of_arc.into_iter().map(|cell| (cell, grain)));
     }
     web.replace_thicker(&cells, &new)
+}
+
+/// Whether four points are in one plane.
+pub(super) fn are_in_a_plane(points: [Vec3; 4]) -> bool {
+    shortest_altitude(points).abs() <= ON_MM
 }
 
 /// The nodes around the edge, counter-clockwise seen from b, where they close up: all of them where the cells are of one grain,
