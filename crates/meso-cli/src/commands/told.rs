@@ -172,7 +172,7 @@ fn notes(notes: &Notes) {
     if notes.off_surface_nodes > 0 {
         let nodes = say::count(notes.off_surface_nodes);
         say::line(format!(
-            "{nodes} nodes could not be put on the surfaces with angles of 10 degrees, mostly in gaps to the specimen's sides or on \
+            "{nodes} nodes could not be put on the surfaces with angles of 8 degrees, mostly in gaps to the specimen's sides or on \
              faces that match opposite ones"
         ));
     }

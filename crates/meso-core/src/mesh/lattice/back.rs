@@ -3,11 +3,10 @@
 //! Where a grain comes close to the specimen's side the cut keeps its distance from that ([`crossing`](super::cut)), and
 //! [`mend`] lets nodes off their grain. Once that is done, these nodes look around for a place on the grain: first for one
 //! that leaves the angles as they should be, then for one at which the nodes around can make room for it. What finds none
-//! goes as near as it may: there the gap is thinner than such angles allow ([`merge`](super::merge)).
+//! goes as near as it may ([`finish`](super::finish) tries other ways then).
 
 use super::fit::{Fit, GUARD_DEG};
 use super::mend::{better, ways};
-use super::merge::touching;
 use super::roles::Role;
 use super::star::{Star, sharpness_of};
 use super::surface::Surface;
@@ -51,7 +50,7 @@ fn is_off(fit: &Fit, node: u32) -> bool {
     match fit.roles[node as usize] {
         Role::Surface(grain) => !fit.surfaces[grain as usize].has(&x),
         Role::Contact => !grains(&fit.star(node), Role::Contact).iter().any(|&g| fit.surfaces[g as usize].has(&x)),
-        Role::Fixed | Role::Joined(_) | Role::Skin(_) | Role::Free => false,
+        Role::Fixed | Role::Skin(_) | Role::Free => false,
     }
 }
 
@@ -90,22 +89,6 @@ fn returns(fit: &Fit, node: u32, limit: f64) -> bool {
     false
 }
 
-/// Brings a node of a flat side, where the gap to the grain is closed, to where the two nearly touch, or nearer to it.
-pub(super) fn touch(fit: &Fit, node: u32, grain: u32, axes: [bool; 3]) {
-    let x = fit.places.get(node);
-    let star = fit.star(node);
-    let places = touching(fit, node, grain, axes);
-    let limit = sharpness_of(GUARD_DEG).max(star.worst(&x, 2.0));
-    let mut closer = places.iter().take_while(|place| **place != x).take(ASKED);
-    if closer.any(|place| makes_room(fit, node, place, limit)) || places.contains(&x) {
-        return;
-    }
-    let nearer = |part: f64| places.first().map(|place| x + (place - x) * part);
-    if let Some(place) = PARTS.into_iter().filter_map(nearer).find(|place| star.worst(place, limit) <= limit) {
-        fit.go(node, &place);
-    }
-}
-
 /// Places on the surface around `x`: its own feet, those of points around it, and edges and corners.
 fn places(surface: &Surface, x: &Vec3, size: f64) -> Vec<Vec3> {
     let mut places = Vec::new();
@@ -119,15 +102,34 @@ fn places(surface: &Surface, x: &Vec3, size: f64) -> Vec<Vec3> {
     places
 }
 
+/// The sharpness of cells that turn over.
+const TURNED: f64 = 2.0;
+
 /// The places that leave the bluntest cells, if none turns over, `apart` mm from each other.
 fn bluntest(star: &Star, places: &[Vec3], apart: f64) -> Vec<Vec3> {
-    const TURNED: f64 = 2.0;
     let mut all: Vec<(f64, Vec3)> = places.iter().map(|place| (star.worst(place, TURNED), *place)).collect();
     all.retain(|(worst, _)| *worst < TURNED);
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    chosen(all.into_iter().map(|(_, place)| place), apart, ASKED)
+}
+
+/// At most so many places around `node` on its grains, `apart` mm from each other: those with the bluntest cells first, then
+/// the nearest, even where cells turn over.
+pub(super) fn places_apart(fit: &Fit, node: u32, apart: f64, most: usize) -> Vec<Vec3> {
+    let star = fit.star(node);
+    let on_grain = |grain: u32| places(&fit.surfaces[grain as usize], &star.centre, fit.size);
+    let judged = |place: Vec3| (star.worst(&place, TURNED), (place - star.centre).norm(), place);
+    let mut all: Vec<(f64, f64, Vec3)> =
+        grains(&star, fit.roles[node as usize]).into_iter().flat_map(on_grain).map(judged).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    chosen(all.into_iter().map(|(.., place)| place), apart, most)
+}
+
+/// The first of `places`, at most so many, that are `apart` from each other.
+fn chosen(places: impl Iterator<Item = Vec3>, apart: f64, most: usize) -> Vec<Vec3> {
     let mut chosen: Vec<Vec3> = Vec::new();
-    for (_, place) in all {
-        if chosen.len() < ASKED && chosen.iter().all(|other| (other - place).norm() > apart) {
+    for place in places {
+        if chosen.len() < most && chosen.iter().all(|other| (other - place).norm() > apart) {
             chosen.push(place);
         }
     }

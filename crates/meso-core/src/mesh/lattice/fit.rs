@@ -2,17 +2,17 @@
 //!
 //! The triangles between nodes on a convex surface lie inside it, so the cut loses what lies over them, most at edges
 //! and corners ([`slide`]); nodes with sharp angles move to better them ([`smooth`]), and what is still too sharp after
-//! some rounds of both is looked at by itself ([`mend`]). Nodes go in patches, eight colours of them, such that patches
+//! some rounds of both is looked at by itself ([`finish`](super::finish)). Nodes go in patches, eight colours of them, such that patches
 //! of one colour share no tetrahedron: the result does not depend on the number of threads.
 
 use super::balance::lacks;
-use super::merge::Merged;
+use super::finish::{Finish, finish};
 use super::places::Places;
 use super::roles::{Role, near_surface, relabel, roles};
 use super::skin::Skin;
 use super::star::{Star, Stars, sharpness};
 use super::surface::Surface;
-use super::{Tetrahedra, back, mend, merge, relabel, slide, smooth};
+use super::{Tetrahedra, slide, smooth};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::grains::Locator;
 use rayon::prelude::*;
@@ -23,23 +23,6 @@ pub(super) const GUARD_DEG: f64 = 10.0;
 const ROUNDS: usize = 5;
 /// Cells that lie between interface nodes alone get the grain of their centroid before these rounds.
 const RELABELLED: [usize; 2] = [2, 4];
-/// The smallest dihedral angle that merges may leave, degrees, turn by turn, and whether they are into the specimen's sides:
-/// first those that need nothing else, then those after which the nodes around are to make room (of 329 nodes in the
-/// paper's specimen at 2 mm 14 are merged into sides, and 2 stay off; without sides 19 did).
-const MERGES: [(f64, bool); 12] = [
-    (GUARD_DEG, false),
-    (3.0, false),
-    (1.0, false),
-    (1.0, false),
-    (GUARD_DEG, true),
-    (3.0, true),
-    (3.0, false),
-    (3.0, true),
-    (3.0, false),
-    (1.0, true),
-    (1.0, false),
-    (1.0, true),
-];
 /// Edge of a patch, in elements; more than twice the longest edge of a tetrahedron, so that colours stay apart.
 const PATCH: f64 = 6.0;
 
@@ -87,68 +70,11 @@ pub(super) fn fit(
             patches.par_iter().for_each(|nodes| nodes.iter().for_each(|&node| fit.smooth(node, round)));
         }
     }
-    let (off, merged) = finish(mesh, surfaces, &mut stars, &places, &mut roles_now, size, skin);
+    let roles = &mut roles_now;
+    let (off, merged) = finish(Finish { mesh, surfaces, stars: &mut stars, places: &places, roles, size, skin });
     mesh.points = places.into_points();
     merged.leave_out(mesh);
     off
-}
-
-/// Mends angles, brings nodes back onto their grain, gives cells another label where that puts them there, and merges those
-/// that find no way: in turns, each of which mends what the merges before it left too sharp. Returns how many nodes are
-/// still off, and what is merged.
-fn finish(
-    mesh: &mut Tetrahedra,
-    surfaces: &[Surface],
-    stars: &mut Stars,
-    places: &Places,
-    roles: &mut [Role],
-    size: f64,
-    skin: &Skin,
-) -> (usize, Merged) {
-    let mut merged = Merged::default();
-    let mut joined: Vec<(u32, u32, [bool; 3])> = Vec::new();
-    let mut lost: Vec<u32> = Vec::new();
-    let mut off: Vec<u32> = (0..roles.len() as u32).collect();
-    let mut suspects: Vec<u32> = (0..mesh.cells.len() as u32).collect();
-    // Mending after merges would let nodes off the specimen's own surface where that is no box.
-    let turns = if skin.outline.is_some() { 0 } else { MERGES.len() };
-    for turn in MERGES[..turns].iter().map(Some).chain([None]) {
-        let fit = Fit { mesh, surfaces, stars, places, roles, lacks: &[], size, skin };
-        let released = mend::mend(&fit, suspects);
-        // No way leads back to the specimen's own surface.
-        let was_outer = |node: &&u32| matches!(roles[**node as usize], Role::Skin(hold) if hold.outer);
-        lost.extend(released.iter().filter(was_outer));
-        off.extend(released);
-        off = back::back(&fit, off);
-        let Some(&(least_deg, into_sides)) = turn else { break };
-        let mut grown = Vec::new();
-        off.retain(|&node| {
-            let fit = Fit { mesh, surfaces, stars, places, roles, lacks: &[], size, skin };
-            if let Some(change) = relabel::relabelled(&fit, node) {
-                change.cells.iter().for_each(|&cell| mesh.grain[cell as usize] = change.label);
-                change.roles.iter().for_each(|&(node, role)| roles[node as usize] = role);
-                return false;
-            }
-            let merge = if into_sides { merge::merge_into_side } else { merge::merge };
-            let Some(merge) = merge(&fit, node, least_deg) else { return true };
-            if let Role::Skin(hold) = roles[merge.into as usize] {
-                places.set(merge.into, &merge.place);
-                joined.push((merge.into, merge.grain, hold.axes));
-                roles[merge.into as usize] = Role::Joined(merge.grain);
-            }
-            grown.push(merge.into);
-            merged.add(merge, mesh, stars);
-            false
-        });
-        suspects = grown.into_iter().flat_map(|node| stars.cells(node)).copied().collect();
-    }
-    for (node, grain, axes) in joined {
-        let fit = Fit { mesh, surfaces, stars, places, roles, lacks: &[], size, skin };
-        back::touch(&fit, node, grain, axes);
-    }
-    lost.sort_unstable();
-    lost.dedup();
-    (off.len() + lost.len(), merged)
 }
 
 /// The steps, as [`Places::take_turn`] counts them.

@@ -50,7 +50,7 @@ fn sharper(fit: &Fit, cells: Vec<u32>, limit: f64) -> Vec<u32> {
 /// Moves the node to the best place around it; false where it is there already.
 pub(super) fn better(fit: &Fit, node: u32, released: bool) -> bool {
     let role = fit.roles[node as usize];
-    if matches!(role, Role::Fixed | Role::Joined(_)) || fit.stars.cells(node).is_empty() {
+    if role == Role::Fixed || fit.stars.cells(node).is_empty() {
         return false;
     }
     let mut star = fit.star(node);

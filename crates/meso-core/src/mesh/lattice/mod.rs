@@ -9,11 +9,13 @@ mod back;
 mod balance;
 mod bcc;
 mod cut;
+mod finish;
 mod fit;
 mod mend;
 mod merge;
 mod outline;
 mod places;
+mod recut;
 mod relabel;
 mod roles;
 mod skin;
@@ -38,6 +40,7 @@ pub(in crate::mesh) use star::{Star, Stars, sharpness, sharpness_of};
 use surface::Surface;
 
 /// Tetrahedra before they are a mesh: nodes, and the grain each lies in.
+#[derive(Clone)]
 pub(super) struct Tetrahedra {
     pub(super) points: Vec<Vec3>,
     pub(super) cells: Vec<[u32; 4]>,

@@ -14,8 +14,6 @@ use rayon::prelude::*;
 pub(super) enum Role {
     /// Nothing: it lies on a side of a box that has to match the opposite one.
     Fixed,
-    /// Nothing: it lies on a flat side, where the gap to this grain is closed.
-    Joined(u32),
     /// Slide along a grain it lies on, where a gap was closed between several grains.
     Contact,
     /// Slide along the surface of this grain.
@@ -101,7 +99,7 @@ pub(super) fn near_surface(mesh: &Tetrahedra, roles: &[Role]) -> Vec<bool> {
     let on = |node: u32| match roles[node as usize] {
         Role::Surface(_) | Role::Contact => true,
         Role::Skin(hold) => hold.outer,
-        Role::Fixed | Role::Joined(_) | Role::Free => false,
+        Role::Fixed | Role::Free => false,
     };
     let mut active: Vec<bool> = (0..roles.len() as u32).map(on).collect();
     for cell in mesh.cells.iter().filter(|cell| cell.iter().any(|&node| on(node))) {

@@ -60,7 +60,7 @@ impl Track {
     /// The track of a node by its role.
     pub(super) fn of(fit: &Fit, star: &Star, role: Role) -> Self {
         match role {
-            Role::Fixed | Role::Joined(_) => Self::Still,
+            Role::Fixed => Self::Still,
             Role::Free => Self::Anywhere,
             Role::Skin(hold) => Self::Slope(Slope::of(star, hold)),
             Role::Surface(grain) if fit.surfaces[grain as usize].has(&star.centre) => Self::Along(grain),

@@ -53,6 +53,23 @@ impl Stars {
         self.end[into as usize] = self.cells.len() as u32;
         self.end[node as usize] = self.start[node as usize];
     }
+
+    /// Cells `gone` give way to `new` ones in the stars of their nodes.
+    pub(super) fn exchange(&mut self, gone: &[(u32, [u32; 4])], new: &[(u32, [u32; 4])]) {
+        let mut nodes: Vec<u32> = gone.iter().chain(new).flat_map(|(_, nodes)| *nodes).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        // The others have no stars here.
+        nodes.retain(|&node| !self.cells(node).is_empty());
+        for node in nodes {
+            let stays = |cell: &&u32| gone.iter().all(|(other, _)| other != *cell);
+            let mut cells: Vec<u32> = self.cells(node).iter().filter(stays).copied().collect();
+            cells.extend(new.iter().filter(|(_, nodes)| nodes.contains(&node)).map(|(cell, _)| cell));
+            self.start[node as usize] = self.cells.len() as u32;
+            self.cells.extend(cells);
+            self.end[node as usize] = self.cells.len() as u32;
+        }
+    }
 }
 
 /// The star of one node: its tetrahedra as the opposite faces (a, b, c), with positive volume over the node.
@@ -164,6 +181,19 @@ pub(in crate::mesh) fn sharpness_of(degrees: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_that_give_way_leave_the_stars_of_their_nodes_and_others_come_in() {
+        // An edge from 3 to 4 in the place of the triangle of 0, 1 and 2; node 2 has no star.
+        let (old, new) = ([[0, 1, 2, 3], [0, 2, 1, 4]], [[0, 1, 4, 3], [1, 2, 4, 3], [2, 0, 4, 3]]);
+        let mut stars = Stars::new(&old, &[true, true, false, true, true]);
+        let numbered = |first: u32, cells: &[[u32; 4]]| (first..).zip(cells.iter().copied()).collect::<Vec<_>>();
+        stars.exchange(&numbered(0, &old), &numbered(2, &new));
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|node| stars.cells(node).to_vec()),
+            [vec![2, 4], vec![2, 3], vec![], vec![2, 3, 4], vec![2, 3, 4]]
+        );
+    }
 
     #[test]
     fn sharpness_orders_tetrahedra_as_their_smallest_angle_does() {
