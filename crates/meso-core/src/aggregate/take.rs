@@ -139,8 +139,10 @@ pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result
     Ok(grains)
 }
 
-/// Grains made at once: enough to share among threads, few enough not to overshoot much.
+/// Grains made at once at most: enough to share among threads.
 const CHUNK: u32 = 256;
+/// Near the target, no more than so many beyond what the mean of those made lets expect.
+const SPARE: u32 = 8;
 
 /// Makes grains by their numbers until they hold `target` mm3, and adds them to the `grains`.
 pub(super) fn fill(
@@ -149,12 +151,15 @@ pub(super) fn fill(
     go_on: &(dyn Fn() -> bool + Sync),
     make: impl Fn(u32) -> Result<Grain, HullError> + Sync,
 ) -> Result<(), HullError> {
-    let mut volume = 0.0;
-    for start in (0..).step_by(CHUNK as usize) {
+    let (mut volume, mut made) = (0.0, 0);
+    loop {
         if !go_on() {
             return Ok(());
         }
-        let chunk: Vec<Grain> = (start..start + CHUNK).into_par_iter().map(&make).collect::<Result<_, _>>()?;
+        // Of none yet the quotient is no number, which is no smaller than anything.
+        let expected = (target - volume) / volume * f64::from(made);
+        let count = CHUNK.min((expected.min(f64::from(CHUNK)) as u32).saturating_add(SPARE));
+        let chunk: Vec<Grain> = (made..made + count).into_par_iter().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
             // The last grain goes in when that brings the class nearer to its target.
             if volume + grain.volume() / 2.0 >= target {
@@ -163,8 +168,8 @@ pub(super) fn fill(
             volume += grain.volume();
             grains.push(grain);
         }
+        made += count;
     }
-    unreachable!("the range of chunks has no end")
 }
 
 fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
