@@ -37,8 +37,8 @@ pub(crate) fn least_lane(eight: &Eight) -> (f32, usize) {
 #[inline(always)]
 pub(crate) fn least_lane_from_0(eight: &Eight) -> (f32, usize) {
     let mut least = u32::MAX;
-    for lane in 0..LANES {
-        least = least.min(eight[lane].to_bits() & !(LANES as u32 - 1) | lane as u32);
+    for (lane, number) in eight.iter().enumerate() {
+        least = least.min(number.to_bits() & !(LANES as u32 - 1) | lane as u32);
     }
     (f32::from_bits(least), least as usize % LANES)
 }

@@ -146,10 +146,10 @@ impl Nearby {
         while next != NONE {
             let piece = self.pieces.get(next);
             let mut closeness = [0.0; LANES];
-            for lane in 0..LANES {
+            for (lane, closeness) in closeness.iter_mut().enumerate() {
                 let (dx, dy, dz) = (piece.x[lane] - x, piece.y[lane] - y, piece.z[lane] - z);
                 let reach = own_radius + piece.radius[lane];
-                closeness[lane] = (dx * dx + dy * dy + dz * dz) / (reach * reach);
+                *closeness = (dx * dx + dy * dy + dz * dz) / (reach * reach);
             }
             for lane in 0..LANES {
                 pieces[lane] = if closeness[lane] < least[lane] { next } else { pieces[lane] };
