@@ -1,6 +1,6 @@
 //! Broad phase: a grid of cells that each list the bodies whose box reaches into them.
 
-use super::raster::{Raster, cells};
+use super::raster::{Raster, cells, is_first_common};
 use crate::math::Aabb;
 
 /// Bodies by the cells their boxes reach into. Bodies are only ever added.
@@ -33,12 +33,10 @@ impl Grid {
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
         let (low, high) = self.raster.range(aabb);
         cells(low, high).all(|cell| {
-            self.lists[self.raster.flat(cell)].iter().rev().all(|&body| {
-                // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
-                let lowest = self.lowest[body as usize];
-                let first = (0..3).all(|i| cell[i] == low[i].max(i32::from(lowest[i])));
-                !first || visit(body)
-            })
+            self.lists[self.raster.flat(cell)]
+                .iter()
+                .rev()
+                .all(|&body| !is_first_common(cell, low, self.lowest[body as usize]) || visit(body))
         })
     }
 }

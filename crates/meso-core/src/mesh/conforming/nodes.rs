@@ -3,7 +3,7 @@
 //!
 //! Contraction and insertion as of Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement" (2007).
 
-use super::seat::Seat;
+use super::seat::{Seat, between_materials};
 use crate::math::Vec3;
 use crate::mesh::NO_AGGREGATE;
 use crate::mesh::lattice::{Star, sharpness_of};
@@ -95,14 +95,7 @@ fn seat_on(web: &Web, around: &[u32], a: u32, b: u32) -> Option<Seat> {
         let others = web.cell(cell).into_iter().filter(|node| ![a, b].contains(node));
         faces.extend(others.map(|other| (other, web.grain(cell))));
     }
-    faces.sort_unstable();
-    let mut sides = Vec::new();
-    for face in faces.chunk_by(|a, b| a.0 == b.0) {
-        let [(other, here), (_, there)] = *face else { return None };
-        if here != there {
-            sides.push(other);
-        }
-    }
+    let sides = between_materials(faces)?;
     let [p, q] = [a, b].map(|end| web.point(end));
     match sides[..] {
         [] => (!around.is_empty()).then_some(Seat::Free),

@@ -78,15 +78,21 @@ fn sides(web: &Web, node: u32) -> Option<Vec<[u32; 2]>> {
         let beside = edges.into_iter().filter(|edge| !edge.contains(&node));
         faces.extend(beside.map(|[a, b]| ([a.min(b), a.max(b)], grain)));
     }
-    faces.sort_unstable();
-    let mut sides = Vec::new();
-    for face in faces.chunk_by(|a, b| a.0 == b.0) {
-        let [(side, here), (_, there)] = *face else { return None };
+    if star.is_empty() { None } else { between_materials(faces) }
+}
+
+/// Of the triangles of some cells, each with its cell's material, those between two materials; `None` where one has a cell on one
+/// side alone.
+pub(super) fn between_materials<T: Copy + Ord>(mut triangles: Vec<(T, u32)>) -> Option<Vec<T>> {
+    triangles.sort_unstable();
+    let mut between = Vec::new();
+    for both in triangles.chunk_by(|a, b| a.0 == b.0) {
+        let [(triangle, here), (_, there)] = *both else { return None };
         if here != there {
-            sides.push(side);
+            between.push(triangle);
         }
     }
-    (!star.is_empty()).then_some(sides)
+    Some(between)
 }
 
 fn largest(normals: impl Iterator<Item = Vec3>) -> Option<Vec3> {

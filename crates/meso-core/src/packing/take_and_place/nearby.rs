@@ -5,7 +5,7 @@
 
 use crate::lanes::{Eight, LANES, least_lane_from_0};
 use crate::math::Aabb;
-use crate::packing::raster::{Raster, cells};
+use crate::packing::raster::{Raster, cells, is_first_common};
 use crate::prefetch::prefetch;
 
 /// Stands for: no body, and no piece.
@@ -176,12 +176,10 @@ impl Nearby {
             let mut next = self.last[self.raster.flat(cell)];
             while next != NONE {
                 let piece = self.pieces.get(next);
-                let all = piece.bodies[..piece.count as usize].iter().rev().all(|&body| {
-                    // Two ranges of cells share a lowest common cell; the pair is met there and nowhere else.
-                    let lowest = self.lowest[body as usize];
-                    let first = (0..3).all(|i| cell[i] == low[i].max(i32::from(lowest[i])));
-                    !first || visit(body)
-                });
+                let all = piece.bodies[..piece.count as usize]
+                    .iter()
+                    .rev()
+                    .all(|&body| !is_first_common(cell, low, self.lowest[body as usize]) || visit(body));
                 if !all {
                     return false;
                 }
