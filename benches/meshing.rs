@@ -30,7 +30,8 @@ use table::Table;
 const METHODS: [&str; 4] = ["voxel", "lattice-plain", "lattice-fitted", "conforming"];
 const SIZES_MM: [f64; 5] = [4.0, 3.0, 2.0, 1.5, 1.0];
 const HEADER: &str = "method,element_size_mm,grains,elements,nodes,wall_s,cpu_s,gmsh_wall_s,deck_s,peak_mb,gmsh_peak_mb,\
-                      aggregate_volume_error_percent,interface_max_mm,interface_rms_mm,smallest_dihedral_deg,below_8_deg";
+                      aggregate_volume_error_percent,interface_nodes,interface_off,interface_max_mm,interface_rms_mm,\
+                      joined_nodes,joined_max_mm,joined_rms_mm,smallest_dihedral_deg,below_8_deg";
 const CSV: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../benches/results/meshing.csv");
 
 fn main() {
@@ -109,7 +110,7 @@ fn draw(rows: &[Vec<String>]) {
             "meshing_interface.svg",
             "distance of interface nodes",
             "distance, mm rms (0.0001 and less as 0.0001)",
-            13,
+            15,
             1e-4,
         ),
     ] {
@@ -201,7 +202,9 @@ fn errors(mesh: &Mesh, model: &Model) -> String {
     let cells = quality::cells(mesh);
     let worst = cells.iter().map(|cell| cell.min_dihedral_deg).fold(f64::INFINITY, f64::min);
     let bad = quality::bad_cells(&cells, 8.0).len();
-    format!("{volume:.4},{:.4},{:.5},{worst:.2},{bad}", distance.max_mm, distance.rms_mm)
+    let interface = format!("{},{},{:.4},{:.5}", distance.nodes, distance.off, distance.max_mm, distance.rms_mm);
+    let joined = format!("{},{:.4},{:.5}", distance.joined, distance.joined_max_mm, distance.joined_rms_mm);
+    format!("{volume:.4},{interface},{joined},{worst:.2},{bad}")
 }
 
 /// User and system time of this process and of those it waited for: fields 14 to 17 of /proc/self/stat, in hundredths.

@@ -75,16 +75,17 @@ fn every_node_of_an_interface_lies_on_one_of_its_aggregates_and_no_gap_to_the_sp
 }
 
 #[test]
-fn the_distance_of_interfaces_knows_the_nodes_of_one_aggregate_alone() {
+fn the_distance_of_interfaces_tells_nodes_that_are_off_from_nodes_that_close_gaps() {
     let model = packed(Specimen::cube(50.0), 0.5, 3);
-    let alone = off(&fitted(&model, 2.0), &model).iter().filter(|(_, bodies)| *bodies == 1).count();
+    let nodes = off(&fitted(&model, 2.0), &model);
+    let joined = nodes.iter().filter(|(_, bodies)| *bodies > 1).count();
     for itz in [ItzForm::None, ItzForm::Cohesive] {
         let options = MeshOptions { method: Method::Lattice, itz, ..Default::default() };
         let parted = mesh::build(&model, &options).unwrap();
         let found = InterfaceDistance::of(&parted, &model.aggregates, &model.spec.specimen);
-        assert_eq!((found.alone, found.alone_off), (alone, 0), "{itz:?}");
-        assert!(found.alone_max_mm < 1e-8);
-        assert!(found.nodes > found.alone, "aggregates are joined at closed gaps");
+        assert_eq!((found.nodes, found.joined, found.off), (nodes.len(), joined, 0), "{itz:?}");
+        assert!(found.max_mm < 1e-8, "{found:?}");
+        assert!(found.joined_rms_mm > 0.05 && found.joined_max_mm < 2.5, "{found:?}");
     }
 }
 

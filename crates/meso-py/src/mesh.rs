@@ -125,8 +125,10 @@ impl PyMesh {
     /// step that the default materials allow, the phases' volumes (`volumes_mm3`) against the exact ones
     /// (`exact_volumes_mm3`), and how far the interface nodes lie from the aggregates' surfaces: a dict.
     ///
-    /// Pairs are (value, index of the cell); `interface_distance` has the keys `nodes`, `max_mm` and `rms_mm`, and of the nodes between one
-    /// aggregate and mortar `alone`, `alone_off` (how many lie off its surface) and `alone_max_mm`.
+    /// Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other materials how many
+    /// there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how far from the nearest one
+    /// (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond it as `joined_rms_mm` and
+    /// `joined_max_mm` say.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (mesh, model) = (Arc::clone(&self.0), Arc::clone(&self.1));

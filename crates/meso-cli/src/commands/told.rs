@@ -71,15 +71,20 @@ impl Told {
         self.lost_fibres();
         let distance = &self.quality.interface_distance;
         say::line(format!(
-            "interface nodes lie {:.4} mm rms from the aggregates' surfaces, {:.4} mm at most",
-            distance.rms_mm, distance.max_mm
+            "of {} interface nodes {} lie off the aggregates' surfaces: {:.4} mm rms of all, {:.4} mm at most",
+            say::count(distance.nodes),
+            say::count(distance.off),
+            distance.rms_mm,
+            distance.max_mm
         ));
-        say::line(format!(
-            "of {} nodes between one aggregate and mortar {} lie off its surface, {:.4} mm at most",
-            say::count(distance.alone),
-            say::count(distance.alone_off),
-            distance.alone_max_mm
-        ));
+        if distance.joined > 0 {
+            say::line(format!(
+                "at {} of them a gap is closed: what is beyond it lies {:.4} mm rms off, {:.4} mm at most",
+                say::count(distance.joined),
+                distance.joined_rms_mm,
+                distance.joined_max_mm
+            ));
+        }
         notes(&self.notes);
         self.worst();
     }

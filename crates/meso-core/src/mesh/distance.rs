@@ -10,23 +10,25 @@ use crate::packing::{Specimen, images_near};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Distances of the nodes between an aggregate and what it meets from that aggregate's surface; in voxels and plain
-/// lattices those of the staircase.
+/// How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is
+/// the staircase that is measured. Nodes that cohesive elements parted are one; middles of edges are left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct InterfaceDistance {
-    /// Nodes measured; one where two aggregates meet counts for both. Middles of edges are left out.
+    /// Nodes where an aggregate meets something else.
     pub nodes: usize,
-    /// The largest distance, mm.
-    pub max_mm: f64,
-    /// Root mean square of all distances, mm.
+    /// Those of them that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more
+    /// than 1e-9 of the specimen.
+    pub off: usize,
+    /// Root mean square of all nodes' distances, mm: each to the nearest of these surfaces.
     pub rms_mm: f64,
-    /// Nodes where one aggregate alone meets mortar or a fibre within the specimen. All others join aggregates with each
-    /// other or with the specimen's sides, and lie on one of these at best.
-    pub alone: usize,
-    /// Those of them that lie off the aggregate's surface, by more than 1e-9 of the specimen.
-    pub alone_off: usize,
-    /// The largest distance of one of them, mm.
-    pub alone_max_mm: f64,
+    /// The largest of these distances, mm.
+    pub max_mm: f64,
+    /// Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen.
+    pub joined: usize,
+    /// Root mean square of what the gaps were at them, mm: from the node to the farthest of the aggregates that meet there.
+    pub joined_rms_mm: f64,
+    /// The largest of these distances, mm.
+    pub joined_max_mm: f64,
 }
 
 /// Distances up to this share of the specimen's size are rounding.
@@ -42,24 +44,40 @@ impl InterfaceDistance {
             let images = bodies[start..].iter().take_while(|body| body.id == id);
             images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
         };
-        let nodes = interface_nodes(mesh);
-        let distances: Vec<f64> = nodes.par_iter().map(distance).collect();
-        let mut joined = joined(mesh, &nodes);
-        let sides = FlatSides::of(specimen);
-        for ((node, _), joined) in nodes.iter().zip(&mut joined) {
-            *joined |= sides.have(&mesh.points[*node as usize]);
+        let mut pairs = interface_nodes(mesh);
+        let place = |node: u32| -> [u64; 3] { mesh.points[node as usize].map(f64::to_bits).into() };
+        if !mesh.cohesive.is_empty() {
+            pairs.par_sort_unstable_by_key(|&(node, id)| (place(node), id));
         }
-        let alone = || distances.iter().copied().zip(&joined).filter(|(_, joined)| !**joined).map(|(d, _)| d);
+        let distances: Vec<f64> = pairs.par_iter().map(distance).collect();
+        let sides = FlatSides::of(specimen);
         let rounding = ROUNDING * specimen.aabb().size().max();
-        // Summed in the nodes' order: the same on any number of threads.
-        let squares: f64 = distances.iter().map(|d| d * d).sum();
-        Self {
-            nodes: distances.len(),
-            max_mm: distances.iter().copied().fold(0.0, f64::max),
-            rms_mm: (squares / distances.len().max(1) as f64).sqrt(),
-            alone: alone().count(),
-            alone_off: alone().filter(|distance| *distance > rounding).count(),
-            alone_max_mm: alone().fold(0.0, f64::max),
+        // One after the other: the same sums on any number of threads.
+        let mut found = Self::default();
+        let mut start = 0;
+        for meet in pairs.chunk_by(|a, b| a.0 == b.0 || place(a.0) == place(b.0)) {
+            let at_side = sides.have(&mesh.points[meet[0].0 as usize]);
+            found.see(&distances[start..start + meet.len()], meet[0].1 != meet[meet.len() - 1].1, at_side, rounding);
+            start += meet.len();
+        }
+        let root = |squares: f64, count: usize| (squares / count.max(1) as f64).sqrt();
+        found.rms_mm = root(found.rms_mm, found.nodes);
+        found.joined_rms_mm = root(found.joined_rms_mm, found.joined);
+        found
+    }
+
+    /// Adds a node by its distances from the aggregates that meet there, `several` or one; roots are not drawn yet.
+    fn see(&mut self, distances: &[f64], several: bool, at_side: bool, rounding: f64) {
+        let nearest = if at_side { 0.0 } else { distances.iter().copied().fold(f64::INFINITY, f64::min) };
+        self.nodes += 1;
+        self.off += usize::from(nearest > rounding);
+        self.rms_mm += nearest * nearest;
+        self.max_mm = self.max_mm.max(nearest);
+        if several || at_side {
+            let farthest = distances.iter().copied().fold(0.0, f64::max);
+            self.joined += 1;
+            self.joined_rms_mm += farthest * farthest;
+            self.joined_max_mm = self.joined_max_mm.max(farthest);
         }
     }
 }
@@ -71,24 +89,6 @@ fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
     let mut parted = vec![false; if mesh.cohesive.is_empty() { 0 } else { mesh.points.len() }];
     mesh.cohesive.iter().for_each(|&node| parted[node as usize] = true);
     owners.aggregates(|node| owners.are_several(node) || parted.get(node as usize) == Some(&true))
-}
-
-/// Which of the pairs lie where several aggregates meet, cohesive elements between them or not.
-fn joined(mesh: &Mesh, nodes: &[(u32, u32)]) -> Vec<bool> {
-    if mesh.cohesive.is_empty() {
-        let of_node = nodes.chunk_by(|a, b| a.0 == b.0);
-        return of_node.flat_map(|same| std::iter::repeat_n(same.len() > 1, same.len())).collect();
-    }
-    // Parted nodes have one place.
-    let place = |pair: usize| -> [u64; 3] { mesh.points[nodes[pair].0 as usize].map(f64::to_bits).into() };
-    let mut order: Vec<usize> = (0..nodes.len()).collect();
-    order.par_sort_unstable_by_key(|&pair| place(pair));
-    let mut joined = vec![false; nodes.len()];
-    for same in order.chunk_by(|&a, &b| place(a) == place(b)) {
-        let several = same.iter().any(|&pair| nodes[pair].1 != nodes[same[0]].1);
-        same.iter().for_each(|&pair| joined[pair] = several);
-    }
-    joined
 }
 
 /// A convex body by its surface.
