@@ -11,6 +11,7 @@ mod command;
 mod files;
 mod gjk;
 mod mesh;
+mod pack;
 mod packing;
 mod polyhedron;
 mod run;
@@ -31,7 +32,9 @@ mod _mesocrete {
     #[pymodule_export]
     use super::mesh::PyMesh;
     #[pymodule_export]
-    use super::packing::{PyPacking, load, pack, restore_packing};
+    use super::pack::pack;
+    #[pymodule_export]
+    use super::packing::{PyPacking, load, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]

@@ -1,9 +1,9 @@
-//! `pack`, `load` and the `Packing` they return.
+//! `Packing`: what `pack` returns, and `load` and `pickle` bring back.
 
 use crate::aggregate::{PyAggregate, PyAggregates, inclusions};
 use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
-use crate::run::{beside_python, check_callable};
+use crate::run::beside_python;
 use crate::spec::{self, PySpec};
 use crate::{arrays, files, tree};
 use meso_core::check::{Check, check};
@@ -11,13 +11,12 @@ use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
 use meso_core::packing::Images;
 use meso_core::statistics::{Options, statistics};
-use meso_core::{Model, Spec, saved};
+use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyBytes, PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::Serialize;
-use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -34,87 +33,6 @@ type SurfaceArrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<i64>>,
 /// A packed specimen.
 #[pyclass(name = "Packing", module = "mesocrete", frozen)]
 pub(crate) struct PyPacking(pub(crate) Arc<Model>);
-
-/// Takes and places the aggregates that a spec asks for.
-///
-/// Parameters
-/// ----------
-/// spec : None, dict, path or Spec
-///     What to pack; None is the paper's specimen.
-/// seed : int, optional
-///     Replaces the spec's seed; 0 to 2^64 - 1.
-/// fraction : float, optional
-///     Replaces the spec's fraction: aggregate volume over specimen volume, above 0 and below 1.
-/// progress : callable, optional
-///     Called about 25 times a second as `progress(fraction, target)`; when it returns False, the best valid packing
-///     found so far is returned.
-///
-/// Returns
-/// -------
-/// Packing
-///     Also where the target was not reached: `report()["stop_reason"]` says why.
-///
-/// Raises
-/// ------
-/// ValueError, TypeError
-///     For a spec that cannot be, before any work starts.
-/// OSError
-///     Where the spec's file cannot be read.
-/// KeyboardInterrupt
-///     On Ctrl-C, within 0.2 s.
-///
-/// Warns
-/// -----
-/// UserWarning
-///     Before the work, where the target is more than the strategy has been seen to reach, or a class is too small for a
-///     single aggregate.
-#[pyfunction]
-#[pyo3(signature = (spec=None, *, seed=None, fraction=None, progress=None))]
-pub(crate) fn pack(
-    py: Python<'_>,
-    spec: Option<&Bound<'_, PyAny>>,
-    seed: Option<&Bound<'_, PyAny>>,
-    fraction: Option<&Bound<'_, PyAny>>,
-    progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<PyPacking> {
-    guard(|| {
-        let mut spec = spec::from_any(spec)?;
-        if let Some(seed) = seed {
-            spec.seed = checked_seed(seed)?;
-        }
-        if let Some(fraction) = fraction {
-            spec.fraction = checked_fraction(fraction)?;
-        }
-        spec.validate().map_err(|error| spec::spec_error(&error))?;
-        check_callable(progress)?;
-        warn_of(py, &spec)?;
-        let model = beside_python(py, progress, move |watch| meso_core::pack(&spec, watch))?;
-        Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
-    })
-}
-
-/// A target that was never seen to be reached, and the like, are `UserWarning`s at the caller's line, before the work.
-fn warn_of(py: Python<'_>, spec: &Spec) -> PyResult<()> {
-    let category = py.get_type::<PyUserWarning>();
-    spec.doubts().into_iter().try_for_each(|doubt| PyErr::warn(py, &category, &CString::new(doubt)?, 1))
-}
-
-fn checked_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
-    let given = || tree::type_name(seed);
-    // numpy's integers count by __index__; True is a mistake.
-    if seed.is_instance_of::<PyBool>() || !seed.hasattr("__index__")? {
-        return Err(PyTypeError::new_err(format!("seed is of type {}; it must be an int from 0 to 2^64 - 1", given())));
-    }
-    seed.extract().map_err(|_| PyValueError::new_err(format!("seed is {seed}; it must be an int from 0 to 2^64 - 1")))
-}
-
-fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let number = if fraction.is_instance_of::<PyBool>() { None } else { fraction.extract().ok() };
-    let given = || tree::type_name(fraction);
-    number.ok_or_else(|| {
-        PyTypeError::new_err(format!("fraction is of type {}; it must be a number above 0 and below 1", given()))
-    })
-}
 
 fn named_images(name: &str) -> PyResult<Images> {
     match name {

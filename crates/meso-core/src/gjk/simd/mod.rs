@@ -13,6 +13,8 @@ mod glance;
 mod lockstep;
 mod open;
 #[cfg(target_arch = "x86_64")]
+mod supports;
+#[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub(crate) use open::Open;

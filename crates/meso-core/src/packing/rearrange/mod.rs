@@ -11,6 +11,7 @@ mod cells;
 mod contact;
 mod cooling;
 mod drop;
+mod links;
 mod obstacle;
 mod pairs;
 mod prove;
@@ -24,7 +25,8 @@ use super::{Outcome, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use cooling::{Cooling, FALL, HOPEFUL};
-use pairs::{Gaps, Look, Pairs};
+use links::{Gaps, Look};
+use pairs::Pairs;
 use walls::Walls;
 
 use crate::aggregate::Kind;
