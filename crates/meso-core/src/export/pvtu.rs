@@ -3,7 +3,7 @@
 //! A piece has its own nodes; those between two pieces are in both.
 
 use super::vtu_mesh;
-use crate::mesh::{Mesh, Notes};
+use crate::mesh::Mesh;
 use rayon::prelude::*;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -31,17 +31,9 @@ fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
     nodes.par_sort_unstable();
     nodes.dedup();
     let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
-    Mesh {
-        kind: mesh.kind,
-        cells: cells.par_iter().map(number).collect(),
-        points: nodes.iter().map(|&node| mesh.points[node as usize]).collect(),
-        phase: mesh.phase[range.clone()].to_vec(),
-        aggregate: mesh.aggregate[range].to_vec(),
-        cohesive: Vec::new(),
-        cohesive_aggregate: Vec::new(),
-        periodic: [false; 3],
-        notes: Notes::default(),
-    }
+    let points = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
+    let (phase, aggregate) = (mesh.phase[range.clone()].to_vec(), mesh.aggregate[range].to_vec());
+    Mesh::of(mesh.kind, points, cells.par_iter().map(number).collect(), phase, aggregate)
 }
 
 /// Writes the index of the pieces of `mesh`, which are the files `names` beside it.

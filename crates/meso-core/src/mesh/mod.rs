@@ -182,6 +182,19 @@ pub struct Notes {
 pub const NO_AGGREGATE: u32 = u32::MAX;
 
 impl Mesh {
+    /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
+    pub(crate) fn of(
+        kind: CellKind,
+        points: Vec<Vec3>,
+        cells: Vec<u32>,
+        phase: Vec<Phase>,
+        aggregate: Vec<u32>,
+    ) -> Self {
+        let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
+        let (periodic, notes) = ([false; 3], Notes::default());
+        Self { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+    }
+
     /// The cells' node indices, one slice per cell.
     pub fn cells(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         self.cells.chunks_exact(self.kind.nodes())
@@ -298,17 +311,9 @@ fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], specimen: &Specimen, opt
 fn of_tetrahedra(tetrahedra: Tetrahedra, aggregates: &[Aggregate], notes: Notes) -> Mesh {
     let phase = |&g: &u32| if g == NO_AGGREGATE { Phase::Mortar } else { Phase::inside(aggregates[g as usize].kind) };
     let id = |&g: &u32| if g == NO_AGGREGATE { g } else { aggregates[g as usize].id };
-    Mesh {
-        kind: CellKind::Tetrahedron,
-        phase: tetrahedra.grain.iter().map(phase).collect(),
-        aggregate: tetrahedra.grain.iter().map(id).collect(),
-        points: tetrahedra.points,
-        cells: tetrahedra.cells.into_flattened(),
-        cohesive: Vec::new(),
-        cohesive_aggregate: Vec::new(),
-        periodic: [false; 3],
-        notes,
-    }
+    let (phases, ids) = (tetrahedra.grain.iter().map(phase).collect(), tetrahedra.grain.iter().map(id).collect());
+    let cells = tetrahedra.cells.into_flattened();
+    Mesh { notes, ..Mesh::of(CellKind::Tetrahedron, tetrahedra.points, cells, phases, ids) }
 }
 
 /// The thickness of an aggregate's shell as a layer of solid elements, mm; 0 for none.

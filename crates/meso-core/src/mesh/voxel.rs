@@ -6,7 +6,7 @@
 
 use super::grains::Grain;
 use super::sweep::{Label, PointGrid, Sweep};
-use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Notes, Phase};
+use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -20,17 +20,7 @@ pub(super) fn build(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
     let phase = labels.par_iter().map(|&label| phase_of(label, &grains)).collect();
     let aggregate =
         labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
-    Mesh {
-        points: voxels.points(),
-        kind: CellKind::Hexahedron,
-        cells: voxels.cells(),
-        phase,
-        aggregate,
-        cohesive: Vec::new(),
-        cohesive_aggregate: Vec::new(),
-        periodic: [false; 3],
-        notes: Notes::default(),
-    }
+    Mesh::of(CellKind::Hexahedron, voxels.points(), voxels.cells(), phase, aggregate)
 }
 
 /// The thickness an aggregate's shell has in a voxel mesh, mm; 0 for none.

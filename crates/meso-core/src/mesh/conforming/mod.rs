@@ -21,6 +21,7 @@ mod rooms;
 mod round;
 mod seams;
 mod seat;
+mod sheets;
 mod shells;
 mod slabs;
 mod walls;

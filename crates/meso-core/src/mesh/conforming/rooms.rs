@@ -1,11 +1,11 @@
 //! The surfaces in a specimen that is no box, in slabs: grains and the specimen's own surface cut by the planes between these,
 //! the caps there, and what mortar has of the planes.
 
-use super::boxes::{Sheets, Upper};
 use super::faces::{Face, Nodes};
-use super::facets::{LONGEST, Triangles, facets};
+use super::facets::LONGEST;
 use super::pieces::{self, Piece, pieces};
 use super::plane::{Frame, region};
+use super::sheets::{self, Upper, surface};
 use super::shells::Shells;
 use super::slabs::Slabs;
 use crate::aggregate::Aggregate;
@@ -34,21 +34,18 @@ pub(super) fn shells(
     let planes = (1..walls.len()).into_par_iter().zip(&slabs.places).map(of_plane);
     let planes: Vec<Face> = planes.collect::<Result<_, String>>().map_err(MeshError::Gmsh)?;
     let of_slab = |slab: usize| {
-        let surface = |piece: &Piece| facets(&piece.points, piece.facets.iter().cloned(), limit);
-        let surfaces: Vec<Triangles> = pieces[slab].par_iter().map(surface).collect::<Result<_, String>>()?;
-        let mut nodes = Nodes::default();
-        let mut sheets = Sheets::new(&pieces[slab], &surfaces, &mut nodes);
-        sheets.add_walls(&surface(&walls[slab])?, &mut nodes);
-        if slab > 0 {
-            sheets.add_lower(&planes[slab - 1], &mut nodes);
-        }
-        if let Some(face) = planes.get(slab) {
-            let (axis, place) = (slabs.axis, slabs.places[slab]);
-            let upper = Upper { face, pieces: &pieces[slab + 1], axis, place, step: 0 };
-            sheets.add_upper(&upper, &pieces[slab], &mut nodes);
-        }
-        let mut shells = Shells { points: nodes.points, ..Shells::default() };
-        sheets.shells(&pieces[slab], aggregates, &mut shells).map(|()| shells)
+        let walls = surface(&walls[slab], limit)?;
+        sheets::shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+            sheets.add_walls(&walls, nodes);
+            if slab > 0 {
+                sheets.add_lower(&planes[slab - 1], nodes);
+            }
+            if let Some(face) = planes.get(slab) {
+                let (axis, place) = (slabs.axis, slabs.places[slab]);
+                let upper = Upper { face, pieces: &pieces[slab + 1], axis, place, step: 0 };
+                sheets.add_upper(&upper, &pieces[slab], nodes);
+            }
+        })
     };
     (0..walls.len()).into_par_iter().map(of_slab).collect::<Result<_, String>>().map_err(MeshError::Gmsh)
 }

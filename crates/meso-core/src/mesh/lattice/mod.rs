@@ -66,17 +66,7 @@ pub(super) fn plain(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
     let located: Vec<(Phase, u32)> =
         cells.par_iter().map(|cell| locate(&grains, &locator, &centroid(cell, &points))).collect();
     let (phase, aggregate) = located.into_iter().unzip();
-    Mesh {
-        points,
-        kind: CellKind::Tetrahedron,
-        cells: cells.into_flattened(),
-        phase,
-        aggregate,
-        cohesive: Vec::new(),
-        cohesive_aggregate: Vec::new(),
-        periodic: [false; 3],
-        notes: Notes::default(),
-    }
+    Mesh::of(CellKind::Tetrahedron, points, cells.into_flattened(), phase, aggregate)
 }
 
 fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
