@@ -10,6 +10,8 @@
 
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
+#[path = "collision/rows.rs"]
+mod rows;
 #[path = "collision/table.rs"]
 mod table;
 
@@ -17,12 +19,11 @@ use meso_cli::gmsh::Gmsh;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec, pack};
+use rows::{enter, number};
 use std::process::Command;
-use table::Table;
 
 const HEADER: &str = "side_mm,element_size_mm,grains,elements,cpu_s,own_cpu_s,gmsh_cpu_s,gmsh_alone_cpu_s,ratio,own_share_percent,\
                       smallest_dihedral_deg,below_1_deg,below_8_deg,shortest_altitude_mm";
-const CSV: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../benches/results/against_gmsh.csv");
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -49,22 +50,8 @@ fn main() {
     let rest = &turns[0][0][2..];
     let times = [own + gmsh, own, gmsh, alone].map(|seconds| format!("{seconds:.1}")).join(",");
     let shares = format!("{:.2},{:.1}", (own + gmsh) / alone, 100.0 * own / (own + gmsh));
-    enter(format!("{side},{size},{},{},{times},{shares},{}", rest[0], rest[1], rest[2..].join(",")));
-}
-
-/// Puts a row in place of the one of its side and size.
-fn enter(row: String) {
-    println!("{HEADER}\n{row}");
-    let key = |row: &str| row.split(',').take(2).map(number).collect::<Vec<_>>();
-    let text = std::fs::read_to_string(CSV).unwrap_or_default();
-    let old =
-        if text.lines().next() == Some(HEADER) { text.lines().skip(1).map(String::from).collect() } else { vec![] };
-    let own = key(&row);
-    let mut rows: Vec<String> = old.into_iter().filter(|old: &String| key(old) != own).chain([row]).collect();
-    rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("numbers"));
-    let mut table = Table::new(HEADER);
-    rows.iter().for_each(|row| table.row(&row.split(',').map(String::from).collect::<Vec<_>>()));
-    table.save("against_gmsh.csv");
+    let row = format!("{side},{size},{},{},{times},{shares},{}", rest[0], rest[1], rest[2..].join(","));
+    enter("against_gmsh.csv", HEADER, 2, row);
 }
 
 /// Meshes in so many slabs, and prints own and gmsh's CPU seconds and what the mesh is like.
@@ -102,8 +89,4 @@ fn cpu_seconds() -> [f64; 2] {
     let fields: Vec<f64> =
         stat.rsplit_once(')').map_or("", |parts| parts.1).split_whitespace().skip(11).take(4).map(number).collect();
     [fields[0] + fields[1], fields[2] + fields[3]].map(|hundredths| hundredths / 100.0)
-}
-
-fn number(word: &str) -> f64 {
-    word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
 }

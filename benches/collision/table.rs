@@ -2,11 +2,14 @@
 
 use std::path::PathBuf;
 
+pub(crate) fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../benches/results")
+}
+
 /// Writes a file under `benches/results/`.
 pub(crate) fn save(name: &str, text: &str) {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../benches/results");
-    std::fs::create_dir_all(&folder)
-        .and_then(|()| std::fs::write(folder.join(name), text))
+    std::fs::create_dir_all(folder())
+        .and_then(|()| std::fs::write(folder().join(name), text))
         .expect("benches/results can be written");
 }
 

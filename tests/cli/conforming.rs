@@ -1,11 +1,11 @@
 //! Conforming meshes by gmsh. Those that need it skip, with a message, where no program `gmsh` is on the PATH.
 
 use crate::command::Folder;
+use crate::layer_errors::LayerErrors;
 use meso_cli::gmsh::Gmsh;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::abaqus::{self, DeckOptions};
-use meso_core::geometry::{Plane, inward_offset};
-use meso_core::math::Vec3;
+use meso_core::geometry::inward_offset;
 use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
@@ -74,58 +74,6 @@ fn the_solid_itz_of_a_conforming_mesh_is_as_thick_as_asked() {
 
 fn core_area(aggregate: &Aggregate) -> f64 {
     inward_offset(&aggregate.body, aggregate.itz_thickness_mm).unwrap().expect("the core is there").area()
-}
-
-/// How far the layer's inner side lies from the surface of the exact inward offset.
-#[derive(Debug)]
-struct LayerErrors {
-    area_mm2: f64,
-    /// Over the area of the inner side.
-    rms_mm: f64,
-}
-
-impl LayerErrors {
-    fn of(mesh: &Mesh, model: &Model) -> Self {
-        let (mut squares, mut area) = (0.0, 0.0);
-        for (id, corners) in inner_side(mesh) {
-            let aggregate = &model.aggregates[id as usize];
-            let planes: Vec<Plane> = aggregate.body.planes().collect();
-            let height = |x: Vec3| {
-                let heights = planes.iter().map(|p| p.normal.dot(&x) - p.offset);
-                heights.fold(f64::MIN, f64::max) + aggregate.itz_thickness_mm
-            };
-            let triangle = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm() / 2.0;
-            squares += triangle * points_of(corners).map(|x| height(x).powi(2)).sum::<f64>() / (PARTS * PARTS) as f64;
-            area += triangle;
-        }
-        Self { area_mm2: area, rms_mm: (squares / area).sqrt() }
-    }
-}
-
-/// Parts of a triangle's edge.
-const PARTS: u32 = 6;
-
-/// The centroids of the equal triangles that a triangle is cut into, [`PARTS`] along each edge.
-fn points_of([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
-    let upright = (0..PARTS).flat_map(|i| (0..PARTS - i).map(move |j| (3 * i + 1, 3 * j + 1)));
-    let turned = (1..PARTS).flat_map(|i| (0..PARTS - i).map(move |j| (3 * i - 1, 3 * j + 2)));
-    let share = f64::from(3 * PARTS);
-    upright.chain(turned).map(move |(i, j)| a + (b - a) * (f64::from(i) / share) + (c - a) * (f64::from(j) / share))
-}
-
-/// The triangles between an aggregate's core and its layer, with its id.
-fn inner_side(mesh: &Mesh) -> Vec<(u32, [Vec3; 3])> {
-    let mut sides = BTreeMap::new();
-    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
-        for face in mesh.kind.faces() {
-            let mut nodes = [0, 1, 2].map(|i| cell[face[i]]);
-            nodes.sort_unstable();
-            sides.entry(nodes).or_insert_with(Vec::new).push((*id, *phase));
-        }
-    }
-    let between = |side: &[(u32, Phase)]| side.len() == 2 && side[0].0 == side[1].0 && side[0].1 != side[1].1;
-    let inner = sides.into_iter().filter(|(_, side)| between(side));
-    inner.map(|(nodes, side)| (side[0].0, nodes.map(|node| mesh.points[node as usize]))).collect()
 }
 
 #[test]

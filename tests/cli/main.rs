@@ -13,6 +13,8 @@ mod conforming_slabs;
 mod files;
 mod help;
 mod interrupt;
+#[path = "../layer_errors.rs"]
+mod layer_errors;
 mod meshing;
 mod report;
 mod same_bytes;
