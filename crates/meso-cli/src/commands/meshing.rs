@@ -30,13 +30,15 @@ pub(super) struct Meshing {
     #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10); lattice and conforming
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
+    #[arg(allow_negative_numbers = true)]
     order: u32,
     /// Let the ITZ be thinner than one voxel, with holes in it
     #[arg(long)]
     thin_itz: bool,
     /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
+    #[arg(allow_negative_numbers = true)]
     subsamples: u32,
     /// Hexahedra with reduced integration (C3D8R)
     #[arg(long)]
@@ -51,19 +53,21 @@ pub(super) struct Meshing {
     #[arg(help = format!("What a deck computes: {}", names::list::<Analysis>()))]
     analysis: Analysis,
     /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
-    #[arg(long, value_name = "E", value_parser = values::number)]
+    #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     strain: Option<f64>,
     /// Friction between plates and specimen in compression
     #[arg(long, value_name = "MU", default_value_t = Loading::default().friction, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
     friction: f64,
     /// Frames of field output in compression and tension
     #[arg(long, value_name = "N", default_value_t = Loading::default().frames, value_parser = values::count)]
+    #[arg(allow_negative_numbers = true)]
     frames: u32,
     /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// Parts of a specimen that gmsh fills apart; absent: as its memory needs
-    #[arg(long, value_name = "N", value_parser = values::count)]
+    #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
     slabs: Option<u32>,
     /// The program gmsh, for --method conforming
     #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
