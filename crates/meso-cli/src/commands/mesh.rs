@@ -51,6 +51,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
     args.meshing.tell_unused(writes_deck);
     let model = inputs::model(&args.model)?;
+    args.meshing.check(&model.spec.specimen)?;
+    args.meshing.tell_unused(writes_deck);
     let deck = args.meshing.deck(&model.spec.specimen)?;
     let mesh = args.meshing.build(&model, args.quiet)?;
     if writes_deck {
