@@ -110,6 +110,29 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
     assert_eq!(said.len(), 2, "{}", run.stderr);
     assert_eq!(said[0], "warning: --analysis says what a deck holds, and no .inp is written");
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp"][..], &flags].concat());
+    let said = "warning: --analysis is only for decks that hold more than geometry, and does nothing here\n";
+    assert_eq!((run.code, run.stderr.as_str()), (0, said));
+}
+
+#[test]
+fn flags_of_other_methods_and_analyses_are_missed_aloud() {
+    let folder = Folder::with_model();
+    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "8"];
+    for (flags, said) in [
+        (&["--fit", "plain"][..], "--fit is only for the method lattice"),
+        (&["--slabs", "2"], "--slabs is only for the method conforming"),
+        (&["--thin-itz", "--method", "lattice"], "--thin-itz is only for the method voxel"),
+        (&["--subsamples", "2", "--method", "lattice"], "--subsamples is only for the method voxel"),
+        (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is only for the method voxel"),
+        (&["--strain", "0.002"], "--strain is only for an --analysis"),
+        (&["--friction", "0.6", "--analysis", "tension"], "--friction is only for --analysis compression"),
+        (&["--frames", "9", "--analysis", "elastic"], "--frames is only for --analysis compression and tension"),
+    ] {
+        let run = folder.run(&[&mesh[..], flags].concat());
+        assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and does nothing here\n")), "{flags:?}");
+    }
+    let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
+    let run = folder.run(&[&mesh[..], &all, &["--analysis", "compression"]].concat());
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
 

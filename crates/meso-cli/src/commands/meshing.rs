@@ -104,17 +104,46 @@ impl Meshing {
         Ok(deck)
     }
 
-    /// Where no deck is written, says which flags tell of decks alone.
+    /// Says which flags were given for nothing: those of decks where none is written, those of another method or analysis.
     pub(super) fn tell_unused(&self, writes_deck: bool) {
-        let flags = [
+        let deck = [
             ("--analysis", self.analysis != Analysis::None),
             ("--strain", self.strain.is_some()),
             ("--geometry-only", self.geometry_only),
             ("--periodic-equations", self.periodic_equations),
             ("--reduced-integration", self.reduced_integration),
         ];
-        for (flag, _) in flags.into_iter().filter(|(_, given)| *given && !writes_deck) {
+        for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
             say::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+        }
+        let voxels = self.method == Method::Voxel;
+        let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
+        let explicit = matches!(analysis, Analysis::Compression | Analysis::Tension);
+        let (usual, lattice) = (Loading::default(), self.method == Method::Lattice);
+        for (flag, given, used, of) in [
+            ("--fit", self.fit != Fit::Fitted, lattice, "the method lattice"),
+            ("--thin-itz", self.thin_itz, voxels, "the method voxel"),
+            ("--subsamples", self.subsamples != 1, voxels, "the method voxel"),
+            ("--slabs", self.slabs.is_some(), self.method == Method::Conforming, "the method conforming"),
+            ("--reduced-integration", self.reduced_integration, voxels || !writes_deck, "the method voxel"),
+            (
+                "--analysis",
+                self.analysis != Analysis::None,
+                analysis == self.analysis || !writes_deck,
+                "decks that hold more than geometry",
+            ),
+            ("--strain", self.strain.is_some(), analysis != Analysis::None || !writes_deck, "an --analysis"),
+            (
+                "--friction",
+                self.friction != usual.friction,
+                analysis == Analysis::Compression,
+                "--analysis compression",
+            ),
+            ("--frames", self.frames != usual.frames, explicit, "--analysis compression and tension"),
+        ] {
+            if given && !used {
+                say::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+            }
         }
     }
 
