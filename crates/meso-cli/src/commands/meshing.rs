@@ -101,6 +101,9 @@ impl Meshing {
             ..DeckOptions::default()
         };
         deck.validate_for(specimen.periodic().0).map_err(|error| wrong_deck(&error))?;
+        if self.itz == ItzForm::Cohesive {
+            deck.validate_cohesive().map_err(|error| wrong_deck(&error))?;
+        }
         Ok(deck)
     }
 
