@@ -221,3 +221,18 @@ fn where_gmsh_is_missing_the_command_says_how_to_get_it() {
     );
     assert!(!folder.names().contains(&"m.vtu".to_owned()));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_gmsh_that_does_not_run_is_told_before_any_work() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_spec();
+    folder.write("broken", "#!/bin/sh\necho \"No module named 'gmsh'\" >&2\nexit 1\n");
+    std::fs::set_permissions(folder.path("broken"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let run = folder.run(&["pack", "small.toml", "-o", "m.msh", "--method", "conforming", "--gmsh", "./broken"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    for said in ["./broken --version failed (exit status: 1)", "pip install gmsh", "No module named 'gmsh'"] {
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+    assert!(!run.stderr.contains("packed"), "{}", run.stderr);
+}

@@ -90,11 +90,14 @@ fn values_that_no_deck_can_hold_are_named() {
             "mortar = { youngs_modulus_mpa = 2e4, poisson_ratio = 0.5, density_t_per_mm3 = 2e-9 }",
             "materials.mortar.poisson_ratio is 0.5; it must lie between -1 and 0.5",
         ),
+        ("cohesive_thickness_mm = 60", "materials.cohesive_thickness_mm is 60; it must be below 4.762e1"),
+        ("plasticity = { biaxial_ratio = 0.5 }", "materials.plasticity.biaxial_ratio is 0.5; it must be 1 or more"),
+        ("mortar = { density_t_per_mm3 = 2.4 }", "materials.mortar.density_t_per_mm3 is 2.4; it must be a positive"),
         ("itz_strength_rato = 0.7", "m.toml: line 2: materials.itz_strength_rato is not a known key; did you mean"),
         ("itz_strength_ratio = '0.7'", "m.toml: line 2: materials.itz_strength_ratio is \"0.7\""),
     ] {
         folder.write("m.toml", format!("[materials]\n{line}\n"));
-        let run = folder.run(&["mesh", "small.json", "-o", "m.inp", "--materials", "m.toml"]);
+        let run = folder.run(&["mesh", "small.json", "-o", "m.inp", "--materials", "m.toml", "--itz", "cohesive"]);
         assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);
     }
     assert!(!folder.names().contains(&"m.inp".to_owned()));
@@ -110,6 +113,29 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
     assert_eq!(said.len(), 2, "{}", run.stderr);
     assert_eq!(said[0], "warning: --analysis says what a deck holds, and no .inp is written");
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp"][..], &flags].concat());
+    let said = "warning: --analysis is only for decks that hold more than geometry, and does nothing here\n";
+    assert_eq!((run.code, run.stderr.as_str()), (0, said));
+}
+
+#[test]
+fn flags_of_other_methods_and_analyses_are_missed_aloud() {
+    let folder = Folder::with_model();
+    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "8"];
+    for (flags, said) in [
+        (&["--fit", "plain"][..], "--fit is only for the method lattice"),
+        (&["--slabs", "2"], "--slabs is only for the method conforming"),
+        (&["--thin-itz", "--method", "lattice"], "--thin-itz is only for the method voxel"),
+        (&["--subsamples", "2", "--method", "lattice"], "--subsamples is only for the method voxel"),
+        (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is only for the method voxel"),
+        (&["--strain", "0.002"], "--strain is only for an --analysis"),
+        (&["--friction", "0.6", "--analysis", "tension"], "--friction is only for --analysis compression"),
+        (&["--frames", "9", "--analysis", "elastic"], "--frames is only for --analysis compression and tension"),
+    ] {
+        let run = folder.run(&[&mesh[..], flags].concat());
+        assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and does nothing here\n")), "{flags:?}");
+    }
+    let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
+    let run = folder.run(&[&mesh[..], &all, &["--analysis", "compression"]].concat());
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
 

@@ -60,6 +60,27 @@ fn a_geometry_of_two_reduced_voxels_reads_as_by_hand() {
 }
 
 #[test]
+fn a_spike_has_no_face_for_a_plate_to_press_on() {
+    // As a specimen with an oblique tip has it: its deck would have named a surface that is not there.
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 9.0]].map(Vec3::from).to_vec();
+    let (phase, aggregate) = (vec![Phase::Mortar], vec![NO_AGGREGATE]);
+    let spike = Mesh { points, cells: vec![0, 1, 2, 3], phase, aggregate, ..two_tetrahedra(false) };
+    let of = |analysis| DeckOptions { analysis, ..Default::default() }.validate(&spike);
+    let error = of(Analysis::Compression).unwrap_err().to_string();
+    assert!(error.starts_with("deck.analysis is compression; a plate presses on S_ZMAX, and no face"), "{error}");
+    assert_eq!(of(Analysis::Tension), Ok(()));
+}
+
+#[test]
+fn headings_are_ascii_and_hold_no_keyword() {
+    let of = |line: &str| DeckOptions { heading: vec![line.into()], ..Default::default() }.validate(&two_voxels(false));
+    assert_eq!(of("50 % of gravel, seed 3"), Ok(()));
+    for line in ["*STEP", "Gr\u{f6}\u{df}e", "one\ntwo"] {
+        assert!(of(line).unwrap_err().to_string().contains("a line must be ASCII"), "{line}");
+    }
+}
+
+#[test]
 fn a_periodic_deck_of_two_voxels_reads_as_by_hand() {
     // Ten of the twelve nodes lie on upper faces, each tied to 1 or 5, the nodes on none of them: three equations each.
     let options = DeckOptions { periodic_equations: true, analysis: Analysis::Elastic, ..Default::default() };

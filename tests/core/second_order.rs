@@ -38,7 +38,7 @@ fn a_deck_of_two_quadratic_tetrahedra_reads_as_by_hand() {
 fn explicit_decks_take_the_second_order_tetrahedron_made_for_contact() {
     let mut mesh = two_tetrahedra();
     mesh.raise_order();
-    let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });
+    let text = deck(&mesh, &DeckOptions { analysis: Analysis::Tension, ..Default::default() });
     assert!(text.contains("*ELEMENT, TYPE=C3D10M, ELSET=MORTAR\n") && !text.contains("C3D10,"));
 }
 

@@ -17,6 +17,10 @@ use std::time::Duration;
 /// How often it is looked whether gmsh is done, or is to stop.
 const POLL: Duration = Duration::from_millis(20);
 
+/// What to do without gmsh.
+const REMEDY: &str = "conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: pip install gmsh) and put it on \
+                      the PATH or name it with --gmsh, or take --method lattice";
+
 /// How gmsh is called.
 pub struct Gmsh {
     program: OsString,
@@ -46,13 +50,18 @@ impl Gmsh {
         command
     }
 
-    /// Finds out whether gmsh is there.
+    /// Finds out whether gmsh is there and runs.
     ///
     /// # Errors
-    /// Where it is missing, with the remedy.
+    /// Where it is missing, with the remedy; what it said where it does not run.
     pub fn check(&self) -> Result<(), MeshError> {
-        let asked = self.command().arg("--version").output();
-        asked.map(drop).map_err(|error| self.missing(&error))
+        let asked = self.command().arg("--version").output().map_err(|error| self.missing(&error))?;
+        if asked.status.success() {
+            return Ok(());
+        }
+        let (program, said) = (Path::new(&self.program).display(), String::from_utf8_lossy(&asked.stderr));
+        let (status, said) = (asked.status, said.trim().to_owned());
+        Err(MeshError::MissingGmsh(format!("{program} --version failed ({status}); {REMEDY}; it said:\n{said}")))
     }
 
     /// Fills `surfaces` with tetrahedra; the bytes of gmsh's output.
@@ -126,10 +135,7 @@ impl Gmsh {
             io::ErrorKind::PermissionDenied => "it is no program, or may not be run".to_owned(),
             _ => error.to_string(),
         };
-        MeshError::MissingGmsh(format!(
-            "{program} cannot be run ({why}); conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: \
-             pip install gmsh) and put it on the PATH or name it with --gmsh, or take --method lattice"
-        ))
+        MeshError::MissingGmsh(format!("{program} cannot be run ({why}); {REMEDY}"))
     }
 }
 

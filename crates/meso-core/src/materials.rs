@@ -167,7 +167,26 @@ impl Elastic {
     }
 }
 
+impl Strength {
+    /// Cohesion of a Mohr-Coulomb material of these strengths, sqrt(f_c f_t) / 2, MPa.
+    pub fn cohesion_mpa(&self) -> f64 {
+        (self.compressive_mpa * self.tensile_mpa).sqrt() / 2.0
+    }
+}
+
 impl Materials {
+    /// Stiffness of a cohesive ITZ against opening and sliding, E / t and G / t, N/mm3.
+    pub fn separation_stiffness(&self) -> (f64, f64) {
+        let normal = self.itz.youngs_modulus_mpa / self.cohesive_thickness_mm;
+        (normal, normal / (2.0 * (1.0 + self.itz.poisson_ratio)))
+    }
+
+    /// Longest stable time step of cohesive elements in explicit dynamics, s: the root of their mass per area over their
+    /// stiffness (Abaqus' own estimate), t sqrt(rho / E) here.
+    pub fn cohesive_time_step_s(&self) -> f64 {
+        self.cohesive_thickness_mm * (self.itz.density_t_per_mm3 / self.itz.youngs_modulus_mpa).sqrt()
+    }
+
     /// The elastic values of `phase`.
     pub fn elastic(&self, phase: Phase) -> &Elastic {
         match phase {

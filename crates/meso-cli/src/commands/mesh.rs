@@ -21,7 +21,7 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
     /// Number of threads; all cores when absent
-    #[arg(long, value_name = "N", value_parser = values::threads)]
+    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
     /// Compress what a .vtu holds (zlib)
     #[arg(long)]
@@ -49,9 +49,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
     let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
-    args.meshing.tell_unused(writes_deck);
     let model = inputs::model(&args.model)?;
     let deck = args.meshing.deck(&model.spec.specimen)?;
+    args.meshing.check(&model.spec.specimen)?;
+    args.meshing.tell_unused(writes_deck);
     let mesh = args.meshing.build(&model, args.quiet)?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;

@@ -30,13 +30,15 @@ pub(super) struct Meshing {
     #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10); lattice and conforming
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
+    #[arg(allow_negative_numbers = true)]
     order: u32,
     /// Let the ITZ be thinner than one voxel, with holes in it
     #[arg(long)]
     thin_itz: bool,
     /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
+    #[arg(allow_negative_numbers = true)]
     subsamples: u32,
     /// Hexahedra with reduced integration (C3D8R)
     #[arg(long)]
@@ -51,19 +53,21 @@ pub(super) struct Meshing {
     #[arg(help = format!("What a deck computes: {}", names::list::<Analysis>()))]
     analysis: Analysis,
     /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
-    #[arg(long, value_name = "E", value_parser = values::number)]
+    #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
     strain: Option<f64>,
     /// Friction between plates and specimen in compression
     #[arg(long, value_name = "MU", default_value_t = Loading::default().friction, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
     friction: f64,
     /// Frames of field output in compression and tension
     #[arg(long, value_name = "N", default_value_t = Loading::default().frames, value_parser = values::count)]
+    #[arg(allow_negative_numbers = true)]
     frames: u32,
     /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
     /// Parts of a specimen that gmsh fills apart; absent: as its memory needs
-    #[arg(long, value_name = "N", value_parser = values::count)]
+    #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
     slabs: Option<u32>,
     /// The program gmsh, for --method conforming
     #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
@@ -97,20 +101,52 @@ impl Meshing {
             ..DeckOptions::default()
         };
         deck.validate_for(specimen.periodic().0).map_err(|error| wrong_deck(&error))?;
+        if self.itz == ItzForm::Cohesive {
+            deck.validate_cohesive().map_err(|error| wrong_deck(&error))?;
+        }
         Ok(deck)
     }
 
-    /// Where no deck is written, says which flags tell of decks alone.
+    /// Says which flags were given for nothing: those of decks where none is written, those of another method or analysis.
     pub(super) fn tell_unused(&self, writes_deck: bool) {
-        let flags = [
+        let deck = [
             ("--analysis", self.analysis != Analysis::None),
             ("--strain", self.strain.is_some()),
             ("--geometry-only", self.geometry_only),
             ("--periodic-equations", self.periodic_equations),
             ("--reduced-integration", self.reduced_integration),
         ];
-        for (flag, _) in flags.into_iter().filter(|(_, given)| *given && !writes_deck) {
+        for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
             say::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+        }
+        let voxels = self.method == Method::Voxel;
+        let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
+        let explicit = matches!(analysis, Analysis::Compression | Analysis::Tension);
+        let (usual, lattice) = (Loading::default(), self.method == Method::Lattice);
+        for (flag, given, used, of) in [
+            ("--fit", self.fit != Fit::Fitted, lattice, "the method lattice"),
+            ("--thin-itz", self.thin_itz, voxels, "the method voxel"),
+            ("--subsamples", self.subsamples != 1, voxels, "the method voxel"),
+            ("--slabs", self.slabs.is_some(), self.method == Method::Conforming, "the method conforming"),
+            ("--reduced-integration", self.reduced_integration, voxels || !writes_deck, "the method voxel"),
+            (
+                "--analysis",
+                self.analysis != Analysis::None,
+                analysis == self.analysis || !writes_deck,
+                "decks that hold more than geometry",
+            ),
+            ("--strain", self.strain.is_some(), analysis != Analysis::None || !writes_deck, "an --analysis"),
+            (
+                "--friction",
+                self.friction != usual.friction,
+                analysis == Analysis::Compression,
+                "--analysis compression",
+            ),
+            ("--frames", self.frames != usual.frames, explicit, "--analysis compression and tension"),
+        ] {
+            if given && !used {
+                say::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+            }
         }
     }
 

@@ -85,10 +85,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let spec = args.spec()?;
     let plan = args.plan()?;
     let deck = args.meshing.deck(&spec.specimen)?;
-    args.meshing.tell_unused(plan.has_deck());
     if plan.has_mesh() {
         args.meshing.check(&spec.specimen)?;
     }
+    args.meshing.tell_unused(plan.has_deck());
     // Before the work: a hopeless target is named while nothing is lost.
     spec.doubts().iter().for_each(|doubt| say::line(format!("warning: {doubt}")));
     let mut watch = Watch::start(args.quiet);

@@ -18,6 +18,11 @@ pub(super) fn count(text: &str) -> Result<u32, String> {
     whole(text, 1, u32::MAX)
 }
 
+/// A whole number; ranges are the options' business.
+pub(super) fn whole_number(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| "it must be a whole number, not below 0".to_owned())
+}
+
 /// A number of threads.
 pub(super) fn threads(text: &str) -> Result<u16, String> {
     whole(text, 1, 1024)

@@ -4,7 +4,7 @@
 //! Tension: the same loading of two rigid bodies that hold the nodes of ZMIN and ZMAX, as glued platens do.
 
 use super::lines::{Lines, real};
-use super::{Analysis, DeckOptions};
+use super::{Analysis, DeckError, DeckOptions};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
 use crate::mesh::sides::Sides;
@@ -34,6 +34,18 @@ pub(super) fn write(
     let strain = options.strain.unwrap_or(if compression { 0.006 } else { 0.001 });
     let travel = strain * aabb.size().z * if compression { -1.0 } else { 1.0 };
     step(lines, options, travel, compression)
+}
+
+/// Finds out whether the specimen has faces that plates can press on: a spike has none.
+pub(super) fn check(sides: &Sides) -> Result<(), DeckError> {
+    for (bit, surface) in [(4, "S_ZMIN"), (5, "S_ZMAX")] {
+        if sides.faces()[bit].is_empty() {
+            let why =
+                "no face of the specimen looks that way within 45 degrees; take tension, which holds nodes, or none";
+            return Err(DeckError::new("analysis", "compression", format!("a plate presses on {surface}, and {why}")));
+        }
+    }
+    Ok(())
 }
 
 /// Two nodes below and above the specimen, named REF_BOTTOM and REF_TOP; returns their numbers.

@@ -6,10 +6,14 @@ use crate::mesh::sides::{SIDES, Sides};
 use crate::mesh::{CellKind, Mesh, Phase};
 use std::io::{self, Write};
 
-pub(super) fn heading(lines: &mut Lines<impl Write>, text: &[String]) -> io::Result<()> {
-    lines.line("*HEADING")?;
-    lines.line("mesocrete deck; units mm, N, MPa, tonne, s")?;
-    text.iter().try_for_each(|line| lines.line(format!("{line:.79}")))
+/// The deck's heading; of geometry alone comments, since a deck that includes it, perhaps within a part, has its own.
+pub(super) fn heading(lines: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
+    let comment = if options.geometry_only { "** " } else { "" };
+    if !options.geometry_only {
+        lines.line("*HEADING")?;
+    }
+    lines.line(format!("{comment}mesocrete deck; units mm, N, MPa, tonne, s"))?;
+    options.heading.iter().try_for_each(|line| lines.line(format!("{comment}{line:.76}")))
 }
 
 pub(super) fn write(

@@ -36,6 +36,10 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), DeckError> {
     require("frames", f64::from(loading.frames), loading.frames > 0, "it must be 1 or more")?;
     positive("duration_s", loading.duration_s)?;
     positive("time_increment_s", loading.time_increment_s)?;
+    let fits = |line: &&String| line.is_ascii() && !line.starts_with('*') && !line.contains(['\n', '\r']);
+    if let Some(line) = options.heading.iter().find(|line| !fits(line)) {
+        return Err(DeckError::new("heading", format!("{line:?}"), "a line must be ASCII and must not begin with *"));
+    }
     materials(&options.materials)
 }
 
@@ -65,7 +69,12 @@ fn materials(values: &Materials) -> Result<(), DeckError> {
     positive("materials.cohesive_thickness_mm", values.cohesive_thickness_mm)?;
     // Abaqus' own limits.
     let (angle, kc) = (plasticity.dilation_angle_deg, plasticity.meridian_ratio);
-    require("materials.plasticity.dilation_angle_deg", angle, angle > 0.0 && angle < 90.0, "it must be 0 to 90")?;
+    require(
+        "materials.plasticity.dilation_angle_deg",
+        angle,
+        angle > 0.0 && angle < 90.0,
+        "it must lie above 0 and below 90",
+    )?;
     require(
         "materials.plasticity.meridian_ratio",
         kc,
@@ -80,7 +89,14 @@ fn materials(values: &Materials) -> Result<(), DeckError> {
             "it must be 0 or more",
         )?;
     }
-    positive("materials.plasticity.biaxial_ratio", plasticity.biaxial_ratio)
+    let biaxial = plasticity.biaxial_ratio;
+    // The yield surface has alpha = (r - 1) / (2 r - 1), which Abaqus wants from 0 to 0.5.
+    require(
+        "materials.plasticity.biaxial_ratio",
+        biaxial,
+        biaxial >= 1.0 && biaxial.is_finite(),
+        "it must be 1 or more",
+    )
 }
 
 /// A peak strain must be so many times the elastic strain of the strength: its curve rises from there.
@@ -106,10 +122,29 @@ pub(super) fn curves(materials: &Materials, phase: Phase, width: f64) -> Result<
     Ok(())
 }
 
+/// Finds out whether Abaqus takes the softening of a cohesive ITZ: its fracture energy must be more than what is stored
+/// when damage begins, f^2 / (2 K), whichever way that is.
+pub(super) fn separation(materials: &Materials) -> Result<(), DeckError> {
+    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    let (normal, shear) = materials.separation_stiffness();
+    let stored = |stress: f64, stiffness: f64| stress * stress / (2.0 * stiffness);
+    let most = stored(strength.tensile_mpa, normal).max(stored(strength.cohesion_mpa(), shear));
+    let t = materials.cohesive_thickness_mm;
+    let least = t * strength.fracture_energy_n_per_mm / most;
+    let accepted =
+        format!("it must be below {least:.3e}, where damage begins with less than the ITZ's fracture energy");
+    require("materials.cohesive_thickness_mm", t, most < strength.fracture_energy_n_per_mm, &accepted)
+}
+
+/// tonne/mm3: whatever is mass-scaled a thousandfold lies far below it, kg/m3 and g/cm3 far above.
+const HEAVIEST: f64 = 1e-3;
+
 fn elastic(name: &str, values: &Elastic) -> Result<(), DeckError> {
     let (key, ratio) = (format!("materials.{name}"), values.poisson_ratio);
     positive(&format!("{key}.youngs_modulus_mpa"), values.youngs_modulus_mpa)?;
-    positive(&format!("{key}.density_t_per_mm3"), values.density_t_per_mm3)?;
+    let density = values.density_t_per_mm3;
+    let matter = "it must be a positive number below 1e-3, in tonne/mm3: 2400 kg/m3 are 2.4e-9";
+    require(&format!("{key}.density_t_per_mm3"), density, density > 0.0 && density < HEAVIEST, matter)?;
     let stable = ratio > -1.0 && ratio < 0.5;
     require(
         &format!("{key}.poisson_ratio"),

@@ -83,11 +83,9 @@ fn curve(lines: &mut Lines<impl Write>, rows: &[Row], value: impl Fn(&Row) -> f6
 /// Traction-separation: stiffness E / t and G / t, quadratic stress criterion, linear softening by the fracture energy.
 fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials) -> io::Result<()> {
     let (itz, t) = (&materials.itz, materials.cohesive_thickness_mm);
-    let normal = itz.youngs_modulus_mpa / t;
-    let shear = normal / (2.0 * (1.0 + itz.poisson_ratio));
+    let (normal, shear) = materials.separation_stiffness();
     let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
-    // Cohesion of a Mohr-Coulomb material, sqrt(f_c f_t) / 2.
-    let cohesion = (strength.compressive_mpa * strength.tensile_mpa).sqrt() / 2.0;
+    let cohesion = strength.cohesion_mpa();
     lines.line("*MATERIAL, NAME=ITZ")?;
     lines.line("*DENSITY")?;
     lines.line(format!("{},", real(itz.density_t_per_mm3 * t)))?;

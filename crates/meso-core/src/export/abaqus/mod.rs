@@ -41,7 +41,7 @@ pub struct DeckOptions {
     pub loading: Loading,
     /// Material values.
     pub materials: Materials,
-    /// Lines for `*HEADING`, e.g. the command and the version.
+    /// Lines for `*HEADING`, e.g. the command and the version: ASCII, none beginning with `*`; 76 characters of each are kept.
     pub heading: Vec<String>,
 }
 
@@ -92,9 +92,24 @@ impl DeckOptions {
         if self.has_curves() {
             materials::check(mesh, &self.materials)?;
         }
+        if !mesh.cohesive.is_empty() {
+            self.validate_cohesive()?;
+        }
+        if self.analysis == Analysis::Compression && !self.geometry_only {
+            explicit::check(&Sides::of(mesh))?;
+        }
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
 
+    /// What can be said of cohesive elements before there is a mesh.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate).
+    pub fn validate_cohesive(&self) -> Result<(), DeckError> {
+        if self.geometry_only { Ok(()) } else { limits::separation(&self.materials) }
+    }
+
+    /// Whether mortar and ITZ have strength in the deck.
     fn has_curves(&self) -> bool {
         self.analysis.damages() && !self.geometry_only
     }
@@ -132,7 +147,7 @@ impl DeckOptions {
 pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
     options.validate(mesh).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
     let mut lines = Lines::new(out);
-    geometry::heading(&mut lines, &options.heading)?;
+    geometry::heading(&mut lines, options)?;
     let sides = Sides::of(mesh);
     geometry::write(&mut lines, mesh, &sides, options)?;
     if options.periodic_equations {
