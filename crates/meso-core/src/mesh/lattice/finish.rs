@@ -16,8 +16,8 @@ use super::{Tetrahedra, back, mend, merge, recut, relabel};
 /// The smallest dihedral angle that merges may leave, degrees, turn by turn: first those that need nothing else, then those
 /// after which the nodes around are to make room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
 const MERGES: [f64; 3] = [GUARD_DEG, 3.0, 1.0];
-/// The smallest dihedral angle that other cells may have, degrees: the second where there are none with the first.
-const RECUTS: [f64; 2] = [GUARD_DEG, 8.0];
+/// The smallest dihedral angle that other cells may have, degrees: each where there are none with the one before.
+const RECUTS: [f64; 3] = [GUARD_DEG, 9.0, 8.0];
 
 /// A mesh whose rounds are done.
 pub(super) struct Finish<'a> {
@@ -109,6 +109,6 @@ impl Work<'_> {
         stars.exchange(&gone, &new);
         mesh.cells.extend(recut.new.iter().map(|(nodes, _)| nodes));
         mesh.grain.extend(recut.new.iter().map(|(_, grain)| grain));
-        self.merged.leave_cells_out(&recut.gone);
+        self.merged.take(&recut.gone, recut.merged);
     }
 }
