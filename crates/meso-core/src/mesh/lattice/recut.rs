@@ -14,6 +14,7 @@ use super::merge;
 use super::places::Places;
 use super::roles::Role;
 use super::star::{Stars, sharpness, sharpness_of};
+use super::twins::Twins;
 use crate::math::Vec3;
 use crate::mesh::swaps::swapped;
 use crate::mesh::web::Web;
@@ -76,7 +77,12 @@ impl Patch {
         let number = |node: u32| nodes.partition_point(|other| *other < node) as u32;
         let role = |node: &u32| {
             let moves = within.binary_search(node).is_ok() && !fit.stars.cells(*node).is_empty();
-            if moves { fit.roles[*node as usize] } else { Role::Fixed }
+            match fit.roles[*node as usize] {
+                // Their images are elsewhere.
+                Role::Twin(_) => Role::Fixed,
+                role if moves => role,
+                _ => Role::Fixed,
+            }
         };
         let mesh = Tetrahedra {
             points: nodes.iter().map(|&node| fit.places.get(node)).collect(),
@@ -139,7 +145,8 @@ impl Patch {
     fn move_nodes(&mut self, whole: &Fit, sharp: &[u32]) -> bool {
         let places = Places::new(&self.mesh.points);
         let stars = Stars::new(&self.mesh.cells, &vec![true; self.nodes.len()]);
-        let fit = Fit { mesh: &self.mesh, stars: &stars, places: &places, roles: &self.roles, ..*whole };
+        let (roles, twins) = (&self.roles, &Twins::default());
+        let fit = Fit { mesh: &self.mesh, stars: &stars, places: &places, roles, twins, ..*whole };
         let nodes = ascending(sharp.iter().flat_map(|&cell| self.mesh.cells[cell as usize]));
         let moved = nodes.into_iter().filter(|&node| mend::better(&fit, node, false)).count();
         self.mesh.points = places.into_points();
