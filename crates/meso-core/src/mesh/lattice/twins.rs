@@ -15,6 +15,8 @@ use crate::mesh::NO_AGGREGATE;
 
 /// Images are this close to where they should be, in sizes of the box.
 const SLACK: f64 = 1e-9;
+/// Along this way, to which no face or lattice line is square, few nodes are as far as another.
+const ALONG: Vec3 = Vec3::new(1.0, 1.414, 1.731);
 
 /// The images of all nodes.
 #[derive(Default)]
@@ -28,21 +30,19 @@ impl Twins {
     pub(super) fn of(points: &[Vec3], domain: &Aabb, repeats: [bool; 3]) -> Self {
         let slack = SLACK * domain.size().max();
         let upper = |p: &Vec3| [0, 1, 2].map(|axis| repeats[axis] && p[axis] >= domain.max[axis]);
-        let on_face = |p: &&Vec3| (0..3).any(|axis| repeats[axis] && (p[axis] <= domain.min[axis] || upper(p)[axis]));
+        let lower = |p: &Vec3| [0, 1, 2].map(|axis| repeats[axis] && p[axis] <= domain.min[axis]);
         // Where a node's image on no upper face is.
         let home = |p: &Vec3| {
             let upper = upper(p);
             Vec3::from_fn(|axis, _| if upper[axis] { domain.min[axis] } else { p[axis] })
         };
-        let mut nodes: Vec<(Vec3, u32)> = (0..points.len() as u32)
-            .filter(|&node| on_face(&&points[node as usize]))
-            .map(|node| (home(&points[node as usize]), node))
-            .collect();
-        nodes.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.1.cmp(&b.1)));
+        let on_face = (0..).zip(points).filter(|(_, p)| lower(p).contains(&true) || upper(p).contains(&true));
+        let mut nodes: Vec<(f64, Vec3, u32)> = on_face.map(|(node, p)| (home(p).dot(&ALONG), home(p), node)).collect();
+        nodes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
         let mut pairs = Vec::new();
-        for (at, (place, node)) in nodes.iter().enumerate() {
-            let near = nodes[at + 1..].iter().take_while(|(other, _)| other.x <= place.x + slack);
-            for (_, other) in near.filter(|(other, _)| (other - place).amax() <= slack) {
+        for (at, (along, place, node)) in nodes.iter().enumerate() {
+            let near = nodes[at + 1..].iter().take_while(|(other, ..)| *other <= along + slack * ALONG.sum());
+            for (.., other) in near.filter(|(_, other, _)| (other - place).amax() <= slack) {
                 let way = |from: u32, to: u32| {
                     let (from, to) = (upper(&points[from as usize]), upper(&points[to as usize]));
                     let steps = |axis: usize| f64::from(u8::from(to[axis])) - f64::from(u8::from(from[axis]));
@@ -135,6 +135,9 @@ pub(super) fn places(fit: &Fit, node: u32, axes: [bool; 3], reaches: &[f64]) -> 
 
 /// How many nodes on faces across which the box repeats itself lie off all grains whose cells they have.
 pub(super) fn count_off(mesh: &Tetrahedra, surfaces: &[Surface], domain: &Aabb, skin: &Skin) -> usize {
+    if skin.repeats == [false; 3] {
+        return 0;
+    }
     let axes = |p: &Vec3| [0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]);
     let counts = |p: &Vec3| axes(p).contains(&true) && !skin.ends(axes(p));
     let mut owned: Vec<(u32, u32)> = Vec::new();
