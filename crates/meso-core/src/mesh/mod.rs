@@ -165,8 +165,7 @@ pub struct Notes {
     pub closed_side_gap_aggregates: usize,
     /// The widest gap between one of them and its side, mm.
     pub widest_closed_side_gap_mm: f64,
-    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough, or since
-    /// they lie on faces of a periodic box, which have to match.
+    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
     pub off_surface_nodes: usize,
     /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
     pub thinned_itz_aggregates: usize,

@@ -5,11 +5,12 @@
 //! that leaves the angles as they should be, then for one at which the nodes around can make room for it. What finds none
 //! goes as near as it may ([`finish`](super::finish) tries other ways then).
 
-use super::fit::{Fit, GUARD_DEG};
+use super::fit::Fit;
 use super::mend::{better, ways};
 use super::roles::Role;
 use super::star::{Star, sharpness_of};
 use super::surface::Surface;
+use super::twins;
 use crate::math::Vec3;
 use crate::mesh::NO_AGGREGATE;
 use rayon::prelude::*;
@@ -21,6 +22,8 @@ const REACHES: [f64; 4] = [0.15, 0.3, 0.5, 0.8];
 /// At so many places other nodes are asked to make room, those with the bluntest cells: more of them free hardly any
 /// node (24 in place of 4: 29 and 27 of 437 stay off in a 75 mm cube, at ten times the cost).
 const ASKED: usize = 4;
+/// The same for nodes with images, of which there are few, and which get no other cells.
+const ASKED_WITH_IMAGES: usize = 24;
 /// They lie this far apart, in elements.
 const APART: f64 = 0.1;
 /// Turns of the nodes that make room, and the most of what is lacking that each may leave.
@@ -30,13 +33,15 @@ const LEFT: f64 = 0.8;
 const PARTS: [f64; 3] = [0.9, 0.6, 0.3];
 
 /// Brings those of `nodes` back that are off; returns the ones that still are, ascending.
-pub(super) fn back(fit: &Fit, nodes: Vec<u32>) -> Vec<u32> {
+///
+/// That leaves all angles above `least_deg`, or as they were.
+pub(super) fn back(fit: &Fit, nodes: Vec<u32>, least_deg: f64) -> Vec<u32> {
     let mut off: Vec<u32> = nodes.into_par_iter().filter(|&node| is_off(fit, node)).collect();
     off.sort_unstable();
     off.dedup();
     for _ in 0..TURNS {
         let before = off.len();
-        off.retain(|&node| !returns(fit, node, sharpness_of(GUARD_DEG)));
+        off.retain(|&node| is_off(fit, node) && !returns(fit, node, sharpness_of(least_deg)));
         if off.len() == before {
             break;
         }
@@ -50,6 +55,7 @@ fn is_off(fit: &Fit, node: u32) -> bool {
     match fit.roles[node as usize] {
         Role::Surface(grain) => !fit.surfaces[grain as usize].has(&x),
         Role::Contact => !grains(&fit.star(node), Role::Contact).iter().any(|&g| fit.surfaces[g as usize].has(&x)),
+        Role::Twin(_) => twins::is_off(fit, node, &x),
         Role::Fixed | Role::Skin(_) | Role::Free => false,
     }
 }
@@ -73,17 +79,22 @@ fn returns(fit: &Fit, node: u32, limit: f64) -> bool {
     let limit = limit.max(star.sharpest_first());
     let x = star.centre;
     let on_grain = |grain: u32| places(&fit.surfaces[grain as usize], &x, fit.size);
-    let mut places: Vec<Vec3> = grains(&star, fit.roles[node as usize]).into_iter().flat_map(on_grain).collect();
+    let mut places: Vec<Vec3> = match fit.roles[node as usize] {
+        Role::Twin(axes) => twins::places(fit, node, axes, &REACHES),
+        role => grains(&star, role).into_iter().flat_map(on_grain).collect(),
+    };
     places.sort_by(|a, b| (a - x).norm_squared().total_cmp(&(b - x).norm_squared()));
     if let Some(place) = places.iter().find(|place| star.worst(place, limit) <= limit) {
         fit.go(node, place);
         return true;
     }
-    if bluntest(&star, &places, APART * fit.size).iter().any(|place| makes_room(fit, node, place, limit)) {
+    let asked = if matches!(fit.roles[node as usize], Role::Twin(_)) { ASKED_WITH_IMAGES } else { ASKED };
+    if bluntest(&star, &places, APART * fit.size, asked).iter().any(|place| makes_room(fit, node, place, limit)) {
         return true;
     }
     let nearer = |part: f64| places.first().map(|foot| x + (foot - x) * part);
-    if let Some(place) = PARTS.into_iter().filter_map(nearer).find(|place| star.worst(place, limit) <= limit) {
+    let may = |place: &Vec3| star.worst(place, limit) <= limit && twins::keep(fit, node, place);
+    if let Some(place) = PARTS.into_iter().filter_map(nearer).find(may) {
         fit.go(node, &place);
     }
     false
@@ -105,12 +116,12 @@ fn places(surface: &Surface, x: &Vec3, size: f64) -> Vec<Vec3> {
 /// The sharpness of cells that turn over.
 const TURNED: f64 = 2.0;
 
-/// The places that leave the bluntest cells, if none turns over, `apart` mm from each other.
-fn bluntest(star: &Star, places: &[Vec3], apart: f64) -> Vec<Vec3> {
+/// At most so many places that leave the bluntest cells, if none turns over, `apart` mm from each other.
+fn bluntest(star: &Star, places: &[Vec3], apart: f64, most: usize) -> Vec<Vec3> {
     let mut all: Vec<(f64, Vec3)> = places.iter().map(|place| (star.worst(place, TURNED), *place)).collect();
     all.retain(|(worst, _)| *worst < TURNED);
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    chosen(all.into_iter().map(|(_, place)| place), apart, ASKED)
+    chosen(all.into_iter().map(|(_, place)| place), apart, most)
 }
 
 /// At most so many places around `node` on its grains, `apart` mm from each other: those with the bluntest cells first, then
@@ -140,7 +151,7 @@ fn chosen(places: impl Iterator<Item = Vec3>, apart: f64, most: usize) -> Vec<Ve
 fn makes_room(fit: &Fit, node: u32, place: &Vec3, limit: f64) -> bool {
     let mut moved = vec![(node, fit.places.get(node))];
     fit.go(node, place);
-    let mut cells: Vec<u32> = fit.stars.cells(node).to_vec();
+    let mut cells: Vec<u32> = fit.cells_around(node).collect();
     let mut allowed = f64::INFINITY;
     for _ in 0..PUSHES {
         cells.retain(|&cell| fit.sharpness(cell) > limit);
@@ -171,7 +182,8 @@ fn push(fit: &Fit, node: u32, cells: &[u32], moved: &mut Vec<(u32, Vec3)>) -> Ve
             moved.push((other, from));
         }
     }
-    let mut around: Vec<u32> = nodes.iter().flat_map(|&node| fit.stars.cells(node)).chain(cells).copied().collect();
+    let mut around: Vec<u32> =
+        nodes.iter().flat_map(|&node| fit.cells_around(node)).chain(cells.iter().copied()).collect();
     around.sort_unstable();
     around.dedup();
     around

@@ -11,13 +11,14 @@ use super::roles::Role;
 use super::skin::Skin;
 use super::star::Stars;
 use super::surface::Surface;
+use super::twins::Twins;
 use super::{Tetrahedra, back, mend, merge, recut, relabel};
 
 /// The smallest dihedral angle that merges may leave, degrees, turn by turn: first those that need nothing else, then those
 /// after which the nodes around are to make room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
 const MERGES: [f64; 3] = [GUARD_DEG, 3.0, 1.0];
-/// The smallest dihedral angle that other cells may have, degrees: the second where there are none with the first.
-const RECUTS: [f64; 2] = [GUARD_DEG, 8.0];
+/// The smallest dihedral angle that other cells may have, degrees: each where there are none with the one before.
+const RECUTS: [f64; 3] = [GUARD_DEG, 9.0, 8.0];
 
 /// A mesh whose rounds are done.
 pub(super) struct Finish<'a> {
@@ -26,12 +27,13 @@ pub(super) struct Finish<'a> {
     pub(super) stars: &'a mut Stars,
     pub(super) places: &'a Places,
     pub(super) roles: &'a mut [Role],
+    pub(super) twins: &'a Twins,
     /// Of the elements, mm.
     pub(super) size: f64,
     pub(super) skin: &'a Skin<'a>,
 }
 
-/// Finishes the mesh; returns how many nodes are still off, and what is to be left out.
+/// Finishes the mesh; returns how many nodes without images are still off, and what is to be left out.
 pub(super) fn finish(of: Finish) -> (usize, Merged) {
     // Mending after merges would let nodes off the specimen's own surface where that is no box.
     let merges = if of.skin.outline.is_some() { &[] } else { MERGES.as_slice() };
@@ -42,6 +44,7 @@ pub(super) fn finish(of: Finish) -> (usize, Merged) {
         let grown = work.merge(least_deg);
         work.mend(grown.into_iter().flat_map(|node| work.of.stars.cells(node)).copied().collect());
     }
+    work.twins_back();
     RECUTS.into_iter().for_each(|least_deg| work.recut(least_deg));
     (work.off.len() + work.lost, work.merged)
 }
@@ -58,8 +61,8 @@ struct Work<'a> {
 
 impl Work<'_> {
     fn fit(&self) -> Fit<'_> {
-        let Finish { mesh, surfaces, stars, places, roles, size, skin } = &self.of;
-        Fit { mesh, surfaces, stars, places, roles, lacks: &[], size: *size, skin }
+        let Finish { mesh, surfaces, stars, places, roles, twins, size, skin } = &self.of;
+        Fit { mesh, surfaces, stars, places, roles, twins, lacks: &[], size: *size, skin }
     }
 
     /// Mends angles, and brings nodes back onto their grain as far as these allow.
@@ -70,7 +73,15 @@ impl Work<'_> {
         self.lost += released.iter().filter(was_outer).count();
         self.off.extend(released);
         let off = std::mem::take(&mut self.off);
-        self.off = back::back(&self.fit(), off);
+        self.off = back::back(&self.fit(), off, GUARD_DEG);
+    }
+
+    /// Brings back what it can of nodes with images, which get no other cells: they would have to match on both faces.
+    fn twins_back(&mut self) {
+        let is_twin = |node: &u32| matches!(self.of.roles[*node as usize], Role::Twin(_));
+        let (twins, others): (Vec<u32>, Vec<u32>) = self.off.iter().partition(|node| is_twin(node));
+        self.off = others;
+        RECUTS.into_iter().fold(twins, |off, least_deg| back::back(&self.fit(), off, least_deg));
     }
 
     /// Gives nodes that are off cells of other labels, or merges them with neighbours; returns those that got others' cells.
@@ -109,6 +120,6 @@ impl Work<'_> {
         stars.exchange(&gone, &new);
         mesh.cells.extend(recut.new.iter().map(|(nodes, _)| nodes));
         mesh.grain.extend(recut.new.iter().map(|(_, grain)| grain));
-        self.merged.leave_cells_out(&recut.gone);
+        self.merged.take(&recut.gone, recut.merged);
     }
 }

@@ -12,6 +12,7 @@ use super::roles::{Role, near_surface, relabel, roles};
 use super::skin::Skin;
 use super::star::{Star, Stars, sharpness};
 use super::surface::Surface;
+use super::twins::{self, Twins};
 use super::{Tetrahedra, slide, smooth};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::grains::Locator;
@@ -33,6 +34,8 @@ pub(super) struct Fit<'a> {
     pub(super) stars: &'a Stars,
     pub(super) places: &'a Places,
     pub(super) roles: &'a [Role],
+    /// Images of nodes that move with them.
+    pub(super) twins: &'a Twins,
     /// What every grain lacks of its volume, -1 to 1.
     pub(super) lacks: &'a [f64],
     /// Of the elements, mm.
@@ -62,7 +65,8 @@ pub(super) fn fit(
             changed.for_each(|(node, _)| places.wake(node));
         }
         let lacks = lacks(mesh, &places, surfaces);
-        let fit = Fit { mesh, surfaces, stars: &stars, places: &places, roles: &roles_now, lacks: &lacks, size, skin };
+        let (stars, roles, twins, lacks) = (&stars, &roles_now, &Twins::default(), &lacks);
+        let fit = Fit { mesh, surfaces, stars, places: &places, roles, twins, lacks, size, skin };
         for patches in &colours {
             patches.par_iter().for_each(|nodes| nodes.iter().for_each(|&node| fit.slide(node)));
         }
@@ -70,8 +74,9 @@ pub(super) fn fit(
             patches.par_iter().for_each(|nodes| nodes.iter().for_each(|&node| fit.smooth(node, round)));
         }
     }
-    let roles = &mut roles_now;
-    let (off, merged) = finish(Finish { mesh, surfaces, stars: &mut stars, places: &places, roles, size, skin });
+    let (stars, roles, twins) = (&mut stars, &mut roles_now, Twins::of(&mesh.points, domain, skin.repeats));
+    twins::let_go(roles, mesh, &twins, domain);
+    let (off, merged) = finish(Finish { mesh, surfaces, stars, places: &places, roles, twins: &twins, size, skin });
     mesh.points = places.into_points();
     merged.leave_out(mesh);
     off
@@ -110,8 +115,15 @@ impl Fit<'_> {
         }
     }
 
+    /// The star of a node, with those of its images.
     pub(super) fn star(&self, node: u32) -> Star {
-        Star::new(self.mesh, self.stars, node, self.places)
+        let star = |node: u32| Star::new(self.mesh, self.stars, node, self.places);
+        self.twins.images(node).fold(star(node), |all, (image, way)| all.with_image(star(image), &way))
+    }
+
+    /// The tetrahedra around a node and its images.
+    pub(super) fn cells_around(&self, node: u32) -> impl Iterator<Item = u32> {
+        self.twins.class(node).flat_map(|(node, _)| self.stars.cells(node)).copied()
     }
 
     /// Nodes and grain of a tetrahedron.
@@ -124,8 +136,16 @@ impl Fit<'_> {
         sharpness(self.mesh.cells[cell as usize].map(|node| self.places.get(node)))
     }
 
-    /// Moves the node; all around it are to be looked at again.
+    /// Moves the node and its images; all around them are to be looked at again.
     pub(super) fn go(&self, node: u32, to: &Vec3) {
+        self.go_alone(node, to);
+        for (image, way) in self.twins.images(node) {
+            let side = self.places.get(image);
+            self.go_alone(image, &Vec3::from_fn(|axis, _| if way[axis] == 0.0 { to[axis] } else { side[axis] }));
+        }
+    }
+
+    fn go_alone(&self, node: u32, to: &Vec3) {
         self.places.set(node, to);
         for &cell in self.stars.cells(node) {
             self.mesh.cells[cell as usize].iter().for_each(|&near| self.places.wake(near));

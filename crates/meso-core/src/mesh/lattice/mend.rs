@@ -33,7 +33,7 @@ pub(super) fn mend(fit: &Fit, mut suspects: Vec<u32>) -> Vec<u32> {
                 released.push(node);
             }
         }
-        suspects = nodes.iter().flat_map(|&node| fit.stars.cells(node)).copied().collect();
+        suspects = nodes.iter().flat_map(|&node| fit.cells_around(node)).collect();
         suspects.sort_unstable();
         suspects.dedup();
     }
@@ -54,7 +54,10 @@ pub(super) fn better(fit: &Fit, node: u32, released: bool) -> bool {
         return false;
     }
     let mut star = fit.star(node);
-    let track = Track::of(fit, &star, role);
+    let track = match role {
+        Role::Twin(axes) => Track::Twin(node, axes),
+        _ => Track::of(fit, &star, role),
+    };
     let track = if released { track.released() } else { track };
     let mut best = (star.sharpest_first(), None);
     for length in STEPS {

@@ -21,19 +21,30 @@ pub(super) struct Merge {
 /// The neighbour on its grain that `node` is best merged with, if one leaves all angles above `least_deg`.
 pub(super) fn merge(fit: &Fit, node: u32, least_deg: f64) -> Option<Merge> {
     let Role::Surface(grain) = fit.roles[node as usize] else { return None };
-    let place = |other: u32| fit.places.get(other);
-    let on_grain = |other: &u32| {
-        fit.roles[*other as usize] == Role::Surface(grain) && fit.surfaces[grain as usize].has(&place(*other))
-    };
     let mut best = (sharpness_of(least_deg), None);
-    for into in neighbours(fit, node).into_iter().filter(on_grain) {
+    for into in neighbours(fit, node).into_iter().filter(|&other| lies_on(fit, other, grain)) {
         let (between, rest) = parted(fit, node, into);
-        let worst = star(fit, node, &rest).worst(&place(into), best.0);
+        let worst = star(fit, node, &rest).worst(&fit.places.get(into), best.0);
         if worst <= best.0 {
             best = (worst, Some(Merge { node, into, between }));
         }
     }
     best.1
+}
+
+/// The neighbours of `node` with which it may be merged, since they lie on its grain, the nearest first.
+pub(super) fn partners(fit: &Fit, node: u32) -> Vec<u32> {
+    let Role::Surface(grain) = fit.roles[node as usize] else { return Vec::new() };
+    let away = |other: &u32| (fit.places.get(*other) - fit.places.get(node)).norm_squared();
+    let mut near = neighbours(fit, node);
+    near.retain(|&other| lies_on(fit, other, grain));
+    near.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    near
+}
+
+/// Whether a node is one of the grain's surface, and lies on it.
+fn lies_on(fit: &Fit, node: u32, grain: u32) -> bool {
+    fit.roles[node as usize] == Role::Surface(grain) && fit.surfaces[grain as usize].has(&fit.places.get(node))
 }
 
 /// The cells of `node` that `other` has, too, and the rest.
@@ -74,9 +85,10 @@ impl Merged {
         self.cells.extend(between);
     }
 
-    /// These cells are no more.
-    pub(super) fn leave_cells_out(&mut self, cells: &[u32]) {
+    /// These cells are no more, nor is the node.
+    pub(super) fn take(&mut self, cells: &[u32], node: Option<u32>) {
         self.cells.extend(cells);
+        self.nodes.extend(node);
     }
 
     /// Takes what is left over out of the mesh.

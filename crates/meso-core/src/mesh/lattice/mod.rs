@@ -25,6 +25,7 @@ mod snap;
 mod star;
 mod surface;
 mod trim;
+mod twins;
 
 use super::grains::{Grain, Locator};
 use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Notes, Phase};
@@ -96,7 +97,7 @@ pub(super) fn fitted(
     let skin = Skin { outline, repeats };
     let surfaces: Vec<Surface> = aggregates.par_iter().map(|a| Surface::new(&a.body)).collect();
     let off = fit::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &skin);
-    let off_surface_nodes = off + roles::fixed_off_surface(&mesh, &surfaces, bcc.domain(), &skin);
+    let off_surface_nodes = off + twins::count_off(&mesh, &surfaces, bcc.domain(), &skin);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })
 }
 

@@ -2,16 +2,19 @@
 //!
 //! Where a grain's face runs along the specimen's side, so near that cells with good angles hardly fit between the two, the
 //! node goes onto the grain, and the cells around it are swapped for others in the same room ([`swaps`](crate::mesh::swaps))
-//! and its neighbours moved on their surfaces, in turns, until none is too sharp. All this is tried in a copy of what is
-//! around the node; that takes the place of the cells there if it comes out well.
+//! and its neighbours moved on their surfaces, in turns, until none is too sharp. Where no place comes out so, the node is made
+//! one with a neighbour on the grain, to the same end: one layer of cells fits between grain and side where two do not.
+//! All this is tried in a copy of what is around the node; that takes the place of the cells there if it comes out well.
 
 use super::Tetrahedra;
 use super::back;
 use super::fit::Fit;
 use super::mend;
+use super::merge;
 use super::places::Places;
 use super::roles::Role;
 use super::star::{Stars, sharpness, sharpness_of};
+use super::twins::Twins;
 use crate::math::Vec3;
 use crate::mesh::swaps::swapped;
 use crate::mesh::web::Web;
@@ -34,18 +37,20 @@ pub(super) struct Recut {
     pub(super) gone: Vec<u32>,
     /// Cells in their place, with the grain each lies in.
     pub(super) new: Vec<([u32; 4], u32)>,
+    /// A node that is no more: it was made one with another.
+    pub(super) merged: Option<u32>,
 }
 
-/// Cells with which `node` lies on its grain, and that leave all angles above `least_deg`, or as they were where one is
-/// smaller, if such are found.
+/// Cells with which `node` lies on its grain, or is one with a node on it, and that leave all angles above `least_deg`, or as
+/// they were where one is smaller, if such are found.
 pub(super) fn recut(fit: &Fit, node: u32, least_deg: f64) -> Option<Recut> {
     let patch = Patch::around(fit, node);
     let limit = patch.sharpest().max(sharpness_of(least_deg));
     let places = back::places_apart(fit, node, APART * fit.size, PLACES);
-    places.iter().find_map(|place| {
-        let mut tried = patch.clone();
-        tried.put(node, place);
-        tried.comes_out(fit, limit).then(|| tried.in_place_of(&patch))
+    let at_places = places.iter().map(|place| patch.with(node, place));
+    let joined = merge::partners(fit, node).into_iter().map(|into| (patch.joined(node, into), Some(node)));
+    at_places.map(|tried| (tried, None)).chain(joined).find_map(|(mut tried, merged)| {
+        tried.comes_out(fit, limit).then(|| Recut { merged, ..tried.in_place_of(&patch) })
     })
 }
 
@@ -72,7 +77,12 @@ impl Patch {
         let number = |node: u32| nodes.partition_point(|other| *other < node) as u32;
         let role = |node: &u32| {
             let moves = within.binary_search(node).is_ok() && !fit.stars.cells(*node).is_empty();
-            if moves { fit.roles[*node as usize] } else { Role::Fixed }
+            match fit.roles[*node as usize] {
+                // Their images are elsewhere.
+                Role::Twin(_) => Role::Fixed,
+                role if moves => role,
+                _ => Role::Fixed,
+            }
         };
         let mesh = Tetrahedra {
             points: nodes.iter().map(|&node| fit.places.get(node)).collect(),
@@ -82,9 +92,26 @@ impl Patch {
         Self { roles: nodes.iter().map(role).collect(), nodes, cells, mesh }
     }
 
-    fn put(&mut self, node: u32, place: &Vec3) {
-        let number = self.nodes.partition_point(|other| *other < node);
-        self.mesh.points[number] = *place;
+    fn number(&self, node: u32) -> u32 {
+        self.nodes.partition_point(|other| *other < node) as u32
+    }
+
+    /// With `node` at `place`.
+    fn with(&self, node: u32, place: &Vec3) -> Self {
+        let mut patch = self.clone();
+        patch.mesh.points[self.number(node) as usize] = *place;
+        patch
+    }
+
+    /// With `node` made one with `into`, which gets its cells but for those that both have. Others turn over as they may.
+    fn joined(&self, node: u32, into: u32) -> Self {
+        let mut patch = self.clone();
+        let (node, into) = (self.number(node), self.number(into));
+        let all = self.mesh.cells.iter().zip(&self.mesh.grain);
+        let stay = all.filter(|(cell, _)| !(cell.contains(&node) && cell.contains(&into)));
+        let renamed = |cell: &[u32; 4]| cell.map(|of| if of == node { into } else { of });
+        (patch.mesh.cells, patch.mesh.grain) = stay.map(|(cell, grain)| (renamed(cell), *grain)).unzip();
+        patch
     }
 
     fn sharpness(&self, cell: u32) -> f64 {
@@ -118,7 +145,8 @@ impl Patch {
     fn move_nodes(&mut self, whole: &Fit, sharp: &[u32]) -> bool {
         let places = Places::new(&self.mesh.points);
         let stars = Stars::new(&self.mesh.cells, &vec![true; self.nodes.len()]);
-        let fit = Fit { mesh: &self.mesh, stars: &stars, places: &places, roles: &self.roles, ..*whole };
+        let (roles, twins) = (&self.roles, &Twins::default());
+        let fit = Fit { mesh: &self.mesh, stars: &stars, places: &places, roles, twins, ..*whole };
         let nodes = ascending(sharp.iter().flat_map(|&cell| self.mesh.cells[cell as usize]));
         let moved = nodes.into_iter().filter(|&node| mend::better(&fit, node, false)).count();
         self.mesh.points = places.into_points();
@@ -155,6 +183,7 @@ impl Patch {
             places: moved.map(|node| (self.nodes[node], self.mesh.points[node])).collect(),
             gone: gone.map(|(&cell, _)| cell).collect(),
             new: new.map(|(nodes, &grain)| (nodes.map(|node| self.nodes[node as usize]), grain)).collect(),
+            merged: None,
         }
     }
 }

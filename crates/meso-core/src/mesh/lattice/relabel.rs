@@ -14,12 +14,15 @@ pub(super) struct Change {
     pub(super) roles: Vec<(u32, Role)>,
 }
 
-/// A change of labels after which `node`, which lies off its grain, does not, and no other does that did not before.
+/// A change of labels after which `node`, which lies off its grains, has cells of one material, and no other node is off
+/// that was not before. The mortar comes first.
 pub(super) fn relabelled(fit: &Fit, node: u32) -> Option<Change> {
-    let Role::Surface(grain) = fit.roles[node as usize] else { return None };
-    [(grain, NO_AGGREGATE), (NO_AGGREGATE, grain)].into_iter().find_map(|(from, label)| {
+    if !matches!(fit.roles[node as usize], Role::Surface(_) | Role::Contact) {
+        return None;
+    }
+    labels(fit, node, &[], NO_AGGREGATE).into_iter().rev().find_map(|label| {
         let all = fit.stars.cells(node).iter().copied();
-        let cells: Vec<u32> = all.filter(|&cell| fit.mesh.grain[cell as usize] == from).collect();
+        let cells: Vec<u32> = all.filter(|&cell| fit.mesh.grain[cell as usize] != label).collect();
         let mut nodes: Vec<u32> = cells.iter().flat_map(|&cell| fit.mesh.cells[cell as usize]).collect();
         nodes.sort_unstable();
         nodes.dedup();

@@ -3,7 +3,6 @@
 use super::Tetrahedra;
 use super::places::Places;
 use super::skin::{Hold, Skin};
-use super::surface::Surface;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::NO_AGGREGATE;
 use crate::mesh::grains::Locator;
@@ -14,6 +13,8 @@ use rayon::prelude::*;
 pub(super) enum Role {
     /// Nothing: it lies on a side of a box that has to match the opposite one.
     Fixed,
+    /// The same at the end of the fit: slide in the sides across these axes, together with its images.
+    Twin([bool; 3]),
     /// Slide along a grain it lies on, where a gap was closed between several grains.
     Contact,
     /// Slide along the surface of this grain.
@@ -42,18 +43,6 @@ pub(super) fn roles(mesh: &Tetrahedra, domain: &Aabb, skin: &Skin) -> Vec<Role> 
         Around::Two(..) | Around::Many => Role::Contact,
     };
     mesh.points.par_iter().zip(&around(mesh)).enumerate().map(role).collect()
-}
-
-/// Nodes that stay where they are, since their side has to match the opposite one, where one grain meets mortar and whose
-/// surface they do not lie on.
-pub(super) fn fixed_off_surface(mesh: &Tetrahedra, surfaces: &[Surface], domain: &Aabb, skin: &Skin) -> usize {
-    let roles = roles(mesh, domain, skin);
-    let fixed = mesh.points.iter().zip(around(mesh)).zip(roles).filter(|(_, role)| *role == Role::Fixed);
-    let is_off = |&((point, around), _): &((&Vec3, Around), Role)| match around {
-        Around::Two(NO_AGGREGATE, grain) | Around::Two(grain, NO_AGGREGATE) => !surfaces[grain as usize].has(point),
-        Around::Unseen | Around::One(_) | Around::Two(..) | Around::Many => false,
-    };
-    fixed.filter(is_off).count()
 }
 
 /// Gives the tetrahedra whose nodes all lie between materials the grain of their centroid: no interface moves, but
@@ -94,17 +83,19 @@ fn around(mesh: &Tetrahedra) -> Vec<Around> {
     all
 }
 
-/// Nodes on a surface, and free ones that share a tetrahedron with them.
+/// Nodes on a surface, free ones that share a tetrahedron with them, and all on faces across which a box repeats itself.
 pub(super) fn near_surface(mesh: &Tetrahedra, roles: &[Role]) -> Vec<bool> {
     let on = |node: u32| match roles[node as usize] {
         Role::Surface(_) | Role::Contact => true,
         Role::Skin(hold) => hold.outer,
-        Role::Fixed | Role::Free => false,
+        Role::Fixed | Role::Twin(_) | Role::Free => false,
     };
     let mut active: Vec<bool> = (0..roles.len() as u32).map(on).collect();
     for cell in mesh.cells.iter().filter(|cell| cell.iter().any(|&node| on(node))) {
         let free = cell.iter().filter(|&&node| matches!(roles[node as usize], Role::Free | Role::Skin(_)));
         free.for_each(|&node| active[node as usize] = true);
     }
+    // Those that are moved at last, together with their images.
+    active.iter_mut().zip(roles).filter(|(_, role)| **role == Role::Fixed).for_each(|(active, _)| *active = true);
     active
 }

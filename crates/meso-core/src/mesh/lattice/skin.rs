@@ -23,6 +23,11 @@ impl Skin<'_> {
     pub(super) fn fixes(&self, hold: Hold) -> bool {
         (0..3).any(|axis| hold.axes[axis] && self.repeats[axis])
     }
+
+    /// Whether the specimen ends at a side across one of `axes`.
+    pub(super) fn ends(&self, axes: [bool; 3]) -> bool {
+        (0..3).any(|axis| axes[axis] && !self.repeats[axis])
+    }
 }
 
 /// Which coordinates a node keeps, since it lies on a flat side across that axis, and whether it lies on the outline.

@@ -42,7 +42,7 @@ pub(super) fn slide(fit: &Fit, star: &mut Star, role: Role) -> Option<Vec3> {
         Role::Skin(hold) => {
             places = Slope::of(star, hold).places(fit.skin, star, fit.size);
         }
-        Role::Fixed | Role::Free => {}
+        Role::Fixed | Role::Twin(_) | Role::Free => {}
     }
     if places.is_empty() {
         return None;

@@ -5,6 +5,7 @@ use super::roles::Role;
 use super::skin::Slope;
 use super::slide::lies_on;
 use super::star::{Star, sharpness_of};
+use super::twins;
 use crate::math::Vec3;
 
 /// Nodes whose worst angle is below this are moved to better it, degrees.
@@ -52,6 +53,8 @@ pub(super) enum Track {
     Along(u32),
     /// The specimen's own surface.
     Slope(Slope),
+    /// The sides across these axes, together with the images of this node.
+    Twin(u32, [bool; 3]),
     /// Nothing.
     Anywhere,
 }
@@ -60,7 +63,8 @@ impl Track {
     /// The track of a node by its role.
     pub(super) fn of(fit: &Fit, star: &Star, role: Role) -> Self {
         match role {
-            Role::Fixed => Self::Still,
+            // Those with images have tracks of their own: the role does not tell which node it is.
+            Role::Fixed | Role::Twin(_) => Self::Still,
             Role::Free => Self::Anywhere,
             Role::Skin(hold) => Self::Slope(Slope::of(star, hold)),
             Role::Surface(grain) if fit.surfaces[grain as usize].has(&star.centre) => Self::Along(grain),
@@ -75,14 +79,16 @@ impl Track {
             Self::Still => None,
             Self::Along(grain) => fit.surfaces[grain as usize].along_face(x, step),
             Self::Slope(slope) => slope.after(fit.skin, x, step, fit.size),
+            Self::Twin(node, axes) => twins::after(fit, node, axes, step),
             Self::Anywhere => Some(x + step),
         }
     }
 
-    /// The track of a node that is let off all surfaces but the specimen's flat sides.
+    /// The track of a node that is let off all surfaces but the specimen's flat sides; those with images stay on theirs.
     pub(super) fn released(self) -> Self {
         match self {
             Self::Slope(slope) => Self::Slope(slope.released()),
+            Self::Twin(..) => self,
             _ => Self::Anywhere,
         }
     }

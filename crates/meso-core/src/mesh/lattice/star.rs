@@ -101,6 +101,12 @@ impl Star {
         Self { centre: place(node), faces: cells.map(face).collect() }
     }
 
+    /// With the cells of an image of the node, which is `way` from it.
+    pub(super) fn with_image(mut self, image: Self, way: &Vec3) -> Self {
+        self.faces.extend(image.faces.into_iter().map(|(face, label)| (face.map(|p| p - way), label)));
+        self
+    }
+
     /// The node's own place.
     pub(in crate::mesh) fn centre(&self) -> Vec3 {
         self.centre

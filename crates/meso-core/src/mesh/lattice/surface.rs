@@ -3,6 +3,9 @@
 use crate::geometry::{Plane, Polyhedron};
 use crate::math::Vec3;
 
+/// Sine of the angle below which planes count as parallel.
+const PARALLEL: f64 = 1e-3;
+
 /// Faces, edges and corners of a grain.
 pub(super) struct Surface {
     planes: Vec<Plane>,
@@ -79,6 +82,39 @@ impl Surface {
         };
         let place = x + step;
         (self.holds(&place) && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+    }
+
+    /// The same within the planes through `x` across `axes`, too.
+    pub(super) fn along_face_within(&self, x: &Vec3, step: &Vec3, axes: [bool; 3]) -> Option<Vec3> {
+        let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
+        let mut normals: Vec<Vec3> = (0..3).filter(|i| axes[*i]).map(|i| Vec3::ith(i, 1.0)).collect();
+        normals.extend(at.iter().map(|plane| plane.normal));
+        let &[first, second] = normals.as_slice() else { return None };
+        let edge = first.cross(&second).try_normalize(PARALLEL)?;
+        let place = x + edge * edge.dot(step);
+        (self.holds(&place) && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+    }
+
+    /// Calls `visit` with the places nearest to `x` on the faces, and with the edges, within the planes through `x` across
+    /// `axes`, as far as these are within `reach`.
+    pub(super) fn places_within(&self, x: &Vec3, axes: [bool; 3], reach: f64, mut visit: impl FnMut(Vec3)) {
+        for plane in &self.planes {
+            let way = Vec3::from_fn(|i, _| if axes[i] { 0.0 } else { plane.normal[i] });
+            let step = way * ((plane.offset - plane.normal.dot(x)) / way.norm_squared());
+            if way.norm() > PARALLEL && step.norm() < reach && self.holds(&(x + step)) {
+                visit(x + step);
+            }
+        }
+        let Some(axis) = (0..3).find(|i| axes[*i]).filter(|_| axes.iter().filter(|held| **held).count() == 1) else {
+            return;
+        };
+        for edge in &self.edges {
+            let t = (x[axis] - edge.start[axis]) / edge.along[axis];
+            let place = edge.start + edge.along * t;
+            if (0.0..=1.0).contains(&t) && (place - x).norm() < reach {
+                visit(Vec3::from_fn(|i, _| if axes[i] { x[i] } else { place[i] }));
+            }
+        }
     }
 
     /// Calls `visit` with the feet of the perpendiculars from `x` to the faces, as far as these are within `reach`.
