@@ -181,6 +181,12 @@ impl Materials {
         (normal, normal / (2.0 * (1.0 + self.itz.poisson_ratio)))
     }
 
+    /// Longest stable time step of cohesive elements in explicit dynamics, s: the root of their mass per area over their
+    /// stiffness (Abaqus' own estimate), t sqrt(rho / E) here.
+    pub fn cohesive_time_step_s(&self) -> f64 {
+        self.cohesive_thickness_mm * (self.itz.density_t_per_mm3 / self.itz.youngs_modulus_mpa).sqrt()
+    }
+
     /// The elastic values of `phase`.
     pub fn elastic(&self, phase: Phase) -> &Elastic {
         match phase {

@@ -138,6 +138,9 @@ impl Told {
             cell + 1,
             quality.stable_time_step_s
         ));
+        if let Some(step) = quality.cohesive_time_step_s {
+            say::line(format!("the cohesive elements allow {step:.1e} s, by their stiffness"));
+        }
         if self.voxels {
             return;
         }

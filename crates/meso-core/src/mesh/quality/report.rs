@@ -37,6 +37,8 @@ pub struct QualityReport {
     pub inverted: usize,
     /// Longest stable time step of explicit dynamics, s: altitude over dilatational wave speed, of the worst cell.
     pub stable_time_step_s: f64,
+    /// The same of cohesive elements, by their stiffness and mass per area; `None` where there are none.
+    pub cohesive_time_step_s: Option<f64>,
     /// Volume of every phase in the mesh, mm3.
     pub volumes_mm3: PhaseVolumes,
     /// The same from the polyhedra themselves, with the shells of a solid ITZ where the mesh has one; `None` where a core
@@ -62,6 +64,7 @@ impl QualityReport {
             bad_cells: worst.bad,
             inverted: worst.inverted,
             stable_time_step_s: worst.time_step,
+            cohesive_time_step_s: (!mesh.cohesive.is_empty()).then(|| materials.cohesive_time_step_s()),
             volumes_mm3: PhaseVolumes::of_mesh(mesh),
             exact_volumes_mm3: PhaseVolumes::exact(bodies, specimen, shell).ok(),
             interface_distance: InterfaceDistance::of(mesh, bodies, specimen),
