@@ -118,6 +118,21 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
 }
 
 #[test]
+fn the_time_step_of_cohesive_elements_is_told_beside_that_of_the_others() {
+    // 0.03 mm times the root of 2.2e-9 tonne/mm3 over 20,000 MPa.
+    let folder = Folder::with_model();
+    for (itz, told) in [("cohesive", true), ("none", false)] {
+        let run = folder.run(&["mesh", "small.json", "-fo", "m.inp", "--element-size-mm", "8", "--itz", itz]);
+        assert_eq!(
+            run.stderr.contains("the cohesive elements allow 9.9e-9 s, by their stiffness"),
+            told,
+            "{}",
+            run.stderr
+        );
+    }
+}
+
+#[test]
 fn flags_of_other_methods_and_analyses_are_missed_aloud() {
     let folder = Folder::with_model();
     let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "8"];
