@@ -80,11 +80,7 @@ impl<'a> Scene<'a> {
             // Doubling would leave as much memory behind; of what is set aside only what is used counts.
             placed: Vec::with_capacity(grains.len()),
             numbers: Vec::with_capacity(grains.len()),
-            nearby: Nearby::new(
-                &domain,
-                std::env::var("CELL").map_or(CELL, |c| c.parse().unwrap()) * middle,
-                grains.len(),
-            ),
+            nearby: Nearby::new(&domain, CELL * middle, grains.len()),
             domain,
             class_volume: vec![0.0; task.class_targets.len()],
         }
