@@ -13,17 +13,20 @@ use std::time::{Duration, Instant};
 
 /// How often the calling thread looks for signals; well below the 0.2 s in which Ctrl-C is to be heard.
 const POLL: Duration = Duration::from_millis(40);
-/// How long a cancelled worker is waited for; after that it ends by itself at its next look at the flag.
-const GRACE: Duration = Duration::from_millis(80);
+/// How long a cancelled worker is waited for, ms; after that it ends by itself at its next look at the flag.
+const GRACE: u64 = 80;
+/// The same where it looks at the flag often, so that it is over when the caller goes on.
+const SOON_GRACE: u64 = 400;
 /// The same where it has files on their way, which it takes away itself: the caller may be about to end the process.
-const FILES_GRACE: Duration = Duration::from_secs(3);
+const FILES_GRACE: u64 = 3000;
 
 /// What the worker and the waiting thread share.
 pub(crate) struct Watch {
     go_on: AtomicBool,
     fraction: AtomicU64,
     target: AtomicU64,
-    has_files: AtomicBool,
+    /// How long to wait for the end once it is asked for, ms.
+    grace: AtomicU64,
     start: Instant,
 }
 
@@ -33,9 +36,14 @@ impl Watch {
         self.go_on.load(Relaxed)
     }
 
+    /// From now on the worker looks whether to stop at every step.
+    pub(crate) fn stops_soon(&self) {
+        self.grace.store(SOON_GRACE, Relaxed);
+    }
+
     /// From now on there are temporary files, and the worker often looks whether to stop.
     pub(crate) fn has_files(&self) {
-        self.has_files.store(true, Relaxed);
+        self.grace.store(FILES_GRACE, Relaxed);
     }
 }
 
@@ -61,14 +69,25 @@ pub(crate) fn beside_python<T: Send + 'static>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
+    beside_python_on(py, None, progress, work)
+}
+
+/// The same on so many threads, or on all cores.
+pub(crate) fn beside_python_on<T: Send + 'static>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
+) -> PyResult<T> {
     let watch = Arc::new(Watch {
         go_on: AtomicBool::new(true),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
-        has_files: AtomicBool::new(false),
+        grace: AtomicU64::new(GRACE),
         start: Instant::now(),
     });
-    let pool = rayon::ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    // Of none, as many as there are cores.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();
     let shared = Arc::clone(&watch);
     thread::Builder::new().name("mesocrete".into()).spawn(move || {
@@ -88,7 +107,7 @@ pub(crate) fn beside_python<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
-                    let _ = wait(if watch.has_files.load(Relaxed) { FILES_GRACE } else { GRACE });
+                    let _ = wait(Duration::from_millis(watch.grace.load(Relaxed)));
                     return Err(error);
                 }
             }
