@@ -36,7 +36,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
-    let largest = spec.specimen.room().largest().less(spec.placement.wall_gap_mm);
+    let largest = spec.specimen.container().largest().less(spec.placement.wall_gap_mm);
     if let Some(error) = spec.fits_nowhere(&grains, &largest) {
         return Err(error);
     }

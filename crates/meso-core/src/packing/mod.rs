@@ -1,26 +1,26 @@
 //! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
 
-mod graze;
-mod grid;
+mod box_grid;
+mod cell_grid;
+mod face_shift;
 mod images;
 mod place;
-mod raster;
-mod reach;
+mod reachable;
 mod rearrange;
 mod report;
 mod specimen;
 mod take_and_place;
 
-pub(crate) use graze::keep_off_faces;
+pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Largest, Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
+pub use specimen::{Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
 
 use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
-use crate::geometry::{HullError, NarrowPolyhedron, Polyhedron, convex_hull_like};
+use crate::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -141,7 +141,7 @@ impl Pose {
     }
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
-    pub fn turned(&self, body: &NarrowPolyhedron) -> Vec<Vec3> {
+    pub fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
         match self.rotation() {
             Some(rotation) => take::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
             None => body.vertices().collect(),
@@ -153,7 +153,7 @@ impl Pose {
     ///
     /// # Errors
     /// Where the turned vertices span no volume.
-    pub fn apply(&self, body: &NarrowPolyhedron) -> Result<Polyhedron, HullError> {
+    pub fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
         if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { convex_hull_like(body, &vertices) }

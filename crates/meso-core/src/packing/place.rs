@@ -1,7 +1,7 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::{
-    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, Room, StopReason, Strategy, rearrange,
+    Container, DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, StopReason, Strategy, rearrange,
     take_and_place,
 };
 use crate::aggregate::Kind;
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 pub(super) struct Task<'a> {
     pub(super) request: Request<'a>,
     /// The specimen's room, its volume in mm3, and how it repeats itself.
-    pub(super) room: Box<dyn Room>,
+    pub(super) container: Box<dyn Container>,
     pub(super) volume: f64,
     pub(super) period: Period,
     /// Volume each class may take, mm3; a grain that would pass it by more than half of itself is left out. Without
@@ -136,8 +136,8 @@ impl Progress for Unstoppable<'_> {
 
 impl<'a> Task<'a> {
     fn new(request: &Request<'a>) -> Self {
-        let room = request.specimen.room();
-        let (volume, period) = (room.volume(), request.specimen.period());
+        let container = request.specimen.container();
+        let (volume, period) = (container.volume(), request.specimen.period());
         let (wanted, started) = (request.fraction * volume, request.started);
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
         let classes = request.grading.classes();
@@ -146,7 +146,7 @@ impl<'a> Task<'a> {
         let inclusions = request.inclusions.fractions().map(|fraction| fraction * volume * bound);
         Self {
             request: *request,
-            room,
+            container,
             volume,
             period,
             class_targets: aggregates.chain(inclusions).collect(),
@@ -163,7 +163,7 @@ impl<'a> Task<'a> {
     /// Where the centre of a grain may be, so that its box `local` about that centre keeps its distance to the walls of
     /// the specimen's bounding box.
     pub(super) fn reach(&self, local: &Aabb) -> Aabb {
-        let aabb = self.room.aabb();
+        let aabb = self.container.aabb();
         let inside = Aabb { min: aabb.min - local.min, max: aabb.max - local.max };
         self.period.mixed(&aabb, &inside.grown(-self.request.placement.wall_gap_mm))
     }
@@ -171,7 +171,7 @@ impl<'a> Task<'a> {
     /// What a grain with its centre in the specimen's box may reach, with its gap: the box where there are walls, more
     /// where there are none.
     pub(super) fn domain(&self) -> Aabb {
-        let aabb = self.room.aabb();
+        let aabb = self.container.aabb();
         let largest = self.request.grains.iter().map(|grain| f64::from(grain.outer_radius)).fold(0.0, f64::max);
         let margin = (largest + self.request.placement.min_gap_mm) * (1.0 + 1e-9);
         self.period.mixed(&aabb.grown(margin), &aabb)

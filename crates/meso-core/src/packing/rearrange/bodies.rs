@@ -1,7 +1,7 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
 use super::contact::{LANES, Points, V, dot, length, scale};
-use super::slender;
+use super::fibres;
 use super::turn::{turn, turn_on};
 use super::walls::Walls;
 use crate::aggregate::take::Grain;
@@ -92,12 +92,12 @@ const MASS_EXPONENT: f64 = 0.7;
 
 impl Fixed {
     fn new(index: u32, grain: &Grain) -> Self {
-        let mass = libm::pow(grain.volume(), MASS_EXPONENT) * slender::weight(grain);
+        let mass = libm::pow(grain.volume(), MASS_EXPONENT) * fibres::weight(grain);
         Self {
             grain: index,
             outer_radius: grain.outer_radius * 1.000_001,
             inverse_mass: (1.0 / mass) as f32,
-            inverse_inertia: (1.0 / slender::inertia(grain, mass)) as f32,
+            inverse_inertia: (1.0 / fibres::inertia(grain, mass)) as f32,
             ball_radius: grain.ball_radius() as f32,
         }
     }
@@ -145,7 +145,7 @@ impl<'a> Bodies<'a> {
             fixed: poses.par_iter().map(|pose| Fixed::new(pose.0, grain(pose))).collect(),
             state: poses.par_iter().map(|(_, pose)| State::at(pose)).collect(),
             spans,
-            axes: slender::axes(poses.iter().map(grain)),
+            axes: fibres::axes(poses.iter().map(grain)),
             turned: vec![0.0; end as usize],
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
             paths: vec![0.0; poses.len()],
@@ -177,7 +177,7 @@ impl<'a> Bodies<'a> {
     /// axis that is nearest.
     #[inline(always)]
     pub(super) fn way_apart(&self, i: u32, j: u32, x: V) -> V {
-        if self.axes.is_empty() { x } else { slender::between_axes(self.axis(i), self.axis(j), x) }
+        if self.axes.is_empty() { x } else { fibres::between_axes(self.axis(i), self.axis(j), x) }
     }
 
     fn axis(&self, body: u32) -> V {

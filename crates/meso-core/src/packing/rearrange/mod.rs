@@ -5,18 +5,18 @@
 //! their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped whenever
 //! the energy rises. Walls are hard. What comes out is proved apart pair by pair before anyone sees it.
 
-mod balls;
 mod bodies;
-mod cells;
+mod cell_list;
+mod certify;
+mod clearance_grid;
 mod contact;
-mod cooling;
-mod drop;
-mod links;
+mod contact_cache;
+mod damping;
+mod fibres;
+mod initial_placement;
+mod neighbour_list;
 mod obstacle;
-mod pairs;
-mod prove;
-mod slender;
-mod thin;
+mod subsample;
 mod turn;
 mod walls;
 
@@ -24,9 +24,9 @@ use super::place::Task;
 use super::{Outcome, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
-use cooling::{Cooling, FALL, HOPEFUL};
-use links::{Gaps, Look};
-use pairs::Pairs;
+use contact_cache::{Gaps, Look};
+use damping::{Damping, FALL, HOPEFUL};
+use neighbour_list::NeighbourList;
 use walls::Walls;
 
 use crate::aggregate::Kind;
@@ -71,7 +71,7 @@ pub(super) fn place(task: &Task) -> Outcome {
         return outcome;
     }
     let mut settings = Settings::new(task);
-    let mut poses = match drop::fill(task, |_| true) {
+    let mut poses = match initial_placement::fill(task, |_| true) {
         Ok(poses) => poses,
         Err(reason) => {
             outcome.stop = Some(reason);
@@ -83,13 +83,13 @@ pub(super) fn place(task: &Task) -> Outcome {
     loop {
         // The lists of the dynamics are gone when the proof makes its own.
         let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
-        let proved = prove::keep_apart(task, &reached, &mut outcome.work);
+        let proved = certify::keep_apart(task, &reached, &mut outcome.work);
         // Single precision took a pair for open that is not: ask for more room, and go on.
         if proved.left_out > 0 && ended == Ended::Open && settings.ask_for_more() {
             poses = reached;
             continue;
         }
-        if let Ended::Told(reason) = ended {
+        if let Ended::Stopped(reason) = ended {
             outcome.stop = Some(reason);
         }
         outcome.poses = proved.poses;
@@ -107,7 +107,7 @@ enum Ended {
     /// They would take longer than there is time.
     Late,
     /// The task said stop.
-    Told(StopReason),
+    Stopped(StopReason),
 }
 
 /// How far apart the bodies are moved.
@@ -121,7 +121,7 @@ struct Settings {
     radius: f64,
     /// Of this, what must be open when it ends, mm.
     enough: f64,
-    cooling: Cooling,
+    damping: Damping,
 }
 
 impl Settings {
@@ -133,7 +133,7 @@ impl Settings {
             slop,
             radius,
             enough: ENOUGH * slop,
-            cooling: Cooling::new(task, radius),
+            damping: Damping::new(task, radius),
         }
     }
 
@@ -158,7 +158,7 @@ impl Settings {
 
 struct Dynamics<'a> {
     bodies: Bodies<'a>,
-    pairs: Pairs,
+    neighbours: NeighbourList,
     walls: Walls<'a>,
     settings: Settings,
     /// Share of the summed movement that is done, by the number of contacts.
@@ -174,9 +174,9 @@ impl<'a> Dynamics<'a> {
     fn new(task: &'a Task<'a>, poses: Vec<(u32, Pose)>, settings: Settings) -> Self {
         let request = &task.request;
         Self {
-            bodies: Bodies::new(request.grains, poses, &task.room.aabb(), task.period),
-            pairs: Pairs::none(),
-            walls: Walls::new(task, if task.room.is_box() { 0.01 } else { ROUND_MARGIN } * settings.slop),
+            bodies: Bodies::new(request.grains, poses, &task.container.aabb(), task.period),
+            neighbours: NeighbourList::none(),
+            walls: Walls::new(task, if task.container.is_box() { 0.01 } else { ROUND_MARGIN } * settings.slop),
             settings,
             relaxations: relaxations(),
             sweep: 0,
@@ -196,10 +196,10 @@ impl<'a> Dynamics<'a> {
                     self.relieve(task);
                     self.late += LATER;
                 }
-                Ended::Open | Ended::Told(_) => {
+                Ended::Open | Ended::Stopped(_) => {
                     *sweeps += u64::from(self.sweep);
                     let in_time = ended != Ended::Open || self.late == LATE;
-                    return (if in_time { ended } else { Ended::Told(StopReason::TimeLimit) }, self.bodies.poses());
+                    return (if in_time { ended } else { Ended::Stopped(StopReason::TimeLimit) }, self.bodies.poses());
                 }
             }
         }
@@ -211,7 +211,7 @@ impl<'a> Dynamics<'a> {
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
         let mut fine_since = None;
         loop {
-            self.renew_pairs();
+            self.renew_neighbours();
             let look = self.look();
             if look.open_below == 0 {
                 return Ended::Open;
@@ -219,25 +219,25 @@ impl<'a> Dynamics<'a> {
             if look.energy < FALL * best {
                 (best, best_sweep) = (look.energy, self.sweep);
             }
-            if self.sweep - best_sweep > self.settings.cooling.patience() {
+            if self.sweep - best_sweep > self.settings.damping.patience() {
                 return Ended::Jammed;
             }
             if let Some(reason) = task.stopped(0.0) {
-                return Ended::Told(reason);
+                return Ended::Stopped(reason);
             }
             let spent = task.spent();
             if spent > self.late {
                 return Ended::Late;
             }
             if spent > HURRY && self.lack > HOPEFUL {
-                self.settings.cooling.hurry();
+                self.settings.damping.hurry();
             }
             let is_fine = self.lack * self.settings.radius < self.settings.slop;
             if is_fine && self.sweep - *fine_since.get_or_insert(self.sweep) > FINE_SWEEPS {
                 self.settings.narrow();
                 fine_since = None;
             }
-            let momentum = if look.energy > RESTART * last { 0.0 } else { self.settings.cooling.momentum() };
+            let momentum = if look.energy > RESTART * last { 0.0 } else { self.settings.damping.momentum() };
             last = look.energy;
             self.step(momentum);
             self.sweep += 1;
@@ -250,22 +250,22 @@ impl<'a> Dynamics<'a> {
             return self.relieve(task);
         }
         let moving = self.grains();
-        if let Some(slower) = self.settings.cooling.next(self.lack) {
+        if let Some(slower) = self.settings.damping.next(self.lack) {
             return self.start_over(task, slower, &moving);
         }
-        let fewer = self.settings.cooling.fewer(self.lack);
-        let fewer = fewer.map(|(excess, cooling)| (thin::thinned(task.request.grains, &moving, excess), cooling));
+        let fewer = self.settings.damping.fewer(self.lack);
+        let fewer = fewer.map(|(excess, damping)| (subsample::thinned(task.request.grains, &moving, excess), damping));
         match fewer {
-            Some((kept, cooling)) if kept.len() < moving.len() => self.start_over(task, cooling, &kept),
+            Some((kept, damping)) if kept.len() < moving.len() => self.start_over(task, damping, &kept),
             _ => self.relieve(task),
         }
     }
 
     /// Drops these grains anew.
-    fn start_over(&mut self, task: &Task<'a>, cooling: Cooling, grains: &[u32]) {
+    fn start_over(&mut self, task: &Task<'a>, damping: Damping, grains: &[u32]) {
         // A stop meanwhile is seen by the next look.
-        if let Ok(poses) = drop::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
-            self.settings = Settings { cooling, ..Settings::new(task) };
+        if let Ok(poses) = initial_placement::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
+            self.settings = Settings { damping, ..Settings::new(task) };
             self.begin(task, poses);
         }
     }
@@ -279,8 +279,8 @@ impl<'a> Dynamics<'a> {
 
     /// Goes on with these bodies, at rest.
     fn begin(&mut self, task: &Task<'a>, poses: Vec<(u32, Pose)>) {
-        self.pairs = Pairs::none();
-        self.bodies = Bodies::new(task.request.grains, poses, &task.room.aabb(), task.period);
+        self.neighbours = NeighbourList::none();
+        self.bodies = Bodies::new(task.request.grains, poses, &task.container.aabb(), task.period);
     }
 
     /// Leaves out the grains with the most overlap for their volume.
@@ -289,7 +289,7 @@ impl<'a> Dynamics<'a> {
         let want = self.settings.gaps().want;
         let mut worst: Vec<(f64, u32)> = (0..self.bodies.len() as u32)
             .map(|body| {
-                let contacts = self.pairs.contacts(body);
+                let contacts = self.neighbours.contacts(body);
                 let energy: f64 = contacts.map(|(touch, _)| f64::from(want - touch.contact.gap).powi(2)).sum();
                 let grain = self.bodies.fixed[body as usize].grain;
                 let inside = self.bodies.state[body as usize].inside;
@@ -298,7 +298,7 @@ impl<'a> Dynamics<'a> {
             .collect();
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let mut poses = self.bodies.poses();
-        let share = self.settings.cooling.relieve(self.lack);
+        let share = self.settings.damping.relieve(self.lack);
         // Every kind gives up the same share: fibres are so thin that all of them would be the first to go.
         let volume = |grain: u32| grains[grain as usize].volume();
         let kind = |grain: u32| grains[grain as usize].kind as usize;
@@ -316,24 +316,24 @@ impl<'a> Dynamics<'a> {
         self.begin(task, poses);
     }
 
-    fn renew_pairs(&mut self) {
+    fn renew_neighbours(&mut self) {
         let least = LEAST_MARGIN * self.settings.slop;
-        self.pairs.cover(&mut self.bodies, self.settings.gaps().want, least as f32);
+        self.neighbours.cover(&mut self.bodies, self.settings.gaps().want, least as f32);
     }
 
     /// Brings every pair's contact up to date.
     fn look(&mut self) -> Look {
-        let look = self.pairs.look(&self.bodies, self.settings.gaps());
+        let look = self.neighbours.look(&self.bodies, self.settings.gaps());
         self.lack = libm::sqrt(look.energy / self.bodies.len() as f64) / self.settings.radius;
         let outside = self.bodies.state.iter().filter(|state| !state.inside).count() as u32;
         Look { open_below: look.open_below + outside, ..look }
     }
 
     fn step(&mut self, momentum: f64) {
-        let Self { bodies, pairs, walls, settings, relaxations, .. } = self;
+        let Self { bodies, neighbours, walls, settings, relaxations, .. } = self;
         let (momentum, rest) = (momentum as f32, (REST * settings.slop) as f32);
         bodies.advance(self.sweep, walls, |body, fixed, state| {
-            let push = pairs.push(fixed, body);
+            let push = neighbours.push(fixed, body);
             let share = relaxations[push.contacts.min(MOST_CONTACTS)];
             let far = LONGEST_STEP * fixed.ball_radius;
             state.velocity = clip(add_scaled(scale(state.velocity, momentum), push.shift, share), far);

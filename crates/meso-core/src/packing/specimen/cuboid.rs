@@ -1,6 +1,6 @@
 //! Boxes: exact, with walls on the sides that do not repeat themselves.
 
-use super::room::{Room, Surface};
+use super::container::{Container, Surface};
 use super::{Period, Periodic};
 use crate::math::{Aabb, Vec3};
 
@@ -24,7 +24,7 @@ impl Cuboid {
     }
 }
 
-impl Room for Cuboid {
+impl Container for Cuboid {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: self.max }
     }

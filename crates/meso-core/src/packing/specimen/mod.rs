@@ -1,9 +1,10 @@
 //! What aggregates are placed in: the specimens that a spec may name, and the room each of them encloses.
 //!
-//! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::room`] turns it into a [`Room`]: one file
+//! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::container`] turns it into a [`Container`]: one file
 //! per kind behind one small interface.
 
-mod closed;
+mod box_minus_convex;
+mod container;
 mod convex;
 mod cuboid;
 mod cylinder;
@@ -13,23 +14,22 @@ mod largest;
 mod notched;
 mod period;
 mod profile;
-mod room;
-mod solid;
 mod sphere;
+mod triangulated;
 
+pub use container::{Container, Obstacle, Surface};
 pub use largest::Largest;
 pub use period::{Period, Periodic};
-pub use room::{Obstacle, Room, Surface};
 
 use crate::geometry::{HullError, SurfaceError, TriangleMesh};
 use crate::math::{Aabb, Vec3};
-use closed::Closed;
 use convex::Convex;
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 use dogbone::Dogbone;
 use serde::{Deserialize, Serialize};
 use sphere::Sphere;
+use triangulated::Triangulated;
 
 /// A specimen; its frame has the origin at the lowest corner of its bounding box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -117,7 +117,7 @@ pub enum Specimen {
 
 /// Why lengths or points enclose no room.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RoomError {
+pub enum ContainerError {
     /// Points without a hull.
     #[error(transparent)]
     Hull(#[from] HullError),
@@ -206,7 +206,7 @@ impl Specimen {
     ///
     /// # Errors
     /// Points or triangles that enclose no room. Whether triangles cross is not looked at: see [`Specimen::check`].
-    pub fn build(&self) -> Result<Box<dyn Room>, RoomError> {
+    pub fn build(&self) -> Result<Box<dyn Container>, ContainerError> {
         Ok(match self {
             Self::Cube { side_mm, periodic } => Box::new(Cuboid::new([*side_mm; 3], *periodic)),
             Self::Box { size_mm, periodic } => Box::new(Cuboid::new(*size_mm, *periodic)),
@@ -216,25 +216,27 @@ impl Specimen {
             &Self::Cylinder { diameter_mm, height_mm } => Box::new(Cylinder::new(diameter_mm, height_mm)),
             &Self::Sphere { diameter_mm } => Box::new(Sphere::new(diameter_mm)),
             &Self::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm } => {
-                Box::new(notched::room([length_mm, width_mm, depth_mm], notch_depth_mm, notch_width_mm)?)
+                Box::new(notched::container([length_mm, width_mm, depth_mm], notch_depth_mm, notch_width_mm)?)
             }
-            Self::Dogbone { .. } => Box::new(self.dogbone().room()?),
+            Self::Dogbone { .. } => Box::new(self.dogbone().container()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
-            Self::Mesh { vertices_mm, triangles } => convex_or(Closed::new(surface(vertices_mm, triangles)?)),
+            Self::Mesh { vertices_mm, triangles } => convex_or(Triangulated::new(surface(vertices_mm, triangles)?)),
         })
     }
 
     /// As [`Specimen::build`], and looks for triangles that cross each other and for pieces nested in others.
     ///
     /// # Errors
-    /// See [`RoomError`].
-    pub fn check(&self) -> Result<Box<dyn Room>, RoomError> {
+    /// See [`ContainerError`].
+    pub fn check(&self) -> Result<Box<dyn Container>, ContainerError> {
         let Self::Mesh { vertices_mm, triangles } = self else { return self.build() };
-        let closed = Closed::new(surface(vertices_mm, triangles)?);
+        let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing() {
-            return Err(RoomError::Crossing { place: triangle[0].into() });
+            return Err(ContainerError::Crossing { place: triangle[0].into() });
         }
-        closed.nested().map_or_else(|| Ok(convex_or(closed)), |corner| Err(RoomError::Nested { place: corner.into() }))
+        closed
+            .nested()
+            .map_or_else(|| Ok(convex_or(closed)), |corner| Err(ContainerError::Nested { place: corner.into() }))
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -261,7 +263,7 @@ impl Specimen {
     ///
     /// # Panics
     /// Where [`Specimen::build`] fails.
-    pub fn room(&self) -> Box<dyn Room> {
+    pub fn container(&self) -> Box<dyn Container> {
         self.build().expect("an accepted specimen encloses a room")
     }
 
@@ -270,7 +272,7 @@ impl Specimen {
         match self {
             // Of a large surface the room takes long to make.
             Self::Mesh { vertices_mm, .. } => Aabb::around(&at_origin(vertices_mm)),
-            _ => self.room().aabb(),
+            _ => self.container().aabb(),
         }
     }
 
@@ -278,7 +280,7 @@ impl Specimen {
     pub fn volume(&self) -> f64 {
         match self {
             Self::Mesh { vertices_mm, triangles } => unchecked(vertices_mm, triangles).volume(),
-            _ => self.room().volume(),
+            _ => self.container().volume(),
         }
     }
 }
@@ -287,18 +289,18 @@ impl Specimen {
 const CONVEX: f64 = 1e-12;
 
 /// The room within a closed surface; that of a convex one is packed as a polyhedron, which is denser and faster.
-fn convex_or(closed: Closed) -> Box<dyn Room> {
+fn convex_or(closed: Triangulated) -> Box<dyn Container> {
     match closed.hull() {
         Ok(hull) if closed.volume() >= (1.0 - CONVEX) * hull.volume() => Box::new(Convex::new(hull)),
         _ => Box::new(closed),
     }
 }
 
-fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh, RoomError> {
+fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh, ContainerError> {
     let corners = vertices.len();
     for (triangle, indices) in triangles.iter().enumerate() {
         if let Some(&corner) = indices.iter().find(|&&corner| corner as usize >= corners) {
-            return Err(RoomError::Corner { triangle, corner, corners });
+            return Err(ContainerError::Corner { triangle, corner, corners });
         }
     }
     let mesh = unchecked(vertices, triangles);

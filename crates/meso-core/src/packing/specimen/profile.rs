@@ -1,6 +1,6 @@
 //! Plates of one thickness between two lines over their length: the surfaces of notched prisms and dog-bones.
 
-use super::room::Surface;
+use super::container::Surface;
 use crate::math::Vec3;
 use std::collections::BTreeMap;
 

@@ -5,7 +5,7 @@
 
 use crate::lanes::{Eight, LANES, least_lane_from_0};
 use crate::math::Aabb;
-use crate::packing::raster::{Raster, cells, is_first_common};
+use crate::packing::cell_grid::{CellGrid, cells, is_first_common};
 use crate::prefetch::prefetch;
 
 /// Stands for: no body, and no piece.
@@ -70,7 +70,7 @@ impl Pieces {
 /// Bodies by the cells that their boxes reach into. They are only ever added.
 #[derive(Clone, Debug)]
 pub(super) struct Nearby {
-    raster: Raster,
+    grid: CellGrid,
     /// Last piece of every cell.
     last: Vec<u32>,
     pieces: Pieces,
@@ -92,18 +92,18 @@ impl Nearby {
     /// Nothing yet, over `domain` with cells of about `cell` mm, and memory set aside for so many bodies, more than which are
     /// welcome.
     pub(super) fn new(domain: &Aabb, cell: f64, bodies: usize) -> Self {
-        let raster = Raster::new(domain, cell);
+        let grid = CellGrid::new(domain, cell);
         let lowest = Vec::with_capacity(bodies);
-        Self { last: vec![NONE; raster.len()], raster, pieces: Pieces::default(), lowest }
+        Self { last: vec![NONE; grid.len()], grid, pieces: Pieces::default(), lowest }
     }
 
     /// Adds the next body by its box and the x, y, z and radius of a ball that it holds, mm; bodies are numbered from 0 in the
     /// order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb, ball: [f32; 4]) {
         let body = self.lowest.len() as u32;
-        let (low, high) = self.raster.range(aabb);
+        let (low, high) = self.grid.range(aabb);
         for cell in cells(low, high) {
-            let (piece, lane) = self.open_lane(self.raster.flat(cell));
+            let (piece, lane) = self.open_lane(self.grid.flat(cell));
             let [x, y, z, radius] = ball;
             (piece.x[lane], piece.y[lane], piece.z[lane]) = (x, y, z);
             (piece.radius[lane], piece.bodies[lane]) = (radius, body);
@@ -126,7 +126,7 @@ impl Nearby {
     /// The numbers of the cells at these points, by axis; beside a cell's side that on either side.
     #[inline(always)]
     pub(super) fn cells_about<const N: usize>(&self, points: &[[f32; N]; 3]) -> [u32; N] {
-        self.raster.flat_about(points)
+        self.grid.flat_about(points)
     }
 
     /// Begins to bring near what a look into this cell reads.
@@ -171,9 +171,9 @@ impl Nearby {
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let (low, high) = self.raster.range(aabb);
+        let (low, high) = self.grid.range(aabb);
         cells(low, high).all(|cell| {
-            let mut next = self.last[self.raster.flat(cell)];
+            let mut next = self.last[self.grid.flat(cell)];
             while next != NONE {
                 let piece = self.pieces.get(next);
                 let all = piece.bodies[..piece.count as usize]

@@ -2,7 +2,7 @@
 
 use super::nearby::Nearby;
 use crate::aggregate::take::Grain;
-use crate::geometry::NarrowPolyhedron;
+use crate::geometry::CompactPolyhedron;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
@@ -80,11 +80,7 @@ impl<'a> Scene<'a> {
             // Doubling would leave as much memory behind; of what is set aside only what is used counts.
             placed: Vec::with_capacity(grains.len()),
             numbers: Vec::with_capacity(grains.len()),
-            nearby: Nearby::new(
-                &domain,
-                std::env::var("CELL").map_or(CELL, |c| c.parse().unwrap()) * middle,
-                grains.len(),
-            ),
+            nearby: Nearby::new(&domain, CELL * middle, grains.len()),
             domain,
             class_volume: vec![0.0; task.class_targets.len()],
         }
@@ -144,7 +140,7 @@ impl<'a> Scene<'a> {
             Look::Clear => None,
         };
         let placement = self.task.request.placement;
-        if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
+        if !self.task.container.holds(&it.vertices, centre, placement.wall_gap_mm) {
             return false;
         }
         let gap = placement.min_gap_mm;
@@ -159,7 +155,7 @@ impl<'a> Scene<'a> {
 
     /// The shape of what was placed as this number.
     #[inline]
-    fn body(&self, placed: usize) -> &NarrowPolyhedron {
+    fn body(&self, placed: usize) -> &CompactPolyhedron {
         &self.task.request.grains[self.numbers[placed] as usize].body
     }
 

@@ -3,15 +3,15 @@
 //! A body is inside when it is inside the box and, by the certified collision test, shares no point with a piece; to
 //! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
 
+use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
-use super::room::{Obstacle, Room, Surface};
 use crate::geometry::{HullError, Plane, convex_hull};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 
 /// A box from the origin with pieces taken out.
 #[derive(Clone, Debug)]
-pub(super) struct Solid {
+pub(super) struct BoxMinusConvex {
     size: Vec3,
     volume: f64,
     width: f64,
@@ -28,7 +28,7 @@ struct Piece {
     facets: Facets,
 }
 
-impl Solid {
+impl BoxMinusConvex {
     /// What the closed `surface` bounds: its bounding box less the hulls of `pieces`; `width` as of a room, mm.
     pub(super) fn new(surface: Surface, width: f64, pieces: &[Vec<Vec3>]) -> Result<Self, HullError> {
         let pieces = pieces.iter().map(|points| Piece::new(points)).collect::<Result<_, _>>()?;
@@ -60,7 +60,7 @@ impl Piece {
     }
 }
 
-impl Room for Solid {
+impl Container for BoxMinusConvex {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: self.size }
     }

@@ -4,7 +4,7 @@
 //! it still is. What a contact needs beyond that is kept as long as it lasts.
 
 use super::bodies::Bodies;
-use super::cells::Cells;
+use super::cell_list::CellList;
 use super::contact::{Contact, V, cross, direction_or_up, dot, gap_along, scale};
 use crate::wide::{Wide, widest};
 use std::ops::Range;
@@ -66,7 +66,7 @@ struct Renew<'a> {
     first: u32,
     bodies: &'a Bodies<'a>,
     paths: &'a [f32],
-    cells: &'a Cells,
+    cells: &'a CellList,
     scratch: &'a mut Scratch,
 }
 
@@ -120,12 +120,19 @@ impl Block {
     }
 
     /// Lists the pairs of the bodies from `first` on; what is known of those that were listed before is kept.
-    pub(super) fn renew(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &Cells, scratch: &mut Scratch) {
+    pub(super) fn renew(
+        &mut self,
+        first: u32,
+        bodies: &Bodies,
+        paths: &[f32],
+        cells: &CellList,
+        scratch: &mut Scratch,
+    ) {
         widest(Renew { block: self, first, bodies, paths, cells, scratch });
     }
 
     #[inline(always)]
-    fn list(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &Cells, scratch: &mut Scratch) {
+    fn list(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &CellList, scratch: &mut Scratch) {
         let (found, list) = (&mut scratch.found, &mut scratch.list);
         list.clear();
         for (k, a) in (first..bodies.len() as u32).take(BLOCK).enumerate() {

@@ -1,6 +1,6 @@
 //! The start: grains are dropped, largest first, where they overlap least.
 
-use super::balls::{Balls, around};
+use super::clearance_grid::{ClearanceGrid, around};
 use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
@@ -28,7 +28,7 @@ pub(super) fn fill(task: &Task, wanted: impl Fn(usize) -> bool) -> Result<Vec<(u
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
     let domain = task.domain();
-    let mut ground = Ground { task, domain, balls: Balls::new(&domain, middle) };
+    let mut ground = Ground { task, domain, balls: ClearanceGrid::new(&domain, middle) };
     let admitted = (0..grains.len()).filter(|&number| wanted(number) && task.admits(&grains[number]));
     let (long, short): (Vec<usize>, Vec<usize>) = admitted.partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = Vec::with_capacity(grains.len());
@@ -81,7 +81,7 @@ impl Row {
 struct Ground<'a> {
     task: &'a Task<'a>,
     domain: Aabb,
-    balls: Balls,
+    balls: ClearanceGrid,
 }
 
 impl Ground<'_> {
@@ -108,14 +108,14 @@ impl Ground<'_> {
         let mut best = (f32::NEG_INFINITY, reach.min);
         for _ in 0..row.looks() {
             let centre = self.inner_point(&mut stream, &reach, f64::from(body.inner_radius));
-            let clearance = self.room(row, &centre, best.0);
+            let clearance = self.clearance(row, &centre, best.0);
             best = if clearance > best.0 { (clearance, centre) } else { best };
         }
         best.1
     }
 
-    /// The clearance of a ball, as [`Balls::clearance`]; of a row of balls the sum of their overlaps, negative.
-    fn room(&self, row: &Row, centre: &Vec3, enough: f32) -> f32 {
+    /// The clearance of a ball, as [`ClearanceGrid::clearance`]; of a row of balls the sum of their overlaps, negative.
+    fn clearance(&self, row: &Row, centre: &Vec3, enough: f32) -> f32 {
         match row.balls[..] {
             [_] => self.balls.clearance(centre, row.radius, enough),
             _ => {
@@ -130,7 +130,7 @@ impl Ground<'_> {
         let mut point = stream.point(&reach.min, &reach.max);
         let depth = depth + self.task.request.placement.wall_gap_mm;
         for _ in 0..DRAWS {
-            if self.task.room.is_box() || self.task.room.is_clear(&point, depth) {
+            if self.task.container.is_box() || self.task.container.is_clear(&point, depth) {
                 break;
             }
             point = stream.point(&reach.min, &reach.max);

@@ -3,7 +3,7 @@
 use crate::aggregate::take::{Grain, snap};
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
-use crate::packing::grid::Grid;
+use crate::packing::box_grid::BoxGrid;
 use crate::packing::place::Task;
 use crate::packing::{Placement, Pose, Work};
 use rayon::prelude::*;
@@ -58,7 +58,7 @@ impl<'a> Settled<'a> {
             grain,
             pose,
             aabb: local.moved(&pose.centre).grown(*min_gap_mm),
-            inside: task.room.holds(&vertices, &pose.centre, *wall_gap_mm),
+            inside: task.container.holds(&vertices, &pose.centre, *wall_gap_mm),
         }
     }
 
@@ -86,7 +86,7 @@ struct Scene<'a> {
     settled: &'a [Settled<'a>],
     /// Number of the body and displacement of every item of the grid.
     images: Vec<(u32, Vec3)>,
-    grid: Grid,
+    grid: BoxGrid,
 }
 
 impl<'a> Scene<'a> {
@@ -96,7 +96,7 @@ impl<'a> Scene<'a> {
             task,
             settled,
             images: Vec::new(),
-            grid: Grid::new(&domain, 2.0 * f64::from(settled[settled.len() / 2].grain.outer_radius)),
+            grid: BoxGrid::new(&domain, 2.0 * f64::from(settled[settled.len() / 2].grain.outer_radius)),
         };
         for (number, body) in (0..).zip(settled) {
             for shift in task.period.shifts(&body.aabb, &domain) {

@@ -10,13 +10,13 @@ const MOST_ALONG: f64 = 65_535.0;
 
 /// A grid of cells.
 #[derive(Clone, Debug)]
-pub(super) struct Raster {
+pub(super) struct CellGrid {
     origin: Vec3,
     per_mm: f64,
     counts: [i32; 3],
 }
 
-impl Raster {
+impl CellGrid {
     /// Over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
         let size = domain.size();

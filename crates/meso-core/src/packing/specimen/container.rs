@@ -6,7 +6,7 @@ use crate::math::{Aabb, Vec3};
 use std::fmt::Debug;
 
 /// The room a specimen encloses, in the specimen's frame: a closed set.
-pub trait Room: Debug + Send + Sync {
+pub trait Container: Debug + Send + Sync {
     /// Bounding box, mm; it begins at the origin.
     fn aabb(&self) -> Aabb;
 

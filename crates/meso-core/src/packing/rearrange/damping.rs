@@ -5,7 +5,7 @@
 //! what cools slowly comes to rest denser. Where grains are free that only takes time; where they wedge, it is what lets
 //! them in: a periodic box of 75 mm at 0.73 jams with a momentum of 0.96, and is done after 580 sweeps with 0.97.
 
-use super::slender;
+use super::fibres;
 use crate::aggregate::take::Grain;
 use crate::packing::place::Task;
 
@@ -44,7 +44,7 @@ const MOST_RELIEF: f64 = 0.02;
 
 /// What sets the momentum.
 #[derive(Clone, Copy)]
-pub(super) struct Cooling {
+pub(super) struct Damping {
     /// Share of the room that is taken, gaps included; fibres count for more.
     crowding: f64,
     /// Share that is taken of the room within the rims along the walls, as wide as a small grain's radius, where hardly any
@@ -58,12 +58,12 @@ pub(super) struct Cooling {
     relief: f64,
 }
 
-impl Cooling {
+impl Damping {
     /// For the grains of `task`, the smallest as large as a ball of this `radius` (mm).
     pub(super) fn new(task: &Task, radius: f64) -> Self {
         let rim = radius + task.request.placement.wall_gap_mm;
         let within_rims = crowding(task, |_| 1.0) / within(task, rim);
-        Self { crowding: crowding(task, slender::weight), within_rims, least: 0.0, is_hurried: false, relief: 0.0 }
+        Self { crowding: crowding(task, fibres::weight), within_rims, least: 0.0, is_hurried: false, relief: 0.0 }
     }
 
     /// Share of a sweep's movement that goes on in the next.
@@ -104,8 +104,8 @@ impl Cooling {
     pub(super) fn fewer(&self, lack: f64) -> Option<(f64, Self)> {
         let excess = (EXCESS * lack.sqrt()).min(MOST_EXCESS);
         let rest = 1.0 - excess;
-        let cooling = Self { crowding: self.crowding * rest, within_rims: self.within_rims * rest, ..*self };
-        (excess >= LEAST_EXCESS && self.is_slow()).then_some((excess, cooling))
+        let damping = Self { crowding: self.crowding * rest, within_rims: self.within_rims * rest, ..*self };
+        (excess >= LEAST_EXCESS && self.is_slow()).then_some((excess, damping))
     }
 
     /// Share of the volume to be left out of a jam with this `lack`.
@@ -130,7 +130,7 @@ fn crowding(task: &Task, weight: impl Fn(&Grain) -> f64) -> f64 {
 /// The share of the room that is farther than `rim` mm from the walls, as if it were its box: what is as long and as wide
 /// all over has as much surface for its volume.
 fn within(task: &Task, rim: f64) -> f64 {
-    let size = task.room.aabb().size();
+    let size = task.container.aabb().size();
     let walled = (0..3).filter(|&axis| task.period.along(axis).is_none());
     walled.map(|axis| (1.0 - 2.0 * rim / size[axis]).max(0.5)).product()
 }

@@ -1,21 +1,21 @@
 //! Which bodies may touch: listed by both bodies of a pair, and kept up as these move.
 
 use super::bodies::{Bodies, Fixed};
-use super::cells::{Cells, starts};
+use super::cell_list::{CellList, starts};
 use super::contact::{V, add_scaled, cross};
-use super::links::{BLOCK, Block, Gaps, Look, Scratch, Touch};
+use super::contact_cache::{BLOCK, Block, Gaps, Look, Scratch, Touch};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// The pairs: each stands with the body of the finer level of size, or of the lower number in one level, its *first*.
-pub(super) struct Pairs {
+pub(super) struct NeighbourList {
     /// By first body, [`BLOCK`] bodies in each.
     blocks: Vec<Block>,
     /// By second body, `stretch` bodies in each.
     firsts: Vec<Firsts>,
     stretch: usize,
     /// Where pairs are looked for.
-    cells: Option<Cells>,
+    cells: Option<CellList>,
 }
 
 /// The list of a body's pairs is made to last about this many sweeps.
@@ -43,7 +43,7 @@ pub(super) struct Push {
     pub(super) contacts: usize,
 }
 
-impl Pairs {
+impl NeighbourList {
     pub(super) fn none() -> Self {
         Self { blocks: Vec::new(), firsts: Vec::new(), stretch: LEAST_STRETCH, cells: None }
     }
@@ -62,7 +62,7 @@ impl Pairs {
         let paths = all.then(|| bodies.start_again());
         let cells = self.cells.take().filter(|cells| !all && !cells.stale(bodies)).unwrap_or_else(|| {
             bodies.wrap();
-            Cells::new(bodies, want)
+            CellList::new(bodies, want)
         });
         bodies.go_on(&gone, LIST_SWEEPS, least);
         match paths {
@@ -74,7 +74,7 @@ impl Pairs {
     }
 
     /// Lists all pairs anew.
-    fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &Cells) {
+    fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &CellList) {
         self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
         self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
             block.renew((number * BLOCK) as u32, bodies, paths, cells, scratch);
@@ -82,7 +82,7 @@ impl Pairs {
     }
 
     /// Lists the pairs of the bodies `gone` beyond their limits.
-    fn add(&mut self, bodies: &Bodies, cells: &Cells, gone: &[u32], want: f32) {
+    fn add(&mut self, bodies: &Bodies, cells: &CellList, gone: &[u32], want: f32) {
         let mut pairs: Vec<(u32, u32)> = gone.par_iter().flat_map_iter(|&body| cells.pairs(bodies, body)).collect();
         pairs.par_sort_unstable();
         pairs.dedup();

@@ -3,10 +3,10 @@
 //! Both are exact: the certified collision test against every triangle near, each a body of three points, and the count
 //! of the triangles above a point by exact signs. To touch a triangle is to meet it.
 
+use super::box_minus_convex::{clear_of, within_box};
+use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
 use super::largest::{self, Largest};
-use super::room::{Obstacle, Room, Surface};
-use super::solid::{clear_of, within_box};
 use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 /// What a closed surface of triangles encloses, moved to the origin.
 #[derive(Clone, Debug)]
-pub(super) struct Closed {
+pub(super) struct Triangulated {
     mesh: TriangleMesh,
     volume: f64,
     size: Vec3,
@@ -25,7 +25,7 @@ pub(super) struct Closed {
     outward: Vec<Vec<Vec3>>,
 }
 
-impl Closed {
+impl Triangulated {
     /// The room within `mesh`, whose surface must be closed.
     pub(super) fn new(mesh: TriangleMesh) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
@@ -116,7 +116,7 @@ impl Closed {
     }
 }
 
-impl Room for Closed {
+impl Container for Triangulated {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: self.size }
     }
@@ -265,31 +265,33 @@ mod tests {
     use super::*;
 
     /// A box from the origin with a hollow inside, its faces turned the other way.
-    fn hollow() -> Closed {
+    fn hollow() -> Triangulated {
         let outer = Surface::cuboid(&Vec3::zeros(), &Vec3::repeat(10.0));
         let inner = Surface::cuboid(&Vec3::repeat(4.0), &Vec3::repeat(6.0));
         let corners = |surface: &Surface| -> Vec<[Vec3; 3]> {
             surface.triangles().map(|t| t.map(|i| surface.points[i as usize])).collect()
         };
         let turned = corners(&inner).into_iter().map(|[a, b, c]| [a, c, b]);
-        Closed::new(TriangleMesh::welded(&corners(&outer).into_iter().chain(turned).flatten().collect::<Vec<_>>()))
+        Triangulated::new(TriangleMesh::welded(
+            &corners(&outer).into_iter().chain(turned).flatten().collect::<Vec<_>>(),
+        ))
     }
 
     #[test]
     fn points_in_edges_corners_and_hollows_are_told_apart() {
-        let room = hollow();
-        assert!((room.volume() - 992.0).abs() < 1e-9);
+        let container = hollow();
+        assert!((container.volume() - 992.0).abs() < 1e-9);
         // Right above and below edges and diagonals of the triangulation, too.
         for inside in
             [[5.0, 5.0, 3.0], [1.0, 1.0, 1.0], [5.0, 5.0, 9.0], [4.0, 6.0, 1.0], [0.0, 0.0, 0.0], [5.0, 5.0, 6.0]]
         {
-            assert!(room.contains(&Vec3::from(inside)), "{inside:?}");
+            assert!(container.contains(&Vec3::from(inside)), "{inside:?}");
         }
         for outside in [[5.0, 5.0, 5.0], [4.5, 4.5, 5.0], [-1e-300, 5.0, 5.0], [11.0, 11.0, 1.0], [5.0, 5.0, 11.0]] {
-            assert!(!room.contains(&Vec3::from(outside)), "{outside:?}");
+            assert!(!container.contains(&Vec3::from(outside)), "{outside:?}");
         }
-        assert!((room.depth(&Vec3::new(5.0, 5.0, 2.5)) - 1.5).abs() < 1e-12);
-        assert!((room.depth(&Vec3::new(5.0, 5.0, 5.2)) + 0.8).abs() < 1e-12);
+        assert!((container.depth(&Vec3::new(5.0, 5.0, 2.5)) - 1.5).abs() < 1e-12);
+        assert!((container.depth(&Vec3::new(5.0, 5.0, 5.2)) + 0.8).abs() < 1e-12);
     }
 
     #[test]
@@ -299,6 +301,6 @@ mod tests {
             let surface = Surface::cuboid(&Vec3::repeat(from), &Vec3::repeat(to));
             surface.triangles().flat_map(|t| t.map(|i| surface.points[i as usize])).collect::<Vec<_>>()
         });
-        assert!(Closed::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
+        assert!(Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
     }
 }

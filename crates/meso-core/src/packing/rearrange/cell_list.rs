@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
 /// Bodies in levels of size, from the coarsest, where they stood when this was made.
-pub(super) struct Cells {
+pub(super) struct CellList {
     levels: Vec<Level>,
     /// Gap that makes a pair no contact, mm.
     want: f32,
@@ -41,7 +41,7 @@ struct Level {
 /// A level holds bodies down to this share of its largest radius.
 const LEVEL_SPAN: f32 = 0.6;
 
-impl Cells {
+impl CellList {
     pub(super) fn new(bodies: &Bodies, want: f32) -> Self {
         let all = || (0..bodies.len() as u32).into_par_iter();
         let farthest = all().map(|body| far(bodies, body)).reduce(|| 0.0, f32::max);
@@ -105,7 +105,7 @@ impl Cells {
 
 /// The pairs of a body, on wide registers.
 struct PairsOf<'a> {
-    cells: &'a Cells,
+    cells: &'a CellList,
     bodies: &'a Bodies<'a>,
     body: u32,
 }
