@@ -37,8 +37,8 @@ impl CellGrid {
         [along(0), along(1), along(2)]
     }
 
-    /// The numbers of the cells at points whose coordinates are given by axis; of points beside a cell's side by less than single
-    /// precision tells, that on either side.
+    /// The cell numbers of points given by axis. A point within single precision of a cell's side counts to either
+    /// cell.
     #[inline(always)]
     pub(super) fn flat_about<const N: usize>(&self, points: &[[f32; N]; 3]) -> [u32; N] {
         let mut flat = [0; N];

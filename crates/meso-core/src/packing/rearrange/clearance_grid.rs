@@ -1,12 +1,12 @@
-//! ClearanceGrid by the cells that they reach into, for looks at random places.
+//! Clearance grid: balls by the cells that they reach into, for tests of random positions.
 //!
-//! Every look waits for memory: so a cell and its first balls stand in one piece of 128 bytes, where a list of lists would
-//! be waited for twice.
+//! Every test waits for memory. So a cell and its first balls stand in one piece of 128 bytes; a list of lists would
+//! cost two cache misses.
 
 use crate::math::{Aabb, Vec3};
 use crate::packing::cell_grid::{CellGrid, cells};
 
-/// ClearanceGrid in a piece: as many as most cells ever hold.
+/// Balls in a piece: as many as most cells ever hold.
 const ROOM: usize = 7;
 /// [`ROOM`] balls - x, y, z and radius in mm, as the bits of f32 - then their count, then the number of the next piece.
 /// Plain numbers, since of these a list of zeros takes no memory before it is written.
@@ -40,7 +40,7 @@ impl ClearanceGrid {
         }
     }
 
-    /// The last piece of a cell, with room for one more.
+    /// The last piece of a cell, with space for one more.
     fn open_piece(&mut self, mut number: usize) -> &mut Piece {
         while self.pieces[number][NEXT] != 0 {
             number = self.pieces[number][NEXT] as usize;

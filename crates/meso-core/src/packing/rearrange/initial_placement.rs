@@ -1,4 +1,4 @@
-//! The start: grains are dropped, largest first, where they overlap least.
+//! Initial placement: grains are dropped, largest first, where they overlap least.
 
 use super::clearance_grid::{ClearanceGrid, around};
 use crate::aggregate::Kind;
@@ -9,18 +9,17 @@ use crate::packing::place::Task;
 use crate::packing::{Pose, StopReason};
 use rayon::prelude::*;
 
-/// Random points looked at per dropped grain.
+/// Random positions tried per dropped grain.
 const LOOKS: usize = 12;
 /// The same for a fibre. With 12 a 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm jammed; with 60 it does not.
 const LOOKS_FOR_A_LINE: usize = 60;
 /// Draws per look until a point lies deep enough in a specimen that does not fill its box.
 const DRAWS: usize = 100;
-/// Grains that are dropped together, blind to each other, as a share of those that lie there.
+/// Grains dropped together, blind to each other, as a share of those already there.
 const TOGETHER: f64 = 1.0 / 32.0;
 
-/// For every grain that is wanted (by its number) and not too large for the specimen its number and, of the random positions
-/// looked at, the one that leaves it most room among those before it. Fibres come last: they look for a line that the others
-/// leave free.
+/// For every wanted grain that fits into the specimen: its number, and the one of its random positions with the
+/// largest clearance to those before it. Fibres come last: they look for a line that the others leave free.
 ///
 /// # Errors
 /// The reason to stop, where there is one before all are dropped.
@@ -77,7 +76,7 @@ impl Row {
     }
 }
 
-/// What lies there already, as balls of the same volume.
+/// The grains already there, as balls of the same volume.
 struct Ground<'a> {
     task: &'a Task<'a>,
     domain: Aabb,
@@ -91,18 +90,18 @@ impl Ground<'_> {
         }
     }
 
-    /// The grains of these numbers, and where each has most room.
+    /// The grains of these numbers, each with its best position.
     fn look_for(&self, numbers: &[usize]) -> Vec<(usize, Row, Vec3)> {
         let look = |&number: &usize| {
             let grain = &self.task.request.grains[number];
             let row = Row::of(grain);
-            let centre = self.roomiest(grain, &row);
+            let centre = self.best_position(grain, &row);
             (number, row, centre)
         };
         numbers.par_iter().map(look).collect()
     }
 
-    fn roomiest(&self, body: &Grain, row: &Row) -> Vec3 {
+    fn best_position(&self, body: &Grain, row: &Row) -> Vec3 {
         let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
         let mut best = (f32::NEG_INFINITY, reach.min);
@@ -114,7 +113,8 @@ impl Ground<'_> {
         best.1
     }
 
-    /// The clearance of a ball, as [`ClearanceGrid::clearance`]; of a row of balls the sum of their overlaps, negative.
+    /// The clearance of a ball, as [`ClearanceGrid::clearance`]; of a row of balls the sum of their overlaps,
+    /// negative.
     fn clearance(&self, row: &Row, centre: &Vec3, enough: f32) -> f32 {
         match row.balls[..] {
             [_] => self.balls.clearance(centre, row.radius, enough),

@@ -1,9 +1,10 @@
 //! Rearrangement: all grains at once, overlapping where they must, moved by small rigid steps until none overlap.
 //!
 //! Position-based dynamics on the energy E = sum over contacts of (wanted gap - gap)^2. Every contact asks its two
-//! bodies for the least rigid movement that opens it; a body moves by the sum over its contacts, divided by a power of
-//! their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped whenever
-//! the energy rises. Walls are hard. What comes out is proved apart pair by pair before anyone sees it.
+//! bodies for the least rigid movement that opens it; a body moves by the sum over its contacts, divided by a power
+//! of their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped
+//! whenever the energy rises. Walls are hard. The result is certified pair by pair ([`certify`]) before anyone sees
+//! it.
 
 mod bodies;
 mod cell_list;
@@ -32,41 +33,42 @@ use walls::Walls;
 use crate::aggregate::Kind;
 use crate::aggregate::take::Grain;
 
-/// Wanted gap beyond the least one, as a share of the smallest grain's radius: room for the last digits to settle.
+/// Wanted gap beyond the least one (*slop*), as a share of the smallest grain's radius: it lets the last digits
+/// settle.
 const SLOP: f64 = 0.004;
-/// It is halved after so many sweeps in which bodies lack less than it in the mean, down to about this share.
+/// The slop is halved, down to about this share, after this many sweeps in which bodies lack less than it on average.
 const FINE_SWEEPS: u32 = 40;
 const LEAST_SLOP: f64 = 0.0008;
-/// Margin at walls that are no box, as a share of the slop: single precision sees their far ends.
+/// Margin at the walls of containers that are no boxes, as a share of the slop: bodies see such walls in single
+/// precision.
 const ROUND_MARGIN: f64 = 0.1;
 /// Share of the slop that must be open when it ends.
 const ENOUGH: f64 = 0.2;
 /// Movement is the sum over n contacts over n^0.4. With momentum such long steps are stable, and momentum can be less:
 /// at 0.65, n^0.6 and 0.94 took 167 sweeps, n^0.4 and 0.91 120.
 const RELAXATION: f64 = 0.4;
-/// Beyond so many contacts the movement is damped no further.
+/// Beyond this many contacts the movement is damped no further.
 const MOST_CONTACTS: usize = 256;
 /// Momentum is dropped when the energy rises by this factor.
 const RESTART: f64 = 1.1;
-/// No body goes farther in a sweep than this share of its radius, nor turns by more radians.
+/// No body moves farther in a sweep than this share of its radius, nor rotates by more radians.
 const LONGEST_STEP: f32 = 0.25;
-/// Every body may go at least so many slops before the list is made anew.
+/// Every body may move at least this many slops before its pairs are searched again.
 const LEAST_MARGIN: f64 = 10.0;
 /// A body without contacts comes to rest when it is slower than this share of the slop a sweep.
 const REST: f64 = 0.02;
-/// Where the time runs out, a jam is taken for granted from this share of it on, and again after each such share.
+/// After `LATE` of the time limit the run counts as jammed, and again after each `LATER`.
 const LATE: f64 = 0.5;
 const LATER: f64 = 1.0 / 16.0;
-/// Where the time is limited, a jam is started over only if less than this share of it is spent: to cool slower takes
-/// twice as long.
+/// With a time limit, a jam restarts only if less than this share of it is spent: slower damping takes twice as long.
 const EARLY: f64 = LATE / 3.0;
-/// Bodies that lack much when more than this share of it is spent are to cool quickly.
+/// Beyond this share of the time limit, bodies that still lack much are damped quickly.
 const HURRY: f64 = LATE / 2.0;
 
-/// Places all grains of `task`, or as many as go, and says why.
+/// Places all grains of `task`, or as many as fit, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
-    // Of what a stop during the take has left, whoever chose the strategy makes what can be made.
+    // After a stop during the take the caller decides what to do with the grains that exist.
     if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;
     }
@@ -84,7 +86,7 @@ pub(super) fn place(task: &Task) -> Outcome {
         // The lists of the dynamics are gone when the proof makes its own.
         let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
         let proved = certify::keep_apart(task, &reached, &mut outcome.work);
-        // Single precision took a pair for open that is not: ask for more room, and go on.
+        // Single precision took an overlapping pair for open: ask for a larger gap, and continue.
         if proved.left_out > 0 && ended == Ended::Open && settings.ask_for_more() {
             poses = reached;
             continue;
@@ -104,9 +106,9 @@ enum Ended {
     Open,
     /// The overlaps do not shrink any more.
     Jammed,
-    /// They would take longer than there is time.
+    /// Opening them would take longer than the time limit allows.
     Late,
-    /// The task said stop.
+    /// A time limit or the user stopped the run.
     Stopped(StopReason),
 }
 
@@ -119,7 +121,7 @@ struct Settings {
     slop: f64,
     /// Of the smallest grain's ball, mm.
     radius: f64,
-    /// Of this, what must be open when it ends, mm.
+    /// Part of the slop that must be open at the end, mm.
     enough: f64,
     damping: Damping,
 }
@@ -142,8 +144,8 @@ impl Settings {
         self.enough < self.slop
     }
 
-    /// Asks for less room where what is left to do is in the last digits: what all want beyond the least gap makes a
-    /// jam of what fits.
+    /// Asks for smaller gaps where only the last digits are left: the slop that all bodies want could jam a packing
+    /// that fits.
     fn narrow(&mut self) {
         if self.slop > LEAST_SLOP * self.radius {
             self.slop /= 2.0;
@@ -185,8 +187,8 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Moves the bodies until every pair is open, or the task says stop; where nothing helps any more, leaves out the
-    /// worst wedged.
+    /// Moves the bodies until every pair is open or the run is stopped; leaves out the worst wedged where nothing
+    /// else helps.
     fn run(mut self, task: &Task<'a>, sweeps: &mut u64) -> (Ended, Vec<(u32, Pose)>) {
         loop {
             let ended = self.descend(task);
@@ -205,7 +207,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Sweeps until every pair is open, nothing helps any more, or the task says stop.
+    /// Sweeps until every pair is open, nothing helps any more, or the run is stopped.
     fn descend(&mut self, task: &Task) -> Ended {
         self.bodies.settle(&self.walls);
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
@@ -244,7 +246,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// From the start again, slower or with fewer grains, where that may help and there is time for it.
+    /// Restarts, slower or with fewer grains, where that may help and time allows.
     fn start_over_or_relieve(&mut self, task: &Task<'a>) {
         if task.spent() >= EARLY {
             return self.relieve(task);
@@ -261,9 +263,9 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Drops these grains anew.
+    /// Restarts with these grains.
     fn start_over(&mut self, task: &Task<'a>, damping: Damping, grains: &[u32]) {
-        // A stop meanwhile is seen by the next look.
+        // A stop in the meantime is noticed by the next look.
         if let Ok(poses) = initial_placement::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
             self.settings = Settings { damping, ..Settings::new(task) };
             self.begin(task, poses);
@@ -277,7 +279,7 @@ impl<'a> Dynamics<'a> {
         grains
     }
 
-    /// Goes on with these bodies, at rest.
+    /// Continues with these bodies, at rest.
     fn begin(&mut self, task: &Task<'a>, poses: Vec<(u32, Pose)>) {
         self.neighbours = NeighbourList::none();
         self.bodies = Bodies::new(task.request.grains, poses, &task.container.aabb(), task.period);
@@ -299,7 +301,7 @@ impl<'a> Dynamics<'a> {
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let mut poses = self.bodies.poses();
         let share = self.settings.damping.relieve(self.lack);
-        // Every kind gives up the same share: fibres are so thin that all of them would be the first to go.
+        // Every kind gives up the same share: fibres are so thin that otherwise all of them would go first.
         let volume = |grain: u32| grains[grain as usize].volume();
         let kind = |grain: u32| grains[grain as usize].kind as usize;
         let mut budgets = [0.0; 1 + Kind::FURTHER.len()];

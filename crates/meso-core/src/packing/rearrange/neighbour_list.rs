@@ -1,4 +1,4 @@
-//! Which bodies may touch: listed by both bodies of a pair, and kept up as these move.
+//! Neighbour list: which bodies may touch, listed by both bodies of a pair and kept up to date.
 
 use super::bodies::{Bodies, Fixed};
 use super::cell_list::{CellList, starts};
@@ -14,17 +14,18 @@ pub(super) struct NeighbourList {
     /// By second body, `stretch` bodies in each.
     firsts: Vec<Firsts>,
     stretch: usize,
-    /// Where pairs are looked for.
+    /// Where pairs are searched.
     cells: Option<CellList>,
 }
 
-/// The list of a body's pairs is made to last about this many sweeps.
+/// A body's pairs are listed for about this many sweeps.
 const LIST_SWEEPS: f32 = 4.0;
 
-/// All pairs are listed anew when more than one body in so many has gone beyond its limit.
+/// The whole list is rebuilt when more than one body in this many is beyond its limit.
 const FEW: usize = 3;
 
-/// The bodies are indexed in so many stretches at the most, and no shorter ones than this: each looks through all blocks.
+/// The bodies are indexed in at most this many stretches, none shorter than `LEAST_STRETCH`: each searches all
+/// blocks.
 const STRETCHES: usize = 64;
 const LEAST_STRETCH: usize = 1024;
 
@@ -35,7 +36,7 @@ struct Firsts {
     bodies: Vec<u32>,
 }
 
-/// Sum of what the contacts of a body ask for.
+/// Sum of the displacements that a body's contacts ask for.
 #[derive(Default)]
 pub(super) struct Push {
     pub(super) shift: V,
@@ -48,8 +49,8 @@ impl NeighbourList {
         Self { blocks: Vec::new(), firsts: Vec::new(), stretch: LEAST_STRETCH, cells: None }
     }
 
-    /// Finds the pairs that may be contacts now and for some sweeps; a body may go at least `least` mm before its own are
-    /// looked for again. What is known of a pair that was listed before is kept.
+    /// Finds the pairs that may be contacts now and for some sweeps. A body may move at least `least` mm before its
+    /// own are searched again. What is known of a pair already listed is kept.
     pub(super) fn cover(&mut self, bodies: &mut Bodies, want: f32, least: f32) {
         let mut gone = bodies.beyond_limits();
         if gone.is_empty() && self.cells.is_some() {
@@ -73,7 +74,7 @@ impl NeighbourList {
         self.index(bodies.len());
     }
 
-    /// Lists all pairs anew.
+    /// Rebuilds the list.
     fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &CellList) {
         self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
         self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
@@ -97,7 +98,7 @@ impl NeighbourList {
     }
 
     fn index(&mut self, bodies: usize) {
-        // Not both the old and the new at once.
+        // The old index is freed before the new one is built.
         self.firsts = Vec::new();
         let Self { blocks, stretch, .. } = self;
         *stretch = bodies.div_ceil(STRETCHES).max(LEAST_STRETCH);
@@ -156,13 +157,13 @@ impl Firsts {
     fn of(these: Range<u32>, blocks: &[Block], ranges: &[Range<u32>]) -> Self {
         let near = |range: &Range<u32>| range.start < these.end && these.start < range.end;
         let near = || (0..).zip(blocks).zip(ranges).filter(|(_, range)| near(range)).map(|(block, _)| block);
-        let place = |b: u32| these.contains(&b).then(|| (b - these.start) as usize);
-        let seconds = near().flat_map(|(_, block)| &block.links).filter_map(|link| place(link.b));
+        let index = |b: u32| these.contains(&b).then(|| (b - these.start) as usize);
+        let seconds = near().flat_map(|(_, block)| &block.links).filter_map(|link| index(link.b));
         let mut starts = starts(these.len(), seconds.map(|k| k as u32));
         let mut bodies = vec![0; starts[these.len()] as usize];
         for (number, block) in near() {
             for k in 0..block.ends.len() {
-                for next in block.links[block.range(k)].iter().filter_map(|link| place(link.b)) {
+                for next in block.links[block.range(k)].iter().filter_map(|link| index(link.b)) {
                     bodies[starts[next] as usize] = (number * BLOCK + k) as u32;
                     starts[next] += 1;
                 }

@@ -1,4 +1,4 @@
-//! Turning a body's vertices, and how far they reach then.
+//! Rotation of a body's vertices, and the box of the result.
 
 use super::contact::{LANES, V, highest};
 use crate::geometry::CompactPolyhedron;
@@ -57,7 +57,7 @@ impl Wide for TurnOn<'_> {
 /// Several values side by side.
 type Lanes = [f32; LANES];
 
-/// How far points reach in direction `d`.
+/// Support values in direction `d`.
 #[inline(always)]
 fn along(d: V, (x, y, z): &(Lanes, Lanes, Lanes)) -> Lanes {
     let mut along = [0.0; LANES];

@@ -6,10 +6,10 @@ use crate::math::{Aabb, Vec3};
 use crate::packing::Container;
 use crate::packing::place::Task;
 
-/// The room bodies stay in.
+/// The container, moved inwards by the gap.
 pub(super) struct Walls<'a> {
     container: &'a dyn Container,
-    /// The least distance to its surface, mm, and how much of that is there for rounding.
+    /// The least distance to its surface, mm, and the part of it that covers rounding.
     gap: f64,
     margin: f64,
     /// The walls of its bounding box, already moved inwards by that; infinitely far where it has none.
@@ -17,7 +17,7 @@ pub(super) struct Walls<'a> {
     high: Vec3,
 }
 
-/// Steps in which a body is brought back inside walls that are no box; it is looked at again in the next sweep.
+/// Most steps that bring a body back inside walls that are no box; the next sweep continues.
 const MOST_STEPS: usize = 20;
 /// A step shorter than this share of the gap's margin ends it.
 const SETTLED: f64 = 0.1;

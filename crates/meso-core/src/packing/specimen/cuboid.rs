@@ -12,7 +12,7 @@ pub(super) struct Cuboid {
 }
 
 impl Cuboid {
-    /// Edge lengths in mm; periodic ones are rounded to the grains' lattice, as [`Period`] says.
+    /// Edge lengths in mm; periodic ones are rounded to the grains' lattice (see [`Period`]).
     pub(super) fn new(size: [f64; 3], periodic: Periodic) -> Self {
         let (size, walls) = (Vec3::from(size), periodic.0.map(|periodic| !periodic));
         let period = Period::new(&size, periodic);

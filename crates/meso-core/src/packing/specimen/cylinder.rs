@@ -10,8 +10,8 @@ pub(super) struct Cylinder {
     height: f64,
 }
 
-/// A squared distance from the axis errs by at most so much of itself: four roundings, of the squares and the sum, and a
-/// little for those of the radius.
+/// Relative error of a squared distance from the axis: four roundings, of the squares and the sum, and a little for
+/// those of the radius.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Cylinder {

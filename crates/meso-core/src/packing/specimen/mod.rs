@@ -1,7 +1,7 @@
-//! What aggregates are placed in: the specimens that a spec may name, and the room each of them encloses.
+//! Specimens that a spec may name, and the container of each.
 //!
-//! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::container`] turns it into a [`Container`]: one file
-//! per kind behind one small interface.
+//! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::container`] turns it into a
+//! [`Container`]: one file per kind behind one small interface.
 
 mod box_minus_convex;
 mod container;
@@ -106,7 +106,8 @@ pub enum Specimen {
         /// Four points or more, mm.
         vertices_mm: Vec<[f64; 3]>,
     },
-    /// What a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL instead.
+    /// The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL
+    /// instead.
     Mesh {
         /// Corners, mm.
         vertices_mm: Vec<[f64; 3]>,
@@ -115,7 +116,7 @@ pub enum Specimen {
     },
 }
 
-/// Why lengths or points enclose no room.
+/// Why lengths or points enclose no volume.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ContainerError {
     /// Points without a hull.
@@ -129,26 +130,26 @@ pub enum ContainerError {
     Corner {
         /// Which triangle, from 0.
         triangle: usize,
-        /// What it names.
+        /// The corner that it names.
         corner: u32,
         /// How many there are.
         corners: usize,
     },
     /// Triangles that cross each other.
-    #[error("its surface crosses itself near ({}, {}, {})", place[0], place[1], place[2])]
+    #[error("its surface crosses itself near ({}, {}, {})", at[0], at[1], at[2])]
     Crossing {
         /// A corner of one of the two triangles, mm, in the specimen's frame.
-        place: [f64; 3],
+        at: [f64; 3],
     },
-    /// A piece of the surface on the wrong side of the others.
+    /// A component of the surface that is nested the wrong way.
     #[error(
-        "a piece of its surface, at ({}, {}, {}), bounds room inside the room of another piece, or a hollow in none: turn its \
-         triangles round, or leave it out",
-        place[0], place[1], place[2]
+        "a component of its surface, at ({}, {}, {}), is nested the wrong way: it bounds a volume inside another's, or a \
+         hollow outside all others; reverse its triangles, or remove it",
+        at[0], at[1], at[2]
     )]
     Nested {
-        /// A corner of the piece, mm, in the specimen's frame.
-        place: [f64; 3],
+        /// A corner of the component, mm, in the specimen's frame.
+        at: [f64; 3],
     },
 }
 
@@ -202,10 +203,10 @@ impl Specimen {
         Period::new(&Vec3::from(size), self.periodic())
     }
 
-    /// The room it encloses.
+    /// The container of this specimen.
     ///
     /// # Errors
-    /// Points or triangles that enclose no room. Whether triangles cross is not looked at: see [`Specimen::check`].
+    /// Points or triangles that enclose no volume. Crossing triangles are not detected: see [`Specimen::check`].
     pub fn build(&self) -> Result<Box<dyn Container>, ContainerError> {
         Ok(match self {
             Self::Cube { side_mm, periodic } => Box::new(Cuboid::new([*side_mm; 3], *periodic)),
@@ -232,11 +233,11 @@ impl Specimen {
         let Self::Mesh { vertices_mm, triangles } = self else { return self.build() };
         let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing() {
-            return Err(ContainerError::Crossing { place: triangle[0].into() });
+            return Err(ContainerError::Crossing { at: triangle[0].into() });
         }
         closed
             .nested()
-            .map_or_else(|| Ok(convex_or(closed)), |corner| Err(ContainerError::Nested { place: corner.into() }))
+            .map_or_else(|| Ok(convex_or(closed)), |corner| Err(ContainerError::Nested { at: corner.into() }))
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -259,7 +260,7 @@ impl Specimen {
         }
     }
 
-    /// The room of a specimen that was accepted by [`Spec::validate`](crate::Spec::validate).
+    /// The container of a specimen accepted by [`Spec::validate`](crate::Spec::validate).
     ///
     /// # Panics
     /// Where [`Specimen::build`] fails.
@@ -270,7 +271,7 @@ impl Specimen {
     /// Bounding box, mm.
     pub fn aabb(&self) -> Aabb {
         match self {
-            // Of a large surface the room takes long to make.
+            // The container of a large surface takes long to build.
             Self::Mesh { vertices_mm, .. } => Aabb::around(&at_origin(vertices_mm)),
             _ => self.container().aabb(),
         }
@@ -288,7 +289,7 @@ impl Specimen {
 /// A closed surface that lacks no more than this share of its hull's volume is its hull.
 const CONVEX: f64 = 1e-12;
 
-/// The room within a closed surface; that of a convex one is packed as a polyhedron, which is denser and faster.
+/// The container within a closed surface. A convex one is packed as a polyhedron, which is denser and faster.
 fn convex_or(closed: Triangulated) -> Box<dyn Container> {
     match closed.hull() {
         Ok(hull) if closed.volume() >= (1.0 - CONVEX) * hull.volume() => Box::new(Convex::new(hull)),
