@@ -38,8 +38,8 @@ pub(crate) struct Plates {
 pub(crate) struct Motion {
     /// At the end of the step.
     pub(crate) travel: f64,
-    /// In the step.
-    pub(crate) speed: f64,
+    /// Mean of this step and the one before: what forces at whole steps work along.
+    pub(crate) mean_speed: f64,
 }
 
 /// What a plate did to a node in a step.
@@ -106,7 +106,7 @@ impl Plates {
         before: &[f64; 3],
         v: &mut [f64; 3],
     ) -> Impact {
-        let (travel, speed) = if contact.plate == 1 { (motion.travel, motion.speed) } else { (0.0, 0.0) };
+        let (travel, speed) = if contact.plate == 1 { (motion.travel, motion.mean_speed) } else { (0.0, 0.0) };
         let free = *v;
         match self.kind {
             Kind::Tension => *v = [-u[0] / dt, -u[1] / dt, (travel - u[2]) / dt],
@@ -123,7 +123,6 @@ impl Plates {
         }
         let force = [0, 1, 2].map(|i: usize| m * (v[i] - free[i]) / dt);
         let mean = [0, 1, 2].map(|i: usize| 0.5 * (v[i] + before[i]));
-        // The plate pushes at its own speed.
         let friction = -dt * (force[0] * mean[0] + force[1] * mean[1]);
         Impact { force: force[2], work: force[2] * speed * dt, friction }
     }

@@ -190,8 +190,10 @@ impl<'a> Run<'a> {
         self.resist();
         let (state, dt) = (&mut self.state, self.outline.dt);
         let speed = self.plates.speed(state.time + 0.5 * dt);
+        let before = if state.step == 0 { 0.0 } else { self.plates.speed(state.time - 0.5 * dt) };
         let travel = state.travel + speed * dt;
-        let sums = self.nodes.advance(&self.forces, &self.plates, &Motion { travel, speed }, dt);
+        let motion = Motion { travel, mean_speed: 0.5 * (speed + before) };
+        let sums = self.nodes.advance(&self.forces, &self.plates, &motion, dt);
         for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
             *sum += x;
         }
