@@ -18,3 +18,4 @@ mod layer_errors;
 mod meshing;
 mod report;
 mod same_bytes;
+mod solve;

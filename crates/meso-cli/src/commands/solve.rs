@@ -133,8 +133,8 @@ impl Args {
 
     /// Refuses flags that cannot be meant, before any work.
     fn validate(&self) -> Result<(), Failure> {
-        if self.checkpoint.is_some_and(|every| !(every >= 0.0 && every.is_finite())) {
-            return Err(Failure::Usage("--checkpoint must be a number of seconds, 0 or more".to_owned()));
+        if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
+            return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
         }
         if self.packs() {
             return Ok(());

@@ -110,13 +110,14 @@ impl<'a> Watching<'a> {
 impl Observer for Watching<'_> {
     fn progress(&self, progress: &Progress) -> Wish {
         self.tell(progress);
-        if interrupt::asked() || self.failed.borrow().is_some() {
-            return Wish::Stop;
-        }
         match self.every {
             Some(every) if self.kept.get().elapsed() >= every => Wish::Keep,
             _ => Wish::GoOn,
         }
+    }
+
+    fn stops(&self) -> bool {
+        interrupt::asked() || self.failed.borrow().is_some()
     }
 
     fn frame(&self, frame: &Frame) {
