@@ -99,7 +99,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         tell(&model.report);
-        mesh.iter().for_each(|mesh| Told::of(mesh, &model, args.meshing.options(), &deck.materials).tell());
+        if let Some(mesh) = &mesh {
+            Told::of(mesh, &model, args.meshing.options()?, &deck.materials).tell();
+        }
         plan.files().for_each(|path| say::line(format!("wrote {}", path.display())));
     }
     Ok(exit_code(&model.report, args.strict))

@@ -64,7 +64,7 @@ impl Told {
             elements => format!(" and {} cohesive ones", say::count(elements)),
         };
         let (elements, nodes) = (say::count(self.elements), say::count(self.nodes));
-        let how = format!("{:?}, {} mm", self.options.method, self.options.element_size_mm).to_lowercase();
+        let how = format!("{:?}, {} mm", self.options.method.name(), self.options.element_size_mm).to_lowercase();
         say::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
         self.volumes();
         self.thick_shells();
