@@ -33,7 +33,7 @@ use super::volumes::all_positive;
 use super::{Mesh, MeshError, NO_AGGREGATE, Notes};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
-use crate::packing::{Period, Room, Specimen};
+use crate::packing::{Container, Period, Specimen};
 use facets::Triangles;
 use msh::Volumes;
 use rayon::prelude::*;
@@ -120,7 +120,7 @@ impl Division {
         size: f64,
         slabs: Option<u32>,
     ) -> Result<Self, MeshError> {
-        let room = specimen.room();
+        let room = specimen.container();
         let (period, domain) = (specimen.period(), room.aabb());
         gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
         gaps::refuse_grazed(aggregates, &period)?;
@@ -207,7 +207,7 @@ impl Surfaces {
 ///
 /// # Errors
 /// As [`facets::facets`].
-fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Room, size: f64) -> Result<Shells, MeshError> {
+fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Shells, MeshError> {
     let bodies: Vec<Triangles> =
         aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, MeshError>>()?;
     let mut shells = Shells::default();
