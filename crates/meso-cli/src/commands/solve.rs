@@ -194,7 +194,7 @@ impl Args {
     fn mesh(&self, model: &Model, options: &MeshOptions, seconds: &mut Seconds) -> Result<Mesh, Failure> {
         let begun = Instant::now();
         if !self.quiet {
-            let (method, size) = (names::of(&options.method), options.element_size_mm);
+            let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
             stderr::line(format!("meshing {} aggregates: {method}, {size} mm", stderr::thousands(model.aggregates.len())));
         }
         let mesh = self.division.build(model, options, self.quiet)?;
@@ -284,21 +284,24 @@ fn tell(response: &Response, quiet: bool) {
             result.added_mass_percent
         ));
     }
-    result.warnings.iter().for_each(|warning| stderr::line(format!("warning: {warning}")));
-    result.errors.iter().for_each(|error| stderr::line(format!("error: {error}")));
+    result.warnings.iter().for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
+    result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
     if result.ended == Ended::Stopped {
         let share = 100.0 * result.steps as f64 / result.steps_planned as f64;
         stderr::line(format!("stopped after {share:.0} % of the steps; the curve is valid until there"));
     }
 }
 
-/// What cannot be tested; values that came from a flag are called by it.
+/// What cannot be tested is wrong usage.
 fn wrong(error: &SolveError) -> Failure {
-    let text = error.to_string();
-    let flags = [("duration_s", "duration"), ("time_step_s", "time-step")];
-    let Some((key, rest)) = text.strip_prefix("test.").and_then(|rest| rest.split_once(' ')) else {
-        return Failure::Usage(text);
-    };
-    let flag = flags.iter().find(|(name, _)| *name == key).map_or(key, |(_, flag)| flag);
-    Failure::Usage(format!("--{flag} {rest}"))
+    Failure::Usage(with_flags(&error.to_string()))
+}
+
+/// The engine speaks of `test.time_step_s`, the user typed `--time-step`.
+fn with_flags(text: &str) -> String {
+    let flags = ["duration_s", "time_step_s", "friction", "strain", "frames"];
+    flags.iter().fold(text.to_owned(), |text, key| {
+        let flag = key.trim_end_matches("_s").replace('_', "-");
+        text.replace(&format!("test.{key}"), &format!("--{flag}"))
+    })
 }

@@ -118,7 +118,8 @@ impl ResultFile {
     }
 }
 
-/// Writes a header of [`Row::COLUMNS`] and a line for every row, in digits that read back to the same numbers.
+/// Writes a header of [`Row::COLUMNS`] and a line for every row, in digits that read back to the same numbers; no zero has a
+/// sign.
 ///
 /// # Errors
 /// Those of `out`.
@@ -126,7 +127,7 @@ pub fn write_curve(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     writeln!(out, "{}", Row::COLUMNS.join(","))?;
     for row in rows {
-        writeln!(out, "{}", row.values().map(|value| format!("{value:?}")).join(","))?;
+        writeln!(out, "{}", row.values().map(|value| format!("{:?}", value + 0.0)).join(","))?;
     }
     out.flush()
 }

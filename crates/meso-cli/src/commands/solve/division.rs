@@ -4,7 +4,7 @@ use crate::commands::{meshing, names, values};
 use crate::failure::Failure;
 use meso_core::Model;
 use meso_core::materials::Materials;
-use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName};
 use meso_core::packing::Specimen;
 use meso_solve::Itz;
 use serde::Deserialize;
@@ -16,9 +16,9 @@ const QUICK_MM: f64 = 4.0;
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Mesh and materials")]
 pub(super) struct Division {
-    #[arg(long, default_value = "lattice", value_parser = names::parse::<Method>)]
-    #[arg(help = format!("How the specimen is divided: {}", names::list::<Method>()))]
-    method: Method,
+    #[arg(long, default_value = "lattice", value_parser = names::parse::<MethodName>)]
+    #[arg(help = format!("How the specimen is divided: {}", names::list::<MethodName>()))]
+    method: MethodName,
     /// Edge length of the elements, mm [default: 2; without a model 4]
     #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true)]
     element_size_mm: Option<f64>,
@@ -57,8 +57,8 @@ enum Zone {
 impl Division {
     /// What is asked of the mesh of `specimen`.
     pub(super) fn options(&self, is_quick: bool, specimen: &Specimen) -> Result<MeshOptions, Failure> {
-        let usual = MeshOptions::default();
-        let options = MeshOptions {
+        let usual = MeshTable::default();
+        let table = MeshTable {
             method: self.method,
             element_size_mm: self.element_size_mm.unwrap_or(if is_quick { QUICK_MM } else { usual.element_size_mm }),
             itz: match self.itz {
@@ -70,6 +70,7 @@ impl Division {
             subsamples: self.subsamples,
             ..usual
         };
+        let options = MeshOptions::try_from(table).map_err(|error| meshing::wrong_mesh(&error))?;
         meshing::check(&options, &self.gmsh, specimen)?;
         Ok(options)
     }

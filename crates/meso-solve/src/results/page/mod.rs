@@ -46,7 +46,7 @@ fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, ".ramp{{background:linear-gradient(90deg,{})}}\n</style>\n<main>\n<h1>{title}</h1>", stops.join(","))?;
     let source = outcome.source;
     let (version, seed, fraction) = (source.version, source.seed, source.fraction);
-    let (mesh, size) = (escape(&word(&source.mesh.method)), source.mesh.element_size_mm);
+    let (mesh, size) = (word(&source.mesh.method.name()), source.mesh.element_size_mm);
     let elements = result.elements;
     writeln!(
         out,
