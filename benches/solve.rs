@@ -95,7 +95,7 @@ fn main() {
     let (side, size) = (word(0, 50.0), word(1, 2.0));
     let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(side), ..Spec::default() };
     spec.grading.d_max_mm = 16.0;
-    spec.grading.classes_mm = Vec::new();
+    spec.grading.classes_mm = vec![5.0, 10.0, 16.0];
     spec.placement.min_gap_mm = 1.0;
     let model = pack(&spec, &Silent).expect("a packing");
     let lattice = Meshed::of(&model, Method::Lattice, size, ItzForm::None);
@@ -107,6 +107,7 @@ fn main() {
     for set in InstructionSet::available() {
         cases.push(case("C3D4 elastic", &lattice, LawName::Elastic, 0.0, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdp, 0.6, set));
+        cases.push(case("C3D4 softening", &lattice, LawName::Cdpm2, 0.6, set));
     }
     cases.push(case("C3D8R elastic", &voxels, LawName::Elastic, 0.0, best));
     cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));

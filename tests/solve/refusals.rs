@@ -2,6 +2,7 @@
 
 use crate::samples::Meshed;
 use meso_core::materials::Materials;
+use meso_core::math::Vec3;
 use meso_core::mesh::{Mesh, Method};
 use meso_solve::{Interface, Run, Sample, Test};
 
@@ -68,8 +69,10 @@ fn meshes_that_cannot_be_tested_are_refused() {
     });
     assert!(empty.contains("it has no cells"), "{empty}");
     let spike = refused(|mesh| {
-        let top = (0..mesh.points.len()).max_by(|&a, &b| mesh.points[a].z.total_cmp(&mesh.points[b].z)).unwrap();
-        mesh.points[top].z += 1000.0;
+        mesh.points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 10.0]].map(Vec3::from).to_vec();
+        mesh.cells = vec![0, 1, 2, 3];
+        mesh.phase.truncate(1);
+        mesh.aggregate.truncate(1);
     });
     assert!(spike.contains("no face looks to its upper plate"), "{spike}");
 }
