@@ -12,9 +12,9 @@ fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
 #[test]
 fn concrete_softens_and_its_energies_balance() {
     for meshed in [
-        concrete(1.0, Method::Lattice, 2.5, ItzForm::None),
-        concrete(1.0, Method::Voxel, 1.5, ItzForm::None),
-        concrete(0.5, Method::Lattice, 2.5, ItzForm::Cohesive),
+        concrete(1.0, Method::FITTED, 2.5, ItzForm::None),
+        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
+        concrete(0.5, Method::FITTED, 2.5, ItzForm::Cohesive),
     ] {
         let result = solve(&meshed, &Test::default()).result;
         let figures = result.figures;
@@ -27,7 +27,7 @@ fn concrete_softens_and_its_energies_balance() {
 
 #[test]
 fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
-    let meshed = concrete(1.0, Method::Lattice, 2.5, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
     let test = Test::default();
     let peak = |test: &Test| solve(&meshed, test).result.figures.peak_mpa;
     let twice = Test { duration_s: Some(2.0 * test.duration_s(24.0)), ..test.clone() };
@@ -37,7 +37,7 @@ fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
 
 #[test]
 fn joined_aggregates_are_parted_by_mortar_and_counted() {
-    let meshed = concrete(0.0, Method::Lattice, 3.0, ItzForm::None);
+    let meshed = concrete(0.0, Method::FITTED, 3.0, ItzForm::None);
     assert!(meshed.mesh.notes.closed_gap_pairs > 0, "the trial needs closed gaps");
     let test = Test { itz: Itz::None, ..Test::default() };
     let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
@@ -72,7 +72,7 @@ impl Observer for StopAtOnce {
 
 #[test]
 fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
-    let meshed = concrete(1.0, Method::Lattice, 2.5, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
     let run = Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap();
     assert!(run.phases().contains(&Phase::Itz));
     let peak = |itz: Itz| solve(&meshed, &Test { itz, kind: Kind::Tension, ..Test::default() }).result.figures.peak_mpa;
@@ -94,7 +94,7 @@ impl Observer for Damage {
 
 #[test]
 fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
-    let meshed = concrete(1.0, Method::Lattice, 3.0, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
     let damage = Damage::default();
     let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, ..Test::default() };
     meshed.watched(&brittle(), &test, &damage);
@@ -111,7 +111,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
 
 #[test]
 fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
-    let meshed = concrete(1.0, Method::Lattice, 3.0, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
     let added = |step: f64| {
         let test = Test { time_step_s: Some(step), ..Test::default() };
         let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();

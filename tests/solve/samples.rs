@@ -2,7 +2,7 @@
 
 use meso_core::aggregate::{Aggregate, Grading};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
 use meso_solve::{Observer, Response, Run, Sample, Test};
@@ -41,7 +41,7 @@ impl Meshed {
 }
 
 pub(crate) fn options(method: Method, element_size_mm: f64, itz: ItzForm) -> MeshOptions {
-    MeshOptions { method, element_size_mm, itz, fit: Fit::Fitted, ..MeshOptions::default() }
+    MeshOptions { method, element_size_mm, itz }
 }
 
 /// A cube of 24 mm with aggregates of 4 to 10 mm, `gap` mm apart.

@@ -7,7 +7,7 @@ use meso_solve::{Kind, Response, Test};
 
 #[test]
 fn a_homogeneous_cube_between_smooth_plates_bears_its_strength() {
-    for (method, size) in [(Method::Voxel, 2.0), (Method::Lattice, 3.0)] {
+    for (method, size) in [(Method::VOXEL, 2.0), (Method::FITTED, 3.0)] {
         let meshed = Meshed::mortar([12.0; 3], method, size);
         let response = meshed.solve(&brittle(), &Test { friction: 0.0, ..Test::default() });
         let figures = response.result.figures;
@@ -41,7 +41,7 @@ fn torn(method: Method, element_size_mm: f64) -> (Meshed, Materials, Response) {
 
 #[test]
 fn a_weak_band_scan() {
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::FITTED] {
         for wide in [0.0, 1.0, 1.6] {
             for factor in [1.0, 1.4] {
                 let ratios = [1.5, 2.0, 3.0].map(|size| scan(method, size, wide, factor));
@@ -76,7 +76,7 @@ fn scan(method: Method, size: f64, wide: f64, factor: f64) -> f64 {
 
 #[test]
 fn energy_spent_and_energy_stored_make_up_the_internal_one() {
-    let (_, _, response) = torn(Method::Lattice, 3.0);
+    let (_, _, response) = torn(Method::FITTED, 3.0);
     let last = response.curve.last().unwrap();
     // Torn apart, nothing is stored: all work is spent, nearly all of it in the band.
     assert!((last.dissipated / last.internal - 1.0).abs() < 0.02, "{last:?}");

@@ -161,11 +161,21 @@ impl Test {
     /// Names the value and what is accepted.
     pub fn validate(&self) -> Result<(), SolveError> {
         let strain = self.strain();
-        require("test.strain", strain, strain > 0.0 && strain <= 0.1, "it must lie above 0 and at most at 0.1: strains are small; the test gives the sign")?;
+        require(
+            "test.strain",
+            strain,
+            strain > 0.0 && strain <= 0.1,
+            "it must lie above 0 and at most at 0.1: strains are small; the test gives the sign",
+        )?;
         require("test.friction", self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
         require("test.ramp", self.ramp, (0.01..=1.0).contains(&self.ramp), "it must be 0.01 to 1")?;
         let hourglass = self.hourglass;
-        require("test.hourglass", hourglass, (0.0..=1.0).contains(&hourglass), "it must be 0 to 1; 0.02 to 0.05 adds no strength")?;
+        require(
+            "test.hourglass",
+            hourglass,
+            (0.0..=1.0).contains(&hourglass),
+            "it must be 0 to 1; 0.02 to 0.05 adds no strength",
+        )?;
         let positive = |key: &str, value: Option<f64>| {
             let met = value.is_none_or(|x| x > 0.0 && x.is_finite());
             require(key, value.unwrap_or(0.0), met, "it must be a positive number")
