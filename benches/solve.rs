@@ -7,13 +7,14 @@
 
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
+#[allow(dead_code, unreachable_pub, reason = "other benches compare")]
 #[path = "collision/clock.rs"]
 mod clock;
 #[path = "collision/table.rs"]
 mod table;
 
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec, pack};
 use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Test, Wish};
@@ -45,7 +46,7 @@ struct Meshed {
 
 impl Meshed {
     fn of(model: &Model, method: Method, size: f64, itz: ItzForm) -> Self {
-        let options = MeshOptions { method, element_size_mm: size, itz, fit: Fit::Fitted, ..MeshOptions::default() };
+        let options = MeshOptions { method, element_size_mm: size, itz };
         let mesh = mesh::build(model, &options).expect("a mesh");
         Self { mesh, options, specimen: model.spec.specimen.clone() }
     }
@@ -95,18 +96,19 @@ fn main() {
     let (side, size) = (word(0, 50.0), word(1, 2.0));
     let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(side), ..Spec::default() };
     spec.grading.d_max_mm = 16.0;
-    spec.grading.classes_mm = Vec::new();
+    spec.grading.classes_mm = vec![5.0, 10.0, 16.0];
     spec.placement.min_gap_mm = 1.0;
     let model = pack(&spec, &Silent).expect("a packing");
-    let lattice = Meshed::of(&model, Method::Lattice, size, ItzForm::None);
-    let voxels = Meshed::of(&model, Method::Voxel, size / 1.25, ItzForm::None);
-    let cohesive = Meshed::of(&model, Method::Lattice, size, ItzForm::Cohesive);
+    let lattice = Meshed::of(&model, Method::FITTED, size, ItzForm::None);
+    let voxels = Meshed::of(&model, Method::VOXEL, size / 1.25, ItzForm::None);
+    let cohesive = Meshed::of(&model, Method::FITTED, size, ItzForm::Cohesive);
     let best = InstructionSet::best();
     let case = |name, mesh, law, from, set| Case { name, mesh, law, from, set };
     let mut cases = Vec::new();
     for set in InstructionSet::available() {
         cases.push(case("C3D4 elastic", &lattice, LawName::Elastic, 0.0, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdp, 0.6, set));
+        cases.push(case("C3D4 softening", &lattice, LawName::Cdpm2, 0.6, set));
     }
     cases.push(case("C3D8R elastic", &voxels, LawName::Elastic, 0.0, best));
     cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));

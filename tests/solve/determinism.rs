@@ -41,9 +41,9 @@ fn fast() -> Test {
 
 fn meshes() -> [Meshed; 3] {
     [
-        concrete(1.0, Method::Lattice, 3.0, ItzForm::None),
-        concrete(1.0, Method::Voxel, 1.5, ItzForm::None),
-        concrete(0.5, Method::Lattice, 3.0, ItzForm::Cohesive),
+        concrete(1.0, Method::FITTED, 3.0, ItzForm::None),
+        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
+        concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive),
     ]
 }
 

@@ -21,7 +21,7 @@ fn elastic() -> Test {
 
 #[test]
 fn a_wave_runs_down_a_bar_at_its_speed_and_carries_rho_c_v() {
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::FITTED] {
         let meshed = Meshed::mortar([6.0, 6.0, 120.0], method, 2.0);
         let c = (E / RHO).sqrt();
         let duration = 1.6 * 120.0 / c;
@@ -49,7 +49,7 @@ fn a_wave_runs_down_a_bar_at_its_speed_and_carries_rho_c_v() {
 
 #[test]
 fn a_bar_between_smooth_plates_has_youngs_modulus() {
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::FITTED] {
         let meshed = Meshed::mortar([12.0, 12.0, 24.0], method, 3.0);
         let test = Test { duration_s: Some(6e-4), strain: Some(1e-3), ..elastic() };
         let response = meshed.solve(&materials(0.2), &test);
@@ -66,7 +66,7 @@ fn a_bar_between_smooth_plates_has_youngs_modulus() {
 
 #[test]
 fn rough_plates_hold_the_ends_and_smooth_ones_let_them_go() {
-    let meshed = Meshed::mortar([12.0, 12.0, 12.0], Method::Voxel, 2.0);
+    let meshed = Meshed::mortar([12.0, 12.0, 12.0], Method::VOXEL, 2.0);
     let modulus = |friction: f64| {
         let test = Test { friction, strain: Some(1e-3), duration_s: Some(3e-4), ..elastic() };
         let response = meshed.solve(&materials(0.3), &test);

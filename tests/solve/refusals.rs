@@ -2,6 +2,7 @@
 
 use crate::samples::Meshed;
 use meso_core::materials::Materials;
+use meso_core::math::Vec3;
 use meso_core::mesh::{Mesh, Method};
 use meso_solve::{Interface, Run, Sample, Test};
 
@@ -10,7 +11,7 @@ fn refusal(sample: Sample, materials: &Materials, test: &Test) -> String {
 }
 
 fn cube() -> Meshed {
-    Meshed::mortar([6.0; 3], Method::Lattice, 3.0)
+    Meshed::mortar([6.0; 3], Method::FITTED, 3.0)
 }
 
 #[test]
@@ -26,7 +27,10 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
         (Test { time_step_s: Some(-1.0), ..base.clone() }, "test.time_step_s is -1"),
         (Test { time_step_s: Some(1.0), ..base.clone() }, "they must be 10 to 1e9"),
         (Test { duration_s: Some(f64::INFINITY), ..base.clone() }, "test.duration_s is inf"),
-        (Test { interface: Interface { friction: f64::NAN, ..base.interface }, ..base.clone() }, "test.interface.friction"),
+        (
+            Test { interface: Interface { friction: f64::NAN, ..base.interface }, ..base.clone() },
+            "test.interface.friction",
+        ),
     ] {
         let error = refusal(meshed.sample(), &Materials::default(), &test);
         assert!(error.contains(text), "{error}");
@@ -37,7 +41,10 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
 fn materials_that_cannot_be_are_named() {
     let meshed = cube();
     for (change, text) in [
-        ((|m: &mut Materials| m.mortar.youngs_modulus_mpa = -1.0) as fn(&mut Materials), "materials.mortar.youngs_modulus_mpa is -1"),
+        (
+            (|m: &mut Materials| m.mortar.youngs_modulus_mpa = -1.0) as fn(&mut Materials),
+            "materials.mortar.youngs_modulus_mpa is -1",
+        ),
         (|m| m.mortar.poisson_ratio = 0.5, "materials.mortar.poisson_ratio is 0.5"),
         (|m| m.mortar.density_t_per_mm3 = 2400.0, "2400 kg/m3 are 2.4e-9"),
         (|m| m.mortar_strength.tensile_mpa = f64::NAN, "materials.mortar_strength.tensile_mpa is NaN"),
@@ -68,15 +75,17 @@ fn meshes_that_cannot_be_tested_are_refused() {
     });
     assert!(empty.contains("it has no cells"), "{empty}");
     let spike = refused(|mesh| {
-        let top = (0..mesh.points.len()).max_by(|&a, &b| mesh.points[a].z.total_cmp(&mesh.points[b].z)).unwrap();
-        mesh.points[top].z += 1000.0;
+        mesh.points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 10.0]].map(Vec3::from).to_vec();
+        mesh.cells = vec![0, 1, 2, 3];
+        mesh.phase.truncate(1);
+        mesh.aggregate.truncate(1);
     });
     assert!(spike.contains("no face looks to its upper plate"), "{spike}");
 }
 
 #[test]
 fn hexahedra_that_are_no_boxes_are_refused() {
-    let mut meshed = Meshed::mortar([6.0; 3], Method::Voxel, 3.0);
+    let mut meshed = Meshed::mortar([6.0; 3], Method::VOXEL, 3.0);
     meshed.mesh.points[13].x += 0.1;
     let error = refusal(meshed.sample(), &Materials::default(), &Test::default());
     assert!(error.contains("is no box like the first one"), "{error}");

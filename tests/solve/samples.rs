@@ -2,7 +2,7 @@
 
 use meso_core::aggregate::{Aggregate, Grading};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
 use meso_solve::{Observer, Response, Run, Sample, Test};
@@ -41,13 +41,13 @@ impl Meshed {
 }
 
 pub(crate) fn options(method: Method, element_size_mm: f64, itz: ItzForm) -> MeshOptions {
-    MeshOptions { method, element_size_mm, itz, fit: Fit::Fitted, ..MeshOptions::default() }
+    MeshOptions { method, element_size_mm, itz }
 }
 
 /// A cube of 24 mm with aggregates of 4 to 10 mm, `gap` mm apart.
 pub(crate) fn small_cube(gap: f64) -> Model {
     let mut spec = Spec { specimen: Specimen::cube(24.0), fraction: 0.3, seed: 3, ..Spec::default() };
-    spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: Vec::new(), ..Grading::default() };
+    spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
     spec.placement.min_gap_mm = gap;
     meso_core::pack(&spec, &Silent).unwrap()
 }

@@ -136,7 +136,8 @@ mod tests {
     #[test]
     fn figures_are_those_of_a_parabola() {
         let stress = |strain: f64| 40.0 * (2.0 - strain / 0.002) * strain / 0.002;
-        let row = |i: i32| Row { strain: 2e-5 * f64::from(i), stress_mpa: stress(2e-5 * f64::from(i)), ..Row::default() };
+        let row =
+            |i: i32| Row { strain: 2e-5 * f64::from(i), stress_mpa: stress(2e-5 * f64::from(i)), ..Row::default() };
         let rows: Vec<Row> = (1..=180).map(row).collect();
         let figures = Figures::of(&rows);
         assert_eq!((figures.peak_mpa, figures.peak_strain), (40.0, 2e-5 * 100.0));

@@ -154,7 +154,8 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[
     let response = law.stress(strain, &mut history.clone(), width);
     let stress = response.stress.map(L::eight);
     let [damage, tension, compression, opening, stored] =
-        [L::splat(1.0) - response.integrity, state.tension, state.compression, state.opening, state.stored].map(L::eight);
+        [L::splat(1.0) - response.integrity, state.tension, state.compression, state.opening, state.stored]
+            .map(L::eight);
     std::array::from_fn(|lane| Point {
         stress: stress.map(|s| s.0[lane]),
         damage: damage.0[lane],

@@ -76,7 +76,7 @@ mod tests {
         let need = Need::of(&matter, &metric, 4, volume.abs(), 1e-7);
         // Displacements x_a at corners 3 from the origin squared: 9 K V over the mass times 3.
         let bulk = 3e4 / (3.0 * (1.0 - 0.4));
-        let square = 9.0 * bulk / (2e-9 * 3.0);
+        let square: f64 = 9.0 * bulk / (2e-9 * 3.0);
         assert!((need.stable_s * square.sqrt() / 2.0 - 1.0).abs() < 1e-12, "{need:?}");
     }
 }

@@ -3,7 +3,7 @@
 use crate::element::hex::{BoxShape, hourglass_stiffness};
 use crate::error::{SolveError, require};
 use crate::lanes::Lanes;
-use crate::law::{self, Law, cdp};
+use crate::law::{self, Law, cdp, cdpm2};
 use crate::real::Real;
 use crate::test::LawName;
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength};
@@ -25,6 +25,8 @@ pub(crate) enum Behaviour {
     Elastic,
     /// Concrete damaged plasticity.
     Cdp(Strength, Plasticity),
+    /// CDPM2, with the biaxial over the uniaxial strength.
+    Cdpm2(Strength, f64),
 }
 
 /// Finds out whether the law `name` can have `materials`.
@@ -35,6 +37,7 @@ pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), Solve
     let answer = match name {
         LawName::Elastic => law::validate_elastic(materials),
         LawName::Cdp => cdp::validate(materials),
+        LawName::Cdpm2 => cdpm2::validate(materials, &cdpm2::Options::default()),
     };
     answer.map_err(|error| SolveError::value(&format!("materials.{}", error.key), error.value, error.accepted))?;
     // Densities in kg/m3 or g/cm3 are far above the heaviest matter.
@@ -63,6 +66,7 @@ impl Matter {
         let behaviour = match (name, materials.strength(phase)) {
             (LawName::Elastic, _) | (_, None) => Behaviour::Elastic,
             (LawName::Cdp, Some(strength)) => Behaviour::Cdp(strength, materials.plasticity),
+            (LawName::Cdpm2, Some(strength)) => Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio),
         };
         // Smeared, the ITZ is mortar that is weaker and not softer; see `Phases`.
         Self { elastic: *materials.elastic(phase), behaviour }
@@ -74,11 +78,16 @@ impl Matter {
         match &self.behaviour {
             Behaviour::Elastic => task.run(&law::Elastic::<L>::new(&self.elastic)),
             Behaviour::Cdp(strength, plasticity) => task.run(&self.cdp::<L>(strength, plasticity)),
+            Behaviour::Cdpm2(strength, biaxial) => task.run(&self.cdpm2::<L>(strength, *biaxial)),
         }
     }
 
     fn cdp<R: Real>(&self, strength: &Strength, plasticity: &Plasticity) -> law::Cdp<R> {
         law::Cdp::new(&self.elastic, strength, plasticity)
+    }
+
+    fn cdpm2<R: Real>(&self, strength: &Strength, biaxial: f64) -> law::Cdpm2<R> {
+        law::Cdpm2::new(&self.elastic, strength, biaxial, &cdpm2::Options::default())
     }
 
     /// Registers that an element remembers: the law's history and the integrity.
@@ -89,6 +98,7 @@ impl Matter {
         match &self.behaviour {
             Behaviour::Elastic => 0,
             Behaviour::Cdp(..) => with_integrity::<law::Cdp<f64>>(),
+            Behaviour::Cdpm2(..) => with_integrity::<law::Cdpm2<f64>>(),
         }
     }
 
@@ -97,6 +107,7 @@ impl Matter {
         match &self.behaviour {
             Behaviour::Elastic => f64::INFINITY,
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
+            Behaviour::Cdpm2(strength, biaxial) => self.cdpm2::<f64>(strength, *biaxial).widest_mm(),
         }
     }
 

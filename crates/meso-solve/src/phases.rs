@@ -108,10 +108,7 @@ fn each_pair(owners: &[(u32, u32)]) -> impl Iterator<Item = (u32, u32)> {
 }
 
 /// The cells of elastic bodies, with their bodies.
-fn stiff<'a>(
-    mesh: &'a Mesh,
-    phases: &'a [Phase],
-) -> impl Iterator<Item = ((&'a [u32], &'a u32), &'a Phase)> {
+fn stiff<'a>(mesh: &'a Mesh, phases: &'a [Phase]) -> impl Iterator<Item = ((&'a [u32], &'a u32), &'a Phase)> {
     let bodies = |phase: &Phase| matches!(phase, Phase::Aggregate | Phase::Fibre);
     mesh.cells().zip(&mesh.aggregate).zip(phases).filter(move |(_, phase)| bodies(phase))
 }

@@ -316,9 +316,9 @@ fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common,
 fn cohesion(sample: &Sample, materials: &Materials, test: &Test) -> Result<CohesionValues, SolveError> {
     let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
     let interface = &test.interface;
-    let stiffness = interface.stiffness_n_per_mm3.unwrap_or_else(|| {
-        COHESIVE_STIFFNESS * materials.mortar.youngs_modulus_mpa / sample.element_size_mm
-    });
+    let stiffness = interface
+        .stiffness_n_per_mm3
+        .unwrap_or_else(|| COHESIVE_STIFFNESS * materials.mortar.youngs_modulus_mpa / sample.element_size_mm);
     let opening = strength.fracture_energy_n_per_mm;
     let values = CohesionValues {
         stiffness,
@@ -329,13 +329,19 @@ fn cohesion(sample: &Sample, materials: &Materials, test: &Test) -> Result<Cohes
         friction: interface.friction,
     };
     let stored = |stress: f64| stress * stress / (2.0 * stiffness);
-    if test.law != LawName::Elastic && (stored(values.tensile) >= opening || stored(values.shear) >= values.energies[1]) {
+    if test.law != LawName::Elastic && (stored(values.tensile) >= opening || stored(values.shear) >= values.energies[1])
+    {
         let least = (values.tensile.powi(2) / (2.0 * opening)).max(values.shear.powi(2) / (2.0 * values.energies[1]));
         let accepted = format!("it must be above {least:.3e}, where damage begins with less than the fracture energy");
         return Err(SolveError::value("test.interface.stiffness_n_per_mm3", stiffness, accepted));
     }
     if test.law == LawName::Elastic {
-        return Ok(CohesionValues { tensile: UNBREAKABLE, shear: UNBREAKABLE, energies: [UNBREAKABLE.powi(2); 2], ..values });
+        return Ok(CohesionValues {
+            tensile: UNBREAKABLE,
+            shear: UNBREAKABLE,
+            energies: [UNBREAKABLE.powi(2); 2],
+            ..values
+        });
     }
     Ok(values)
 }

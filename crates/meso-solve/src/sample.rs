@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use meso_core::math::Aabb;
-use meso_core::mesh::{CellKind, Fit, Mesh, MeshOptions, Method, PhaseVolumes};
+use meso_core::mesh::{CellKind, Mesh, MeshOptions, Method, PhaseVolumes};
 use meso_core::packing::Specimen;
 
 /// A meshed specimen; it is loaded along z.
@@ -22,8 +22,10 @@ pub struct Sample<'a> {
     pub exact: Option<PhaseVolumes>,
 }
 
-/// Crack bands in tetrahedra of a fitted lattice, over their [`regular_edge`]: a weak band then spends its fracture energy.
-const FITTED_BAND: f64 = 1.6;
+/// Crack bands in boxes over their edge, and in tetrahedra over their [`regular_edge`]: a weak layer then spends its fracture
+/// energy. More than 1, since what holds the layer's sides makes it stronger and tougher.
+const VOXEL_BAND: f64 = 1.19;
+const TETRAHEDRON_BAND: f64 = 1.6;
 
 impl<'a> Sample<'a> {
     /// `mesh` as it was built of `specimen` with `options`.
@@ -33,7 +35,7 @@ impl<'a> Sample<'a> {
             section_mm2: gross_section_mm2(specimen),
             volume_mm3: specimen.volume(),
             element_size_mm: options.element_size_mm,
-            band_factor: band_factor(options.method, options.fit),
+            band_factor: band_factor(options.method),
             exact: None,
         }
     }
@@ -63,12 +65,10 @@ impl<'a> Sample<'a> {
 }
 
 /// Width of a crack band over the size of the element it runs through, calibrated for every method.
-pub fn band_factor(method: Method, fit: Fit) -> f64 {
-    match (method, fit) {
-        (Method::Voxel, _) => 1.0,
-        (Method::Lattice, Fit::Fitted) => FITTED_BAND,
-        (Method::Lattice, Fit::Plain) => FITTED_BAND,
-        (Method::Conforming, _) => FITTED_BAND,
+pub fn band_factor(method: Method) -> f64 {
+    match method {
+        Method::Voxel { .. } => VOXEL_BAND,
+        Method::Lattice { .. } | Method::Conforming { .. } => TETRAHEDRON_BAND,
     }
 }
 

@@ -154,8 +154,14 @@ impl<const N: usize> Faces<N> {
 mod tests {
     use super::*;
 
-    const VALUES: CohesionValues =
-        CohesionValues { stiffness: 2e5, tensile: 2.0, shear: 5.0, energies: [0.04, 0.4], exponent: 2.0, friction: 0.6 };
+    const VALUES: CohesionValues = CohesionValues {
+        stiffness: 2e5,
+        tensile: 2.0,
+        shear: 5.0,
+        energies: [0.04, 0.4],
+        exponent: 2.0,
+        friction: 0.6,
+    };
 
     /// Work per area, the energy that was told as spent, and the last traction, over separations `path(0..=1)`.
     fn along(path: impl Fn(f64) -> [f64; 3]) -> (f64, f64, [f64; 3]) {

@@ -179,7 +179,8 @@ impl<R: Real> Cdpm2<R> {
         let df = options.dilation;
         let opening = strength.fracture_energy_n_per_mm / (AREA * ft);
         let crushing = strength.crushing_energy_n_per_mm * ft / (fc * fc * options.softening_ductility);
-        let crushed_mm = options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
+        let crushed_mm =
+            options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
         let widest_mm = SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
         let splat = R::splat;
         Self {
@@ -383,7 +384,8 @@ impl<R: Real> Cdpm2<R> {
             let turn = R::select(axis, one, frame.turn);
             let norm = (on.g_s * on.g_s).mul_add(R::splat(1.0 / 3.0), g_u * g_u * R::splat(1.0 / 6.0)).sqrt();
             let rate = self.per_young * norm * turn * frame.per_ductility(at.s);
-            let fall = (self.mean_fall * on.f_s).mul_add(on.g_s, (self.shear_fall * on.f_u).mul_add(g_u, -(on.f_kappa * rate)));
+            let fall = (self.mean_fall * on.f_s)
+                .mul_add(on.g_s, (self.shear_fall * on.f_u).mul_add(g_u, -(on.f_kappa * rate)));
             let step = on.f / fall.max(R::splat(1e-6));
             at.s = at.s - self.mean_fall * on.g_s * step;
             at.u = (at.u - self.shear_fall * g_u * step).positive();
