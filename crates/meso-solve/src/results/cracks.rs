@@ -97,3 +97,49 @@ fn key(kind: CellKind, face: &[u32]) -> [u32; 4] {
     key.sort_unstable();
     key
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::{Moment, Snapshot};
+    use meso_core::mesh::{ItzForm, MeshOptions, Method};
+    use meso_core::packing::Specimen;
+
+    fn moment(mesh: &Mesh, openings: &[(usize, f32)]) -> Snapshot {
+        let mut opening_mm = vec![0.0; mesh.cell_count()];
+        openings.iter().for_each(|&(cell, opening)| opening_mm[cell] = opening);
+        Snapshot {
+            moment: Moment::default(),
+            displacement: Vec::new(),
+            phases: mesh.phase.clone(),
+            stress: Vec::new(),
+            damage: Vec::new(),
+            tension: Vec::new(),
+            compression: Vec::new(),
+            opening_mm,
+        }
+    }
+
+    #[test]
+    fn open_cells_show_their_outside_alone() {
+        let options = MeshOptions { method: Method::VOXEL, element_size_mm: 2.0, itz: ItzForm::None };
+        let mesh = meso_core::mesh::build_parts(&[], &Specimen::cuboid([4.0, 2.0, 8.0]), &options).unwrap();
+        assert_eq!(mesh.cell_count(), 8);
+        // Two neighbours and a third one whose crack is hardly open.
+        let cracks = Cracks::of(&mesh, &moment(&mesh, &[(0, 0.05), (1, 0.1), (7, 0.001)])).unwrap();
+        assert_eq!((cracks.cells, cracks.triangles.len(), cracks.corners.len()), (2, 2 * 10, 12));
+        assert_eq!(cracks.openings_mm, [LEAST_MM, 0.1]);
+        assert_eq!(cracks.openings.iter().filter(|&&share| share == 255).count(), 8);
+        let highest = cracks.corners.iter().map(|corner| corner[2]).max();
+        assert_eq!(highest, Some(65_535 / 4 + 1), "2 of 8 mm");
+        assert!(Cracks::of(&mesh, &moment(&mesh, &[])).is_none());
+    }
+
+    #[test]
+    fn the_widest_cracks_are_shown_where_there_are_too_many() {
+        let openings: Vec<f32> = (0..MOST_CELLS + 10).map(|i| 0.02 + 1e-6 * i as f32).collect();
+        let least = least_shown(&openings);
+        let shown = openings.iter().filter(|&&opening| opening >= least).count();
+        assert!((MOST_CELLS - 100..=MOST_CELLS).contains(&shown), "{shown}");
+    }
+}

@@ -139,6 +139,8 @@ fn span(values: impl Iterator<Item = f64>, end: usize) -> std::ops::Range<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use meso_core::mesh::{ItzForm, MeshOptions, Method};
+    use meso_core::packing::Specimen;
 
     #[test]
     fn polygons_that_tile_a_square_leave_no_pixel_out() {
@@ -156,6 +158,20 @@ mod tests {
             let share = pixels.iter().filter(|&&p| p == 1 + i as u8).count() as f64 / pixels.len() as f64;
             assert!((share - height / 14.0).abs() < 2e-3, "{i}: {share}");
         }
+    }
+
+    #[test]
+    fn a_plane_along_faces_shows_the_cells_below_it() {
+        let options = MeshOptions { method: Method::FITTED, element_size_mm: 2.0, itz: ItzForm::None };
+        let mesh = meso_core::mesh::build_parts(&[], &Specimen::cube(8.0), &options).unwrap();
+        // The plane z = 4 passes through nodes.
+        let area = |cell: &[u32]| {
+            let corners = cut(&mesh, cell, 2, 4.0);
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0
+        };
+        let total: f64 = mesh.cells().map(area).sum();
+        assert!((total - 64.0).abs() < 1e-9, "{total}");
     }
 
     #[test]

@@ -129,7 +129,9 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
 fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     let over_strain = |of: fn(&Row) -> f64| rows.iter().map(|row| (row.strain, of(row))).collect::<Vec<_>>();
     let plot = |title, y, curves| Plot { title, x: "mean axial strain", y, log_x: false, size: SMALL, curves };
-    let share = |part: f64, row: &Row| if row.internal > 0.0 { 100.0 * part / row.internal } else { 0.0 };
+    // Where there is hardly any internal energy yet, its shares say nothing.
+    let most = rows.iter().map(|row| row.internal).fold(0.0, f64::max);
+    let loaded = || rows.iter().filter(|row| row.internal > 0.01 * most);
     writeln!(out, "<h2>Energies</h2>\n<div class=\"row\">")?;
     let work = vec![
         Curve::line("plates' work", over_strain(|row| row.external / 1000.0)),
@@ -137,7 +139,7 @@ fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
         Curve::line("plate friction", over_strain(|row| row.friction_work / 1000.0)),
     ];
     plot("Work and where it went", "J", work).write(out)?;
-    let shares = |of: fn(&Row) -> f64| rows.iter().map(|row| (row.strain, share(of(row), row))).collect();
+    let shares = |of: fn(&Row) -> f64| loaded().map(|row| (row.strain, 100.0 * of(row) / row.internal)).collect();
     let small = vec![
         Curve::line("kinetic", shares(|row| row.kinetic)),
         Curve::line("hourglass", shares(|row| row.hourglass)),
