@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 
 /// A crack that is open less than this is not shown, mm.
 const LEAST_MM: f32 = 0.01;
+/// Nor one that is open less than this share of the widest: what is all over the specimen hides what splits it.
+const LEAST_SHARE: f32 = 0.2;
 /// Most cells that are shown: with four faces each and three bytes a corner the page stays below 15 MB.
 const MOST_CELLS: usize = 120_000;
 
@@ -66,9 +68,11 @@ impl Cracks {
 
 /// The opening from which on cells are shown.
 fn least_shown(opening: &[f32]) -> f32 {
-    let mut open: Vec<f32> = opening.iter().copied().filter(|&w| w >= LEAST_MM).collect();
+    let widest = opening.iter().copied().fold(0.0, f32::max);
+    let least = LEAST_MM.max(LEAST_SHARE * widest);
+    let mut open: Vec<f32> = opening.iter().copied().filter(|&w| w >= least).collect();
     if open.len() <= MOST_CELLS {
-        return LEAST_MM;
+        return least;
     }
     let (_, most, _) = open.select_nth_unstable_by(MOST_CELLS, |a, b| b.total_cmp(a));
     // The next wider one, so that cells of one opening are all shown or all left out.
@@ -128,7 +132,7 @@ mod tests {
         // Two neighbours and a third one whose crack is hardly open.
         let cracks = Cracks::of(&mesh, &moment(&mesh, &[(0, 0.05), (1, 0.1), (7, 0.001)])).unwrap();
         assert_eq!((cracks.cells, cracks.triangles.len(), cracks.corners.len()), (2, 2 * 10, 12));
-        assert_eq!(cracks.openings_mm, [LEAST_MM, 0.1]);
+        assert_eq!(cracks.openings_mm, [LEAST_SHARE * 0.1, 0.1]);
         assert_eq!(cracks.openings.iter().filter(|&&share| share == 255).count(), 8);
         let highest = cracks.corners.iter().map(|corner| corner[2]).max();
         assert_eq!(highest, Some(65_535 / 4 + 1), "2 of 8 mm");
@@ -137,7 +141,7 @@ mod tests {
 
     #[test]
     fn the_widest_cracks_are_shown_where_there_are_too_many() {
-        let openings: Vec<f32> = (0..MOST_CELLS + 10).map(|i| 0.02 + 1e-6 * i as f32).collect();
+        let openings: Vec<f32> = (0..MOST_CELLS + 10).map(|i| 0.05 + 1e-6 * i as f32).collect();
         let least = least_shown(&openings);
         let shown = openings.iter().filter(|&&opening| opening >= least).count();
         assert!((MOST_CELLS - 100..=MOST_CELLS).contains(&shown), "{shown}");

@@ -15,7 +15,7 @@ use std::io::{self, BufWriter, Write};
 const STYLE: &str = include_str!("style.css");
 const VIEWER: &str = include_str!("viewer.js");
 /// Width and height of the stress-strain curve, pixels.
-const LARGE: [f64; 2] = [720.0, 400.0];
+const LARGE: [f64; 2] = [560.0, 340.0];
 
 /// Writes the page.
 ///

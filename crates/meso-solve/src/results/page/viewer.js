@@ -76,7 +76,7 @@
   gl.enableVertexAttribArray(attribute("place"));
   gl.vertexAttribPointer(attribute("place"), 3, gl.FLOAT, false, 0, 0);
 
-  let yaw = -0.6, pitch = 0.45, zoom = 1.15 / Math.hypot(...size);
+  let yaw = -0.6, pitch = 0.45, zoom = 1.5 / Math.hypot(...size);
   // x to the right, z upwards, then turned about z and about the screen's horizontal axis; columns first.
   const turn = () => {
     const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
