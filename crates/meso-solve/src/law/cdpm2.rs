@@ -24,7 +24,6 @@
 //! it yields (exact on straight paths), so that points at rest cost nothing; the return takes a fixed number of cutting-plane
 //! steps with the trial stress's Lode angle, so a large step ends near the surface, and the next step takes up the rest.
 
-use super::elastic::energy;
 use super::invariants::Invariants;
 use super::limits::{self, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
@@ -179,7 +178,8 @@ impl<R: Real> Cdpm2<R> {
         let df = options.dilation;
         let opening = strength.fracture_energy_n_per_mm / (AREA * ft);
         let crushing = strength.crushing_energy_n_per_mm * ft / (fc * fc * options.softening_ductility);
-        let crushed_mm = options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
+        let crushed_mm =
+            options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
         let widest_mm = SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
         let splat = R::splat;
         Self {
@@ -251,10 +251,10 @@ impl<R: Real> Ductility<R> {
     }
 }
 
-/// e^x near x = 0, positive for all x.
+/// e^x near x = 0; for all x positive and not falling.
 #[inline(always)]
 fn exp_near_zero<R: Real>(x: R) -> R {
-    let half = R::splat(0.5);
+    let (half, x) = (R::splat(0.5), x.max(R::splat(-1.0)));
     half.mul_add(x, R::splat(1.0)).mul_add(x, R::splat(1.0))
 }
 
@@ -359,7 +359,9 @@ impl<R: Real> Cdpm2<R> {
         let slope = self.thrice_tensile.mul_add(second, half);
         let ratio = slope / R::splat(3.0).mul_add(second, half);
         let per_scale = self.per_dilation * (ratio.ln() + self.dilation) / second;
-        let dilating = slope * ((-second).mul_add(self.third_tensile, s) * per_scale).exp();
+        // On the surface the exponent is below 1; a trial far off it must not lead out of all bounds.
+        let exponent = (-second).mul_add(self.third_tensile, s) * per_scale;
+        let dilating = slope * exponent.min(R::splat(4.0)).exp();
         let [far, step, per_decay, r] = self.ductility.branch(s);
         Frame {
             shape: self.shape.at(cosine),
@@ -383,7 +385,8 @@ impl<R: Real> Cdpm2<R> {
             let turn = R::select(axis, one, frame.turn);
             let norm = (on.g_s * on.g_s).mul_add(R::splat(1.0 / 3.0), g_u * g_u * R::splat(1.0 / 6.0)).sqrt();
             let rate = self.per_young * norm * turn * frame.per_ductility(at.s);
-            let fall = (self.mean_fall * on.f_s).mul_add(on.g_s, (self.shear_fall * on.f_u).mul_add(g_u, -(on.f_kappa * rate)));
+            let fall = (self.mean_fall * on.f_s)
+                .mul_add(on.g_s, (self.shear_fall * on.f_u).mul_add(g_u, -(on.f_kappa * rate)));
             let step = on.f / fall.max(R::splat(1e-6));
             at.s = at.s - self.mean_fall * on.g_s * step;
             at.u = (at.u - self.shear_fall * g_u * step).positive();
@@ -412,7 +415,7 @@ impl<R: Real> Cdpm2<R> {
     /// Integrities 1 - wt and 1 - wc. Equivalent strains are over f_t / E, k1 and k2 strains.
     #[inline(always)]
     fn integrity(&self, history: &[R; 15], width: R) -> [R; 2] {
-        let one = R::splat(1.0);
+        let (one, onset) = (R::splat(1.0), R::splat(ONSET));
         let width = width.min(self.widest);
         let [pulled, first, second] = [history[PULLED], history[PULLED + 1], history[PULLED + 2]];
         let scale = width * self.per_opening;
@@ -426,13 +429,24 @@ impl<R: Real> Cdpm2<R> {
         let per_crushing = self.per_crushing(width);
         let start = (one - (first + second) * per_crushing).exp() / pressed.max(one);
         let crush = softening::relaxed(start, second * per_crushing).between(LEAST_INTEGRITY, 1.0);
-        [R::select(one.lt(pulled), crack, one), R::select(one.lt(pressed), crush, one)]
+        [R::select(onset.lt(pulled), crack, one), R::select(onset.lt(pressed), crush, one)]
+    }
+
+    /// Elastic energy, N/mm2: that of sqrt(1 - wt) s+ + sqrt(1 - wc) s-, which is never below 0 and is exact where principal
+    /// stresses have one sign. (Stress times elastic strain is not: what is cracked adds to it by Poisson's ratio.)
+    fn stored(&self, effective: &Tensor<R>, crack: R, crush: R) -> R {
+        let of = Invariants::of(&effective.map(|x| x * self.per_strength));
+        let deviators = of.shape().map(|y| R::splat(2.0 / 3.0) * of.mises * y);
+        let weighed = split(of.mean, &of.deviator, &deviators, crack.sqrt(), crush.sqrt());
+        let Invariants { mean, mises, .. } = Invariants::of(&weighed);
+        let volume = R::splat(1.5) * self.per_volume * mean * mean;
+        self.compressive * (R::splat(1.0 / 3.0) * self.per_shear * mises).mul_add(mises, volume)
     }
 
     /// Lets the damage variables follow a step that ends at `end`, with `flowed` of plastic strain.
     #[inline(always)]
     fn damage(&self, history: &mut [R; 15], end: &Place<R>, shape: R, pressed: R, flowed: R) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let (zero, one, onset) = (R::splat(0.0), R::splat(1.0), R::splat(ONSET));
         let now = self.equivalent(end.s, end.u, shape);
         // u x_s, and 1 / x_s
         let stretched = self.brittle.mul_add((-end.s).positive(), end.u).max(R::splat(1e-7));
@@ -448,8 +462,8 @@ impl<R: Real> Cdpm2<R> {
             let (old, new) = (history[place], history[place].max(strain));
             let grown = new - old;
             // Plastic strain counts from the onset on.
-            let share = ((new - one) / grown.max(R::splat(1e-12))).between(0.0, 1.0);
-            let counts = R::select(old.lt(strain), share, zero);
+            let share = ((new - onset) / grown.max(R::splat(1e-12))).between(0.0, 1.0);
+            let counts = R::select(strain.lt(old * onset), zero, share);
             history[place] = new;
             history[place + 1] = counts.mul_add(plastic, history[place + 1]);
             history[place + 2] = (grown * self.onset).mul_add(per_stretch, history[place + 2]);
@@ -459,6 +473,9 @@ impl<R: Real> Cdpm2<R> {
     }
 }
 
+/// Equivalent strain over that of the tensile strength at which damage begins, and over its largest one at which plastic
+/// strain still counts: without hardening it stays at 1 but for rounding.
+const ONSET: f64 = 0.9999;
 /// How far damage goes.
 const LEAST_INTEGRITY: f64 = 1e-6;
 
@@ -530,7 +547,8 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let hardening = self.hardening(history[KAPPA]);
         // r is at most 1 / e.
         let bound = self.excess(s, u, self.shape.widest, hardening);
-        let active = zero.lt(bound) | one.lt(history[PULLED]) | one.lt(history[PRESSED]);
+        let onset = R::splat(ONSET);
+        let active = zero.lt(bound) | onset.lt(history[PULLED]) | onset.lt(history[PRESSED]);
         if !R::any(active) {
             return Response { stress, integrity: one };
         }
@@ -571,13 +589,12 @@ impl<R: Real> Law<R> for Cdpm2<R> {
     fn state(&self, strain: &Tensor<R>, history: &[R; 15], width: R) -> State<R> {
         let one = R::splat(1.0);
         let [crack, crush] = self.integrity(history, width);
-        let stress = self.stress(strain, &mut { *history }, width).stress;
         let opened = (one - crack).mul_add(history[PULLED + 2], history[PULLED + 1]);
         State {
             tension: one - crack,
             compression: one - crush,
             opening: width.min(self.widest) * opened,
-            stored: energy(&stress, &elastic_strain(strain, history)),
+            stored: self.stored(&self.elastic.of(&elastic_strain(strain, history)), crack, crush),
         }
     }
 
