@@ -4,5 +4,6 @@ mod cdp;
 mod cdpm2;
 mod con2dpm;
 mod deck;
+mod registers;
 mod safety;
 mod subject;

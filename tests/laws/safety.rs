@@ -4,10 +4,10 @@ use crate::subject::{Number, WIDTH, cdp, cdpm2, mortar};
 use meso_solve::law::{Law, Tensor, cdpm2 as options};
 
 /// Numbers from -1 to 1, the same every time.
-struct Dice(u64);
+pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
-    fn throw(&mut self) -> f64 {
+    pub(crate) fn throw(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }

@@ -24,6 +24,7 @@
 //! it yields (exact on straight paths), so that points at rest cost nothing; the return takes a fixed number of cutting-plane
 //! steps with the trial stress's Lode angle, so a large step ends near the surface, and the next step takes up the rest.
 
+use super::elastic::{elastic_part, flow};
 use super::invariants::Invariants;
 use super::limits::{self, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
@@ -155,8 +156,6 @@ struct Ductility<R> {
 
 /// Cutting-plane steps of the return.
 const STEPS: usize = 2;
-/// A crack band's share of the width at which it would snap back.
-const SNAP_BACK: f64 = 0.98;
 /// The first piece of the crack law ends at these shares of w_f and f_t.
 const KINK: [f64; 2] = [0.15, 0.3];
 /// Area of the crack law over w_f f_t.
@@ -180,7 +179,7 @@ impl<R: Real> Cdpm2<R> {
         let crushing = strength.crushing_energy_n_per_mm * ft / (fc * fc * options.softening_ductility);
         let crushed_mm =
             options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
-        let widest_mm = SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
+        let widest_mm = softening::SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
         let splat = R::splat;
         Self {
             elastic: Elastic::new(elastic),
@@ -414,7 +413,7 @@ impl<R: Real> Cdpm2<R> {
 
     /// Integrities 1 - wt and 1 - wc. Equivalent strains are over f_t / E, k1 and k2 strains.
     #[inline(always)]
-    fn integrity(&self, history: &[R; 15], width: R) -> [R; 2] {
+    fn integrity(&self, history: &History<R>, width: R) -> [R; 2] {
         let (one, onset) = (R::splat(1.0), R::splat(ONSET));
         let width = width.min(self.widest);
         let [pulled, first, second] = [history[PULLED], history[PULLED + 1], history[PULLED + 2]];
@@ -445,7 +444,7 @@ impl<R: Real> Cdpm2<R> {
 
     /// Lets the damage variables follow a step that ends at `end`, with `flowed` of plastic strain.
     #[inline(always)]
-    fn damage(&self, history: &mut [R; 15], end: &Place<R>, shape: R, pressed: R, flowed: R) {
+    fn damage(&self, history: &mut History<R>, end: &Place<R>, shape: R, pressed: R, flowed: R) {
         let (zero, one, onset) = (R::splat(0.0), R::splat(1.0), R::splat(ONSET));
         let now = self.equivalent(end.s, end.u, shape);
         // u x_s, and 1 / x_s
@@ -479,17 +478,14 @@ const ONSET: f64 = 0.9999;
 /// How far damage goes.
 const LEAST_INTEGRITY: f64 = 1e-6;
 
-/// Where what stands in a history, after the plastic strain: the hardening variable; the equivalent strain, positive in
-/// pure tension and else negative, and that of compression; largest one, plastic strain and own share in tension; the same in compression.
+/// Plastic strain; the hardening variable; the equivalent strain, positive in pure tension and else negative, and that of
+/// compression; the largest one, k1 and k2 of tension; the same of compression.
+type History<R> = [R; REGISTERS];
+const REGISTERS: usize = 15;
 const KAPPA: usize = 6;
 const EQUIVALENT: usize = 7;
 const PULLED: usize = 9;
 const PRESSED: usize = 12;
-
-#[inline(always)]
-fn elastic_strain<R: Real>(strain: &Tensor<R>, history: &[R; 15]) -> Tensor<R> {
-    std::array::from_fn(|i| strain[i] - history[i])
-}
 
 /// Share of compression among principal stresses, by squares.
 #[inline(always)]
@@ -532,16 +528,16 @@ fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: R, crush: R
 }
 
 impl<R: Real> Law<R> for Cdpm2<R> {
-    type History = [R; 15];
+    type History = History<R>;
 
-    fn virgin() -> [R; 15] {
-        [R::splat(0.0); 15]
+    fn virgin() -> History<R> {
+        [R::splat(0.0); REGISTERS]
     }
 
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 15], width: R) -> Response<R> {
+    fn stress(&self, strain: &Tensor<R>, history: &mut History<R>, width: R) -> Response<R> {
         let (zero, one, two) = (R::splat(0.0), R::splat(1.0), R::splat(2.0));
-        let stress = self.elastic.of(&elastic_strain(strain, history));
+        let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
         let (s, u) = (invariants.mean * self.per_strength, invariants.mises * self.per_strength * R::splat(1.0 / 3.0));
         let hardening = self.hardening(history[KAPPA]);
@@ -561,10 +557,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let left = end.u / u.max(R::splat(1e-12));
         let left = R::select(outside, left, one);
         let (volumetric, lost) = ((s - end.s) * self.per_volume, (one - left) * self.per_shear * self.per_strength);
-        for i in 0..3 {
-            next[i] = lost.mul_add(invariants.deviator[i], history[i] + volumetric);
-            next[i + 3] = (lost + lost).mul_add(invariants.deviator[i + 3], history[i + 3]);
-        }
+        flow(&mut next, &invariants.deviator, lost, volumetric);
         // |d ep|: rho / (2 G) is sqrt(6) f_c u / (2 G).
         let sheared = (u - end.u) * self.per_shear;
         let flowed = (R::splat(3.0) * volumetric).mul_add(volumetric, R::splat(6.0) * sheared * sheared).sqrt();
@@ -572,7 +565,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let deviators = of.map(|y| two * end.u * y);
         let pressed = compression(&deviators.map(|d| d + end.s));
         self.damage(&mut next, &end, frame.shape, pressed, flowed);
-        for i in 0..15 {
+        for i in 0..REGISTERS {
             history[i] = R::select(active, next[i], history[i]);
         }
 
@@ -586,7 +579,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         }
     }
 
-    fn state(&self, strain: &Tensor<R>, history: &[R; 15], width: R) -> State<R> {
+    fn state(&self, strain: &Tensor<R>, history: &History<R>, width: R) -> State<R> {
         let one = R::splat(1.0);
         let [crack, crush] = self.integrity(history, width);
         let opened = (one - crack).mul_add(history[PULLED + 2], history[PULLED + 1]);
@@ -594,7 +587,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
             tension: one - crack,
             compression: one - crush,
             opening: width.min(self.widest) * opened,
-            stored: self.stored(&self.elastic.of(&elastic_strain(strain, history)), crack, crush),
+            stored: self.stored(&self.elastic.of(&elastic_part(strain, history)), crack, crush),
         }
     }
 
