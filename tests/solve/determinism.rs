@@ -2,7 +2,7 @@
 
 use crate::samples::{Meshed, brittle, concrete};
 use meso_core::mesh::{ItzForm, Method};
-use meso_solve::{Frame, InstructionSet, Observer, Progress, Response, Run, Silent, Test, Wish};
+use meso_solve::{Frame, InstructionSet, LawName, Observer, Progress, Response, Run, Silent, Test, Wish};
 use std::cell::RefCell;
 
 /// Keeps the bytes of all fields of every frame.
@@ -63,6 +63,11 @@ fn curves_and_fields_are_identical_on_every_instruction_set() {
         let portable = run(InstructionSet::Portable);
         assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
     }
+    let [lattice, ..] = meshes();
+    let cdpm2 = Test { law: LawName::Cdpm2, ..fast() };
+    let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..cdpm2.clone() }, 1);
+    let portable = run(InstructionSet::Portable);
+    assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
 }
 
 /// Asks for the state at row 40, keeps it and stops at row 50.

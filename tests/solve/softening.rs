@@ -40,41 +40,6 @@ fn torn(method: Method, element_size_mm: f64) -> (Meshed, Materials, Response) {
 }
 
 #[test]
-fn a_weak_band_scan() {
-    for method in [Method::VOXEL, Method::FITTED] {
-        for wide in [0.0, 1.0, 1.6] {
-            for factor in [1.0, 1.4] {
-                let ratios = [1.5, 2.0, 3.0].map(|size| scan(method, size, wide, factor));
-                eprintln!("SCAN {method:?} wide {wide} factor {factor} {ratios:?}");
-            }
-        }
-    }
-}
-
-fn scan(method: Method, size: f64, wide: f64, factor: f64) -> f64 {
-    let height = 12.0;
-    let mut meshed = Meshed::mortar([12.0, 12.0, height], method, size);
-    let middle = 0.5 * height + 0.1;
-    let nodes = meshed.mesh.kind.nodes();
-    for (cell, phase) in meshed.mesh.cells.chunks_exact(nodes).zip(&mut meshed.mesh.phase) {
-        let z = || cell.iter().map(|&node| meshed.mesh.points[node as usize].z);
-        let mean = z().sum::<f64>() / nodes as f64;
-        if (wide == 0.0 && z().any(|z| z < middle) && z().any(|z| z > middle)) || (mean - middle).abs() < wide * size {
-            *phase = Phase::Itz;
-        }
-    }
-    let mut materials = brittle();
-    (materials.mortar.poisson_ratio, materials.itz.poisson_ratio) = (0.0, 0.0);
-    materials.itz.youngs_modulus_mpa = materials.mortar.youngs_modulus_mpa;
-    let test = Test { kind: Kind::Tension, strain: Some(0.12 / height), duration_s: Some(1e-3), ..Test::default() };
-    let mut sample = meshed.sample();
-    sample.band_factor = factor;
-    let response = meso_solve::solve(sample, &materials, &test, &meso_solve::Silent).unwrap();
-    let last = response.curve.last().unwrap();
-    (last.external - last.kinetic) / (materials.strength(Phase::Itz).unwrap().fracture_energy_n_per_mm * 144.0)
-}
-
-#[test]
 fn energy_spent_and_energy_stored_make_up_the_internal_one() {
     let (_, _, response) = torn(Method::FITTED, 3.0);
     let last = response.curve.last().unwrap();

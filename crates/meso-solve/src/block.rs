@@ -179,6 +179,9 @@ fn cohesive<L: Lanes, const N: usize>(
     spent.eight().sum()
 }
 
+/// Every law's history begins with the plastic strain.
+const PLASTIC: usize = 6;
+
 /// The law's history in what an element remembers.
 #[inline(always)]
 pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
@@ -199,16 +202,24 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     if states == 0 {
         return Answer { stress, integrity: one, before: one, spent: L::splat(0.0) };
     }
-    let before = one + L::load(&memory[states]);
-    let mut spent = L::splat(0.0);
-    let mut stored = L::splat(0.0);
-    for i in 0..6 {
-        let plastic = history.as_ref()[i];
-        spent = stress[i].mul_add(plastic - L::load(&memory[i]), spent);
-        stored = stress[i].mul_add(strain[i] - plastic, stored);
+    let (before, integrity) = (one + L::load(&memory[states]), response.integrity);
+    let zero = L::splat(0.0);
+    let (mut spent, mut moved) = (zero, (before - integrity).abs());
+    for (i, own) in history.as_ref().iter().enumerate() {
+        let step = *own - L::load(&memory[i]);
+        moved = moved.max(step.abs());
+        if i < PLASTIC {
+            spent = stress[i].mul_add(step, spent);
+        }
+    }
+    if !L::any(zero.lt(moved)) {
+        return Answer { stress, integrity, before, spent: zero };
+    }
+    let mut stored = zero;
+    for i in 0..PLASTIC {
+        stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
     }
     // Of the energy stored, the share by which the integrity fell is lost.
-    let integrity = response.integrity;
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
     history.as_ref().iter().zip(&mut *memory).for_each(|(own, to)| own.store(to));
     (integrity - one).store(&mut memory[states]);

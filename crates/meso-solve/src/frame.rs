@@ -82,7 +82,7 @@ impl<'a> Frame<'a> {
         // A few blocks at a time, so that little is held twice.
         for blocks in self.run.blocks.chunks(64) {
             let probe = |block: &Block| {
-                let points = crate::lanes::InstructionSet::best().run(Probe { block, common, displacement });
+                let points = self.run.set.run(Probe { block, common, displacement });
                 points.into_iter().map(|(cell, point)| (cell, of(&point))).collect::<Vec<_>>()
             };
             let parts: Vec<Vec<(u32, T)>> = blocks.par_iter().map(probe).collect();

@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn the_step_of_a_regular_tetrahedron_is_that_of_its_breathing() {
         let elastic = Elastic { youngs_modulus_mpa: 3e4, poisson_ratio: 0.2, density_t_per_mm3: 2e-9 };
-        let matter = Matter { elastic, behaviour: Behaviour::Elastic };
+        let matter = Matter::of(elastic, Behaviour::Elastic);
         let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].map(Vec3::from);
         let (metric, volume) = tet_metric(&corners);
         let need = Need::of(&matter, &metric, 4, volume.abs(), 1e-7);

@@ -8,6 +8,9 @@ use crate::real::Real;
 use crate::test::LawName;
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength};
 use meso_core::mesh::Phase;
+use std::any::Any;
+use std::fmt;
+use std::sync::OnceLock;
 
 /// A phase's material.
 #[derive(Clone, Debug)]
@@ -16,6 +19,50 @@ pub(crate) struct Matter {
     pub(crate) elastic: Elastic,
     /// How it answers strain.
     pub(crate) behaviour: Behaviour,
+    /// The law on the lanes of the run.
+    prepared: Prepared,
+}
+
+/// A law that is prepared once: its constants take as long as a hundred elements.
+#[derive(Default)]
+struct Prepared(OnceLock<Box<dyn Any + Send + Sync>>);
+
+impl Prepared {
+    /// The law that `prepare` gives; on lanes other than the first ones it is prepared anew.
+    fn law<W: Any + Send + Sync>(&self, prepare: impl Fn() -> W) -> Ready<'_, W> {
+        match self.0.get_or_init(|| Box::new(prepare())).downcast_ref() {
+            Some(law) => Ready::Kept(law),
+            None => Ready::New(prepare()),
+        }
+    }
+}
+
+/// A law that is kept, or a new one.
+enum Ready<'a, W> {
+    Kept(&'a W),
+    New(W),
+}
+
+impl<W> Ready<'_, W> {
+    #[inline(always)]
+    fn get(&self) -> &W {
+        match self {
+            Self::Kept(law) => law,
+            Self::New(law) => law,
+        }
+    }
+}
+
+impl Clone for Prepared {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl fmt::Debug for Prepared {
+    fn fmt(&self, _: &mut fmt::Formatter) -> fmt::Result {
+        Ok(())
+    }
 }
 
 /// The laws that a phase may follow.
@@ -68,8 +115,12 @@ impl Matter {
             (LawName::Cdp, Some(strength)) => Behaviour::Cdp(strength, materials.plasticity),
             (LawName::Cdpm2, Some(strength)) => Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio),
         };
-        // Smeared, the ITZ is mortar that is weaker and not softer; see `Phases`.
-        Self { elastic: *materials.elastic(phase), behaviour }
+        Self::of(*materials.elastic(phase), behaviour)
+    }
+
+    /// An elasticity and a law.
+    pub(crate) fn of(elastic: Elastic, behaviour: Behaviour) -> Self {
+        Self { elastic, behaviour, prepared: Prepared::default() }
     }
 
     /// Runs `task` with the phase's law.
@@ -77,8 +128,12 @@ impl Matter {
     pub(crate) fn law<L: Lanes, T: LawTask>(&self, task: T) -> T::Output {
         match &self.behaviour {
             Behaviour::Elastic => task.run(&law::Elastic::<L>::new(&self.elastic)),
-            Behaviour::Cdp(strength, plasticity) => task.run(&self.cdp::<L>(strength, plasticity)),
-            Behaviour::Cdpm2(strength, biaxial) => task.run(&self.cdpm2::<L>(strength, *biaxial)),
+            Behaviour::Cdp(strength, plasticity) => {
+                task.run(self.prepared.law(|| self.cdp::<L>(strength, plasticity)).get())
+            }
+            Behaviour::Cdpm2(strength, biaxial) => {
+                task.run(self.prepared.law(|| self.cdpm2::<L>(strength, *biaxial)).get())
+            }
         }
     }
 

@@ -45,7 +45,7 @@ pub struct Run<'a> {
     pub(crate) order: Vec<u32>,
     forces: Vec<[f32; 4]>,
     plates: Plates,
-    set: InstructionSet,
+    pub(crate) set: InstructionSet,
     pub(crate) outline: Outline,
     pub(crate) state: State,
 }

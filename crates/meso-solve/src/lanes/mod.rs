@@ -39,7 +39,7 @@ pub(crate) fn vectors() -> Box<Vectors> {
 }
 
 /// A register of eight f32.
-pub(crate) trait Lanes: Real {
+pub(crate) trait Lanes: Real + 'static {
     /// From memory.
     fn load(from: &Eight) -> Self;
     /// To memory.

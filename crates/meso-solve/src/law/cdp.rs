@@ -23,7 +23,7 @@
 //! - A step's direction of flow and Lode angle are the trial stress's: explicit steps are small.
 //! - No viscosity, which Abaqus/Explicit has not either.
 
-use super::elastic::energy;
+use super::elastic::{elastic_part, energy, flow};
 use super::invariants::Invariants;
 use super::limits::{self, ELASTIC_LIMIT, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
@@ -68,8 +68,6 @@ pub struct Cdp<R> {
 
 /// How far damage of a crack goes.
 const LEAST_INTEGRITY: f64 = 1e-4;
-/// A crack band's share of the width at which it would snap back: at 1 the stress would drop at no strain.
-const SNAP_BACK: f64 = 0.98;
 /// Newton's steps; the equation is convex, so each ends on the safe side of the surface.
 const STEPS: usize = 3;
 
@@ -111,7 +109,7 @@ impl<R: Real> Cdp<R> {
         let alpha = alpha(plasticity);
         let peak = strength.peak_strain - fc / e;
         let openings = [strength.fracture_energy_n_per_mm / ft, strength.crushing_energy_n_per_mm / fc];
-        let widest_mm = SNAP_BACK * (openings[0] / (BRANCHES[0].1 * ft / e)).min(openings[1] / (fc / e));
+        let widest_mm = softening::SNAP_BACK * (openings[0] / (BRANCHES[0].1 * ft / e)).min(openings[1] / (fc / e));
         let splat = R::splat;
         Self {
             elastic: Elastic::new(elastic),
@@ -209,17 +207,17 @@ impl<R: Real> Cdp<R> {
         (excess, fall)
     }
 
-    /// Whether no point can yield and none is damaged: an upper bound, since the largest principal stress is at most
+    /// Where a point can yield or is damaged. The bound is an upper one, since the largest principal stress is at most
     /// p + 2 q / 3, and gamma takes away only.
     #[inline(always)]
-    fn at_rest(&self, of: &Invariants<R>, cracked: R, crushed: R) -> bool {
+    fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
         let zero = R::splat(0.0);
         let (strength, _) = self.strength(crushed);
         let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
         let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean).positive();
         let pressed = self.three_alpha.mul_add(of.mean, of.mises);
         let bound = beta.mul_add(largest, pressed) - self.one_less_alpha * strength;
-        !R::any(zero.lt(bound) | zero.lt(cracked) | self.peak.lt(crushed))
+        zero.lt(bound) | zero.lt(cracked) | self.peak.lt(crushed)
     }
 
     /// The trial stress's directions.
@@ -251,13 +249,14 @@ impl<R: Real> Cdp<R> {
 
     /// Share of the Mises stress that the return leaves, and the mean stress after it.
     #[inline(always)]
-    fn back(&self, trial: &Trial<R>) -> (R, R) {
+    fn back(&self, trial: &Trial<R>, active: R::Mask) -> (R, R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let mut flow = zero;
         for _ in 0..STEPS {
             let (excess, fall) = self.excess(trial, flow);
             flow = (flow + excess / fall).positive();
         }
+        let flow = R::select(active, flow, zero);
         let Invariants { mean, mises, .. } = trial.invariants;
         let left = one - trial.mises_fall * flow / mises.max(R::splat(1e-8));
         let beyond = left.lt(zero) & zero.lt(flow);
@@ -299,11 +298,6 @@ fn tension<R: Real>(mean: R, mises: R, shape: &[R; 3]) -> R {
 const CRACKED: usize = 6;
 const CRUSHED: usize = 7;
 
-#[inline(always)]
-fn elastic_strain<R: Real>(strain: &Tensor<R>, history: &[R; 8]) -> Tensor<R> {
-    std::array::from_fn(|i| strain[i] - history[i])
-}
-
 impl<R: Real> Law<R> for Cdp<R> {
     /// Plastic strain, then the plastic strains of cracking and of crushing.
     type History = [R; 8];
@@ -315,22 +309,20 @@ impl<R: Real> Law<R> for Cdp<R> {
     #[inline(always)]
     fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> Response<R> {
         let one = R::splat(1.0);
-        let stress = self.elastic.of(&elastic_strain(strain, history));
+        let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
-        if self.at_rest(&invariants, history[CRACKED], history[CRUSHED]) {
+        let active = self.active(&invariants, history[CRACKED], history[CRUSHED]);
+        if !R::any(active) {
             return Response { stress, integrity: one };
         }
         let shape = invariants.shape();
         let Invariants { mean, deviator, mises } = invariants;
-        let crushed = history[CRUSHED];
-        let (left, new_mean) = self.back(&self.trial(invariants, &shape, tension(mean, mises, &shape), crushed));
+        let trial = self.trial(invariants, &shape, tension(mean, mises, &shape), history[CRUSHED]);
+        let (left, new_mean) = self.back(&trial, active);
 
         let volumetric = (mean - new_mean) * self.per_volume;
         let lost = (one - left) * self.per_shear;
-        for i in 0..3 {
-            history[i] = lost.mul_add(deviator[i], history[i] + volumetric);
-            history[i + 3] = (lost + lost).mul_add(deviator[i + 3], history[i + 3]);
-        }
+        flow(history, &deviator, lost, volumetric);
         let scale = R::splat(2.0 / 3.0) * mises * lost;
         let largest = scale.mul_add(shape[0], volumetric).positive();
         let least = (-scale.mul_add(shape[2], volumetric)).positive();
@@ -341,10 +333,9 @@ impl<R: Real> Law<R> for Cdp<R> {
         let [crack, crush] = self.integrity(history[CRACKED], history[CRUSHED], width);
         let integrity = crush * (-pulled).mul_add(one - crack, one);
         let (kept, pressed) = (integrity * left, integrity * new_mean);
-        let normal = |i: usize| kept.mul_add(deviator[i], pressed);
-        let shear = |i: usize| kept * deviator[i];
-        let stress = [normal(0), normal(1), normal(2), shear(3), shear(4), shear(5)];
-        Response { stress, integrity }
+        let nominal = |i: usize| if i < 3 { kept.mul_add(deviator[i], pressed) } else { kept * deviator[i] };
+        // A point at rest has the same bits as where all of its register are.
+        Response { stress: std::array::from_fn(|i| R::select(active, nominal(i), stress[i])), integrity }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
@@ -355,7 +346,7 @@ impl<R: Real> Law<R> for Cdp<R> {
             tension: one - crack,
             compression: one - crush,
             opening: width.min(self.widest) * (one - crack).mul_add(self.tensile_strain, history[CRACKED]),
-            stored: energy(&stress, &elastic_strain(strain, history)),
+            stored: energy(&stress, &elastic_part(strain, history)),
         }
     }
 

@@ -24,7 +24,7 @@
 //! it yields (exact on straight paths), so that points at rest cost nothing; the return takes a fixed number of cutting-plane
 //! steps with the trial stress's Lode angle, so a large step ends near the surface, and the next step takes up the rest.
 
-use super::elastic::energy;
+use super::elastic::{elastic_part, flow};
 use super::invariants::Invariants;
 use super::limits::{self, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
@@ -156,8 +156,6 @@ struct Ductility<R> {
 
 /// Cutting-plane steps of the return.
 const STEPS: usize = 2;
-/// A crack band's share of the width at which it would snap back.
-const SNAP_BACK: f64 = 0.98;
 /// The first piece of the crack law ends at these shares of w_f and f_t.
 const KINK: [f64; 2] = [0.15, 0.3];
 /// Area of the crack law over w_f f_t.
@@ -181,7 +179,7 @@ impl<R: Real> Cdpm2<R> {
         let crushing = strength.crushing_energy_n_per_mm * ft / (fc * fc * options.softening_ductility);
         let crushed_mm =
             options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
-        let widest_mm = SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
+        let widest_mm = softening::SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
         let splat = R::splat;
         Self {
             elastic: Elastic::new(elastic),
@@ -252,10 +250,10 @@ impl<R: Real> Ductility<R> {
     }
 }
 
-/// e^x near x = 0, positive for all x.
+/// e^x near x = 0; for all x positive and not falling.
 #[inline(always)]
 fn exp_near_zero<R: Real>(x: R) -> R {
-    let half = R::splat(0.5);
+    let (half, x) = (R::splat(0.5), x.max(R::splat(-1.0)));
     half.mul_add(x, R::splat(1.0)).mul_add(x, R::splat(1.0))
 }
 
@@ -360,7 +358,9 @@ impl<R: Real> Cdpm2<R> {
         let slope = self.thrice_tensile.mul_add(second, half);
         let ratio = slope / R::splat(3.0).mul_add(second, half);
         let per_scale = self.per_dilation * (ratio.ln() + self.dilation) / second;
-        let dilating = slope * ((-second).mul_add(self.third_tensile, s) * per_scale).exp();
+        // On the surface the exponent is below 1; a trial far off it must not lead out of all bounds.
+        let exponent = (-second).mul_add(self.third_tensile, s) * per_scale;
+        let dilating = slope * exponent.min(R::splat(4.0)).exp();
         let [far, step, per_decay, r] = self.ductility.branch(s);
         Frame {
             shape: self.shape.at(cosine),
@@ -413,8 +413,8 @@ impl<R: Real> Cdpm2<R> {
 
     /// Integrities 1 - wt and 1 - wc. Equivalent strains are over f_t / E, k1 and k2 strains.
     #[inline(always)]
-    fn integrity(&self, history: &[R; 15], width: R) -> [R; 2] {
-        let one = R::splat(1.0);
+    fn integrity(&self, history: &History<R>, width: R) -> [R; 2] {
+        let (one, onset) = (R::splat(1.0), R::splat(ONSET));
         let width = width.min(self.widest);
         let [pulled, first, second] = [history[PULLED], history[PULLED + 1], history[PULLED + 2]];
         let scale = width * self.per_opening;
@@ -428,13 +428,24 @@ impl<R: Real> Cdpm2<R> {
         let per_crushing = self.per_crushing(width);
         let start = (one - (first + second) * per_crushing).exp() / pressed.max(one);
         let crush = softening::relaxed(start, second * per_crushing).between(LEAST_INTEGRITY, 1.0);
-        [R::select(one.lt(pulled), crack, one), R::select(one.lt(pressed), crush, one)]
+        [R::select(onset.lt(pulled), crack, one), R::select(onset.lt(pressed), crush, one)]
+    }
+
+    /// Elastic energy, N/mm2: that of sqrt(1 - wt) s+ + sqrt(1 - wc) s-, which is never below 0 and is exact where principal
+    /// stresses have one sign. (Stress times elastic strain is not: what is cracked adds to it by Poisson's ratio.)
+    fn stored(&self, effective: &Tensor<R>, crack: R, crush: R) -> R {
+        let of = Invariants::of(&effective.map(|x| x * self.per_strength));
+        let deviators = of.shape().map(|y| R::splat(2.0 / 3.0) * of.mises * y);
+        let weighed = split(of.mean, &of.deviator, &deviators, crack.sqrt(), crush.sqrt());
+        let Invariants { mean, mises, .. } = Invariants::of(&weighed);
+        let volume = R::splat(1.5) * self.per_volume * mean * mean;
+        self.compressive * (R::splat(1.0 / 3.0) * self.per_shear * mises).mul_add(mises, volume)
     }
 
     /// Lets the damage variables follow a step that ends at `end`, with `flowed` of plastic strain.
     #[inline(always)]
-    fn damage(&self, history: &mut [R; 15], end: &Place<R>, shape: R, pressed: R, flowed: R) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    fn damage(&self, history: &mut History<R>, end: &Place<R>, shape: R, pressed: R, flowed: R) {
+        let (zero, one, onset) = (R::splat(0.0), R::splat(1.0), R::splat(ONSET));
         let now = self.equivalent(end.s, end.u, shape);
         // u x_s, and 1 / x_s
         let stretched = self.brittle.mul_add((-end.s).positive(), end.u).max(R::splat(1e-7));
@@ -450,8 +461,8 @@ impl<R: Real> Cdpm2<R> {
             let (old, new) = (history[place], history[place].max(strain));
             let grown = new - old;
             // Plastic strain counts from the onset on.
-            let share = ((new - one) / grown.max(R::splat(1e-12))).between(0.0, 1.0);
-            let counts = R::select(old.lt(strain), share, zero);
+            let share = ((new - onset) / grown.max(R::splat(1e-12))).between(0.0, 1.0);
+            let counts = R::select(strain.lt(old * onset), zero, share);
             history[place] = new;
             history[place + 1] = counts.mul_add(plastic, history[place + 1]);
             history[place + 2] = (grown * self.onset).mul_add(per_stretch, history[place + 2]);
@@ -461,20 +472,20 @@ impl<R: Real> Cdpm2<R> {
     }
 }
 
+/// Equivalent strain over that of the tensile strength at which damage begins, and over its largest one at which plastic
+/// strain still counts: without hardening it stays at 1 but for rounding.
+const ONSET: f64 = 0.9999;
 /// How far damage goes.
 const LEAST_INTEGRITY: f64 = 1e-6;
 
-/// Where what stands in a history, after the plastic strain: the hardening variable; the equivalent strain, positive in
-/// pure tension and else negative, and that of compression; largest one, plastic strain and own share in tension; the same in compression.
+/// Plastic strain; the hardening variable; the equivalent strain, positive in pure tension and else negative, and that of
+/// compression; the largest one, k1 and k2 of tension; the same of compression.
+type History<R> = [R; REGISTERS];
+const REGISTERS: usize = 15;
 const KAPPA: usize = 6;
 const EQUIVALENT: usize = 7;
 const PULLED: usize = 9;
 const PRESSED: usize = 12;
-
-#[inline(always)]
-fn elastic_strain<R: Real>(strain: &Tensor<R>, history: &[R; 15]) -> Tensor<R> {
-    std::array::from_fn(|i| strain[i] - history[i])
-}
 
 /// Share of compression among principal stresses, by squares.
 #[inline(always)]
@@ -517,22 +528,23 @@ fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: R, crush: R
 }
 
 impl<R: Real> Law<R> for Cdpm2<R> {
-    type History = [R; 15];
+    type History = History<R>;
 
-    fn virgin() -> [R; 15] {
-        [R::splat(0.0); 15]
+    fn virgin() -> History<R> {
+        [R::splat(0.0); REGISTERS]
     }
 
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 15], width: R) -> Response<R> {
+    fn stress(&self, strain: &Tensor<R>, history: &mut History<R>, width: R) -> Response<R> {
         let (zero, one, two) = (R::splat(0.0), R::splat(1.0), R::splat(2.0));
-        let stress = self.elastic.of(&elastic_strain(strain, history));
+        let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
         let (s, u) = (invariants.mean * self.per_strength, invariants.mises * self.per_strength * R::splat(1.0 / 3.0));
         let hardening = self.hardening(history[KAPPA]);
         // r is at most 1 / e.
         let bound = self.excess(s, u, self.shape.widest, hardening);
-        let active = zero.lt(bound) | one.lt(history[PULLED]) | one.lt(history[PRESSED]);
+        let onset = R::splat(ONSET);
+        let active = zero.lt(bound) | onset.lt(history[PULLED]) | onset.lt(history[PRESSED]);
         if !R::any(active) {
             return Response { stress, integrity: one };
         }
@@ -545,10 +557,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let left = end.u / u.max(R::splat(1e-12));
         let left = R::select(outside, left, one);
         let (volumetric, lost) = ((s - end.s) * self.per_volume, (one - left) * self.per_shear * self.per_strength);
-        for i in 0..3 {
-            next[i] = lost.mul_add(invariants.deviator[i], history[i] + volumetric);
-            next[i + 3] = (lost + lost).mul_add(invariants.deviator[i + 3], history[i + 3]);
-        }
+        flow(&mut next, &invariants.deviator, lost, volumetric);
         // |d ep|: rho / (2 G) is sqrt(6) f_c u / (2 G).
         let sheared = (u - end.u) * self.per_shear;
         let flowed = (R::splat(3.0) * volumetric).mul_add(volumetric, R::splat(6.0) * sheared * sheared).sqrt();
@@ -556,7 +565,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let deviators = of.map(|y| two * end.u * y);
         let pressed = compression(&deviators.map(|d| d + end.s));
         self.damage(&mut next, &end, frame.shape, pressed, flowed);
-        for i in 0..15 {
+        for i in 0..REGISTERS {
             history[i] = R::select(active, next[i], history[i]);
         }
 
@@ -570,16 +579,15 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         }
     }
 
-    fn state(&self, strain: &Tensor<R>, history: &[R; 15], width: R) -> State<R> {
+    fn state(&self, strain: &Tensor<R>, history: &History<R>, width: R) -> State<R> {
         let one = R::splat(1.0);
         let [crack, crush] = self.integrity(history, width);
-        let stress = self.stress(strain, &mut { *history }, width).stress;
         let opened = (one - crack).mul_add(history[PULLED + 2], history[PULLED + 1]);
         State {
             tension: one - crack,
             compression: one - crush,
             opening: width.min(self.widest) * opened,
-            stored: energy(&stress, &elastic_strain(strain, history)),
+            stored: self.stored(&self.elastic.of(&elastic_part(strain, history)), crack, crush),
         }
     }
 
