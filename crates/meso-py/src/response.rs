@@ -222,9 +222,7 @@ impl PyResponse {
         guard(|| {
             let tested = Arc::clone(&self.0);
             beside_python_on(py, None, None, move |watch| {
-                tested.with_outcome(|outcome| {
-                    files::write_results(outcome, &tested.frames, &folder, overwrite, watch)
-                })
+                tested.with_outcome(|outcome| files::write_results(outcome, &tested.frames, &folder, overwrite, watch))
             })?
         })
     }
@@ -310,7 +308,10 @@ impl PyFrame {
     }
 
     /// Points, cells and the VTK type of the cells, for `to_pyvista`.
-    fn _mesh<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, &'static str)> {
+    fn _mesh<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, &'static str)> {
         let mesh = &self.0;
         let cells = arrays::from_indices(py, mesh.cells.iter().copied(), mesh.kind.nodes())?;
         Ok((arrays::from_points(py, &mesh.points)?, cells, crate::mesh::cell_type(mesh.kind)))

@@ -195,7 +195,10 @@ impl Args {
         let begun = Instant::now();
         if !self.quiet {
             let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
-            stderr::line(format!("meshing {} aggregates: {method}, {size} mm", stderr::thousands(model.aggregates.len())));
+            stderr::line(format!(
+                "meshing {} aggregates: {method}, {size} mm",
+                stderr::thousands(model.aggregates.len())
+            ));
         }
         let mesh = self.division.build(model, options, self.quiet)?;
         seconds.mesh = begun.elapsed().as_secs_f64();

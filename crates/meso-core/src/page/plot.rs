@@ -79,7 +79,11 @@ impl Plot {
     /// Those of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let [width, height] = self.size;
-        writeln!(out, "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"><text x=\"{LEFT}\" y=\"14\">{}</text>", self.title)?;
+        writeln!(
+            out,
+            "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"><text x=\"{LEFT}\" y=\"14\">{}</text>",
+            self.title
+        )?;
         let Some((x, y)) = self.axes() else {
             return writeln!(out, "<text x=\"{LEFT}\" y=\"60\">nothing to show</text></svg>");
         };

@@ -47,8 +47,10 @@ impl Cracks {
         let mut numbers = BTreeMap::new();
         for (cell, face) in outside(mesh, &shown) {
             let share = (255.0 * opening[cell] / widest) as u8;
-            let corners: Vec<u32> =
-                face.iter().map(|&node| *numbers.entry(node).or_insert_with(|| cracks.corner(mesh, node, &aabb))).collect();
+            let corners: Vec<u32> = face
+                .iter()
+                .map(|&node| *numbers.entry(node).or_insert_with(|| cracks.corner(mesh, node, &aabb)))
+                .collect();
             for &corner in &corners {
                 let there = &mut cracks.openings[corner as usize];
                 *there = share.max(*there);

@@ -56,9 +56,9 @@ fn palette() -> Vec<[u8; 3]> {
 fn edges(kind: CellKind) -> &'static [(usize, usize)] {
     match kind {
         CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => &[(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)],
-        CellKind::Hexahedron => &[
-            (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7),
-        ],
+        CellKind::Hexahedron => {
+            &[(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+        }
     }
 }
 

@@ -43,7 +43,13 @@ pub(super) struct Watching<'a> {
 
 impl<'a> Watching<'a> {
     /// Starts the clock; `every` so many seconds the state is kept.
-    pub(super) fn new(mesh: &'a Mesh, mut folder: Folder, frames: Vec<Moment>, every: Option<f64>, quiet: bool) -> Self {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        mut folder: Folder,
+        frames: Vec<Moment>,
+        every: Option<f64>,
+        quiet: bool,
+    ) -> Self {
         folder.go_on(frames);
         let seen = io::stderr().is_terminal();
         let now = Instant::now();
@@ -51,7 +57,13 @@ impl<'a> Watching<'a> {
             mesh,
             folder: RefCell::new(folder),
             failed: RefCell::default(),
-            shown: if quiet { Shown::Nothing } else if seen { Shown::Bar } else { Shown::Lines },
+            shown: if quiet {
+                Shown::Nothing
+            } else if seen {
+                Shown::Bar
+            } else {
+                Shown::Lines
+            },
             started: now,
             first: Cell::new(None),
             told: Cell::new(0),

@@ -39,11 +39,16 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
 fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let result = &outcome.response.result;
     let test = if result.test == Kind::Compression { "Compression" } else { "Tension" };
-    let title = format!("{test} test: {:.2} MPa at a strain of {:.5}", result.figures.peak_mpa, result.figures.peak_strain);
+    let title =
+        format!("{test} test: {:.2} MPa at a strain of {:.5}", result.figures.peak_mpa, result.figures.peak_strain);
     write!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n")?;
     writeln!(out, "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}")?;
     let stops: Vec<String> = RAMP.iter().map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
-    writeln!(out, ".ramp{{background:linear-gradient(90deg,{})}}\n</style>\n<main>\n<h1>{title}</h1>", stops.join(","))?;
+    writeln!(
+        out,
+        ".ramp{{background:linear-gradient(90deg,{})}}\n</style>\n<main>\n<h1>{title}</h1>",
+        stops.join(",")
+    )?;
     let source = outcome.source;
     let (version, seed, fraction) = (source.version, source.seed, source.fraction);
     let (mesh, size) = (word(&source.mesh.method.name()), source.mesh.element_size_mm);
@@ -63,7 +68,10 @@ fn word(value: &impl serde::Serialize) -> String {
 /// How the test ended, where not as asked; what was wrong.
 fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
     let stopped = (result.ended == Ended::Stopped).then(|| {
-        format!("The test was stopped after {} of {} steps; the curve is valid until there.", result.steps, result.steps_planned)
+        format!(
+            "The test was stopped after {} of {} steps; the curve is valid until there.",
+            result.steps, result.steps_planned
+        )
     });
     let errors = stopped.iter().chain(&result.errors).map(|text| ("error", text));
     for (class, text) in errors.chain(result.warnings.iter().map(|text| ("warning", text))) {
@@ -112,7 +120,10 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     ];
     writeln!(out, "<h2>Figures</h2>\n<div class=\"wide\"><table>")?;
     rows.iter().try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
-    writeln!(out, "</table></div>\n<div class=\"wide\"><table><tr><th>phase<th>of specimen<th>exact<th>dissipated, mJ")?;
+    writeln!(
+        out,
+        "</table></div>\n<div class=\"wide\"><table><tr><th>phase<th>of specimen<th>exact<th>dissipated, mJ"
+    )?;
     for phase in &result.phases {
         let exact = phase.exact_fraction.map_or("-".to_owned(), |fraction| format!("{fraction:.5}"));
         writeln!(
@@ -140,10 +151,8 @@ fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     ];
     plot("Work and where it went", "J", work).write(out)?;
     let shares = |of: fn(&Row) -> f64| loaded().map(|row| (row.strain, 100.0 * of(row) / row.internal)).collect();
-    let small = vec![
-        Curve::line("kinetic", shares(|row| row.kinetic)),
-        Curve::line("hourglass", shares(|row| row.hourglass)),
-    ];
+    let small =
+        vec![Curve::line("kinetic", shares(|row| row.kinetic)), Curve::line("hourglass", shares(|row| row.hourglass))];
     plot("Shares of the internal energy", "%", small).write(out)?;
     writeln!(out, "</div>")
 }
@@ -190,7 +199,10 @@ fn cracks(mesh: &Mesh, last: &Snapshot, out: &mut impl Write) -> io::Result<()> 
     let size = Aabb::around(&mesh.points).size();
     let [x, y, z]: [f64; 3] = (size / size.max()).into();
     let text = "The cracks, to be turned";
-    writeln!(out, "<canvas id=\"cracks\" tabindex=\"0\" role=\"img\" aria-label=\"{text}\" data-size=\"{x} {y} {z}\"></canvas>")?;
+    writeln!(
+        out,
+        "<canvas id=\"cracks\" tabindex=\"0\" role=\"img\" aria-label=\"{text}\" data-size=\"{x} {y} {z}\"></canvas>"
+    )?;
     let corners: Vec<u8> = cracks.corners.as_flattened().iter().flat_map(|place| place.to_le_bytes()).collect();
     let triangles: Vec<u8> = cracks.triangles.as_flattened().iter().flat_map(|corner| corner.to_le_bytes()).collect();
     for (name, bytes) in [("corners", &corners), ("openings", &cracks.openings), ("triangles", &triangles)] {
