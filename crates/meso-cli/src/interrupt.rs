@@ -1,8 +1,8 @@
-//! Ctrl-C, and being told to end: while a specimen is packed, the first time the best packing is kept; the second time, and
-//! at any other time, everything stops.
+//! Ctrl-C and termination. While a specimen is packed, the first signal keeps the best packing; the second one, and
+//! any signal at another time, stops everything.
 //!
-//! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
-//! `.mesocrete-*.tmp`, or a folder of gmsh's.
+//! Temporary files are removed and child programs ended in either case. Only a kill that cannot be caught leaves a
+//! file behind, `.mesocrete-*.tmp`, or a folder of gmsh's.
 
 use crate::failure::INTERRUPTED;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ static RUNNING: Mutex<Vec<Arc<Mutex<Child>>>> = Mutex::new(Vec::new());
 
 /// Handles the signals from now on.
 pub(crate) fn install() {
-    // The one way this fails is that it was done before, by an earlier run in the same process.
+    // This fails only if an earlier run in the same process has set it.
     let _ = ctrlc::set_handler(|| {
         let first = !ASKED.swap(true, Ordering::SeqCst);
         if !(first && POLLED.load(Ordering::SeqCst)) {
@@ -33,7 +33,7 @@ pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// While this lives, the first Ctrl-C only sets what [`asked`] tells.
+/// While this lives, the first Ctrl-C only sets the flag that [`asked`] reads.
 pub(crate) struct Polling;
 
 impl Polling {
@@ -69,7 +69,7 @@ impl Drop for Running {
     }
 }
 
-/// Remembers a temporary file or folder to be removed when the process is told to end.
+/// Registers a temporary file or folder for removal when the process is terminated.
 pub(crate) fn remember(path: &Path) {
     if let Ok(mut paths) = TEMPORARY.lock() {
         paths.push(path.to_owned());
@@ -86,7 +86,7 @@ pub(crate) fn forget(path: &Path) {
 fn end_programs() {
     if let Ok(running) = RUNNING.lock() {
         for child in running.iter() {
-            // One that has ended by itself is no news.
+            // A child that has already ended is no error.
             let _ = child.lock().map(|mut child| child.kill().and_then(|()| child.wait()));
         }
     }

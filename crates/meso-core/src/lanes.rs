@@ -1,7 +1,6 @@
 //! Eight numbers side by side, and which of them is the least.
 //!
-//! Every step is one for all eight, turned round among themselves: of steps that halve them the compiler makes narrow ones, up
-//! to where the eight come from.
+//! Rotates all eight lanes instead of halving: LLVM would narrow a halving reduction back to the loads.
 
 /// Numbers side by side.
 pub(crate) const LANES: usize = 8;

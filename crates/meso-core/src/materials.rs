@@ -133,7 +133,7 @@ struct Given {
     density_t_per_mm3: Option<f64>,
 }
 
-/// What is given, and for the rest what is usual.
+/// Given values, and defaults for the rest.
 fn over<'de, D: Deserializer<'de>>(usual: Elastic, deserializer: D) -> Result<Elastic, D::Error> {
     let given = Given::deserialize(deserializer)?;
     Ok(Elastic {

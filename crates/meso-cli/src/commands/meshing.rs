@@ -88,7 +88,7 @@ impl Meshing {
         }
     }
 
-    /// What a deck holds; what it cannot hold of a mesh of `specimen` is wrong usage.
+    /// Contents of a deck; options that a mesh of `specimen` cannot carry are wrong usage.
     pub(super) fn deck(&self, specimen: &Specimen) -> Result<DeckOptions, Failure> {
         let deck = DeckOptions {
             analysis: self.analysis,
@@ -107,7 +107,7 @@ impl Meshing {
         Ok(deck)
     }
 
-    /// Says which flags were given for nothing: those of decks where none is written, those of another method or analysis.
+    /// Warns of flags without effect: those of decks where none is written, those of another method or analysis.
     pub(super) fn warn_unused(&self, writes_deck: bool) {
         let deck = [
             ("--analysis", self.analysis != Analysis::None),
@@ -117,7 +117,7 @@ impl Meshing {
             ("--reduced-integration", self.reduced_integration),
         ];
         for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
-            stderr::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+            stderr::line(format!("warning: {flag} has no effect: no .inp is written"));
         }
         let voxels = self.method == Method::Voxel;
         let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
@@ -155,7 +155,7 @@ impl Meshing {
         self.materials.iter().map(PathBuf::as_path)
     }
 
-    /// Refuses what `specimen` cannot be meshed with, and a gmsh that is not there, before the specimen is packed.
+    /// Refuses options that `specimen` cannot be meshed with, and a missing gmsh, before the specimen is packed.
     pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
         self.options().validate(specimen).map_err(|error| self.wrong_mesh(&error))?;
         if self.method == Method::Conforming {

@@ -54,13 +54,13 @@ pub(crate) struct Args {
     /// Exit with 3 when the target is not reached
     #[arg(long)]
     strict: bool,
-    /// Compress what a .vtu holds (zlib)
+    /// Compress the data of a .vtu (zlib)
     #[arg(long)]
     compress: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     quiet: bool,
     /// Write the figures of the run as JSON; `-` is standard output
@@ -70,7 +70,7 @@ pub(crate) struct Args {
     meshing: Meshing,
 }
 
-/// What one output holds.
+/// Content of one output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     Packing(Format),
@@ -89,7 +89,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         args.meshing.check(&spec.specimen)?;
     }
     args.meshing.warn_unused(plan.has_deck());
-    // Before the work: a hopeless target is named while nothing is lost.
+    // Before the work: a hopeless target is reported while nothing is lost.
     spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     let mut watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
@@ -106,7 +106,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
-    /// The spec's file, then what the flags change.
+    /// The spec's file, with the changes of the flags.
     fn spec(&self) -> Result<Spec, Failure> {
         let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), inputs::spec)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
@@ -124,7 +124,7 @@ impl Args {
         Ok(spec)
     }
 
-    /// A wrong value that came from a flag is called by the flag's name.
+    /// A wrong value from a flag is called by the flag's name.
     fn name_flag(&self, error: SpecError) -> Failure {
         let flag = match error.key.as_str() {
             "fraction" if self.fraction.is_some() => "--fraction",
@@ -137,7 +137,7 @@ impl Args {
         Failure::Usage(format!("{flag} {}", error.message))
     }
 
-    /// Where everything goes; refuses what cannot be written before anything is packed.
+    /// Destinations of all outputs; refuses those that cannot be written before anything is packed.
     fn plan(&self) -> Result<Plan, Failure> {
         let default = ["model.json", "model.vtu", "model.inp"].map(PathBuf::from);
         let paths = if self.output.is_empty() { &default[..] } else { &self.output };
@@ -168,7 +168,7 @@ fn content(path: &Path) -> Result<Content, Failure> {
     })
 }
 
-/// Where everything goes.
+/// Destinations of all outputs.
 struct Plan {
     outputs: Vec<(Target, Content)>,
     summary: Option<Target>,
@@ -189,7 +189,7 @@ impl Plan {
         self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
     }
 
-    /// Writes all files; the summary last, since it tells how long the others took.
+    /// Writes all files; the summary last, because it states how long the others took.
     fn write(&self, model: &mut Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
         let mut unit = Unit::default();
         let start = watch.elapsed();
@@ -217,7 +217,7 @@ impl Plan {
     }
 }
 
-/// What was reached, as a table.
+/// The result as a table.
 fn print(report: &Report) {
     // A raw curve places less than the target; a mix design's has many decimals.
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
@@ -246,7 +246,7 @@ fn print(report: &Report) {
     }
 }
 
-/// The code of a run that wrote its files; says why where it stopped short.
+/// Exit code of a run that wrote its files; prints why it stopped short.
 fn exit_code(report: &Report, strict: bool) -> u8 {
     if report.stop_reason == StopReason::TargetReached {
         return 0;

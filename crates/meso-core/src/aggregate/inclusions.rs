@@ -46,8 +46,8 @@ pub struct Fibres {
     pub diameter_mm: f64,
     /// Length, mm.
     pub length_mm: f64,
-    /// Where they point before they are placed; all directions are equally likely where it is absent. Rearrangement turns
-    /// them on: the statistics tell by how much.
+    /// Directions before placement; all are equally likely where it is absent. Rearrangement rotates the fibres
+    /// further: the statistics report by how much.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Cone>,
 }

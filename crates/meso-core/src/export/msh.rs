@@ -70,7 +70,7 @@ fn side(mesh: &Mesh, tag: i32, faces: &[(u32, usize)]) -> Block {
 }
 
 fn volume(mesh: &Mesh, phase: Phase) -> Block {
-    // Of second-order tetrahedra gmsh has the middles of the last two edges the other way round.
+    // gmsh swaps the middles of the last two edges of second-order tetrahedra.
     let (kind, order): (_, &[usize]) = match mesh.kind {
         CellKind::Tetrahedron => (4, &[0, 1, 2, 3]),
         CellKind::QuadraticTetrahedron => (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),

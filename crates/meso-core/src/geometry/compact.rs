@@ -1,4 +1,4 @@
-//! A polyhedron in half the memory: a million grains live at once while they are placed.
+//! Compact polyhedra in half the memory: a million grains live at once while they are placed.
 
 use super::Polyhedron;
 use super::faces::{FaceList, Faces, Indices};
@@ -10,12 +10,12 @@ pub struct CompactPolyhedron {
     /// All lists in one piece: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Of all faces. What else there is to know of the lists follows from these two.
+    /// Of all faces; with the number of vertices it determines the lists' layout.
     corners: u32,
     volume: f64,
 }
 
-/// What the lists of the faces are stored as.
+/// Storage of the lists of faces.
 enum Width {
     /// A triangle's three indices as five bits each of a `u16`.
     Five,
@@ -35,7 +35,7 @@ fn unpacked(triangle: u16) -> [u8; 3] {
     [0, 1, 2].map(|corner| (triangle >> (corner * FIVE)) as u8 & ((1 << FIVE) - 1))
 }
 
-/// Rounds the coordinates to f32; the volume stays that of the body as it was.
+/// Rounds the coordinates to f32; the volume stays that of the original body.
 impl From<Polyhedron> for CompactPolyhedron {
     fn from(body: Polyhedron) -> Self {
         let (vertices, faces) = (body.vertices(), body.face_lists());
@@ -87,7 +87,7 @@ impl CompactPolyhedron {
         &self.lists[..3 * self.vertex_count()]
     }
 
-    /// The coordinates along an axis, with whatever lies behind them in memory: so many numbers, if there are so many.
+    /// The coordinates along an axis, extended to the wanted length by the memory behind them where there is enough.
     #[inline(always)]
     pub(crate) fn window<const N: usize>(&self, axis: usize) -> Option<&[f32; N]> {
         let all: &[f32] = bytemuck::cast_slice(&self.lists);

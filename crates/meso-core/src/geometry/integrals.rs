@@ -31,7 +31,8 @@ pub(super) fn volume_of_few(vertices: &[Vec3], triangles: &[[u8; 3]]) -> f64 {
     summed(vertices, corners, |&apex| widest(SixVolumes { apex, vertices, triangles }).bounded())
 }
 
-/// A sixth of what `in_floats` gives from an apex, a sum with a bound of its error, or of a better sum where that is needed.
+/// A sixth of the sum that `in_floats` gives from an apex, with an error bound, or of a better sum where that is
+/// needed.
 fn summed(
     vertices: &[Vec3],
     corners: impl Iterator<Item = [Vec3; 3]> + Clone,

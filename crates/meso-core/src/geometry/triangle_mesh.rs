@@ -106,7 +106,7 @@ impl TriangleMesh {
         let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
         let root = |lower: &mut Vec<u32>, mut vertex: u32| {
             while lower[vertex as usize] != vertex {
-                // Half of the way is kept, so that the next walk is shorter.
+                // Path halving, so that the next walk is shorter.
                 lower[vertex as usize] = lower[lower[vertex as usize] as usize];
                 vertex = lower[vertex as usize];
             }

@@ -106,7 +106,7 @@ fn count(spec: &Spec, key: &str, what: &str, smallest: f64, per_mm3: f64) -> Che
     Err(SpecError::value(key, message))
 }
 
-/// All phases together leave room for the mortar.
+/// All phases together leave space for the mortar.
 fn sum(spec: &Spec) -> Checked {
     let [voids, fibres] = spec.inclusions().fractions();
     let all = spec.fraction + voids + fibres;

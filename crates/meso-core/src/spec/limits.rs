@@ -21,7 +21,7 @@ const MAX_VERTICES: usize = 1_000_000;
 pub(super) type Checked = Result<(), SpecError>;
 
 impl Spec {
-    /// Names the first value that cannot be: its key, the value, the accepted range and the way out.
+    /// Names the first invalid value: its key, the value, the accepted range and the way out.
     ///
     /// # Errors
     /// See [`SpecError`].
@@ -117,7 +117,7 @@ fn below(key: &str, value: f64, whole: &str, limit: f64, what: &str) -> Checked 
     Err(SpecError::value(key, message))
 }
 
-/// A neck narrower than the ends, arcs that reach from one to the other, and room for them.
+/// A neck narrower than the ends, arcs that reach from one to the other, and space for them.
 fn dogbone(specimen: &Specimen) -> Checked {
     let &Specimen::Dogbone { length_mm, width_mm, thickness_mm, neck_width_mm, neck_length_mm, radius_mm } = specimen
     else {

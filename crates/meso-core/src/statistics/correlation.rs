@@ -81,7 +81,7 @@ fn lag(sample: &Sample) -> f64 {
     if lag.is_finite() && lag > 0.0 { lag } else { 0.0 }
 }
 
-/// As many lags as asked, as long as the specimen has room for them; only r = 0 where there is no step.
+/// As many lags as asked and as the specimen's size allows; only r = 0 where there is no step.
 fn lags(sample: &Sample) -> usize {
     let lag = lag(sample);
     let most = if lag > 0.0 { sample.container.aabb().size().norm() / lag } else { 0.0 };
