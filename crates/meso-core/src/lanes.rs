@@ -20,8 +20,8 @@ pub(crate) fn least(eight: &Eight) -> f32 {
     low[0]
 }
 
-/// The least of eight finite numbers and its lane, without a branch, since no guess of it would be right. Their last three bits
-/// are not looked at.
+/// The least of eight finite numbers and its lane, without a branch, since no guess of it would be right. Their last
+/// three bits are not looked at.
 #[inline(always)]
 pub(crate) fn least_lane(eight: &Eight) -> (f32, usize) {
     let mut keys = [0.0; LANES];

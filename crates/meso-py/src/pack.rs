@@ -42,8 +42,8 @@ use std::sync::Arc;
 /// Warns
 /// -----
 /// UserWarning
-///     Before the work, where the target is more than the strategy has been seen to reach, or a class is too small for a
-///     single aggregate.
+///     Before the work, where the target exceeds the fraction that the strategy was measured to reach, or a class is
+///     too small for a single aggregate.
 #[pyfunction]
 #[pyo3(signature = (spec=None, *, seed=None, fraction=None, progress=None))]
 pub(crate) fn pack(

@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A saved model (.json); `-` is standard input
     model: PathBuf,
-    /// File to write, its format by the extension: .inp, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output (.inp). May be repeated
+    /// File to write, its format by the extension: .inp, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output
+    /// (.inp). May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
     /// Number of threads; all cores when absent

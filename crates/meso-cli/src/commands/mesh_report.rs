@@ -79,7 +79,7 @@ impl MeshReport {
         ));
         if distance.joined > 0 {
             stderr::line(format!(
-                "{} of them bridge a closed gap ({:.4} mm rms, {:.4} mm at most)",
+                "of these, {} bridge a closed gap: {:.4} mm rms, {:.4} mm at most",
                 stderr::thousands(distance.joined),
                 distance.joined_rms_mm,
                 distance.joined_max_mm
@@ -161,7 +161,7 @@ impl MeshReport {
 fn notes(notes: &Notes) {
     if notes.closed_gaps > 0 {
         stderr::line(format!(
-            "{} nodes join {} pairs of aggregates whose gaps the elements cannot show (widest {:.2} mm); to keep mortar there, use \
+            "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
              a smaller --element-size-mm or a larger min_gap_mm",
             stderr::thousands(notes.closed_gaps),
             stderr::thousands(notes.closed_gap_pairs),
@@ -170,7 +170,7 @@ fn notes(notes: &Notes) {
     }
     if notes.closed_side_gaps > 0 {
         stderr::line(format!(
-            "{} nodes join {} aggregates to the specimen's sides, whose gaps the elements cannot show (widest {:.4} mm); to keep \
+            "gaps that the elements cannot show: {} nodes join {} aggregates to the specimen's sides (widest {:.4} mm); to keep \
              mortar there, use a larger wall_gap_mm",
             stderr::thousands(notes.closed_side_gaps),
             stderr::thousands(notes.closed_side_gap_aggregates),

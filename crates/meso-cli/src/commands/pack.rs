@@ -12,7 +12,7 @@ use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
 use meso_core::mesh::conforming::ROOM_MM;
-use meso_core::packing::{Images, Placement, Report, StopReason, Strategy};
+use meso_core::packing::{Images, Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; meshes: .inp, .msh, .pvtu; `-` writes the .json
-    /// to standard output. May be repeated; absent: model.json, model.vtu, model.inp
+    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; meshes: .inp, .msh, .pvtu; `-` writes the
+    /// .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Seed of all randomness; the same seed gives the same bytes
@@ -36,10 +36,12 @@ pub(crate) struct Args {
     /// Random positions tried per aggregate
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     attempts: Option<u32>,
-    /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is asked for
+    /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is
+    /// asked for
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     min_gap_mm: Option<f64>,
-    /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an aggregate
+    /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an
+    /// aggregate
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     wall_gap_mm: Option<f64>,
     /// Stop after S seconds with the best packing found; where little is in place by then, it is given a second more
@@ -94,9 +96,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
-    let mut model = model.map_err(|error| args.name_flag(error))?;
+    let model = model.map_err(|error| args.name_flag(error))?;
     let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet)).transpose()?;
-    plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
+    plan.write(&model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         print(&model.report);
         mesh.iter().for_each(|mesh| MeshReport::of(mesh, &model, args.meshing.options(), &deck.materials).print());
@@ -190,7 +192,7 @@ impl Plan {
     }
 
     /// Writes all files; the summary last, because it states how long the others took.
-    fn write(&self, model: &mut Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
+    fn write(&self, model: &Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
         let mut unit = Unit::default();
         let start = watch.elapsed();
         for (target, content) in &self.outputs {
@@ -205,11 +207,12 @@ impl Plan {
                 (Content::Mesh(_), None) => {}
             }
         }
-        model.report.seconds.write = watch.elapsed() - start;
-        model.report.seconds.total = watch.elapsed();
         if let Some(target) = &self.summary {
+            let total = watch.elapsed();
+            let seconds = Seconds { write: total - start, total, ..model.report.seconds };
+            let summary = Report { seconds, ..model.report.clone() };
             unit.fill(target, self.force, |out| {
-                serde_json::to_writer_pretty(&mut *out, &model.report)?;
+                serde_json::to_writer_pretty(&mut *out, &summary)?;
                 writeln!(out)
             })?;
         }

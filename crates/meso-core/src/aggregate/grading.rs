@@ -34,7 +34,8 @@ pub struct Grading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// (P(d) - P(d_min)) / (P(d_max) - P(d_min)): the whole target is placed. Fuller's: (d^n - d_min^n) / (d_max^n - d_min^n).
+    /// (P(d) - P(d_min)) / (P(d_max) - P(d_min)): the whole target is placed. Fuller's: (d^n - d_min^n) / (d_max^n -
+    /// d_min^n).
     Normalised,
     /// P(d): volume below `d_min` or above `d_max` is not placed.
     Raw,
@@ -56,7 +57,8 @@ pub enum SizeDefinition {
 pub enum SizeLaw {
     /// Every size is drawn equally often (the paper's).
     Uniform,
-    /// Number density ~ d^-4: volume is uniform in log d, so that a curve drawn straight on a logarithmic axis stays so.
+    /// Number density ~ d^-4: volume is uniform in log d, so that a curve drawn straight on a logarithmic axis stays
+    /// so.
     VolumeUniform,
 }
 

@@ -1,8 +1,8 @@
 //! Further phases: spherical voids and straight fibres, polyhedra that are placed together with the aggregates.
 //!
-//! A void is the hull of the 12 corners of an icosahedron and the 20 of its dual on one sphere (a pentakis dodecahedron):
-//! 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both have exactly the
-//! volume of the sphere or the cylinder they stand for. They have no ITZ.
+//! A void is the hull of the 12 corners of an icosahedron and the 20 of its dual on one sphere (a pentakis
+//! dodecahedron): 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both
+//! have exactly the volume of the sphere or the cylinder they stand for. They have no ITZ.
 
 use super::SizeLaw;
 use super::random::{Purpose, Stream};

@@ -1,8 +1,8 @@
 //! Meshes as gmsh's `.msh` 4.1, binary: gmsh itself, FEniCSx, MOOSE, meshio.
 //!
-//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical surfaces XMIN to
-//! ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or hexahedra without
-//! volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
+//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical
+//! surfaces XMIN to ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or
+//! hexahedra without volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
 //! on a bounding plane has that of its cell (meshio reads a view only where it names all elements in their order).
 
 use crate::math::Aabb;

@@ -7,7 +7,8 @@ use crate::math::{Aabb, Vec3};
 /// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompactPolyhedron {
-    /// All lists in one piece: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with zeros.
+    /// All lists, contiguous: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with
+    /// zeros.
     lists: Box<[u32]>,
     vertices: u32,
     /// Of all faces; with the number of vertices it determines the lists' layout.
@@ -81,7 +82,7 @@ impl CompactPolyhedron {
         [&all[..n], &all[n..2 * n], &all[2 * n..]]
     }
 
-    /// All coordinates in one piece, as they lie in memory.
+    /// All coordinates, contiguous, in memory order.
     #[inline(always)]
     pub(crate) fn all_coordinates(&self) -> &[u32] {
         &self.lists[..3 * self.vertex_count()]

@@ -1,9 +1,9 @@
 //! The volume of a closed triangulated surface to 1e-14, however thin or far away the body is.
 //!
-//! The sum of n . (a - apex) over all triangles (a, b, c), n = (b - a) x (c - a), is six times the volume, for any apex.
-//! With the apex in the middle of a convex body no term is negative and n nearly along a - apex, so little cancels: the
-//! terms' rounding is bounded beside the sum, and where the bound is too large the sum is taken in double-double, then
-//! in integers.
+//! The sum of n . (a - apex) over all triangles (a, b, c), n = (b - a) x (c - a), is six times the volume, for any
+//! apex. With the apex in the middle of a convex body no term is negative and n nearly along a - apex, so little
+//! cancels: the terms' rounding is bounded beside the sum, and where the bound is too large the sum is taken in
+//! double-double, then in integers.
 
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
 use super::facet_kernels::SixVolumes;

@@ -27,7 +27,7 @@ pub struct Plane {
     pub offset: f64,
 }
 
-/// A face as a piece of its plane.
+/// A face as a part of its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     /// Where it lies.

@@ -38,8 +38,8 @@ impl Spec {
         self.placement.reach() * full(self) / full(&Self::default())
     }
 
-    /// What the user should hear before the work: that so dense a packing was never seen, that a class is too small for a
-    /// single aggregate, that an option counts for nothing.
+    /// What the user should hear before the work: that so dense a packing was never seen, that a class is too small
+    /// for a single aggregate, that an option counts for nothing.
     pub fn doubts(&self) -> Vec<String> {
         self.beyond_reach().into_iter().chain(self.empty_class()).chain(self.unused_attempts()).collect()
     }

@@ -37,7 +37,8 @@ impl Spec {
         inclusions::check(self)
     }
 
-    /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own image.
+    /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own
+    /// image.
     pub(crate) fn meets_own_image(&self, longest: f64) -> Option<SpecError> {
         let (period, gap) = (self.specimen.period(), self.placement.min_gap_mm);
         let length = (0..3).filter_map(|axis| period.along(axis)).find(|length| longest + gap >= *length)?;

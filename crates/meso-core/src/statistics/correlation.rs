@@ -30,7 +30,8 @@ pub struct Correlation {
     pub two_point: Vec<f64>,
     /// L(r).
     pub lineal_path: Vec<f64>,
-    /// Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific surface.
+    /// Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific
+    /// surface.
     pub slope_per_mm: f64,
     /// Mean length of the chords, mm.
     pub mean_chord_mm: f64,
@@ -38,12 +39,12 @@ pub struct Correlation {
     pub lines: u32,
 }
 
-/// A line through the specimen: its length there, and the pieces of it that lie in aggregates, ascending.
+/// A line through the specimen: its length there, and the parts of it that lie in aggregates, ascending.
 struct Line {
     length: f64,
     chords: Vec<(f64, f64)>,
-    /// Ends of chords at an aggregate's surface. A specimen that repeats itself cuts chords at its faces: these ends are
-    /// none.
+    /// Ends of chords at an aggregate's surface. A specimen that repeats itself cuts chords at its faces: these ends
+    /// are none.
     ends: u32,
 }
 
