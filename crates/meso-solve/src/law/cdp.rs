@@ -16,7 +16,7 @@
 //! law, dc their exponential one, both over inelastic strain, which is plastic strain and what damage gave up of elastic.
 //!
 //! Differences to Abaqus with the same deck:
-//! - The rising branch is one polynomial through the deck's polygon, within 2.5 % of the strength (peak and its strain agree).
+//! - The rising branch is one polynomial through the deck's polygon, within 2.6 % of the strength (peak and its strain agree).
 //! - A crack's plastic opening is its opening less d f_t h / E; Abaqus takes a unit length in place of h. So here the whole
 //!   stress-opening curve spends the fracture energy on any width, there f_t^2 (h - 1 mm) / 2E more.
 //! - Tensile damage goes on to 0.9999, where Abaqus keeps the deck's last 0.99.
