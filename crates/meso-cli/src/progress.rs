@@ -66,7 +66,7 @@ pub(crate) fn bar(share: f64) -> String {
     format!("[{full:BAR$}]")
 }
 
-/// A terminal that is gone is no reason to stop.
+/// A closed terminal does not stop the run.
 pub(crate) fn show(text: &str) {
     let mut stderr = io::stderr().lock();
     let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
