@@ -3,7 +3,7 @@
 //! That is mortar whose cell has its centroid outside; the surface that is left is one of whole cells: as far as half an
 //! element from the specimen's own. (A fitted lattice is cut at the specimen's surface instead.)
 
-use super::{Mesh, NO_AGGREGATE};
+use super::cells::{Mesh, NO_AGGREGATE};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::packing::Container;

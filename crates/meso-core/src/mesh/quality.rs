@@ -4,8 +4,9 @@ mod report;
 
 pub use report::{BAD_DEG, DIHEDRAL_BINS, QualityReport};
 
+use super::cells::{CellKind, Mesh};
+use super::tet::{dihedral_cosines, face_vectors, shortest_altitude, volume};
 use super::volumes::cell_volume;
-use super::{CellKind, Mesh};
 use crate::math::Vec3;
 use rayon::prelude::*;
 
@@ -41,40 +42,12 @@ pub fn bad_cells(cells: &[CellQuality], degrees: f64) -> Vec<usize> {
     (0..).zip(cells).filter(|(_, q)| q.min_dihedral_deg < degrees).map(|(index, _)| index).collect()
 }
 
-/// Smallest and largest cosine of a tetrahedron's dihedral angles.
-///
-/// With outward face vectors n_i (of twice the area), the angle at the edge shared by faces i and j has the cosine
-/// -n_i . n_j / |n_i| |n_j|.
-pub(crate) fn dihedral_cosines(p: [Vec3; 4]) -> [f64; 2] {
-    let normals = face_vectors(p).map(|n| n / n.norm());
-    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-    for i in 0..4 {
-        for j in 0..i {
-            let cosine = -normals[i].dot(&normals[j]);
-            range = [range[0].min(cosine), range[1].max(cosine)];
-        }
-    }
-    range
-}
-
-/// Outward vectors of twice the area, the face opposite to node i at i.
-fn face_vectors([a, b, c, d]: [Vec3; 4]) -> [Vec3; 4] {
-    let cross = |u: Vec3, v: Vec3, w: Vec3| (v - u).cross(&(w - u));
-    [cross(b, c, d), cross(a, d, c), cross(a, b, d), cross(a, c, b)]
-}
-
-/// Shortest altitude of the tetrahedron with these corners, mm: six times its volume over twice its largest face's area.
-pub(crate) fn shortest_altitude(p: [Vec3; 4]) -> f64 {
-    let six_volumes = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
-    six_volumes / face_vectors(p).map(|n| n.norm_squared()).into_iter().fold(0.0, f64::max).sqrt()
-}
-
 /// Measures of the tetrahedron with these corners, mm.
 pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
     let degrees = |cosine: f64| libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees();
     let [low, high] = dihedral_cosines(p);
     let areas = face_vectors(p).map(|n| n.norm() / 2.0);
-    let volume = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0])) / 6.0;
+    let volume = volume(p);
     let inscribed = 3.0 * volume / areas.iter().sum::<f64>();
     CellQuality {
         min_dihedral_deg: degrees(high),

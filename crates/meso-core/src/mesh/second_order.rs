@@ -2,7 +2,7 @@
 //!
 //! Edges stay straight, so that volumes, angles and surfaces are those of the first-order mesh.
 
-use super::{CellKind, Mesh};
+use super::cells::{CellKind, Mesh};
 use rayon::prelude::*;
 
 /// The edges that carry nodes 5 to 10, by the places of their ends in the cell: the order of Abaqus and VTK.

@@ -3,8 +3,9 @@
 //! A side is what lies on its bounding plane. Where no face does (a cylinder's mantle), it is the part of the mesh's
 //! surface that looks along that axis more than along the others, and at less than 45 degrees to it.
 
-use super::Mesh;
+use super::cells::{Cells, Mesh};
 use crate::math::{Aabb, Vec3};
+use crate::packing::Specimen;
 use rayon::prelude::*;
 
 /// The bounding planes: axis, whether it is the upper one, and the name of its node set.
@@ -32,12 +33,18 @@ pub struct Sides {
 impl Sides {
     /// Those of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
-        let nodes = on_planes(&mesh.points);
-        let mut sides = Self { faces: in_planes(mesh, &nodes), nodes };
+        let cells = mesh.by_aggregate();
+        let mut sides = Self::in_planes(cells);
         if sides.faces.iter().any(Vec::is_empty) {
-            sides.add_curved(mesh);
+            sides.add_curved(cells, &mesh.cohesive);
         }
         sides
+    }
+
+    /// Those of cells that fill a box.
+    pub(crate) fn in_planes(cells: Cells) -> Self {
+        let nodes = on_planes(cells.points);
+        Self { faces: in_planes(cells, &nodes), nodes }
     }
 
     /// The sides that `node` lies on.
@@ -56,18 +63,18 @@ impl Sides {
     }
 
     /// Gives the sides without a face in their plane those that look their way.
-    fn add_curved(&mut self, mesh: &Mesh) {
+    fn add_curved(&mut self, mesh: Cells, cohesive: &[u32]) {
         let curved = [0, 1, 2, 3, 4, 5].map(|bit: usize| self.faces[bit].is_empty());
-        for (cell, face) in outer_faces(mesh) {
+        for (cell, face) in outer_faces(mesh, cohesive) {
             let start = cell as usize * mesh.kind.nodes();
-            let p = |i: usize| mesh.points[mesh.cells[start + mesh.kind.faces()[face][i]] as usize];
+            let p = |i: usize| mesh.points[mesh.nodes[start + mesh.kind.faces()[face][i]] as usize];
             let normal = (p(1) - p(0)).cross(&(p(2) - p(0)));
             let axis = normal.iamax();
             let bit = 2 * axis + usize::from(normal[axis] > 0.0);
             if curved[bit] && normal[axis] * normal[axis] > LOOKS * normal.norm_squared() {
                 self.faces[bit].push((cell, face));
                 for &i in mesh.kind.face_nodes()[face] {
-                    self.nodes[mesh.cells[start + i] as usize] |= 1 << bit;
+                    self.nodes[mesh.nodes[start + i] as usize] |= 1 << bit;
                 }
             }
         }
@@ -89,9 +96,9 @@ fn on_planes(points: &[Vec3]) -> Vec<u8> {
 }
 
 /// The cells' faces on every bounding plane, by cell.
-fn in_planes(mesh: &Mesh, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
+fn in_planes(mesh: Cells, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
     let mut faces: [Vec<(u32, usize)>; 6] = Default::default();
-    for (number, cell) in (0..).zip(mesh.cells()) {
+    for (number, cell) in (0..).zip(mesh.iter()) {
         if cell.iter().all(|&node| nodes[node as usize] == 0) {
             continue;
         }
@@ -104,7 +111,7 @@ fn in_planes(mesh: &Mesh, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
 }
 
 /// The faces that only one cell has, by cell; cohesive elements join the faces at their two sides.
-fn outer_faces(mesh: &Mesh) -> Vec<(u32, usize)> {
+fn outer_faces(mesh: Cells, cohesive: &[u32]) -> Vec<(u32, usize)> {
     let per_cell = mesh.kind.nodes();
     let sorted = |nodes: &[usize], cell: &[u32]| {
         let mut corners = [u32::MAX; 4];
@@ -112,18 +119,56 @@ fn outer_faces(mesh: &Mesh) -> Vec<(u32, usize)> {
         corners.sort_unstable();
         corners
     };
-    let cells = mesh.cells.par_chunks_exact(per_cell).enumerate();
+    let cells = mesh.nodes.par_chunks_exact(per_cell).enumerate();
     let mut faces: Vec<([u32; 4], u32, u8)> = cells
         .flat_map_iter(|(number, cell)| {
             (0..).zip(mesh.kind.faces()).map(move |(face, nodes)| (sorted(nodes, cell), number as u32, face))
         })
         .collect();
     let corners = mesh.kind.faces()[0].len();
-    let joined = mesh.cohesive.chunks_exact(corners).map(|face| (sorted(&[0, 1, 2, 3][..corners], face), u32::MAX, 0));
+    let joined = cohesive.chunks_exact(corners).map(|face| (sorted(&[0, 1, 2, 3][..corners], face), u32::MAX, 0));
     faces.extend(joined);
     faces.par_sort_unstable();
     let lone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| &same[0]);
     let mut lone: Vec<(u32, usize)> = lone.map(|&(_, cell, face)| (cell, face as usize)).collect();
     lone.sort_unstable();
     lone
+}
+
+/// Points this near to a side, in sizes of the box, are on it.
+const ROUNDING: f64 = 1e-9;
+
+/// The flat sides of a specimen's box across which it does not repeat itself, where aggregates end before the mesh does; in the order of [`SIDES`].
+pub(super) struct FlatSides {
+    aabb: Aabb,
+    repeats: [bool; 3],
+    slack: f64,
+}
+
+impl FlatSides {
+    pub(super) fn of(specimen: &Specimen) -> Self {
+        let aabb = specimen.aabb();
+        Self { aabb, repeats: specimen.periodic().0, slack: ROUNDING * aabb.size().max() }
+    }
+
+    /// Whether `x` lies on one of the sides.
+    pub(super) fn have(&self, x: &Vec3) -> bool {
+        self.across(x) != 0
+    }
+
+    /// The sides that `x` lies on, a bit for each.
+    pub(super) fn across(&self, x: &Vec3) -> u8 {
+        (0..3).filter(|&axis| !self.repeats[axis]).fold(0, |bits, axis| {
+            let (low, high) =
+                (x[axis] <= self.aabb.min[axis] + self.slack, x[axis] >= self.aabb.max[axis] - self.slack);
+            bits | u8::from(low) << (2 * axis) | u8::from(high) << (2 * axis + 1)
+        })
+    }
+
+    /// From `body` to the farthest of the sides `across`, mm.
+    pub(super) fn gap(&self, body: &Aabb, across: u8) -> f64 {
+        let gaps = |axis: usize| [body.min[axis] - self.aabb.min[axis], self.aabb.max[axis] - body.max[axis]];
+        let all = [0, 1, 2].map(gaps);
+        (0..6).filter(|side| across >> side & 1 == 1).map(|side| all.as_flattened()[side]).fold(0.0, f64::max)
+    }
 }

@@ -1,6 +1,8 @@
 //! How much of the specimen each phase fills: in the mesh, and exactly.
 
-use super::{CellKind, Mesh, MeshError, Phase};
+use super::cells::{CellKind, Mesh, Phase};
+use super::error::MeshError;
+use super::tet::{TetMesh, volume};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::OffsetError;
 use crate::math::Vec3;
@@ -102,12 +104,21 @@ pub(super) fn all_positive(mesh: &Mesh) -> Result<(), MeshError> {
     }
 }
 
+/// Refuses tetrahedra of which one has no positive volume.
+pub(super) fn all_tetrahedra_positive(mesh: &TetMesh) -> Result<(), MeshError> {
+    let flat: Vec<u32> = mesh.numbers().into_par_iter().filter(|&cell| !(mesh.volume(cell) > 0.0)).collect();
+    match flat.first() {
+        None => Ok(()),
+        Some(&first) => Err(MeshError::Flat { cells: flat.len(), at: mesh.position(mesh.cell(first)[0]).into() }),
+    }
+}
+
 /// Volume of a cell, mm3; negative where its nodes are out of order.
 pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 {
     let p = |i: usize| points[cell[i] as usize];
     let six = |a: usize, b: usize, c: usize, d: usize| (p(b) - p(a)).cross(&(p(c) - p(a))).dot(&(p(d) - p(a)));
     match kind {
-        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => six(0, 1, 2, 3) / 6.0,
+        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => volume([p(0), p(1), p(2), p(3)]),
         // Six tetrahedra around the diagonal 0-6: exact for the parallelepipeds that voxels are.
         CellKind::Hexahedron => {
             [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)].iter().map(|&(b, c)| six(0, b, c, 6)).sum::<f64>() / 6.0

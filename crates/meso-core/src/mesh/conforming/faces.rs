@@ -3,11 +3,11 @@
 //! The lower face of each axis is triangulated with the rims of the cut grains in it ([`plane`](super::plane)), and moved by
 //! the period it is the upper one.
 
+use super::clipped::Piece;
 use super::facets::halved;
-use super::pieces::Piece;
 use super::plane::{Frame, Plane};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use std::collections::BTreeMap;
 
 /// A lower face: its triangles counter-clockwise seen from above, each with the piece whose cap it is part of.

@@ -5,12 +5,12 @@
 //! are bisected, which keeps every angle above half the smallest one of the fan (Rosenberg and Stenger 1975), then flipped
 //! to Delaunay's.
 
+use super::clipped::snap;
 use super::faces::Nodes;
-use super::pieces::snap;
 use super::plane::{Frame, region};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 

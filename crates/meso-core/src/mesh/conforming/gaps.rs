@@ -4,7 +4,7 @@ use crate::aggregate::Aggregate;
 use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::Aabb;
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use crate::packing::{Container, Obstacle, Period};
 use rayon::prelude::*;
 

@@ -3,10 +3,10 @@
 //! Halving the triangles of a fan would be simpler, but a fan of a polygon with one short edge has needles, and the nodes on
 //! a needle's long sides come as close to each other as that edge is short.
 
+use super::clipped::snap;
 use super::facets::{Triangles, halved};
-use super::pieces::snap;
 use crate::math::Vec3;
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use spade::handles::{FixedVertexHandle, InnerTag};
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 

@@ -3,8 +3,8 @@
 //! Planes across the longest side divide grains and mortar alike, as the faces of periodic boxes do; nothing of them is left
 //! in the mesh but nodes. They go where no grain begins, ends or has a corner nearby.
 
+use super::clipped::snap;
 use super::gaps::NARROWEST_MM;
-use super::pieces::snap;
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 

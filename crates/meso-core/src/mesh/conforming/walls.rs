@@ -1,9 +1,9 @@
-//! The specimen's own surface as triangles.
+//! The specimen's own surface as triangles; where it is curved their nodes lie on it, and nothing of them is farther than
+//! [`CHORD_MM`] from it.
 
-use super::facets::{LONGEST, Triangles, facets};
-use super::round;
+use super::facets::{LONGEST, Triangles, facets, refined};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use crate::packing::{Container, Specimen, Surface};
 use std::collections::BTreeMap;
 
@@ -15,16 +15,16 @@ use std::collections::BTreeMap;
 pub(super) fn walls(specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Triangles, MeshError> {
     match (specimen, polygons(specimen, room, size)) {
         (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),
-        (Specimen::Sphere { diameter_mm }, None) => Ok(round::sphere(*diameter_mm, size)),
+        (Specimen::Sphere { diameter_mm }, None) => Ok(sphere(*diameter_mm, size)),
         (_, None) => Ok(grid(&room.aabb(), size)),
     }
 }
 
-/// The same as plane faces; boxes have their own ([`grid`], and [`boxes`](super::boxes)), and spheres have none.
+/// The same as plane faces; boxes have their own ([`grid`], and [`sections`](super::sections)), and spheres have none.
 pub(super) fn polygons(specimen: &Specimen, room: &dyn Container, size: f64) -> Option<Surface> {
     match *specimen {
         Specimen::Sphere { .. } => None,
-        Specimen::Cylinder { diameter_mm, height_mm } => Some(round::prism(diameter_mm, height_mm, size)),
+        Specimen::Cylinder { diameter_mm, height_mm } => Some(prism(diameter_mm, height_mm, size)),
         _ if room.is_box() => None,
         _ => Some(room.surface()),
     }
@@ -33,7 +33,7 @@ pub(super) fn polygons(specimen: &Specimen, room: &dyn Container, size: f64) -> 
 /// How far the triangles of [`walls`] may lie inside the specimen's surface, mm.
 pub(super) fn chord(specimen: &Specimen) -> f64 {
     match specimen {
-        Specimen::Cylinder { .. } | Specimen::Sphere { .. } => round::CHORD_MM,
+        Specimen::Cylinder { .. } | Specimen::Sphere { .. } => CHORD_MM,
         _ => 0.0,
     }
 }
@@ -70,4 +70,41 @@ fn position(domain: &Aabb, counts: [usize; 3], at: [usize; 3]) -> Vec3 {
             domain.min[axis] + domain.size()[axis] * at[axis] as f64 / counts[axis] as f64
         }
     })
+}
+
+/// Well within the least gap that is advised between grains and walls, 0.05 mm.
+const CHORD_MM: f64 = 0.02;
+
+/// The sphere that touches the coordinate planes, from an octahedron.
+fn sphere(diameter: f64, size: f64) -> Triangles {
+    let radius = diameter / 2.0;
+    let centre = Vec3::repeat(radius);
+    let points = [Vec3::x(), Vec3::y(), -Vec3::x(), -Vec3::y(), Vec3::z(), -Vec3::z()].map(|arm| centre + arm * radius);
+    let caps = |i: u32| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]];
+    let triangles = (0..4).flat_map(caps).map(|triangle| (triangle, 0));
+    refined(points.to_vec(), triangles, longest(radius, size), |_, place| {
+        let arm = place - centre;
+        centre + arm * (radius / arm.norm())
+    })
+}
+
+/// The prism in the upright cylinder on z = 0 that touches the other coordinate planes, as fine as elements of `size` mm.
+fn prism(diameter: f64, height: f64, size: f64) -> Surface {
+    let radius = diameter / 2.0;
+    let sides = (std::f64::consts::TAU * radius / longest(radius, size)).ceil().max(6.0) as u32;
+    let ring = |z: f64| {
+        (0..sides).map(move |i| {
+            let angle = f64::from(i) * (std::f64::consts::TAU / f64::from(sides));
+            Vec3::new(radius + radius * libm::cos(angle), radius + radius * libm::sin(angle), z)
+        })
+    };
+    let ends = [(0..sides).rev().collect(), (sides..2 * sides).collect()];
+    let side = |i: u32| (i, (i + 1) % sides);
+    let mantle = (0..sides).map(side).map(|(i, j)| vec![i, j, j + sides, i + sides]);
+    Surface { points: ring(0.0).chain(ring(height)).collect(), faces: ends.into_iter().chain(mantle).collect() }
+}
+
+/// The longest edge on a wall of `radius`, mm: the middle of a triangle with edges l is l^2 / 6 radius off a sphere.
+fn longest(radius: f64, size: f64) -> f64 {
+    (LONGEST * size).min((6.0 * radius * CHORD_MM).sqrt())
 }

@@ -5,7 +5,9 @@
 use super::{CellQuality, measured};
 use crate::aggregate::Aggregate;
 use crate::materials::Materials;
-use crate::mesh::{InterfaceDistance, Mesh, Phase, PhaseVolumes};
+use crate::mesh::cells::{Mesh, Phase};
+use crate::mesh::interface_error::InterfaceDistance;
+use crate::mesh::volumes::PhaseVolumes;
 use crate::packing::Specimen;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -1,0 +1,134 @@
+//! The surfaces of specimens in slabs: bodies and the specimen's own surface cut by the planes between the slabs and by the faces of a
+//! box that repeats itself, the caps there, and what mortar has of the planes and faces.
+
+use super::clipped::{self, BodyIndex, Piece, pieces};
+use super::faces::{self, Face, Nodes};
+use super::facets::LONGEST;
+use super::plane::{Frame, region};
+use super::plc::{Shells, Upper, shells, surface};
+use super::slabs::Slabs;
+use crate::aggregate::Aggregate;
+use crate::math::{Aabb, Vec3};
+use crate::mesh::error::MeshError;
+use crate::packing::{Period, Surface};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Nodes this near to a face are on it, mm.
+const ON_FACE_MM: f64 = 1e-7;
+
+/// The surfaces of `aggregates` and all their images in the box `domain`, with edges of about `size` mm, slab by slab.
+///
+/// # Errors
+/// Where a face of the box grazes an aggregate.
+pub(super) fn of_box(
+    aggregates: &[Aggregate],
+    period: &Period,
+    domain: &Aabb,
+    slabs: &Slabs,
+    bodies: &BodyIndex,
+    size: f64,
+) -> Result<Vec<Shells>, MeshError> {
+    let limit = LONGEST * size;
+    let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
+    let lower = |(pieces, aabb): (&Vec<Piece>, &Aabb)| {
+        let faces = (0..3).into_par_iter().map(|axis| faces::lower(axis, aabb, pieces, limit));
+        faces.collect::<Result<Vec<Face>, MeshError>>()
+    };
+    let boxes = slabs.boxes(domain);
+    let faces: Vec<Vec<Face>> = pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, MeshError>>()?;
+    let of_slab = |slab: usize| {
+        shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+            for (axis, lower) in faces[slab].iter().enumerate() {
+                // Above the last slab the first one comes again.
+                let above = if axis == slabs.axis { (slab + 1) % boxes.len() } else { slab };
+                let step = i32::from(axis != slabs.axis || above == 0);
+                let (face, place) = (&faces[above][axis], boxes[slab].max[axis]);
+                sheets.add_lower(lower, nodes);
+                sheets.add_upper(&Upper { face, pieces: &pieces[above], axis, place, step }, &pieces[slab], nodes);
+            }
+        })
+    };
+    (0..boxes.len()).into_par_iter().map(of_slab).collect()
+}
+
+/// Refuses nodes on a face of `domain` across which the box repeats itself that have none opposite to them.
+///
+/// # Errors
+/// Names the first.
+pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Result<(), MeshError> {
+    for axis in (0..3).filter(|&axis| period.along(axis).is_some()) {
+        let [low, high] = [domain.min, domain.max].map(|face| {
+            let on = points.iter().filter(|point| (point[axis] - face[axis]).abs() <= ON_FACE_MM);
+            // -0 and 0 are one place.
+            let within = |point: &Vec3| [1, 2].map(|next| (point[(axis + next) % 3] + 0.0).to_bits());
+            on.map(|point| (within(point), [point.x, point.y, point.z])).collect::<BTreeMap<_, _>>()
+        });
+        let lone = |here: &BTreeMap<_, [f64; 3]>, there: &BTreeMap<[u64; 2], _>| {
+            here.iter().find(|(within, _)| !there.contains_key(*within)).map(|(_, at)| *at)
+        };
+        if let Some(at) = lone(&low, &high).or_else(|| lone(&high, &low)) {
+            return Err(MeshError::Unmatched { at });
+        }
+    }
+    Ok(())
+}
+
+/// The surfaces of `aggregates` within the specimen's own, `walls`, with edges of about `size` mm, slab by slab; there is no
+/// `period`.
+///
+/// # Errors
+/// Where a plane between slabs grazes an aggregate.
+pub(super) fn of_walls(
+    aggregates: &[Aggregate],
+    walls: Surface,
+    period: &Period,
+    domain: &Aabb,
+    slabs: &Slabs,
+    bodies: &BodyIndex,
+    size: f64,
+) -> Result<Vec<Shells>, MeshError> {
+    let limit = LONGEST * size;
+    let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
+    let walls = clipped::walls(walls, slabs, period);
+    let of_plane = |(above, place): (usize, &f64)| section(slabs.axis, *place, &walls[above], &pieces[above], limit);
+    let planes = (1..walls.len()).into_par_iter().zip(&slabs.places).map(of_plane);
+    let planes: Vec<Face> = planes.collect::<Result<_, MeshError>>()?;
+    let of_slab = |slab: usize| {
+        let walls = surface(&walls[slab], limit)?;
+        shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+            sheets.add_walls(&walls, nodes);
+            if slab > 0 {
+                sheets.add_lower(&planes[slab - 1], nodes);
+            }
+            if let Some(face) = planes.get(slab) {
+                let (axis, place) = (slabs.axis, slabs.places[slab]);
+                let upper = Upper { face, pieces: &pieces[slab + 1], axis, place, step: 0 };
+                sheets.add_upper(&upper, &pieces[slab], nodes);
+            }
+        })
+    };
+    (0..walls.len()).into_par_iter().map(of_slab).collect()
+}
+
+/// The plane at `place` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.
+fn section(axis: usize, place: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
+    let frame = Frame::across(axis, place);
+    let upward = |loops: Vec<Vec3>| loops.into_iter().rev().collect::<Vec<Vec3>>();
+    let outlines = walls.loops(axis, false).map(upward);
+    // Around the mortar caps go the other way.
+    let caps = || pieces.iter().flat_map(|piece| piece.loops(axis, false));
+    let mut regions = vec![(None, region(frame, &outlines.chain(caps()).collect::<Vec<_>>(), limit)?)];
+    for (index, piece) in pieces.iter().enumerate() {
+        for cap in piece.loops(axis, false) {
+            regions.push((Some(index), region(frame, &[upward(cap)], limit)?));
+        }
+    }
+    let (mut nodes, mut triangles) = (Nodes::default(), Vec::new());
+    for (piece, region) in regions {
+        let number: Vec<u32> = region.points.iter().map(|point| nodes.at(*point)).collect();
+        let own = region.triangles.iter().map(|triangle| (triangle.map(|node| number[node as usize]), piece));
+        triangles.extend(own);
+    }
+    Ok(Face { points: nodes.points, triangles })
+}
