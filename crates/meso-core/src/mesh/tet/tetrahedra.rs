@@ -60,7 +60,6 @@ impl TetMesh {
         volume(self.corners(self.cell(cell)))
     }
 
-
     /// The numbers of all cells.
     pub(in crate::mesh) fn numbers(&self) -> std::ops::Range<u32> {
         0..self.cells.len() as u32
