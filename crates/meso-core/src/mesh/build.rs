@@ -1,15 +1,21 @@
 //! From a packing to its mesh, whatever the method.
+//!
+//! Mortar outside a specimen that does not fill its bounding box is clipped where its cell has its centroid outside; the surface that
+//! is left is one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
+//! surface instead.) Voids are left out of every mesh.
 
-use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase};
+use super::cells::{CellKind, Draft, Mesh, NO_AGGREGATE, NO_BODY, Notes, Phase};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, MeshOptions, Method, MethodName, Order};
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{clip, closed_gaps, interface, lattice, layer, periodic, volumes, voxel};
-use crate::aggregate::Aggregate;
+use super::{fidelity, interface, lattice, layer, sides, volumes, voxel};
+use crate::aggregate::{Aggregate, Kind};
+use crate::math::Vec3;
 use crate::model::Model;
-use crate::packing::{Specimen, images_near};
+use crate::packing::{Container, Specimen, images_near};
+use rayon::prelude::*;
 use std::cmp::Ordering;
 
 /// Meshes a packed specimen by a method of our own.
@@ -50,14 +56,14 @@ fn assemble(
     let bodies = bodies.as_slice();
     let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
-        clip::clip(&mut mesh, &*container);
+        clip(&mut mesh, &*container);
     }
-    clip::leave_out_voids(&mut mesh, bodies);
-    closed_gaps::note(&mut mesh, bodies, &FlatSides::of(specimen));
+    leave_out_voids(&mut mesh, bodies);
+    fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
     if options.itz == ItzForm::Cohesive {
         interface::add_cohesive(&mut mesh);
         if mesh.periodic != [false; 3] {
-            periodic::complete(&mut mesh);
+            sides::complete(&mut mesh);
         }
     }
     volumes::all_positive(&mesh)?;
@@ -128,4 +134,51 @@ fn with_layer(
     let layer::Layered { mesh, phase, .. } = mesh;
     let TetMesh { points, cells, owner } = mesh;
     (Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }, notes)
+}
+
+/// Keeps the aggregates' cells and the mortar's inside `room`, and the nodes they have.
+fn clip(mesh: &mut Mesh, room: &dyn Container) {
+    if room.is_box() {
+        return;
+    }
+    let (nodes, points) = (mesh.kind.nodes(), &mesh.points);
+    let centroid = |cell: &[u32]| cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / nodes as f64;
+    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || room.contains(&centroid(cell));
+    let inside: Vec<bool> = mesh.cells.par_chunks_exact(nodes).zip(&mesh.aggregate).map(keep).collect();
+    retain(mesh, &inside);
+}
+
+/// Keeps all cells but those of voids.
+fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
+    let mut voids: Vec<u32> = bodies.iter().filter(|body| body.kind == Kind::Void).map(|body| body.id).collect();
+    if voids.is_empty() {
+        return;
+    }
+    voids.sort_unstable();
+    let solid: Vec<bool> = mesh.aggregate.par_iter().map(|id| voids.binary_search(id).is_err()).collect();
+    retain(mesh, &solid);
+}
+
+/// Keeps some of the cells, and the nodes they have.
+fn retain(mesh: &mut Mesh, cells: &[bool]) {
+    let mut kept = cells.iter().flat_map(|kept| std::iter::repeat_n(*kept, mesh.kind.nodes()));
+    mesh.cells.retain(|_| kept.next().unwrap_or(true));
+    let mut kept = cells.iter();
+    mesh.phase.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = cells.iter();
+    mesh.aggregate.retain(|_| *kept.next().unwrap_or(&true));
+    drop_lone_nodes(mesh);
+}
+
+/// Leaves out the nodes without cells and numbers the others anew, in their order.
+fn drop_lone_nodes(mesh: &mut Mesh) {
+    const LONE: u32 = u32::MAX;
+    let mut number = vec![LONE; mesh.points.len()];
+    mesh.cells.iter().for_each(|&node| number[node as usize] = 0);
+    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != LONE)) {
+        *number = count;
+    }
+    let mut old = number.iter();
+    mesh.points.retain(|_| *old.next().unwrap_or(&LONE) != LONE);
+    mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
 }

@@ -1,7 +1,11 @@
 //! A mesh as everyone outside sees it ([`Mesh`]), and as its makers do ([`Draft`]).
+//!
+//! Second-order tetrahedra have a node in the middle of every edge, shared by all the cells around it. Edges stay straight, so that
+//! volumes, angles and surfaces are those of the first-order mesh.
 
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// The material a cell is made of.
@@ -225,5 +229,68 @@ impl Mesh {
     /// The cells by their aggregates' ids.
     pub(crate) fn by_aggregate(&self) -> Cells<'_> {
         Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.aggregate }
+    }
+}
+
+/// The edges that carry nodes 5 to 10, by the places of their ends in the cell: the order of Abaqus and VTK.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
+impl Mesh {
+    /// Makes first-order tetrahedra second-order ones; other meshes, and those with cohesive elements, stay as they are.
+    ///
+    /// The new nodes come after the old ones, by the lower end of their edge, then by the upper.
+    pub fn raise_order(&mut self) {
+        if self.kind != CellKind::Tetrahedron || !self.cohesive.is_empty() {
+            return;
+        }
+        let corners = self.points.len() as u32;
+        let edges = Edges::of(self);
+        let middles: Vec<_> = edges.ends().map(|[a, b]| (self.points[a] + self.points[b]) / 2.0).collect();
+        self.points.extend(middles);
+        let nodes = |cell: &[u32]| {
+            let mut nodes = [0; 10];
+            nodes[..4].copy_from_slice(cell);
+            for (node, [i, j]) in nodes[4..].iter_mut().zip(EDGES) {
+                *node = corners + edges.number(cell[i], cell[j]);
+            }
+            nodes
+        };
+        self.cells = self.cells.par_chunks_exact(4).map(nodes).collect::<Vec<_>>().into_flattened();
+        self.kind = CellKind::QuadraticTetrahedron;
+    }
+}
+
+/// The edges of a mesh, numbered by their lower end, then by the upper.
+struct Edges {
+    /// Where the edges of every lower end begin, and the end of all.
+    first: Vec<u32>,
+    upper: Vec<u32>,
+}
+
+impl Edges {
+    fn of(mesh: &Mesh) -> Self {
+        let ends = |cell: &[u32], [i, j]: [usize; 2]| (cell[i].min(cell[j]), cell[i].max(cell[j]));
+        let of_cell = |cell| EDGES.iter().map(move |edge| ends(cell, *edge));
+        let mut edges: Vec<(u32, u32)> = mesh.cells.par_chunks_exact(4).flat_map_iter(of_cell).collect();
+        edges.par_sort_unstable();
+        edges.dedup();
+        let mut first = vec![0; mesh.points.len() + 1];
+        edges.iter().for_each(|edge| first[edge.0 as usize + 1] += 1);
+        (1..first.len()).for_each(|node| first[node] += first[node - 1]);
+        Self { first, upper: edges.into_iter().map(|edge| edge.1).collect() }
+    }
+
+    /// The edge between two nodes of a cell.
+    fn number(&self, a: u32, b: u32) -> u32 {
+        let (low, high) = (a.min(b) as usize, a.max(b));
+        let (first, end) = (self.first[low], self.first[low + 1]);
+        let of_low = &self.upper[first as usize..end as usize];
+        first + of_low.partition_point(|upper| *upper < high) as u32
+    }
+
+    fn ends(&self) -> impl Iterator<Item = [usize; 2]> {
+        let lower = self.first.windows(2).enumerate();
+        let lower = lower.flat_map(|(node, range)| std::iter::repeat_n(node, (range[1] - range[0]) as usize));
+        lower.zip(&self.upper).map(|(low, high)| [low, *high as usize])
     }
 }

@@ -10,8 +10,7 @@ use super::DeckError;
 use super::lines::Lines;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
-use crate::mesh::periodic::{Spots, owners, upper};
-use crate::mesh::sides::{SIDES, Sides};
+use crate::mesh::sides::{SIDES, Sides, Spots, owners, upper};
 use std::io::{self, Write};
 
 /// Names of the reference nodes' sets, one per direction.

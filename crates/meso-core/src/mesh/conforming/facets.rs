@@ -6,18 +6,42 @@
 //! to Delaunay's.
 
 use super::clipped::snap;
-use super::faces::Nodes;
 use super::plane::{Frame, region};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::mesh::error::MeshError;
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
 /// Edges longer than this share of the element size are bisected: the mean edge then is about the size.
 pub(super) const LONGEST: f64 = 4.0 / 3.0;
 /// Passes of flips; Delaunay's state is usually reached in three.
 const PASSES: usize = 10;
+
+/// A face of a box, or a plane between slabs: its triangles counter-clockwise seen from above, each with the piece whose cap it is part of.
+pub(super) struct Face {
+    pub(super) points: Vec<Vec3>,
+    pub(super) triangles: Vec<([u32; 3], Option<usize>)>,
+}
+
+/// Nodes by their places, bit for bit.
+#[derive(Default)]
+pub(super) struct Nodes {
+    pub(super) points: Vec<Vec3>,
+    numbers: BTreeMap<[u64; 3], u32>,
+}
+
+impl Nodes {
+    /// The number of the node at `place`, a new one where there is none.
+    pub(super) fn at(&mut self, place: Vec3) -> u32 {
+        // -0 and 0 are one place.
+        let key: [u64; 3] = place.map(|x| (x + 0.0).to_bits()).into();
+        *self.numbers.entry(key).or_insert_with(|| {
+            self.points.push(place);
+            self.points.len() as u32 - 1
+        })
+    }
+}
 
 /// A surface of triangles.
 #[derive(Clone, Debug, Default, PartialEq)]

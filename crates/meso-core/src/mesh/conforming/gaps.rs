@@ -11,9 +11,6 @@ use rayon::prelude::*;
 /// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
 pub(super) const NARROWEST_MM: f64 = 1e-3;
 
-/// Gaps that leave gmsh room, mm: seven packings of 30 mm and those of 60 and 150 mm at 0.50 were meshed with them.
-pub const ROOM_MM: f64 = 0.05;
-
 /// Names an aggregate whose outermost point along an axis is within [`NARROWEST_MM`] of a face across which the box repeats
 /// itself: what the face cuts off, or the mortar there, would be as thin.
 pub(super) fn refuse_grazed(aggregates: &[Aggregate], period: &Period) -> Result<(), MeshError> {

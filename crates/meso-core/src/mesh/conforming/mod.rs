@@ -6,14 +6,13 @@
 //! 3. All facets are cut into triangles ([`facets`], [`plane`], [`walls`]) and put together to what gmsh is given ([`sections`],
 //!    [`plc`], [`msh`]): discrete surfaces, without CAD and without booleans.
 //! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
-//! 5. The slabs' meshes become one ([`stitch`]), flat cells on periodic faces are opened ([`slivers`]), and small angles are enlarged
+//! 5. The slabs' meshes become one and flat cells on periodic faces are opened ([`stitch`]), and small angles are enlarged
 //!    ([`improve`]).
 //!
 //! The core runs nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
 //! [`GMSH_OPTIONS`] and hands its output back ([`VolumeMesher`]).
 
 mod clipped;
-mod faces;
 mod facets;
 mod gaps;
 mod improve;
@@ -22,12 +21,11 @@ mod plane;
 mod plc;
 mod sections;
 mod slabs;
-mod slivers;
 mod stitch;
 mod vertex_class;
 mod walls;
 
-pub use gaps::ROOM_MM;
+pub use super::error::ROOM_MM;
 
 use super::cells::NO_BODY;
 use super::error::MeshError;
@@ -151,7 +149,7 @@ impl Division {
     fn mesh(self, gmsh: &dyn VolumeMesher) -> Result<TetMesh, MeshError> {
         let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh.fill(surfaces)?));
         let mut mesh = stitch::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
-        slivers::open(&mut mesh, &self.period, &self.domain);
+        stitch::open_slivers(&mut mesh, &self.period, &self.domain);
         sections::all_matched(&mesh.points, &self.period, &self.domain)?;
         mesh.cells = mesh.cells.par_iter().map(|cell| oriented(*cell, &mesh.points)).collect();
         improve::enlarge_angles(&mut mesh);

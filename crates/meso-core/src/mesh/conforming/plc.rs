@@ -3,8 +3,7 @@
 //! those. Mortar may be in several parts: a flat body can cut a corner off a box.
 
 use super::clipped::Piece;
-use super::faces::{Face, Nodes};
-use super::facets::{Triangles, facets};
+use super::facets::{Face, Nodes, Triangles, facets};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;

@@ -12,12 +12,10 @@
 mod bcc;
 mod boundary;
 mod nodes;
-mod periodic;
 mod remeshing;
 mod repair;
 mod reprojection;
-mod roles;
-mod sliding;
+mod smoothing;
 mod stencils;
 mod surface;
 mod sweeps;
@@ -83,7 +81,7 @@ pub(super) fn fitted(
     let boundary = Boundary { surface, repeats };
     let surfaces: Vec<Surface> = bodies.par_iter().map(|body| Surface::new(&body.body)).collect();
     let off = sweeps::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &boundary);
-    let off_surface_nodes = off + periodic::count_off(&mesh, &surfaces, bcc.domain(), &boundary);
+    let off_surface_nodes = off + nodes::count_off(&mesh, &surfaces, bcc.domain(), &boundary);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })
 }
 

@@ -6,10 +6,9 @@
 //! out so, the node is contracted onto a neighbour on the body, to the same end: one layer of cells fits between body and side
 //! where two do not. All this is tried in a copy of the cells around the node; that takes their place if it comes out well.
 
-use super::nodes::{Nodes, PeriodicPairs};
-use super::repair::smooth;
+use super::nodes::{Nodes, PeriodicPairs, Role};
 use super::reprojection::positions_apart;
-use super::roles::Role;
+use super::smoothing::smooth;
 use crate::math::Vec3;
 use crate::mesh::tet::{Incidence, Star, TetMesh, Topology, ascending, cos2_of, swapped};
 

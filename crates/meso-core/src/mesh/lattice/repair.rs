@@ -5,14 +5,11 @@
 //! 3. Cells around those that still are get another label, or the node is contracted onto a neighbour on its body.
 //! 4. At last the cells around it are remeshed ([`remeshing`](super::remeshing)).
 
-use super::nodes::{Exact, Nodes, PeriodicPairs};
-use super::periodic;
+use super::nodes::{Exact, Nodes, PeriodicPairs, Role};
 use super::remeshing::{Remeshed, contraction, remeshed};
 use super::reprojection::{Relabelled, relabelled, reproject};
-use super::roles::Role;
-use super::sliding::{GUARD_DEG, Track};
-use crate::math::Vec3;
-use crate::mesh::tet::{Constraint, Improver, Incidence, TetMesh, ascending, cos2_of, directions, improve, smoothed};
+use super::smoothing::{GUARD_DEG, smooth};
+use crate::mesh::tet::{Improver, Incidence, TetMesh, ascending, cos2_of, improve};
 
 /// The smallest dihedral angle that contractions may leave, degrees, pass by pass: first those that need nothing else, then those
 /// after which smoothing makes room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
@@ -21,8 +18,6 @@ const CONTRACTIONS: [f64; 3] = [GUARD_DEG, 3.0, 1.0];
 const REMESHINGS: [f64; 3] = [GUARD_DEG, 9.0, 8.0];
 /// Rounds of smoothing with the nodes on their surfaces, then off them.
 const ROUNDS: usize = 12;
-/// Lengths of the steps tried, in elements.
-const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
 /// Repairs a mesh whose sweeps are done; returns how many nodes without images are still off.
 pub(super) fn repair(
@@ -175,48 +170,4 @@ impl Improver for Smoothing<'_> {
         }
         nodes.iter().flat_map(|&node| self.nodes.cells_around(node)).collect()
     }
-}
-
-/// What keeps a node of a mesh under repair.
-enum Keeps<'a> {
-    Track(&'a Exact<'a>, Track),
-    /// The sides across these axes, together with the images of this node.
-    Paired(&'a Nodes<'a>, u32, [bool; 3]),
-}
-
-impl Constraint for Keeps<'_> {
-    /// Steps are in elements.
-    fn reachable(&self, x: &Vec3, step: f64) -> Vec<Vec3> {
-        let after = |direction: Vec3| match self {
-            Self::Track(exact, track) => track.after(exact, x, &(direction * step * exact.size)),
-            Self::Paired(nodes, node, axes) => {
-                periodic::after(nodes, *node, *axes, &(direction * step * nodes.exact.size))
-            }
-        };
-        directions().filter_map(after).collect()
-    }
-}
-
-/// Moves the node to the best position around it, `released` from its surface or not; false where it is there already.
-pub(super) fn smooth(nodes: &mut Nodes, node: u32, released: bool) -> bool {
-    let position = better(nodes, node, released);
-    position.iter().for_each(|position| nodes.move_to(node, position));
-    position.is_some()
-}
-
-fn better(nodes: &Nodes, node: u32, released: bool) -> Option<Vec3> {
-    let role = nodes.role(node);
-    if role == Role::Fixed || nodes.cells(node).is_empty() {
-        return None;
-    }
-    let mut star = nodes.star(node);
-    let keeps = match role {
-        Role::Paired(axes) => Keeps::Paired(nodes, node, axes),
-        _ => {
-            let track = Track::of(nodes.exact, &star, role);
-            Keeps::Track(nodes.exact, if released { track.released() } else { track })
-        }
-    };
-    let before = star.worst_first();
-    smoothed(&keeps, &star.centre, STEPS, before, |x, limit| star.worst(x, limit))
 }

@@ -8,10 +8,8 @@
 //! At closed gaps a node may keep cells of a body that it does not lie on, when the cells of the one that it lies on have
 //! gone to the mortar. These cells stand out of their body, or the mortar's into it: their label changes, and no angle.
 
-use super::nodes::Nodes;
-use super::periodic;
-use super::repair::smooth;
-use super::roles::Role;
+use super::nodes::{Nodes, Role, paired_is_off, paired_positions, stays_on};
+use super::smoothing::smooth;
 use super::surface::Surface;
 use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
@@ -57,7 +55,7 @@ fn is_off(nodes: &Nodes, node: u32) -> bool {
     match nodes.role(node) {
         Role::Surface(body) => !nodes.surface(body).has(&x),
         Role::Contact => !bodies(&nodes.star(node), Role::Contact).iter().any(|&body| nodes.surface(body).has(&x)),
-        Role::Paired(_) => periodic::is_off(nodes, node, &x),
+        Role::Paired(_) => paired_is_off(nodes, node, &x),
         Role::Fixed | Role::Boundary(_) | Role::Free => false,
     }
 }
@@ -81,7 +79,7 @@ fn returns(nodes: &mut Nodes, node: u32, limit: f64) -> bool {
     let x = star.centre;
     let on_body = |body: u32| positions(nodes.surface(body), &x, nodes.exact.size);
     let mut positions: Vec<Vec3> = match nodes.role(node) {
-        Role::Paired(axes) => periodic::positions(nodes, node, axes, &REACHES),
+        Role::Paired(axes) => paired_positions(nodes, node, axes, &REACHES),
         role => bodies(&star, role).into_iter().flat_map(on_body).collect(),
     };
     positions.sort_by(|a, b| (a - x).norm_squared().total_cmp(&(b - x).norm_squared()));
@@ -95,7 +93,7 @@ fn returns(nodes: &mut Nodes, node: u32, limit: f64) -> bool {
         return true;
     }
     let nearer = |part: f64| positions.first().map(|foot| x + (foot - x) * part);
-    let may = |position: &Vec3| star.worst(position, limit) <= limit && periodic::stays_on(nodes, node, position);
+    let may = |position: &Vec3| star.worst(position, limit) <= limit && stays_on(nodes, node, position);
     if let Some(position) = PARTS.into_iter().filter_map(nearer).find(may) {
         nodes.move_to(node, &position);
     }

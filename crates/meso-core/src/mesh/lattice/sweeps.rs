@@ -9,11 +9,9 @@
 //! the result does not depend on the number of threads.
 
 use super::boundary::Boundary;
-use super::nodes::{Exact, PeriodicPairs};
-use super::periodic;
+use super::nodes::{Exact, PeriodicPairs, Role, near_surface, relabel, release, roles};
 use super::repair::repair;
-use super::roles::{Role, near_surface, relabel, roles};
-use super::sliding::{is_poor, smoothed, snapped};
+use super::smoothing::{is_poor, smoothed, snapped};
 use super::surface::{Surface, volume_deficits};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::location::Locator;
@@ -54,7 +52,7 @@ pub(super) fn fit(
         sweeps.sweep(mesh, state, |turn, node| turn.smooth(node, round));
     }
     let pairs = PeriodicPairs::of(&mesh.points, domain, boundary.repeats);
-    periodic::release(&mut roles_now, mesh, &pairs, domain);
+    release(&mut roles_now, mesh, &pairs, domain);
     repair(&exact, mesh, incidence, roles_now, &pairs)
 }
 

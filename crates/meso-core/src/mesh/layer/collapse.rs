@@ -6,7 +6,7 @@
 //! group, for [`WAVES`] times: with all rails around gone the body's cells are nearly the old ones, none of which was poor.
 
 use super::periodic::{Faces, Flat};
-use super::prism::Layered;
+use super::prisms::Layered;
 use crate::math::Vec3;
 use crate::mesh::cells::Phase;
 use crate::mesh::tet::{Constraint, Incidence, Star, TetMesh, ascending, cos2_of, min_dihedral_cos2};

@@ -9,9 +9,9 @@
 //! mesh's interface), have no exact position to go to: they go back by the share of their way that brings the layers' volume to
 //! the exact one, as far as that leaves no angle too small.
 
-use super::Layer;
 use super::collapse::{Movable, Mover, collapse, collapse_groups};
-use super::prism::Layered;
+use super::prisms::Layer;
+use super::prisms::Layered;
 use crate::math::Vec3;
 use crate::mesh::cells::Phase;
 use crate::mesh::tet::{

@@ -2,8 +2,8 @@
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
 //! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its image stands a
-//! prism, cut into three tetrahedra ([`prism`]). Where a cell would turn over, its nodes are untangled; where that does not help
-//! they step back, at last the whole way ([`settle`]); a rail (an edge between the two ends) of no length takes just one of the
+//! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
+//! they step back, at last the whole way; a rail (an edge between the two ends) of no length takes just one of the
 //! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
 //! rails that collapse ([`collapse`]), and the layer's volume made right again ([`improve`](mod@improve)).
 //!
@@ -14,8 +14,7 @@ mod collapse;
 mod improve;
 mod offset;
 mod periodic;
-mod prism;
-mod settle;
+mod prisms;
 
 use super::cells::NO_BODY;
 use super::interface::{self, separate};
@@ -26,26 +25,9 @@ use crate::math::Aabb;
 pub(super) use improve::improve;
 use offset::RadialOffsets;
 use periodic::{Bodies, Ties};
-pub(super) use prism::Layered;
-use prism::{append, prism};
+pub(super) use prisms::Layered;
+use prisms::{Layer, LayerCell, append, prism, settle, untangle};
 use rayon::prelude::*;
-use settle::{LayerCell, settle, untangle};
-
-/// What the layer is like.
-pub(super) struct Layer {
-    /// Aggregates too small for their thickness.
-    pub(super) thinned_aggregates: usize,
-    /// Interface nodes that stopped short of their target.
-    pub(super) short_nodes: usize,
-    /// Of these, the ones that did not move: there the layer has no thickness.
-    pub(super) pinched_nodes: usize,
-    /// Inner and outer ends.
-    rails: Vec<[u32; 2]>,
-    /// For every rail whether its outer end lies on no face of its body: there is no exact position for the inner one.
-    loose: Vec<bool>,
-    /// The layers' exact volume, mm3, where it is known.
-    exact_mm3: Option<f64>,
-}
 
 /// Splits a layer of `thickness(body)` mm off the inside of every body.
 ///

@@ -9,8 +9,8 @@
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
-use crate::mesh::periodic::places;
 use crate::mesh::sides::Sides;
+use crate::mesh::sides::places;
 use crate::mesh::tet::{TetMesh, ascending};
 
 /// How the nodes hang together.

@@ -1,7 +1,7 @@
 //! The star of one node: what a move of the node does to the tetrahedra around it.
 
-use super::quality::min_dihedral_cos2;
 use super::tetrahedra::TetMesh;
+use super::tetrahedra::min_dihedral_cos2;
 use crate::math::Vec3;
 
 /// The tetrahedra around one node as the opposite faces (a, b, c), with positive volume over the node, and their owners.

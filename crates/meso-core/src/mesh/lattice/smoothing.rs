@@ -1,12 +1,13 @@
-//! Proposals for one node while all of them move: onto the features of its body, and to larger angles.
+//! Where one node should go: onto the features of its body, and to larger angles.
 
 use super::boundary::BoundaryTrack;
-use super::nodes::Exact;
-use super::roles::Role;
+use super::nodes::{Exact, Role};
+use super::nodes::{Nodes, paired_after};
 use super::surface::Surface;
 use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
-use crate::mesh::tet::{Star, best_position, cos2_of};
+use crate::mesh::tet;
+use crate::mesh::tet::{Constraint, Star, best_position, cos2_of, directions};
 
 /// The smallest dihedral angle that a move may leave, degrees.
 pub(super) const GUARD_DEG: f64 = 10.0;
@@ -189,4 +190,51 @@ impl Track {
     fn rises(&self, step: &Vec3) -> bool {
         matches!(self, Self::Boundary(track) if track.rises(step))
     }
+}
+
+/// Lengths of the steps tried, in elements.
+const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
+
+/// What keeps a node of a mesh under repair.
+enum Keeps<'a> {
+    Track(&'a Exact<'a>, Track),
+    /// The sides across these axes, together with the images of this node.
+    Paired(&'a Nodes<'a>, u32, [bool; 3]),
+}
+
+impl Constraint for Keeps<'_> {
+    /// Steps are in elements.
+    fn reachable(&self, x: &Vec3, step: f64) -> Vec<Vec3> {
+        let after = |direction: Vec3| match self {
+            Self::Track(exact, track) => track.after(exact, x, &(direction * step * exact.size)),
+            Self::Paired(nodes, node, axes) => {
+                paired_after(nodes, *node, *axes, &(direction * step * nodes.exact.size))
+            }
+        };
+        directions().filter_map(after).collect()
+    }
+}
+
+/// Moves the node to the best position around it, `released` from its surface or not; false where it is there already.
+pub(super) fn smooth(nodes: &mut Nodes, node: u32, released: bool) -> bool {
+    let position = better(nodes, node, released);
+    position.iter().for_each(|position| nodes.move_to(node, position));
+    position.is_some()
+}
+
+fn better(nodes: &Nodes, node: u32, released: bool) -> Option<Vec3> {
+    let role = nodes.role(node);
+    if role == Role::Fixed || nodes.cells(node).is_empty() {
+        return None;
+    }
+    let mut star = nodes.star(node);
+    let keeps = match role {
+        Role::Paired(axes) => Keeps::Paired(nodes, node, axes),
+        _ => {
+            let track = Track::of(nodes.exact, &star, role);
+            Keeps::Track(nodes.exact, if released { track.released() } else { track })
+        }
+    };
+    let before = star.worst_first();
+    tet::smoothed(&keeps, &star.centre, STEPS, before, |x, limit| star.worst(x, limit))
 }

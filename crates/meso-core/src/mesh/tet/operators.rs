@@ -1,10 +1,11 @@
-//! Edge removal and face swap: other tetrahedra in the same volume.
+//! Operators on cells, as proposals: other tetrahedra in the same volume, with a node less, or with one more.
 //!
 //! Freitag and Ollivier-Gooch, "Tetrahedral mesh improvement using swapping and smoothing" (1997); the cells without the edge are
 //! found as there, by the best triangulation of the ring around it (Klincsek 1980).
+//! Contraction and insertion as of Klingner and Shewchuk, "Aggressive tetrahedral mesh improvement" (2007).
 
-use super::quality::shortest_altitude;
-use super::topology::{Replacement, Topology};
+use super::tetrahedra::shortest_altitude;
+use super::topology::{NEW, Replacement, Topology};
 use crate::math::Vec3;
 
 /// Nodes this near to a plane or a line are on it, mm: what rounding leaves is a hundredth of it.
@@ -141,4 +142,27 @@ pub(in crate::mesh) fn face_swap(topology: &Topology, cell: u32, apex: u32) -> O
         face.iter().map(|gone| (nodes.map(|node| if node == *gone { beyond } else { node }), owner)).collect();
     let worst = new.iter().map(|(nodes, _)| topology.cos2(*nodes)).fold(-1.0, f64::max);
     (worst < topology.worst(&old)).then_some(Replacement { old, new })
+}
+
+/// The cells around `node` once it is contracted onto `into`, where that leaves all of them better than `limit`: those that have
+/// both nodes are gone, the others fill their volume.
+pub(in crate::mesh) fn contraction(topology: &Topology, node: u32, into: u32, limit: f64) -> Option<Replacement> {
+    let old = topology.star(node).to_vec();
+    let renamed = |&cell: &u32| (topology.cell(cell).map(|n| if n == node { into } else { n }), topology.owner(cell));
+    let rest = old.iter().filter(|&&cell| !topology.cell(cell).contains(&into)).map(renamed);
+    if !rest.clone().all(|(nodes, _)| topology.cos2(nodes) < limit) {
+        return None;
+    }
+    let new = rest.collect();
+    Some(Replacement { old, new })
+}
+
+/// The cells around the edge from a to b, each halved at a [`NEW`] node on it.
+pub(in crate::mesh) fn insertion(topology: &Topology, a: u32, b: u32) -> Replacement {
+    let old = topology.around(&[a, b]);
+    let half = |cell: u32, end: u32| {
+        (topology.cell(cell).map(|node| if node == end { NEW } else { node }), topology.owner(cell))
+    };
+    let new = old.iter().flat_map(|&cell| [half(cell, a), half(cell, b)]).collect();
+    Replacement { old, new }
 }
