@@ -3,7 +3,7 @@
 //! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not available.
 //! docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's range (Sec. 3.1).
 
-use crate::mesh::Phase;
+use crate::mesh::cells::Phase;
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Values of the phases.

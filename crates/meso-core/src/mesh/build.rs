@@ -10,7 +10,7 @@ use super::error::MeshError;
 use super::options::{Fit, ItzForm, MeshOptions, Method, MethodName, Order};
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{fidelity, interface, lattice, layer, sides, volumes, voxel};
+use super::{fidelity, interface, lattice, layer, quality, sides, voxel};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::model::Model;
@@ -66,7 +66,7 @@ fn assemble(
             sides::complete(&mut mesh);
         }
     }
-    volumes::all_positive(&mesh)?;
+    quality::all_positive(&mesh)?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }

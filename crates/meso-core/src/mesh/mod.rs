@@ -15,7 +15,6 @@ mod options;
 pub mod quality;
 pub mod sides;
 mod tet;
-mod volumes;
 mod voxel;
 
 pub use build::{build, build_parts, build_with};
@@ -24,4 +23,4 @@ pub use conforming::VolumeMesher;
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
 pub use options::{Fit, ItzForm, MeshOptions, MeshTable, Method, MethodName, Order};
-pub use volumes::PhaseVolumes;
+pub use quality::PhaseVolumes;

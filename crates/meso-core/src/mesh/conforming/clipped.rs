@@ -3,9 +3,8 @@
 //! Cut points lie on a lattice on which moving them by whole periods is exact, and both sides of a face take them from
 //! the same edges in the same direction. So what two pieces share across a face is the same, bit for bit.
 
-use super::slabs::Slabs;
+use super::slabs::{Slabs, snap};
 use crate::aggregate::Aggregate;
-use crate::aggregate::take::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
@@ -16,14 +15,6 @@ use std::collections::BTreeMap;
 
 /// Edges shorter than this do not come out of gmsh as they went in, mm.
 const SHORTEST_MM: f64 = 1e-6;
-/// New nodes are multiples of 2^-40 mm: so sums with grains' coordinates and periods are exact up to 8 m.
-const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// Rounds to the lattice of new nodes.
-pub(super) fn snap(place: Vec3) -> Vec3 {
-    rounded_to(LATTICE_MM, &place)
-}
-
 /// Finds the index of a body among all that are in the specimen, images included.
 pub(super) struct BodyIndex {
     /// By id, and by the periods from the body as it was placed.

@@ -5,8 +5,7 @@
 //! are bisected, which keeps every angle above half the smallest one of the fan (Rosenberg and Stenger 1975), then flipped
 //! to Delaunay's.
 
-use super::clipped::snap;
-use super::plane::{Frame, region};
+use super::plane::{Frame, Triangles, region};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::mesh::error::MeshError;
@@ -43,14 +42,6 @@ impl Nodes {
     }
 }
 
-/// A surface of triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Triangles {
-    pub(super) points: Vec<Vec3>,
-    /// Counter-clockwise from outside.
-    pub(super) triangles: Vec<[u32; 3]>,
-}
-
 /// The facets of `body` with edges of about `size` mm.
 ///
 /// # Errors
@@ -80,17 +71,6 @@ pub(super) fn facets(
         triangles.extend(facet.triangles.iter().map(|triangle| triangle.map(|node| numbers[node as usize])));
     }
     Ok(Triangles { points: nodes.points, triangles })
-}
-
-/// The nodes from `from` to `to`, both included, where an edge is cut.
-pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
-    if (to - from).norm_squared() <= limit * limit {
-        return vec![from, to];
-    }
-    let middle = snap((from + to) / 2.0);
-    let mut nodes = halved(from, middle, limit);
-    nodes.extend(&halved(middle, to, limit)[1..]);
-    nodes
 }
 
 /// A curved surface, closed or with a rim, its triangles given with their facets, cut until no edge is longer than `limit` mm.

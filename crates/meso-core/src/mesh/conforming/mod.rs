@@ -1,9 +1,9 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
-//! 1. Gaps too narrow for a mesh are refused ([`gaps`]).
-//! 2. Large specimens are divided into slabs ([`slabs`]); bodies are cut at the planes and at the faces of a box that repeats itself
+//! 1. Gaps too narrow for a mesh are refused ([`slabs`]).
+//! 2. Large specimens are divided into slabs; bodies are cut at the planes and at the faces of a box that repeats itself
 //!    ([`clipped`]).
-//! 3. All facets are cut into triangles ([`facets`], [`plane`], [`walls`]) and put together to what gmsh is given ([`sections`],
+//! 3. All facets are cut into triangles ([`facets`], [`plane`]) and put together to what gmsh is given ([`sections`],
 //!    [`plc`], [`msh`]): discrete surfaces, without CAD and without booleans.
 //! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
 //! 5. The slabs' meshes become one and flat cells on periodic faces are opened ([`stitch`]), and small angles are enlarged
@@ -14,7 +14,6 @@
 
 mod clipped;
 mod facets;
-mod gaps;
 mod improve;
 mod msh;
 mod plane;
@@ -22,20 +21,18 @@ mod plc;
 mod sections;
 mod slabs;
 mod stitch;
-mod vertex_class;
-mod walls;
 
 pub use super::error::ROOM_MM;
 
 use super::cells::NO_BODY;
 use super::error::MeshError;
+use super::quality::all_tetrahedra_positive;
 use super::tet::{TetMesh, oriented};
-use super::volumes::all_tetrahedra_positive;
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
 use crate::packing::{Container, Period, Specimen};
 use clipped::BodyIndex;
-use facets::Triangles;
+use plane::Triangles;
 use plc::{Filled, Shells};
 use rayon::prelude::*;
 use slabs::Slabs;
@@ -123,9 +120,9 @@ impl Division {
         let room = specimen.container();
         let (period, domain) = (specimen.period(), room.aabb());
         let bodies = BodyIndex::new(aggregates, images, &period);
-        gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
-        gaps::refuse_grazed(aggregates, &period)?;
-        let walls = walls::polygons(specimen, &*room, size);
+        slabs::refuse_near_touching(images, &*room, sections::chord(specimen))?;
+        slabs::refuse_grazed(aggregates, &period)?;
+        let walls = sections::polygons(specimen, &*room, size);
         let corners = walls.as_ref().map_or(&[][..], |walls| &walls.points);
         let slabs = match specimen {
             Specimen::Sphere { .. } => Slabs::one(),
@@ -226,7 +223,7 @@ fn walled(
         }
     }
     // The specimen's surface first, then those that bound holes.
-    let outer = shells.closed(&walls::walls(specimen, room, size)?);
+    let outer = shells.closed(&sections::walls(specimen, room, size)?);
     shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, owner: NO_BODY });
     Ok(shells)
 }

@@ -3,8 +3,7 @@
 //! Halving the triangles of a fan would be simpler, but a fan of a polygon with one short edge has needles, and the nodes on
 //! a needle's long sides come as close to each other as that edge is short.
 
-use super::clipped::snap;
-use super::facets::{Triangles, halved};
+use super::slabs::snap;
 use crate::math::Vec3;
 use crate::mesh::error::MeshError;
 use spade::handles::{FixedVertexHandle, InnerTag};
@@ -18,6 +17,25 @@ const LEAST_AREA: f64 = 1.0 / 16.0;
 const MOST: usize = 10_000_000;
 /// Rounds of smoothing.
 const ROUNDS: usize = 3;
+
+/// A surface of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Triangles {
+    pub(super) points: Vec<Vec3>,
+    /// Counter-clockwise from outside.
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// The nodes from `from` to `to`, both included, where an edge is cut.
+pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
+    if (to - from).norm_squared() <= limit * limit {
+        return vec![from, to];
+    }
+    let middle = snap((from + to) / 2.0);
+    let mut nodes = halved(from, middle, limit);
+    nodes.extend(&halved(middle, to, limit)[1..]);
+    nodes
+}
 
 /// Two directions in a plane, and the plane's place.
 #[derive(Clone, Copy)]

@@ -3,7 +3,8 @@
 //! those. Mortar may be in several parts: a flat body can cut a corner off a box.
 
 use super::clipped::Piece;
-use super::facets::{Face, Nodes, Triangles, facets};
+use super::facets::{Face, Nodes, facets};
+use super::plane::Triangles;
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;

@@ -2,11 +2,17 @@
 //!
 //! Planes across the longest side divide grains and mortar alike, as the faces of periodic boxes do; nothing of them is left
 //! in the mesh but nodes. They go where no grain begins, ends or has a corner nearby.
+//!
+//! Bodies too close to each other or to the specimen's surface for a conforming mesh are refused before gmsh starts.
 
-use super::clipped::snap;
-use super::gaps::NARROWEST_MM;
 use crate::aggregate::Aggregate;
+use crate::aggregate::take::rounded_to;
+use crate::geometry::Polyhedron;
+use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use crate::mesh::error::MeshError;
+use crate::packing::{Container, Obstacle, Period};
+use rayon::prelude::*;
 
 /// Triangles of grains that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
 const MOST_TRIANGLES: f64 = 500_000.0;
@@ -14,6 +20,14 @@ const MOST_TRIANGLES: f64 = 500_000.0;
 const WINDOW: f64 = 0.25;
 /// A corner this much nearer to the plane counts as an outermost point: it leaves one short edge, not a sliver all around.
 const CORNER: f64 = 20.0;
+
+/// New nodes are multiples of 2^-40 mm: so sums with grains' coordinates and periods are exact up to 8 m.
+const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Rounds to the lattice of new nodes.
+pub(super) fn snap(place: Vec3) -> Vec3 {
+    rounded_to(LATTICE_MM, &place)
+}
 
 /// The planes between slabs.
 pub(super) struct Slabs {
@@ -103,4 +117,75 @@ fn nearest(sorted: &[f64], place: f64) -> f64 {
     let next = sorted.partition_point(|x| *x < place);
     let around = sorted[next.saturating_sub(1)..].iter().take(2);
     around.map(|x| (x - place).abs()).fold(f64::INFINITY, f64::min)
+}
+
+/// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
+pub(super) const NARROWEST_MM: f64 = 1e-3;
+
+/// Names an aggregate whose outermost point along an axis is within [`NARROWEST_MM`] of a face across which the box repeats
+/// itself: what the face cuts off, or the mortar there, would be as thin.
+pub(super) fn refuse_grazed(aggregates: &[Aggregate], period: &Period) -> Result<(), MeshError> {
+    let gap = |aggregate: &Aggregate| {
+        let aabb = aggregate.body.aabb();
+        let off = |axis: usize| {
+            let length = period.along(axis).unwrap_or(f64::INFINITY);
+            [aabb.min[axis], aabb.max[axis]].map(|x| (x - (x / length).round() * length).abs())
+        };
+        let periodic = (0..3).filter(|&axis| period.along(axis).is_some());
+        (periodic.flat_map(off).fold(f64::INFINITY, f64::min), aggregate.id)
+    };
+    let closest = aggregates.par_iter().map(gap).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    match closest {
+        Some((gap_mm, aggregate)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other: None })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body; its triangles
+/// may lie `chord` mm inside it.
+pub(super) fn refuse_near_touching(
+    aggregates: &[Aggregate],
+    room: &dyn Container,
+    chord: f64,
+) -> Result<(), MeshError> {
+    let boxes: Vec<Aabb> = aggregates.iter().map(|a| a.body.aabb()).collect();
+    let mut order: Vec<usize> = (0..aggregates.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].min.x.total_cmp(&boxes[b].min.x));
+    let after = |place: usize| {
+        let (order, boxes) = (&order, &boxes);
+        let first = order[place];
+        let reach = boxes[first].max.x + NARROWEST_MM;
+        let ahead = order[place + 1..].iter().take_while(move |&&b| boxes[b].min.x <= reach);
+        ahead.filter(move |&&b| near(&boxes[first], &boxes[b])).map(move |&b| (first, b))
+    };
+    let gap = |(a, b): (usize, usize)| {
+        let bodies = [a, b].map(|i| aggregates[i].body.vertices());
+        // Bodies that no distance can be told of are as good as touching.
+        (gjk::distance(bodies[0], bodies[1]).unwrap_or(0.0), aggregates[a].id, Some(aggregates[b].id))
+    };
+    let pairs = (0..order.len()).into_par_iter().flat_map_iter(after).map(gap);
+    let walls = aggregates.par_iter().map(|a| (wall_gap(&a.body, room) - chord, a.id, None));
+    let closest = pairs.chain(walls).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    match closest {
+        Some((gap_mm, aggregate, other)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn near(a: &Aabb, b: &Aabb) -> bool {
+    (0..3).all(|i| a.min[i] <= b.max[i] + NARROWEST_MM && b.min[i] <= a.max[i] + NARROWEST_MM)
+}
+
+/// Distance of `body` from the surface of `room`, mm; where the room is not convex and it is beyond [`NARROWEST_MM`], infinite.
+fn wall_gap(body: &Polyhedron, room: &dyn Container) -> f64 {
+    if room.is_convex() {
+        return body.vertices().iter().map(|vertex| room.depth(vertex)).fold(f64::INFINITY, f64::min);
+    }
+    let around = room.obstacles(&body.aabb().grown(NARROWEST_MM));
+    let gap = |obstacle: &Obstacle| gjk::distance(body.vertices(), obstacle.points).unwrap_or(0.0);
+    around.iter().map(gap).fold(f64::INFINITY, f64::min)
 }
