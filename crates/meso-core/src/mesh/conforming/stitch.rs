@@ -495,7 +495,7 @@ mod tests {
             })
         };
         let before = volume(&mesh);
-        open(&mut mesh, &Period::new(&size, Periodic([false, false, true])), &domain);
+        open_slivers(&mut mesh, &Period::new(&size, Periodic([false, false, true])), &domain);
         assert_eq!((mesh.cells.len(), mesh.points.len()), (8, 12));
         assert!(volume(&mesh).iter().zip(before).all(|(after, before)| (after - before).abs() < 1e-15));
         let [low, high] = [mesh.points[10], mesh.points[11]];
