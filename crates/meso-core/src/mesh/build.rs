@@ -136,14 +136,14 @@ fn with_layer(
     (Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }, notes)
 }
 
-/// Keeps the aggregates' cells and the mortar's inside `room`, and the nodes they have.
-fn clip(mesh: &mut Mesh, room: &dyn Container) {
-    if room.is_box() {
+/// Keeps the aggregates' cells and the mortar's inside `container`, and the nodes they have.
+fn clip(mesh: &mut Mesh, container: &dyn Container) {
+    if container.is_box() {
         return;
     }
     let (nodes, points) = (mesh.kind.nodes(), &mesh.points);
     let centroid = |cell: &[u32]| cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / nodes as f64;
-    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || room.contains(&centroid(cell));
+    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || container.contains(&centroid(cell));
     let inside: Vec<bool> = mesh.cells.par_chunks_exact(nodes).zip(&mesh.aggregate).map(keep).collect();
     retain(mesh, &inside);
 }

@@ -39,16 +39,16 @@ impl BodyIndex {
     }
 }
 
-/// The part of a grain's image inside the box; a whole grain where nothing cuts it.
+/// The part of a body's image inside the box; a whole body where nothing cuts it.
 pub(super) struct Piece {
-    /// Index of the grain as it was placed.
-    pub(super) grain: usize,
+    /// Index of the body as it was placed.
+    pub(super) placed: usize,
     /// Index of the image among all bodies in the specimen.
     pub(super) body: u32,
     /// How many periods the image is away.
     pub(super) steps: [i32; 3],
     pub(super) points: Vec<Vec3>,
-    /// What is left of the grain's own facets, counter-clockwise from outside.
+    /// What is left of the body's own facets, counter-clockwise from outside.
     pub(super) facets: Vec<Vec<u32>>,
     /// Where faces of the box cut it, counter-clockwise from outside: axis, whether it is the upper face, corners.
     pub(super) caps: Vec<(usize, bool, Vec<u32>)>,
@@ -67,32 +67,32 @@ impl Piece {
     }
 }
 
-/// All pieces of `grains`, by slab and grain.
+/// All pieces of the `placed` bodies, by slab and body.
 ///
 /// # Errors
-/// Where a face, an edge or a corner of the box, or a plane between slabs, grazes a grain.
+/// Where a face, an edge or a corner of the box, or a plane between slabs, grazes a body.
 pub(super) fn pieces(
-    grains: &[Aggregate],
+    placed: &[Aggregate],
     period: &Period,
     domain: &Aabb,
     slabs: &Slabs,
     bodies: &BodyIndex,
 ) -> Result<Vec<Vec<Piece>>, MeshError> {
     let open = period.mixed(domain, &Aabb::everywhere());
-    let of_grain = |(index, grain): (usize, &Aggregate)| -> Result<Vec<(usize, Piece)>, MeshError> {
-        let shifts = period.shifts(&grain.body.aabb(), &open);
-        let cut = |shift: &Vec3| Shape::new(&grain.body).within(&open.moved(&-shift)).map(|shape| (shape, *shift));
+    let of_body = |(index, aggregate): (usize, &Aggregate)| -> Result<Vec<(usize, Piece)>, MeshError> {
+        let shifts = period.shifts(&aggregate.body.aabb(), &open);
+        let cut = |shift: &Vec3| Shape::new(&aggregate.body).within(&open.moved(&-shift)).map(|shape| (shape, *shift));
         let divided = |(shape, shift): (Shape, Vec3)| {
             let parts = shape.divided(slabs, shift[slabs.axis]);
             parts.into_iter().map(move |(slab, part)| (slab, part.piece(index, shift, period)))
         };
         let pieces = shifts.iter().filter_map(cut).flat_map(divided);
-        let named = |piece: Piece| Piece { body: bodies.of(grain.id, piece.steps), ..piece };
-        pieces.map(|(slab, piece)| Ok((slab, sound(named(piece), grain)?))).collect()
+        let named = |piece: Piece| Piece { body: bodies.of(aggregate.id, piece.steps), ..piece };
+        pieces.map(|(slab, piece)| Ok((slab, sound(named(piece), aggregate)?))).collect()
     };
-    let mut by_slab: Vec<Vec<Piece>> = (0..=slabs.places.len()).map(|_| Vec::new()).collect();
-    for of_grain in grains.par_iter().enumerate().map(of_grain).collect::<Result<Vec<_>, _>>()? {
-        of_grain.into_iter().for_each(|(slab, piece)| by_slab[slab].push(piece));
+    let mut by_slab: Vec<Vec<Piece>> = (0..=slabs.positions.len()).map(|_| Vec::new()).collect();
+    for of_body in placed.par_iter().enumerate().map(of_body).collect::<Result<Vec<_>, _>>()? {
+        of_body.into_iter().for_each(|(slab, piece)| by_slab[slab].push(piece));
     }
     Ok(by_slab)
 }
@@ -106,7 +106,7 @@ pub(super) fn walls(surface: Surface, slabs: &Slabs, period: &Period) -> Vec<Pie
 }
 
 /// Refuses what has edges without length.
-fn sound(piece: Piece, grain: &Aggregate) -> Result<Piece, MeshError> {
+fn sound(piece: Piece, aggregate: &Aggregate) -> Result<Piece, MeshError> {
     let polygons = piece.facets.iter().chain(piece.caps.iter().map(|cap| &cap.2));
     let mut edges = polygons.flat_map(|face| (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]));
     let short = edges.find_map(|ends| {
@@ -114,7 +114,7 @@ fn sound(piece: Piece, grain: &Aggregate) -> Result<Piece, MeshError> {
         ((b - a).norm() < SHORTEST_MM).then_some(a)
     });
     match short {
-        Some(at) => Err(MeshError::Grazed { aggregate: grain.id, at: at.into() }),
+        Some(at) => Err(MeshError::Grazed { aggregate: aggregate.id, at: at.into() }),
         None => Ok(piece),
     }
 }
@@ -138,8 +138,8 @@ impl Shape {
     /// The part inside `domain`, where there is one.
     fn within(mut self, domain: &Aabb) -> Option<Self> {
         for axis in 0..3 {
-            for (upper, place) in [(false, domain.min[axis]), (true, domain.max[axis])] {
-                self.cut(axis, place, upper);
+            for (upper, position) in [(false, domain.min[axis]), (true, domain.max[axis])] {
+                self.cut(axis, position, upper);
                 if self.polygons.is_empty() {
                     return None;
                 }
@@ -151,20 +151,20 @@ impl Shape {
     /// The parts in slabs that are moved back by `shift`. What two of them share is cut from the same edges.
     fn divided(self, slabs: &Slabs, shift: f64) -> Vec<(usize, Self)> {
         let (mut parts, mut rest) = (Vec::new(), self);
-        for (slab, place) in slabs.places.iter().enumerate() {
+        for (slab, position) in slabs.positions.iter().enumerate() {
             let mut below = rest.clone();
-            below.cut(slabs.axis, place - shift, true);
-            rest.cut(slabs.axis, place - shift, false);
+            below.cut(slabs.axis, position - shift, true);
+            rest.cut(slabs.axis, position - shift, false);
             parts.push((slab, below));
         }
-        parts.push((slabs.places.len(), rest));
+        parts.push((slabs.positions.len(), rest));
         parts.retain(|(_, part)| !part.polygons.is_empty());
         parts
     }
 
-    /// Leaves what lies below `place` where that is an upper face, above it otherwise.
-    fn cut(&mut self, axis: usize, place: f64, upper: bool) {
-        let mut new = Cut { axis, place, upper, points: &mut self.points, made: BTreeMap::new() };
+    /// Leaves what lies below `position` where that is an upper face, above it otherwise.
+    fn cut(&mut self, axis: usize, position: f64, upper: bool) {
+        let mut new = Cut { axis, position, upper, points: &mut self.points, made: BTreeMap::new() };
         let mut rim = BTreeMap::new();
         self.polygons.retain_mut(|(corners, _)| {
             let (kept, edge) = new.polygon(corners);
@@ -176,10 +176,10 @@ impl Shape {
     }
 
     /// Moved by `shift`, with the points it uses.
-    fn piece(self, grain: usize, shift: Vec3, period: &Period) -> Piece {
+    fn piece(self, placed: usize, shift: Vec3, period: &Period) -> Piece {
         let mut number = BTreeMap::new();
         let mut piece = Piece {
-            grain,
+            placed,
             body: NO_BODY,
             steps: [0, 1, 2].map(|axis| period.along(axis).map_or(0, |length| (shift[axis] / length).round() as i32)),
             points: Vec::new(),
@@ -220,7 +220,7 @@ fn loops(mut edges: BTreeMap<u32, u32>) -> Vec<Vec<u32>> {
 /// A body's points while a plane cuts it.
 struct Cut<'a> {
     axis: usize,
-    place: f64,
+    position: f64,
     upper: bool,
     points: &'a mut Vec<Vec3>,
     /// The new point of every edge that is cut, by its end below.
@@ -229,7 +229,7 @@ struct Cut<'a> {
 
 impl Cut<'_> {
     fn above(&self, point: u32) -> bool {
-        self.points[point as usize][self.axis] >= self.place
+        self.points[point as usize][self.axis] >= self.position
     }
 
     /// What is left of a polygon, and the edge along which the plane cuts it, in the cap's direction.
@@ -257,9 +257,9 @@ impl Cut<'_> {
             return made;
         }
         let [from, to] = [low, high].map(|point| self.points[point as usize]);
-        let share = (self.place - from[self.axis]) / (to[self.axis] - from[self.axis]);
+        let share = (self.position - from[self.axis]) / (to[self.axis] - from[self.axis]);
         let mut point = snap(from + (to - from) * share);
-        point[self.axis] = self.place;
+        point[self.axis] = self.position;
         self.points.push(point);
         let number = self.points.len() as u32 - 1;
         self.made.insert((low, high), number);

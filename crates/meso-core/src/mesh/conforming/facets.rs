@@ -23,7 +23,7 @@ pub(super) struct Face {
     pub(super) triangles: Vec<([u32; 3], Option<usize>)>,
 }
 
-/// Nodes by their places, bit for bit.
+/// Nodes by their positions, bit for bit.
 #[derive(Default)]
 pub(super) struct Nodes {
     pub(super) points: Vec<Vec3>,
@@ -31,12 +31,12 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// The number of the node at `place`, a new one where there is none.
-    pub(super) fn at(&mut self, place: Vec3) -> u32 {
-        // -0 and 0 are one place.
-        let key: [u64; 3] = place.map(|x| (x + 0.0).to_bits()).into();
+    /// The number of the node at `position`, a new one where there is none.
+    pub(super) fn at(&mut self, position: Vec3) -> u32 {
+        // -0 and 0 are one position.
+        let key: [u64; 3] = position.map(|x| (x + 0.0).to_bits()).into();
         *self.numbers.entry(key).or_insert_with(|| {
-            self.points.push(place);
+            self.points.push(position);
             self.points.len() as u32 - 1
         })
     }
@@ -74,7 +74,7 @@ pub(super) fn facets(
 }
 
 /// A curved surface, closed or with a rim, its triangles given with their facets, cut until no edge is longer than `limit` mm.
-/// `onto(facet, place)` is where a new node of the facet goes.
+/// `onto(facet, position)` is where a new node of the facet goes.
 pub(super) fn refined(
     points: Vec<Vec3>,
     triangles: impl IntoIterator<Item = ([u32; 3], u32)>,
@@ -143,7 +143,7 @@ impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
         let straight = (self.points[a as usize] + self.points[b as usize]) / 2.0;
         let sides = [(a, b), (b, a)].into_iter().filter_map(|side| self.left.get(&side));
         let facets = sides.map(|&triangle| self.triangles[triangle as usize].1);
-        self.points.push(facets.fold(straight, |place, facet| (self.onto)(facet, place)));
+        self.points.push(facets.fold(straight, |position, facet| (self.onto)(facet, position)));
         let mut edges = vec![(a, middle), (b, middle)];
         for (u, v) in [(a, b), (b, a)] {
             let Some(index) = self.left.remove(&(u, v)).map(|index| index as usize) else { continue };

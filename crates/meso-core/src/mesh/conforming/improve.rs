@@ -249,10 +249,10 @@ fn sides(topology: &Topology, node: u32) -> Option<Vec<[u32; 2]>> {
     let star = topology.star(node);
     let mut faces = Vec::with_capacity(3 * star.len());
     for &cell in star {
-        let (nodes, grain) = (topology.cell(cell), topology.owner(cell));
+        let (nodes, owner) = (topology.cell(cell), topology.owner(cell));
         let edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[i, j]: [usize; 2]| [nodes[i], nodes[j]]);
         let beside = edges.into_iter().filter(|edge| !edge.contains(&node));
-        faces.extend(beside.map(|[a, b]| ([a.min(b), a.max(b)], grain)));
+        faces.extend(beside.map(|[a, b]| ([a.min(b), a.max(b)], owner)));
     }
     if star.is_empty() { None } else { between_materials(faces) }
 }
@@ -329,8 +329,8 @@ mod tests {
 
     #[test]
     fn a_long_edge_is_taken_out_of_the_cells_around_it_within_one_grain_alone() {
-        for (grain, done) in [(vec![5; 3], true), (vec![5, 5, 6], false)] {
-            let mut mesh = mesh(spindle(0.2, 1.0), &AROUND_AN_EDGE, grain);
+        for (owner, done) in [(vec![5; 3], true), (vec![5, 5, 6], false)] {
+            let mut mesh = mesh(spindle(0.2, 1.0), &AROUND_AN_EDGE, owner);
             let before = volume(&mesh);
             let mut topology = Topology::new(&mut mesh, 0..3);
             let worst = topology.worst(&[0, 1, 2]);
@@ -368,7 +368,7 @@ mod tests {
             assert_eq!(apply(&mut topology, removal), done);
             mesh.drop_removed();
             assert_eq!(mesh.cells.iter().all(|cell| cell.contains(&2) && cell.contains(&3)), done);
-            let above = |(cell, grain): (&[u32; 4], &u32)| cell.contains(&4) == (*grain == 5);
+            let above = |(cell, owner): (&[u32; 4], &u32)| cell.contains(&4) == (*owner == 5);
             assert!(mesh.cells.len() == 4 && mesh.cells.iter().zip(&mesh.owner).all(above));
             assert!((volume(&mesh) - before).abs() < 1e-15);
         }
@@ -379,14 +379,14 @@ mod tests {
         let none: fn([bool; 3]) -> u32 = |_| 5;
         let halves: fn([bool; 3]) -> u32 = |[_, _, z]| u32::from(z);
         let quarter: fn([bool; 3]) -> u32 = |[x, y, _]| u32::from(x && y);
-        for (from, grain, free) in [
+        for (from, owner, free) in [
             ([0.3, 0.3, 0.38], none, [true, true, true]),
             ([0.45, 0.5, 0.0], halves, [true, true, false]),
             ([0.0, 0.0, 0.9], quarter, [false, false, true]),
             ([0.3, 0.3, 0.38], quarter, [false, false, false]),
         ] {
             let from = Vec3::from(from);
-            let mut mesh = octants(from, grain);
+            let mut mesh = octants(from, owner);
             let (whole, corners) = (volume(&mesh), mesh.points[..6].to_vec());
             let mut topology = Topology::new(&mut mesh, 0..8);
             let class = VertexClass::of(&topology, 6);
@@ -418,11 +418,11 @@ mod tests {
         assert!(mesh.points[5].z < -0.2 && (volume_of(&mesh, 5) - before).abs() < 1e-15);
     }
 
-    /// A node on the edge between two facets of grain 5, 0.01 from that edge's end, all within grain 6.
+    /// A node on the edge between two facets of body 5, 0.01 from that edge's end, all within body 6.
     #[test]
     fn a_node_close_to_the_end_of_an_edge_becomes_one_with_it_and_the_facets_stay() {
         let ring = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]].map(|[x, y]| [x, y, 0.3]);
-        // The edge is 4-5-6, from the bottom to the top, and grain 5 between the first two of the ring.
+        // The edge is 4-5-6, from the bottom to the top, and body 5 between the first two of the ring.
         let line = [[0.0, 0.0, -1.0], [0.0, 0.0, 0.99], [0.0, 0.0, 1.0]];
         let cells: Vec<[u32; 4]> = (0..4).flat_map(|i| [[i, (i + 1) % 4, 4, 5], [i, (i + 1) % 4, 5, 6]]).collect();
         let mut mesh = mesh(
@@ -430,7 +430,7 @@ mod tests {
             &cells,
             vec![5, 5, 6, 6, 6, 6, 6, 6],
         );
-        let before = [5, 6].map(|grain| volume_of(&mesh, grain));
+        let before = [5, 6].map(|owner| volume_of(&mesh, owner));
         let mut topology = Topology::new(&mut mesh, 0..8);
         let class = VertexClass::of(&topology, 5);
         assert!(!contract(&mut topology, 5, &[0, 1, 2, 3], &class), "not off its edge");
@@ -438,7 +438,7 @@ mod tests {
         mesh.drop_removed();
         mesh.drop_lone_nodes();
         assert_eq!((mesh.cells.len(), mesh.points.len()), (4, 6));
-        assert!([5, 6].iter().zip(before).all(|(grain, before)| (volume_of(&mesh, *grain) - before).abs() < 1e-15));
+        assert!([5, 6].iter().zip(before).all(|(owner, before)| (volume_of(&mesh, *owner) - before).abs() < 1e-15));
     }
 
     #[test]

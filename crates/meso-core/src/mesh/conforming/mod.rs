@@ -1,13 +1,13 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
-//! 1. Gaps too narrow for a mesh are refused ([`slabs`]).
+//! 1. Gaps too narrow for a mesh are refused (`slabs`).
 //! 2. Large specimens are divided into slabs; bodies are cut at the planes and at the faces of a box that repeats itself
-//!    ([`clipped`]).
-//! 3. All facets are cut into triangles ([`facets`], [`plane`]) and put together to what gmsh is given ([`sections`],
-//!    [`plc`], [`msh`]): discrete surfaces, without CAD and without booleans.
+//!    (`clipped`).
+//! 3. All facets are cut into triangles (`facets`, `plane`) and put together to what gmsh is given (`sections`,
+//!    `plc`, `msh`): discrete surfaces, without CAD and without booleans.
 //! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
-//! 5. The slabs' meshes become one and flat cells on periodic faces are opened ([`stitch`]), and small angles are enlarged
-//!    ([`improve`]).
+//! 5. The slabs' meshes become one and flat cells on periodic faces are opened (`stitch`), and small angles are enlarged
+//!    (`improve`).
 //!
 //! The core runs nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
 //! [`GMSH_OPTIONS`] and hands its output back ([`VolumeMesher`]).
@@ -22,7 +22,7 @@ mod sections;
 mod slabs;
 mod stitch;
 
-pub use super::error::ROOM_MM;
+pub use super::error::ADVISED_GAP_MM;
 
 use super::cells::NO_BODY;
 use super::error::MeshError;
@@ -41,7 +41,7 @@ use std::io::{self, Write};
 
 /// Arguments for gmsh besides its script and `-o` with its output: Delaunay's volume mesher, optimised, and binary MSH 4.1.
 ///
-/// Not HXT, which is faster on several cores: where grains are close it needs nodes on the given surfaces, and breaks off
+/// Not HXT, which is faster on several cores: where bodies are close it needs nodes on the given surfaces, and breaks off
 /// (4.8 and 4.15: "corrupted size").
 pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41", "-bin", "-save_all"];
 
@@ -117,20 +117,20 @@ impl Division {
         size: f64,
         slabs: Option<u32>,
     ) -> Result<Self, MeshError> {
-        let room = specimen.container();
-        let (period, domain) = (specimen.period(), room.aabb());
+        let container = specimen.container();
+        let (period, domain) = (specimen.period(), container.aabb());
         let bodies = BodyIndex::new(aggregates, images, &period);
-        slabs::refuse_near_touching(images, &*room, sections::chord(specimen))?;
+        slabs::refuse_near_touching(images, &*container, sections::chord(specimen))?;
         slabs::refuse_grazed(aggregates, &period)?;
-        let walls = sections::polygons(specimen, &*room, size);
+        let walls = sections::polygons(specimen, &*container, size);
         let corners = walls.as_ref().map_or(&[][..], |walls| &walls.points);
         let slabs = match specimen {
             Specimen::Sphere { .. } => Slabs::one(),
             _ => Slabs::new(images, corners, &domain, size, slabs),
         };
         let shells = match walls {
-            _ if period.is_none() && slabs.places.is_empty() => {
-                vec![walled(aggregates, specimen, &*room, &bodies, size)?]
+            _ if period.is_none() && slabs.positions.is_empty() => {
+                vec![walled(aggregates, specimen, &*container, &bodies, size)?]
             }
             Some(walls) => sections::of_walls(aggregates, walls, &period, &domain, &slabs, &bodies, size)?,
             None => sections::of_box(aggregates, &period, &domain, &slabs, &bodies, size)?,
@@ -205,7 +205,7 @@ impl Surfaces {
 fn walled(
     aggregates: &[Aggregate],
     specimen: &Specimen,
-    room: &dyn Container,
+    container: &dyn Container,
     bodies: &BodyIndex,
     size: f64,
 ) -> Result<Shells, MeshError> {
@@ -223,7 +223,7 @@ fn walled(
         }
     }
     // The specimen's surface first, then those that bound holes.
-    let outer = shells.closed(&sections::walls(specimen, room, size)?);
+    let outer = shells.closed(&sections::walls(specimen, container, size)?);
     shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, owner: NO_BODY });
     Ok(shells)
 }

@@ -9,8 +9,8 @@ use std::io::{self, BufWriter, Write};
 
 /// gmsh's script: the volumes within and between the surfaces of `file`, with a node at each centre.
 ///
-/// Where grains are small for the elements all nodes lie on surfaces, in more than seven tetrahedra each, and there gmsh
-/// (4.8 and 4.15) begins to look through all tetrahedra at every step, so that it does not end: 850 grains at 4 mm took
+/// Where bodies are small for the elements all nodes lie on surfaces, in more than seven tetrahedra each, and there gmsh
+/// (4.8 and 4.15) begins to look through all tetrahedra at every step, so that it does not end: 850 bodies at 4 mm took
 /// more than 108 CPU seconds, and with nodes at their centres 7.
 pub(super) fn script(file: &str, shells: &Shells, size: f64) -> String {
     let list = |indices: &[u32]| indices.iter().map(|index| (index + 1).to_string()).collect::<Vec<_>>().join(",\n");
@@ -53,8 +53,8 @@ fn nodes(out: &mut impl Write, shells: &Shells) -> io::Result<()> {
         writeln!(out, "2 {tag} 0 {}", nodes.len())?;
         nodes.iter().try_for_each(|node| writeln!(out, "{}", node + 1))?;
         // The shortest decimals that read back to the same numbers.
-        let mut places = nodes.iter().map(|&node| shells.points[node as usize]);
-        places.try_for_each(|p| writeln!(out, "{} {} {}", p.x, p.y, p.z))?;
+        let mut positions = nodes.iter().map(|&node| shells.points[node as usize]);
+        positions.try_for_each(|p| writeln!(out, "{} {} {}", p.x, p.y, p.z))?;
     }
     writeln!(out, "$EndNodes")
 }

@@ -42,21 +42,21 @@ pub(super) struct Upper<'a> {
     /// What is above it.
     pub(super) pieces: &'a [Piece],
     pub(super) axis: usize,
-    pub(super) place: f64,
+    pub(super) position: f64,
     /// Periods between the two.
     pub(super) step: i32,
 }
 
 impl Upper<'_> {
     fn moved(&self, point: &Vec3) -> Vec3 {
-        Vec3::from_fn(|i, _| if i == self.axis { self.place } else { point[i] })
+        Vec3::from_fn(|i, _| if i == self.axis { self.position } else { point[i] })
     }
 
-    /// Grain and image of what is below the piece `above`.
+    /// Body and image of what is below the piece `above`.
     fn below(&self, above: usize) -> (usize, [i32; 3]) {
         let mut steps = self.pieces[above].steps;
         steps[self.axis] += self.step;
-        (self.pieces[above].grain, steps)
+        (self.pieces[above].placed, steps)
     }
 }
 
@@ -95,11 +95,11 @@ impl Sheets {
 
     /// Adds the upper face of the slab that has `pieces`.
     pub(super) fn add_upper(&mut self, upper: &Upper, pieces: &[Piece], nodes: &mut Nodes) {
-        let by_place: BTreeMap<(usize, [i32; 3]), usize> =
-            pieces.iter().enumerate().map(|(index, piece)| ((piece.grain, piece.steps), index)).collect();
+        let by_image: BTreeMap<(usize, [i32; 3]), usize> =
+            pieces.iter().enumerate().map(|(index, piece)| ((piece.placed, piece.steps), index)).collect();
         let number: Vec<u32> = upper.face.points.iter().map(|point| nodes.at(upper.moved(point))).collect();
         for (triangle, piece) in &upper.face.triangles {
-            let piece = piece.map(|above| by_place[&upper.below(above)]);
+            let piece = piece.map(|above| by_image[&upper.below(above)]);
             self.sheet(piece).push(triangle.map(|node| number[node as usize]));
         }
     }
@@ -135,7 +135,7 @@ impl Sheets {
             .collect();
         let mut holes = vec![Vec::new(); parts.len()];
         for (index, piece) in pieces.iter().enumerate() {
-            let (solid, whole) = (aggregates[piece.grain].kind != Kind::Void, !is_cut(&index));
+            let (solid, whole) = (aggregates[piece.placed].kind != Kind::Void, !is_cut(&index));
             // What is cut off a void has no elements on either side.
             if solid || whole {
                 let sheet = if whole { &mut self.facets } else { &mut self.caps };
@@ -268,9 +268,9 @@ fn find(root: &mut [u32], mut index: u32) -> u32 {
     index
 }
 
-/// The index of the part around `place`, which lies in one: the first where no other holds it.
-fn around(parts: &[Part], place: &Vec3, points: &[Vec3]) -> usize {
-    let holds = |part: &Part| part.winding(place, points) > 0.5;
+/// The index of the part around `position`, which lies in one: the first where no other holds it.
+fn around(parts: &[Part], position: &Vec3, points: &[Vec3]) -> usize {
+    let holds = |part: &Part| part.winding(position, points) > 0.5;
     (1..parts.len()).find(|&index| holds(&parts[index])).unwrap_or(0)
 }
 
@@ -279,14 +279,14 @@ impl Part {
         self.sheets.values().flatten()
     }
 
-    /// How often the surface goes around `place`: its solid angle over that of a sphere (van Oosterom and Strackee 1983).
-    fn winding(&self, place: &Vec3, points: &[Vec3]) -> f64 {
+    /// How often the surface goes around `position`: its solid angle over that of a sphere (van Oosterom and Strackee 1983).
+    fn winding(&self, position: &Vec3, points: &[Vec3]) -> f64 {
         let aabb = Aabb::around(self.triangles().flatten().map(|&node| &points[node as usize]));
-        if !aabb.intersects(&Aabb { min: *place, max: *place }) {
+        if !aabb.intersects(&Aabb { min: *position, max: *position }) {
             return 0.0;
         }
         let angle = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|node| points[node as usize] - place);
+            let [a, b, c] = triangle.map(|node| points[node as usize] - position);
             let [x, y, z] = [a.norm(), b.norm(), c.norm()];
             2.0 * libm::atan2(a.dot(&b.cross(&c)), x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y)
         };

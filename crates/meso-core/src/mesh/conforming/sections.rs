@@ -48,9 +48,9 @@ pub(super) fn of_box(
                 // Above the last slab the first one comes again.
                 let above = if axis == slabs.axis { (slab + 1) % boxes.len() } else { slab };
                 let step = i32::from(axis != slabs.axis || above == 0);
-                let (face, place) = (&faces[above][axis], boxes[slab].max[axis]);
+                let (face, position) = (&faces[above][axis], boxes[slab].max[axis]);
                 sheets.add_lower(lower, nodes);
-                sheets.add_upper(&Upper { face, pieces: &pieces[above], axis, place, step }, &pieces[slab], nodes);
+                sheets.add_upper(&Upper { face, pieces: &pieces[above], axis, position, step }, &pieces[slab], nodes);
             }
         })
     };
@@ -65,7 +65,7 @@ pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Re
     for axis in (0..3).filter(|&axis| period.along(axis).is_some()) {
         let [low, high] = [domain.min, domain.max].map(|face| {
             let on = points.iter().filter(|point| (point[axis] - face[axis]).abs() <= ON_FACE_MM);
-            // -0 and 0 are one place.
+            // -0 and 0 are one position.
             let within = |point: &Vec3| [1, 2].map(|next| (point[(axis + next) % 3] + 0.0).to_bits());
             on.map(|point| (within(point), [point.x, point.y, point.z])).collect::<BTreeMap<_, _>>()
         });
@@ -96,8 +96,9 @@ pub(super) fn of_walls(
     let limit = LONGEST * size;
     let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
     let walls = clipped::walls(walls, slabs, period);
-    let of_plane = |(above, place): (usize, &f64)| section(slabs.axis, *place, &walls[above], &pieces[above], limit);
-    let planes = (1..walls.len()).into_par_iter().zip(&slabs.places).map(of_plane);
+    let of_plane =
+        |(above, position): (usize, &f64)| section(slabs.axis, *position, &walls[above], &pieces[above], limit);
+    let planes = (1..walls.len()).into_par_iter().zip(&slabs.positions).map(of_plane);
     let planes: Vec<Face> = planes.collect::<Result<_, MeshError>>()?;
     let of_slab = |slab: usize| {
         let walls = surface(&walls[slab], limit)?;
@@ -107,8 +108,8 @@ pub(super) fn of_walls(
                 sheets.add_lower(&planes[slab - 1], nodes);
             }
             if let Some(face) = planes.get(slab) {
-                let (axis, place) = (slabs.axis, slabs.places[slab]);
-                let upper = Upper { face, pieces: &pieces[slab + 1], axis, place, step: 0 };
+                let (axis, position) = (slabs.axis, slabs.positions[slab]);
+                let upper = Upper { face, pieces: &pieces[slab + 1], axis, position, step: 0 };
                 sheets.add_upper(&upper, &pieces[slab], nodes);
             }
         })
@@ -116,9 +117,9 @@ pub(super) fn of_walls(
     (0..walls.len()).into_par_iter().map(of_slab).collect()
 }
 
-/// The plane at `place` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.
-fn section(axis: usize, place: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
-    let frame = Frame::across(axis, place);
+/// The plane at `position` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.
+fn section(axis: usize, position: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
+    let frame = Frame::across(axis, position);
     let upward = |loops: Vec<Vec3>| loops.into_iter().rev().collect::<Vec<Vec3>>();
     let outlines = walls.loops(axis, false).map(upward);
     // Around the mortar caps go the other way.
@@ -141,7 +142,7 @@ fn section(axis: usize, place: f64, walls: &Piece, pieces: &[Piece], limit: f64)
 /// The lower face of `domain` across `axis`, cut by `pieces`; no edge in it is longer than `limit` mm by much.
 ///
 /// # Errors
-/// Says which rims cross: of disjoint grains none do.
+/// Says which rims cross: of disjoint bodies none do.
 fn lower_face(axis: usize, domain: &Aabb, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
     let caps: Vec<(usize, Vec<Vec3>)> = caps(axis, pieces).collect();
     let rims = Sides { axis, domain }.rims(&caps, limit);
@@ -180,27 +181,27 @@ impl Sides<'_> {
     /// The rims of `caps` and the face's four sides, as nodes in a row.
     fn rims(&self, caps: &[(usize, Vec<Vec3>)], limit: f64) -> Vec<Vec<Vec3>> {
         let of_caps = caps.iter().flat_map(|(_, corners)| edges(corners));
-        // What grains have of the sides is among their parts.
+        // What bodies have of the sides is among their parts.
         let of_caps = of_caps.filter(|(from, to)| !self.is_on_a_side(from, to));
         self.sides(caps).into_iter().chain(of_caps).map(|(from, to)| halved(from, to, limit)).collect()
     }
 
     fn is_on_a_side(&self, from: &Vec3, to: &Vec3) -> bool {
-        let both = |axis: usize, place: f64| from[axis] == place && to[axis] == place;
+        let both = |axis: usize, position: f64| from[axis] == position && to[axis] == position;
         self.in_plane().into_iter().any(|axis| both(axis, self.domain.min[axis]) || both(axis, self.domain.max[axis]))
     }
 
-    /// The parts of the face's four sides between the grains' edges there.
+    /// The parts of the face's four sides between the bodies' edges there.
     fn sides(&self, caps: &[(usize, Vec<Vec3>)]) -> Vec<(Vec3, Vec3)> {
         let [u, v] = self.in_plane();
         let mut parts = Vec::new();
         for (along, across) in [(u, v), (v, u)] {
-            for place in [self.domain.min[across], self.domain.max[across]] {
+            for position in [self.domain.min[across], self.domain.max[across]] {
                 let mut start = self.domain.min;
-                start[across] = place;
+                start[across] = position;
                 let mut end = start;
                 end[along] = self.domain.max[along];
-                let corners = caps.iter().flat_map(|cap| &cap.1).filter(|corner| corner[across] == place);
+                let corners = caps.iter().flat_map(|cap| &cap.1).filter(|corner| corner[across] == position);
                 let mut stops: Vec<Vec3> = corners.copied().chain([start, end]).collect();
                 stops.sort_by(|a, b| a[along].total_cmp(&b[along]));
                 stops.dedup();
@@ -211,26 +212,26 @@ impl Sides<'_> {
     }
 }
 
-/// The surface of `specimen`, whose room is `room`, with edges of about `size` mm, counter-clockwise from outside: plane
+/// The surface of `specimen`, whose container is `container`, with edges of about `size` mm, counter-clockwise from outside: plane
 /// faces exactly, curved ones by triangles whose nodes lie on them.
 ///
 /// # Errors
 /// As [`facets`].
-pub(super) fn walls(specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Triangles, MeshError> {
-    match (specimen, polygons(specimen, room, size)) {
+pub(super) fn walls(specimen: &Specimen, container: &dyn Container, size: f64) -> Result<Triangles, MeshError> {
+    match (specimen, polygons(specimen, container, size)) {
         (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),
         (Specimen::Sphere { diameter_mm }, None) => Ok(sphere(*diameter_mm, size)),
-        (_, None) => Ok(grid(&room.aabb(), size)),
+        (_, None) => Ok(grid(&container.aabb(), size)),
     }
 }
 
 /// The same as plane faces; boxes have their own ([`grid`], and [`of_box`]), and spheres have none.
-pub(super) fn polygons(specimen: &Specimen, room: &dyn Container, size: f64) -> Option<Surface> {
+pub(super) fn polygons(specimen: &Specimen, container: &dyn Container, size: f64) -> Option<Surface> {
     match *specimen {
         Specimen::Sphere { .. } => None,
         Specimen::Cylinder { diameter_mm, height_mm } => Some(prism(diameter_mm, height_mm, size)),
-        _ if room.is_box() => None,
-        _ => Some(room.surface()),
+        _ if container.is_box() => None,
+        _ => Some(container.surface()),
     }
 }
 
@@ -276,7 +277,7 @@ fn position(domain: &Aabb, counts: [usize; 3], at: [usize; 3]) -> Vec3 {
     })
 }
 
-/// Well within the least gap that is advised between grains and walls, 0.05 mm.
+/// Well within the least gap that is advised between bodies and walls, 0.05 mm.
 const CHORD_MM: f64 = 0.02;
 
 /// The sphere that touches the coordinate planes, from an octahedron.
@@ -286,8 +287,8 @@ fn sphere(diameter: f64, size: f64) -> Triangles {
     let points = [Vec3::x(), Vec3::y(), -Vec3::x(), -Vec3::y(), Vec3::z(), -Vec3::z()].map(|arm| centre + arm * radius);
     let caps = |i: u32| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]];
     let triangles = (0..4).flat_map(caps).map(|triangle| (triangle, 0));
-    refined(points.to_vec(), triangles, longest(radius, size), |_, place| {
-        let arm = place - centre;
+    refined(points.to_vec(), triangles, longest(radius, size), |_, position| {
+        let arm = position - centre;
         centre + arm * (radius / arm.norm())
     })
 }

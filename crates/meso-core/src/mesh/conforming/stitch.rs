@@ -31,15 +31,15 @@ const MOST: usize = 10_000;
 /// Where the sides of a plane do not come to the same triangles.
 pub(super) fn joined(parts: Vec<TetMesh>, slabs: &Slabs) -> Result<TetMesh, MeshError> {
     let mut mesh = sewn(parts, slabs);
-    for &place in &slabs.places {
-        Seam::new(&mut mesh, slabs.axis, place).close()?;
+    for &position in &slabs.positions {
+        Seam::new(&mut mesh, slabs.axis, position).close()?;
     }
     Ok(mesh)
 }
 
-/// All parts in one mesh, nodes at the same place on a plane one node.
+/// All parts in one mesh, nodes at the same position on a plane one node.
 fn sewn(mut parts: Vec<TetMesh>, slabs: &Slabs) -> TetMesh {
-    if slabs.places.is_empty() {
+    if slabs.positions.is_empty() {
         return parts.pop().unwrap_or_default();
     }
     let mut mesh = TetMesh::default();
@@ -49,9 +49,9 @@ fn sewn(mut parts: Vec<TetMesh>, slabs: &Slabs) -> TetMesh {
     for part in parts {
         let mut number = Vec::with_capacity(part.points.len());
         for mut point in part.points {
-            let plane = slabs.places.iter().find(|place| (point[slabs.axis] - **place).abs() <= ON_PLANE_MM);
-            if let Some(&place) = plane {
-                point[slabs.axis] = place;
+            let plane = slabs.positions.iter().find(|position| (point[slabs.axis] - **position).abs() <= ON_PLANE_MM);
+            if let Some(&position) = plane {
+                point[slabs.axis] = position;
                 let at = on_planes.at(point) as usize;
                 if at < shared.len() {
                     number.push(shared[at]);
@@ -72,7 +72,7 @@ fn sewn(mut parts: Vec<TetMesh>, slabs: &Slabs) -> TetMesh {
 struct Seam<'a> {
     mesh: &'a mut TetMesh,
     axis: usize,
-    place: f64,
+    position: f64,
     /// The cells with two corners or more on the plane, below and above it.
     sides: [Vec<u32>; 2],
 }
@@ -81,18 +81,18 @@ struct Seam<'a> {
 type Corners = [u32; 3];
 
 impl<'a> Seam<'a> {
-    fn new(mesh: &'a mut TetMesh, axis: usize, place: f64) -> Self {
+    fn new(mesh: &'a mut TetMesh, axis: usize, position: f64) -> Self {
         let mut sides = [Vec::new(), Vec::new()];
         let mut flat = Vec::new();
         for (number, cell) in (0..).zip(&mesh.cells) {
-            let off = cell.map(|node| mesh.points[node as usize][axis] - place);
+            let off = cell.map(|node| mesh.points[node as usize][axis] - position);
             match off.iter().filter(|off| **off == 0.0).count() {
                 4 => flat.push(number as usize),
                 2 | 3 => sides[usize::from(off.iter().any(|off| *off > 0.0))].push(number),
                 _ => {}
             }
         }
-        let mut seam = Self { mesh, axis, place, sides };
+        let mut seam = Self { mesh, axis, position, sides };
         seam.leave_out(&flat);
         seam
     }
@@ -133,7 +133,7 @@ impl<'a> Seam<'a> {
     }
 
     fn on(&self, node: u32) -> bool {
-        self.mesh.points[node as usize][self.axis] == self.place
+        self.mesh.points[node as usize][self.axis] == self.position
     }
 
     /// The triangles that a side has on the plane, ascending.
@@ -158,8 +158,8 @@ impl<'a> Seam<'a> {
         let mut busy = BTreeSet::new();
         for (own, other) in [(0, 1), (1, 0)] {
             for node in nodes(&lone[own]).into_iter().filter(|node| all[other].binary_search(node).is_err()) {
-                let place = self.mesh.points[node as usize];
-                let around = lone[other].iter().map(|&corners| (self.heights(corners, &place), corners));
+                let position = self.mesh.points[node as usize];
+                let around = lone[other].iter().map(|&corners| (self.heights(corners, &position), corners));
                 let least = |heights: &[f64; 3]| heights.iter().fold(f64::INFINITY, |a: f64, b| a.min(*b));
                 let Some((heights, corners)) = around.max_by(|a, b| least(&a.0).total_cmp(&least(&b.0))) else {
                     continue;
@@ -200,11 +200,11 @@ impl<'a> Seam<'a> {
         turn(self.axis, a, b, c)
     }
 
-    /// The height of `place` over every side of a triangle, in heights of the corner opposite to it.
-    fn heights(&self, corners: Corners, place: &Vec3) -> [f64; 3] {
+    /// The height of `position` over every side of a triangle, in heights of the corner opposite to it.
+    fn heights(&self, corners: Corners, position: &Vec3) -> [f64; 3] {
         let [a, b, c] = corners.map(|node| self.mesh.points[node as usize]);
         let whole = self.turn(&a, &b, &c);
-        [self.turn(place, &b, &c), self.turn(&a, place, &c), self.turn(&a, &b, place)].map(|part| part / whole)
+        [self.turn(position, &b, &c), self.turn(&a, position, &c), self.turn(&a, &b, position)].map(|part| part / whole)
     }
 
     fn do_cross(&self, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> bool {
@@ -212,9 +212,9 @@ impl<'a> Seam<'a> {
     }
 
     fn crossing(&self, quad: [u32; 4]) -> Vec3 {
-        let mut place = crossing(quad.map(|node| self.mesh.points[node as usize]), self.axis);
-        place[self.axis] = self.place;
-        place
+        let mut position = crossing(quad.map(|node| self.mesh.points[node as usize]), self.axis);
+        position[self.axis] = self.position;
+        position
     }
 
     /// Divides every cell of a side that has the edge at `node`.
@@ -273,7 +273,7 @@ const MOST_SLIVERS: usize = 10_000;
 /// Opens the flat tetrahedra of `mesh` on the faces of `domain` across which the box repeats itself.
 pub(super) fn open_slivers(mesh: &mut TetMesh, period: &Period, domain: &Aabb) {
     for axis in (0..3).filter(|&axis| period.along(axis).is_some()) {
-        let faces = Faces { axis, places: [domain.min[axis], domain.max[axis]] };
+        let faces = Faces { axis, positions: [domain.min[axis], domain.max[axis]] };
         let flat: Vec<u32> = (0..mesh.cells.len() as u32).rev().filter(|&cell| faces.have(mesh, cell)).collect();
         if !flat.is_empty() {
             Opened::new(mesh, faces).open(flat);
@@ -284,14 +284,14 @@ pub(super) fn open_slivers(mesh: &mut TetMesh, period: &Period, domain: &Aabb) {
 /// Two opposite faces.
 struct Faces {
     axis: usize,
-    places: [f64; 2],
+    positions: [f64; 2],
 }
 
 impl Faces {
     /// True when a cell lies in one of them with all its corners.
     fn have(&self, mesh: &TetMesh, cell: u32) -> bool {
         let [first, rest @ ..] = mesh.cells[cell as usize].map(|node| mesh.points[node as usize][self.axis]);
-        self.places.contains(&first) && rest.iter().all(|place| *place == first)
+        self.positions.contains(&first) && rest.iter().all(|position| *position == first)
     }
 
     /// The corners of a flat tetrahedron, those of its edges that cross first and last.
@@ -304,7 +304,7 @@ impl Faces {
 struct Opened<'a> {
     mesh: &'a mut TetMesh,
     faces: Faces,
-    /// The nodes on the faces by their places.
+    /// The nodes on the faces by their positions.
     nodes: BTreeMap<[u64; 3], u32>,
     /// The cells of each of these, and some that are removed.
     cells: BTreeMap<u32, Vec<u32>>,
@@ -312,7 +312,7 @@ struct Opened<'a> {
 
 impl<'a> Opened<'a> {
     fn new(mesh: &'a mut TetMesh, faces: Faces) -> Self {
-        let on = |node: &u32| faces.places.contains(&mesh.points[*node as usize][faces.axis]);
+        let on = |node: &u32| faces.positions.contains(&mesh.points[*node as usize][faces.axis]);
         let nodes = (0..mesh.points.len() as u32).filter(on).map(|node| (key(&mesh.points[node as usize]), node));
         let nodes: BTreeMap<[u64; 3], u32> = nodes.collect();
         let mut cells: BTreeMap<u32, Vec<u32>> = nodes.values().map(|node| (*node, Vec::new())).collect();
@@ -335,8 +335,8 @@ impl<'a> Opened<'a> {
             }
             let Some(quad) = self.faces.quad(self.mesh.corners(self.mesh.cell(cell))) else { continue };
             let middle = crossing(quad, self.faces.axis);
-            for place in self.faces.places {
-                let moved = |point: Vec3| Vec3::from_fn(|i, _| if i == self.faces.axis { place } else { point[i] });
+            for position in self.faces.positions {
+                let moved = |point: Vec3| Vec3::from_fn(|i, _| if i == self.faces.axis { position } else { point[i] });
                 let first = self.mesh.cells.len() as u32;
                 self.divide(quad.map(moved), moved(middle));
                 flat.extend((first..self.mesh.cells.len() as u32).filter(|&new| self.faces.have(self.mesh, new)));
@@ -348,7 +348,7 @@ impl<'a> Opened<'a> {
 
     /// Divides the cells that have the edge ab or cd at a new node in the `middle` of both; those that have both go.
     fn divide(&mut self, quad: [Vec3; 4], middle: Vec3) {
-        let [Some(a), Some(b), Some(c), Some(d)] = quad.map(|place| self.nodes.get(&key(&place)).copied()) else {
+        let [Some(a), Some(b), Some(c), Some(d)] = quad.map(|position| self.nodes.get(&key(&position)).copied()) else {
             return;
         };
         let new = self.mesh.points.len() as u32;
@@ -383,9 +383,9 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// A place as what can be looked up: -0 and 0 are one.
-fn key(place: &Vec3) -> [u64; 3] {
-    [0, 1, 2].map(|axis| (place[axis] + 0.0).to_bits())
+/// A position as what can be looked up: -0 and 0 are one.
+fn key(position: &Vec3) -> [u64; 3] {
+    [0, 1, 2].map(|axis| (position[axis] + 0.0).to_bits())
 }
 
 /// Twice the area of the triangle from a over b to c, seen along `axis`.
@@ -398,7 +398,7 @@ fn do_cross([a, b, c, d]: &[Vec3; 4], axis: usize) -> bool {
     turn(axis, a, b, c) * turn(axis, a, b, d) < 0.0 && turn(axis, c, d, a) * turn(axis, c, d, b) < 0.0
 }
 
-/// Where ab and cd cross, seen along `axis`; across it the place is on ab.
+/// Where ab and cd cross, seen along `axis`; across it the position is on ab.
 fn crossing([a, b, c, d]: [Vec3; 4], axis: usize) -> Vec3 {
     let turn = |p: Vec3, q: Vec3| p.cross(&q)[axis];
     a + (b - a) * (turn(c - a, d - c) / turn(b - a, d - c))
@@ -429,7 +429,7 @@ mod tests {
     /// The parts joined; every triangle of one side is one of the other's, and no volume is lost.
     fn close(below: TetMesh, above: TetMesh) -> TetMesh {
         let whole = volume(&below) + volume(&above);
-        let slabs = Slabs { axis: 2, places: vec![1.0] };
+        let slabs = Slabs { axis: 2, positions: vec![1.0] };
         let mut mesh = joined(vec![below, above], &slabs).unwrap();
         assert!((volume(&mesh) - whole).abs() < 1e-12);
         assert!(mesh.cells.len() == mesh.owner.len() && mesh.owner.iter().all(|owner| *owner == 7));
@@ -469,7 +469,7 @@ mod tests {
 
     #[test]
     fn sides_that_cover_different_places_are_told() {
-        let slabs = Slabs { axis: 2, places: vec![1.0] };
+        let slabs = Slabs { axis: 2, positions: vec![1.0] };
         let parts = vec![part(&SQUARE, &[[0, 1, 2]], 0.0), part(&SQUARE, &[[0, 2, 3]], 2.0)];
         assert!(matches!(joined(parts, &slabs), Err(MeshError::Seam { .. })));
     }

@@ -32,7 +32,7 @@ pub(super) struct Remeshed {
     pub(super) new: Vec<([u32; 4], u32)>,
 }
 
-/// Cells with which `node` lies on its grain, or is one with a node on it, and that leave all angles above `least_deg`, or as
+/// Cells with which `node` lies on its body, or is one with a node on it, and that leave all angles above `least_deg`, or as
 /// they were where one is smaller, if such are found.
 pub(super) fn remeshed(nodes: &Nodes, node: u32, least_deg: f64) -> Option<Remeshed> {
     let patch = Patch::around(nodes, node);
