@@ -23,6 +23,7 @@ OPEN = {
         {"spec::inclusions", "spec::limits"},
     ],
     "meso-py": [{"aggregate", "mesh", "packing"}],
+    "meso-solve": [{"frame", "observer", "response", "run"}],
 }
 # `mesh::build` takes a whole `Model`.
 UPWARDS = {("mesh::build", "model")}
