@@ -74,6 +74,8 @@ fn cut(mesh: &Mesh, cell: &[u32], axis: usize, place: f64) -> Vec<[f64; 2]> {
     }
     let (u, v) = ACROSS[axis];
     let crossing = |&(a, b): &(usize, usize)| {
+        // In one direction from all cells at the edge, so that their sections meet bit for bit.
+        let (a, b) = if cell[a] < cell[b] { (a, b) } else { (b, a) };
         let (from, to): (Vec3, Vec3) = (point(a), point(b));
         let t = (place - from[axis]) / (to[axis] - from[axis]);
         [from[u] + t * (to[u] - from[u]), from[v] + t * (to[v] - from[v])]
@@ -114,7 +116,9 @@ impl Canvas {
         for row in rows {
             let y = row as f64;
             let crossings = (0..corners.len()).filter_map(|i| {
-                let ([ax, ay], [bx, by]) = (corners[i], corners[(i + 1) % corners.len()]);
+                let (one, other) = (corners[i], corners[(i + 1) % corners.len()]);
+                // Upwards from both sides of the edge, for the same reason.
+                let ([ax, ay], [bx, by]) = if one[1] < other[1] { (one, other) } else { (other, one) };
                 ((ay <= y) != (by <= y)).then(|| ax + (y - ay) / (by - ay) * (bx - ax))
             });
             // SVG's and PNG's rows go down.
