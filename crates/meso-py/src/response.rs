@@ -105,6 +105,8 @@ pub(crate) fn solve(
 
 fn test(PyMesh(mesh, model, options): &PyMesh, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
     let begun = watch.seconds();
+    // Progress is asked for while the test is still prepared.
+    watch.update(0.0, asked.test.strain());
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(&watching);
