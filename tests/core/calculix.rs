@@ -5,7 +5,7 @@ use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{GMSH_OPTIONS, Surfaces};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
@@ -163,7 +163,7 @@ fn calculix_knows_all_of_the_explicit_decks_but_the_documented_keywords() {
         (Analysis::Tension, ItzForm::Cohesive, Method::Voxel),
         (Analysis::Compression, ItzForm::Cohesive, Method::Lattice),
     ] {
-        let options = MeshOptions { method, itz, element_size_mm: 5.0, ..Default::default() };
+        let options = MeshOptions { method, itz, joined: Joined::Mortar, element_size_mm: 5.0, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let deck = std::fs::File::create(folder.path().join("job.inp")).unwrap();

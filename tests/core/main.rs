@@ -1,5 +1,6 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+mod analysis_decks;
 #[path = "../angle_piece.rs"]
 mod angle_piece;
 #[path = "../bad_specs.rs"]
@@ -8,6 +9,7 @@ mod calculix;
 mod check;
 mod cohesive_decks;
 mod conforming_decks;
+mod deck_reader;
 mod decks;
 mod erosion;
 mod exact;

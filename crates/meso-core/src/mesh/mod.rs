@@ -2,6 +2,7 @@
 //!
 //! [`build`] is the one way in; the methods are siblings, one file each. A mesh knows nothing of file formats.
 
+pub(crate) mod apart;
 mod clip;
 mod cohesive;
 pub mod conforming;
@@ -15,10 +16,12 @@ mod lattice;
 mod layer;
 pub(crate) mod opposite;
 mod options;
+mod own_volume;
 pub mod quality;
 mod second_order;
 mod separate;
 pub mod sides;
+mod smeared;
 mod swaps;
 mod sweep;
 mod volumes;
@@ -27,7 +30,7 @@ mod web;
 
 pub use distance::InterfaceDistance;
 pub use error::MeshError;
-pub use options::{Fit, ItzForm, MeshOptions, Method};
+pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Volumes};
 pub use volumes::PhaseVolumes;
 
 use crate::aggregate::{Aggregate, Kind};
@@ -158,6 +161,12 @@ pub struct Notes {
     pub closed_gap_pairs: usize,
     /// The widest gap between two of these, mm.
     pub widest_closed_gap_mm: f64,
+    /// Nodes that two or more aggregates shared and mortar parts now.
+    pub parted_nodes: usize,
+    /// Pairs of aggregates that mortar parts there.
+    pub parted_pairs: usize,
+    /// Volume of aggregates that became mortar for it, mm3, before any volume was made good.
+    pub parted_mm3: f64,
     /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
     /// two, thinner than the elements can show, is closed.
     pub closed_side_gaps: usize,
@@ -202,6 +211,18 @@ impl Mesh {
     /// The cohesive elements' nodes, one slice per element.
     pub fn cohesive(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())
+    }
+
+    /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`]: its cells belong to no aggregate.
+    pub fn has_smeared_itz(&self) -> bool {
+        let mut cells = self.phase.iter().zip(&self.aggregate);
+        cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
+    }
+
+    /// Nodes that cores of several aggregates share, and pairs of aggregates that share some: an elastic skeleton.
+    pub fn joined_aggregates(&self) -> (usize, usize) {
+        let joined = apart::joined(self);
+        (joined.chunk_by(|a, b| a.0 == b.0).count(), apart::pairs(&joined))
     }
 
     /// Number of cells, cohesive elements apart.
@@ -269,6 +290,18 @@ fn assemble(
     }
     clip::leave_out_voids(&mut mesh, aggregates);
     joined::note(&mut mesh, aggregates, &FlatSides::of(specimen));
+    if options.joined == Joined::Mortar && options.itz != ItzForm::Cohesive {
+        let parted = apart::part(&mut mesh, aggregates);
+        mesh.notes.parted_nodes = parted.nodes;
+        mesh.notes.parted_pairs = parted.pairs;
+        mesh.notes.parted_mm3 = parted.volume_mm3;
+    }
+    if options.volumes == Volumes::Exact && !whole_cells && options.itz != ItzForm::Solid {
+        own_volume::restore(&mut mesh, aggregates, options.element_size_mm);
+    }
+    if options.itz == ItzForm::Smeared {
+        smeared::name(&mut mesh);
+    }
     if options.itz == ItzForm::Cohesive {
         cohesive::add(&mut mesh);
         if mesh.periodic != [false; 3] {
@@ -319,6 +352,6 @@ fn of_tetrahedra(tetrahedra: Tetrahedra, aggregates: &[Aggregate], notes: Notes)
 fn shell_thickness(aggregate: &Aggregate, options: &MeshOptions) -> f64 {
     match options.itz {
         ItzForm::Solid => aggregate.itz_thickness_mm,
-        ItzForm::Cohesive | ItzForm::None => 0.0,
+        ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => 0.0,
     }
 }

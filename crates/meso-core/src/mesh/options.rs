@@ -23,6 +23,10 @@ pub struct MeshOptions {
     pub fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10), 1 does not (C3D4).
     pub order: u32,
+    /// What becomes of aggregates that would share nodes.
+    pub joined: Joined,
+    /// Which volume the aggregates of a fitted lattice have.
+    pub volumes: Volumes,
     /// Parts of a specimen, other than a sphere, that gmsh fills apart in a conforming mesh, 1 to 100; as many as its memory
     /// needs when absent.
     pub slabs: Option<u32>,
@@ -58,8 +62,32 @@ pub enum ItzForm {
     Solid,
     /// Zero-thickness cohesive elements between the aggregates and what they meet.
     Cohesive,
+    /// Mortar cells with a face on an aggregate are the ITZ: as stiff as mortar, and weaker.
+    Smeared,
     /// Not at all: aggregates bonded to the mortar.
     None,
+}
+
+/// What becomes of aggregates that share nodes, since the elements cannot show the gap between them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Joined {
+    /// They stay joined: an elastic skeleton that no analysis breaks.
+    #[default]
+    Keep,
+    /// Mortar parts them. A cohesive ITZ does so by itself.
+    Mortar,
+}
+
+/// Which volume aggregates have in a mesh of tetrahedra.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Volumes {
+    /// That of the mesh with its nodes on their surfaces: less than their own, since chords cut corners off.
+    #[default]
+    Fitted,
+    /// Their own; the nodes lie some hundredths of a millimetre off their surfaces. Not with a solid ITZ.
+    Exact,
 }
 
 impl Default for MeshOptions {
@@ -72,6 +100,8 @@ impl Default for MeshOptions {
             subsamples: 1,
             fit: Fit::Fitted,
             order: 1,
+            joined: Joined::Keep,
+            volumes: Volumes::Fitted,
             slabs: None,
         }
     }

@@ -1,7 +1,9 @@
 //! How good a mesh is: the angles and shapes of its cells, and the report on them.
 
+mod mass_scaling;
 mod report;
 
+pub use mass_scaling::{MassScaling, PhaseScaling};
 pub use report::{BAD_DEG, DIHEDRAL_BINS, QualityReport};
 
 use super::volumes::cell_volume;
@@ -20,6 +22,8 @@ pub struct CellQuality {
     pub radius_ratio: f64,
     /// Shortest distance from a node (a face) to the opposite face, mm.
     pub shortest_altitude_mm: f64,
+    /// The stable time step of explicit dynamics times the wave speed, mm: see [`stable_length`].
+    pub stable_length_mm: f64,
     /// mm3; negative where the nodes are out of order.
     pub volume_mm3: f64,
 }
@@ -32,8 +36,23 @@ pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
 fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
     match mesh.kind {
         CellKind::Hexahedron => voxel(cell, mesh),
-        _ => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
+        _ => {
+            let quality = tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]));
+            // The nodes of a second-order tetrahedron are half as far apart.
+            let halves = if mesh.kind == CellKind::QuadraticTetrahedron { 2.0 } else { 1.0 };
+            CellQuality { stable_length_mm: quality.stable_length_mm / halves, ..quality }
+        }
     }
+}
+
+/// The length L of a tetrahedron that bounds its stable time step: L / c is stable for dilatational waves of speed c.
+///
+/// With lumped masses m = rho V / 4 its highest frequency w has w^2 <= 4 c^2 sum |grad N|^2 (the trace bounds the largest
+/// eigenvalue, for Poisson's ratios of 0 or more), and central differences are stable up to 2 / w: so L = 1 / sqrt(sum |grad N|^2),
+/// where |grad N| is one over an altitude. The shortest altitude itself is up to twice as long, and no bound.
+pub(crate) fn stable_length(p: [Vec3; 4]) -> f64 {
+    let six_volumes = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
+    six_volumes / face_vectors(p).map(|n| n.norm_squared()).into_iter().sum::<f64>().sqrt()
 }
 
 /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
@@ -81,6 +100,7 @@ pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
         max_dihedral_deg: degrees(low),
         radius_ratio: 3.0 * inscribed / circumradius(p),
         shortest_altitude_mm: shortest_altitude(p),
+        stable_length_mm: stable_length(p),
         volume_mm3: volume,
     }
 }
@@ -94,12 +114,14 @@ fn circumradius([a, b, c, d]: [Vec3; 4]) -> f64 {
 
 /// Measures of a box-shaped hexahedron.
 fn voxel(cell: &[u32], mesh: &Mesh) -> CellQuality {
-    let edge = |i: usize| (mesh.points[cell[i] as usize] - mesh.points[cell[0] as usize]).norm();
+    let edges = [1, 3, 4].map(|i: usize| (mesh.points[cell[i] as usize] - mesh.points[cell[0] as usize]).norm());
     CellQuality {
         min_dihedral_deg: 90.0,
         max_dihedral_deg: 90.0,
         radius_ratio: 1.0,
-        shortest_altitude_mm: edge(1).min(edge(3)).min(edge(4)),
+        shortest_altitude_mm: edges.into_iter().fold(f64::INFINITY, f64::min),
+        // The same bound with the gradients at the centre: 2 / (c sqrt(8 sum |grad N|^2)).
+        stable_length_mm: 1.0 / edges.map(|edge| 1.0 / (edge * edge)).iter().sum::<f64>().sqrt(),
         volume_mm3: cell_volume(mesh.kind, cell, &mesh.points),
     }
 }
@@ -117,6 +139,7 @@ mod tests {
         assert!((q.radius_ratio - 1.0).abs() < 1e-12);
         assert!((q.volume_mm3 - 8.0 / 3.0).abs() < 1e-12);
         assert!((q.shortest_altitude_mm - 4.0 / 3.0_f64.sqrt()).abs() < 1e-12);
+        assert!((q.stable_length_mm - q.shortest_altitude_mm / 2.0).abs() < 1e-12, "four equal altitudes");
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub struct QualityReport {
     pub bad_cells: Vec<usize>,
     /// Cells with no positive volume.
     pub inverted: usize,
-    /// Longest stable time step of explicit dynamics, s: altitude over dilatational wave speed, of the worst cell.
+    /// Stable time step of explicit dynamics, s: 1 / (c sqrt(sum |grad N|^2)) of the worst cell, c the dilatational wave speed.
     pub stable_time_step_s: f64,
     /// The same of cohesive elements, by their stiffness and mass per area; `None` where there are none.
     pub cohesive_time_step_s: Option<f64>,
@@ -52,7 +52,7 @@ impl QualityReport {
     /// Of a mesh of `bodies` in `specimen`; time steps are those of `materials`.
     pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, materials: &Materials) -> Self {
         let worst = Worst::of(mesh, materials);
-        let solid = mesh.phase.contains(&Phase::Itz);
+        let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
         let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
         Self {
             cells: mesh.cell_count(),
@@ -104,6 +104,7 @@ impl Worst {
     }
 
     fn of(mesh: &Mesh, materials: &Materials) -> Self {
+        let materials = materials.in_mesh(mesh);
         let speeds = |phase: Phase| materials.elastic(phase).wave_speed_mm_per_s();
         let runs = mesh.cells.par_chunks(RUN * mesh.kind.nodes()).zip(mesh.phase.par_chunks(RUN)).enumerate();
         let of_run = |(run, (cells, phases)): (usize, (&[u32], &[Phase]))| {
@@ -129,7 +130,7 @@ impl Worst {
             self.bad.push(index);
         }
         self.inverted += usize::from(cell.volume_mm3 <= 0.0);
-        self.time_step = self.time_step.min(cell.shortest_altitude_mm / wave_speed);
+        self.time_step = self.time_step.min(cell.stable_length_mm / wave_speed);
     }
 
     /// With the cells that come after these.
