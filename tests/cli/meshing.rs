@@ -36,7 +36,12 @@ fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in
 fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
     let folder = Folder::with_spec();
     let flags = ["--analysis", "compression", "--element-size-mm", "3", "--summary-json", "s.json"];
-    assert_eq!(folder.run(&["pack", "small.toml", "-qo", "m.json", "--analysis", "compression", "--element-size-mm", "3"]).code, 0);
+    assert_eq!(
+        folder
+            .run(&["pack", "small.toml", "-qo", "m.json", "--analysis", "compression", "--element-size-mm", "3"])
+            .code,
+        0
+    );
     assert_eq!(json(&folder, "m.json")["spec"]["placement"]["min_gap_mm"], 1.5);
     let run = folder.run(&[&["mesh", "m.json", "-o", "m.inp"][..], &flags].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
@@ -48,7 +53,9 @@ fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
     assert!((aggregate - 1.0).abs() < 0.005, "{aggregate}");
     assert_eq!(told["warnings"], Value::Array(Vec::new()));
     assert!(told["half_strength_strain"].as_f64().unwrap() < 0.018);
-    for said in ["mortar is at half its strength at an inelastic strain of 0.0", "times the mass", "double=both", "m_curve.py"] {
+    for said in
+        ["mortar is at half its strength at an inelastic strain of 0.0", "times the mass", "double=both", "m_curve.py"]
+    {
         assert!(run.stderr.contains(said), "{said}: {}", run.stderr);
     }
     let deck = text(&folder, "m.inp");

@@ -76,7 +76,8 @@ fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
 #[test]
 fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
     for (method, size) in [(Method::Lattice, 2.0), (Method::Voxel, 1.0)] {
-        let options = |joined| MeshOptions { method, itz: ItzForm::None, joined, element_size_mm: size, ..Default::default() };
+        let options =
+            |joined| MeshOptions { method, itz: ItzForm::None, joined, element_size_mm: size, ..Default::default() };
         let (kept, parted) = (meshed(options(Joined::Keep)), meshed(options(Joined::Mortar)));
         assert!(shared_by_cores(&kept) > 20, "{method:?}");
         assert_eq!((shared_by_cores(&parted), parted.joined_aggregates()), (0, (0, 0)), "{method:?}");
@@ -101,7 +102,8 @@ fn cut_edges_cost_much_less_aggregate_than_whole_cells_would() {
     let qualities = quality::cells(&kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
     let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
-    let whole: f64 = cells.filter(|((cell, id), _)| **id != NO_AGGREGATE && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
+    let whole: f64 =
+        cells.filter(|((cell, id), _)| **id != NO_AGGREGATE && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
     assert!(parted.notes.parted_mm3 < 0.25 * whole, "{} of {whole}", parted.notes.parted_mm3);
 }
 
@@ -164,7 +166,8 @@ fn peak(deck: &Deck, material: &str) -> f64 {
 #[test]
 fn the_itz_of_thin_cells_is_no_tougher_than_mortar() {
     let deck = Deck::read(&deck(&lattice(ItzForm::Solid, Joined::Mortar, Volumes::Fitted), &compression()));
-    let softened = |material| rows(&deck, material, "CONCRETE COMPRESSION DAMAGE").into_iter().filter(|row| row[0] > 0.0);
+    let softened =
+        |material| rows(&deck, material, "CONCRETE COMPRESSION DAMAGE").into_iter().filter(|row| row[0] > 0.0);
     for (itz, mortar) in softened("ITZ").zip(softened("MORTAR")) {
         assert!(itz[0] == mortar[0] && itz[1] <= mortar[1] * 1.01, "{itz:?} {mortar:?}");
     }
@@ -227,7 +230,12 @@ fn the_step_is_told_by_its_cards() {
     let outputs: Vec<&Card> = step.cards.iter().filter(|card| card.keyword == "OUTPUT").collect();
     let filtered = |card: &&&Card| card.parameters.get("FILTER").is_some_and(|name| name == "ANTIALIASING");
     assert_eq!((outputs.len(), outputs.iter().filter(filtered).count()), (4, 1));
-    let asked: BTreeSet<&str> = step.cards.iter().filter(|card| card.keyword.ends_with(" OUTPUT")).flat_map(|card| card.data.iter().flatten().map(String::as_str)).collect();
+    let asked: BTreeSet<&str> = step
+        .cards
+        .iter()
+        .filter(|card| card.keyword.ends_with(" OUTPUT"))
+        .flat_map(|card| card.data.iter().flatten().map(String::as_str))
+        .collect();
     for variable in ["PEEQ", "PEEQT", "DAMAGEC", "DAMAGET", "U3", "RF3", "ALLKE", "ALLSE", "ALLMW", "DT", "DMASS"] {
         assert!(asked.contains(variable), "{variable}");
     }
@@ -306,7 +314,9 @@ fn mass_scaling_is_told_by_phase() {
     }
     assert!((scaling.factor / (after / before) - 1.0).abs() < 1e-9);
     let short = MassScaling::of(&mesh, &materials, 1e-9);
-    assert!(short.factor == 1.0 && short.added_percent() == 0.0 && short.phases.iter().all(|phase| phase.scaled == 0.0));
+    assert!(
+        short.factor == 1.0 && short.added_percent() == 0.0 && short.phases.iter().all(|phase| phase.scaled == 0.0)
+    );
 }
 
 /// From the cards alone: the volumes of the sets, as a solver that is driven by the deck would find them.

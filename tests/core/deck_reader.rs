@@ -56,7 +56,8 @@ pub(crate) fn cards(text: &str) -> Vec<Card> {
 fn keyword(line: &str) -> Card {
     let mut entries = line[1..].split(',').map(str::trim);
     let keyword = entries.next().unwrap().to_owned();
-    let split = |entry: &str| entry.split_once('=').map_or((entry.to_owned(), String::new()), |(a, b)| (a.into(), b.into()));
+    let split =
+        |entry: &str| entry.split_once('=').map_or((entry.to_owned(), String::new()), |(a, b)| (a.into(), b.into()));
     Card { keyword, parameters: entries.map(split).collect(), data: Vec::new() }
 }
 
@@ -258,7 +259,8 @@ impl Deck {
                 Surface::Positive(set.clone())
             }
             ("ELEMENT", _) => {
-                let face = |row: &Vec<String>| (whole(&row[0]), row[1].strip_prefix('S').map_or(0, |n| whole(n) as usize));
+                let face =
+                    |row: &Vec<String>| (whole(&row[0]), row[1].strip_prefix('S').map_or(0, |n| whole(n) as usize));
                 Surface::Faces(card.data.iter().map(face).collect())
             }
             (kind, row) => panic!("a surface of {kind} with {row:?}"),
@@ -321,7 +323,9 @@ impl Deck {
             let (low, high) = places().fold((f64::MAX, f64::MIN), |(a, b), (_, p)| (a.min(p[axis]), b.max(p[axis])));
             for (name, plane) in names.iter().zip([low, high]) {
                 let Some(set) = self.node_sets.get(*name) else { continue };
-                let all = places().filter(|(_, p)| (p[axis] - plane).abs() < 1e-9).all(|(node, _)| set.binary_search(&node).is_ok());
+                let all = places()
+                    .filter(|(_, p)| (p[axis] - plane).abs() < 1e-9)
+                    .all(|(node, _)| set.binary_search(&node).is_ok());
                 assert!(all, "{name} lacks a node on its plane");
             }
         }
@@ -336,7 +340,11 @@ impl Deck {
         let Some(step) = &self.step else { return };
         for card in &step.cards {
             for set in ["NSET", "ELSET"].iter().filter_map(|key| card.parameters.get(*key)) {
-                assert!(self.node_sets.contains_key(set) || self.element_sets.contains_key(set), "{} {set}", card.keyword);
+                assert!(
+                    self.node_sets.contains_key(set) || self.element_sets.contains_key(set),
+                    "{} {set}",
+                    card.keyword
+                );
             }
             if let Some(amplitude) = card.parameters.get("AMPLITUDE") {
                 assert!(self.amplitudes.contains_key(amplitude), "{amplitude}");
@@ -344,7 +352,8 @@ impl Deck {
             match card.keyword.as_str() {
                 "CONTACT PAIR" => self.check_pair(card),
                 "BOUNDARY" => card.data.iter().for_each(|row| {
-                    let known = self.node_sets.contains_key(&row[0]) || row[0].parse().is_ok_and(|n| self.nodes.contains_key(&n));
+                    let known = self.node_sets.contains_key(&row[0])
+                        || row[0].parse().is_ok_and(|n| self.nodes.contains_key(&n));
                     assert!(known && whole(&row[1]) <= whole(&row[2]) && whole(&row[2]) <= 6, "{row:?}");
                 }),
                 _ => {}
@@ -446,7 +455,9 @@ fn the_reader_refuses_an_empty_set() {
 #[test]
 fn the_reader_counts_the_sheets_of_a_surface() {
     let nodes = "*NODE\n1, 0.0, 0.0, 0.0\n2, 1.0, 0.0, 0.0\n3, 0.0, 1.0, 0.0\n4, 0.0, 0.0, 1.0\n5, -1.0, 0.0, 0.0\n6, 0.0, -1.0, 0.0\n";
-    let by_node = "*ELEMENT, TYPE=C3D4, ELSET=A\n1, 1, 2, 3, 4\n2, 1, 5, 6, 4\n*SURFACE, TYPE=ELEMENT, NAME=S\n1, S1\n2, S1\n";
-    let by_edge = "*ELEMENT, TYPE=C3D4, ELSET=A\n1, 1, 2, 3, 4\n2, 1, 3, 5, 4\n*SURFACE, TYPE=ELEMENT, NAME=S\n1, S1\n2, S1\n";
+    let by_node =
+        "*ELEMENT, TYPE=C3D4, ELSET=A\n1, 1, 2, 3, 4\n2, 1, 5, 6, 4\n*SURFACE, TYPE=ELEMENT, NAME=S\n1, S1\n2, S1\n";
+    let by_edge =
+        "*ELEMENT, TYPE=C3D4, ELSET=A\n1, 1, 2, 3, 4\n2, 1, 3, 5, 4\n*SURFACE, TYPE=ELEMENT, NAME=S\n1, S1\n2, S1\n";
     assert_eq!([by_node, by_edge].map(|rest| Deck::read(&(nodes.to_owned() + rest)).sheets("S")), [2, 1]);
 }

@@ -1,11 +1,11 @@
 //! `mesocrete mesh`: a saved model as finite elements.
 
+use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
-use super::told::Told;
 use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
-use crate::{inputs, say, threads};
+use crate::{inputs, stderr, threads};
 use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
@@ -52,7 +52,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let deck = args.meshing.deck(&model.spec)?;
     args.meshing.check(&model.spec.specimen)?;
-    args.meshing.tell_unused(writes_deck);
+    args.meshing.warn_unused(writes_deck);
     let mesh = args.meshing.build(&model, args.quiet)?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
@@ -65,7 +65,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     };
     let tell = || {
         let asked = !args.quiet || summary.is_some();
-        asked.then(|| Told::of(&mesh, &model, args.meshing.options(), &deck))
+        asked.then(|| MeshReport::of(&mesh, &model, args.meshing.options(), &deck))
     };
     // The disk is waited for, and the figures are counted meanwhile.
     let (filled, told) = rayon::join(fill_all, tell);
@@ -75,11 +75,11 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     unit.commit()?;
     if let (Some(told), false) = (told, args.quiet) {
-        told.tell();
+        told.print();
         targets
             .iter()
             .filter_map(|target| target.file())
-            .for_each(|path| say::line(format!("wrote {}", path.display())));
+            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, &deck));
     }
     Ok(0)
@@ -112,7 +112,7 @@ pub(super) fn target(path: &Path, format: MeshFormat, force: bool, meshing: &Mes
 pub(super) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
     if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
         let (input, script) = (shown.display(), curve_path(shown));
-        say::line(format!(
+        stderr::line(format!(
             "run it: abaqus job=NAME input={input} double=both cpus=16; its curve: abaqus python {} NAME.odb",
             script.display()
         ));

@@ -3,14 +3,14 @@
 use super::{names, values};
 use crate::failure::Failure;
 use crate::gmsh::Gmsh;
-use crate::{inputs, say};
-use meso_core::{Model, Spec};
+use crate::{inputs, stderr};
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ROOM_MM, Surfaces};
 use meso_core::mesh::{self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Volumes};
 use meso_core::packing::Specimen;
 use meso_core::spec::options_from_toml;
+use meso_core::{Model, Spec};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -157,7 +157,7 @@ impl Meshing {
     }
 
     /// Says which flags were given for nothing: those of decks where none is written, those of another method or analysis.
-    pub(super) fn tell_unused(&self, writes_deck: bool) {
+    pub(super) fn warn_unused(&self, writes_deck: bool) {
         let deck = [
             ("--analysis", self.analysis != Analysis::None),
             ("--strain", self.strain.is_some()),
@@ -167,7 +167,7 @@ impl Meshing {
             ("--with-damage", self.with_damage),
         ];
         for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
-            say::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+            stderr::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
         }
         let voxels = self.method() == Method::Voxel;
         let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
@@ -196,10 +196,15 @@ impl Meshing {
             ),
             ("--frames", self.frames != usual.frames, explicit, "--analysis compression and tension"),
             ("--duration", self.duration != usual.duration_s, explicit, "--analysis compression and tension"),
-            ("--with-damage", self.with_damage, !self.geometry_only || !writes_deck, "decks that hold more than geometry"),
+            (
+                "--with-damage",
+                self.with_damage,
+                !self.geometry_only || !writes_deck,
+                "decks that hold more than geometry",
+            ),
         ] {
             if given && !used {
-                say::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+                stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
             }
         }
     }
@@ -235,7 +240,8 @@ impl Meshing {
         }
         if self.analysis.is_explicit() {
             let Loading { friction, duration_s, time_increment_s, frames } = loading;
-            words.push(format!("--friction {friction} --duration {duration_s:?} --time-increment {time_increment_s:?}"));
+            words
+                .push(format!("--friction {friction} --duration {duration_s:?} --time-increment {time_increment_s:?}"));
             words.push(format!("--frames {frames}"));
         }
         words.extend(self.materials.as_ref().map(|_| "--materials FILE".to_owned()));
@@ -281,7 +287,7 @@ impl Meshing {
         let gmsh = Gmsh::program(&self.gmsh);
         let run = |surfaces: &Surfaces| {
             if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
-                say::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
+                stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
             }
             gmsh.run(surfaces)
         };

@@ -58,11 +58,8 @@ pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
 /// Parts the aggregates of `mesh`, images of `bodies`, that share nodes.
 pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate]) -> Parted {
     let joined = joined(mesh);
-    let mut parted = Parted {
-        nodes: joined.chunk_by(|a, b| a.0 == b.0).count(),
-        pairs: pairs(&joined),
-        volume_mm3: 0.0,
-    };
+    let mut parted =
+        Parted { nodes: joined.chunk_by(|a, b| a.0 == b.0).count(), pairs: pairs(&joined), volume_mm3: 0.0 };
     let surfaces = Surfaces::of(bodies);
     let left = left(mesh, &surfaces, &joined);
     if mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {

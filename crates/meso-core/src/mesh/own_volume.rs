@@ -72,10 +72,12 @@ impl Surface {
             owner[place[0].0 as usize] = place[0].1;
         }
         let moves = |node: &u32| owner[*node as usize] != NO_AGGREGATE;
-        let cores = interface::faces(mesh).into_iter().filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
+        let cores =
+            interface::faces(mesh).into_iter().filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
         let faces = cores.map(|face| ([0, 1, 2].map(|i| face.nodes[i]), mesh.aggregate[face.cell as usize]));
         let faces = faces.filter(|(nodes, _)| nodes.iter().any(moves)).collect();
-        let cells = (0..).zip(mesh.cells()).filter(|(_, cell)| cell.iter().any(moves)).map(|(number, _)| number).collect();
+        let cells =
+            (0..).zip(mesh.cells()).filter(|(_, cell)| cell.iter().any(moves)).map(|(number, _)| number).collect();
         Self { owner, faces, cells }
     }
 
@@ -86,7 +88,10 @@ impl Surface {
         for (nodes, id) in &self.faces {
             let [a, b, c] = nodes.map(|node| mesh.points[node as usize]);
             let third = (b - a).cross(&(c - a)) / 6.0;
-            nodes.iter().filter(|node| self.owner[**node as usize] == *id).for_each(|node| normals[*node as usize] += third);
+            nodes
+                .iter()
+                .filter(|node| self.owner[**node as usize] == *id)
+                .for_each(|node| normals[*node as usize] += third);
         }
         let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
         for (normal, owner) in normals.iter().zip(&self.owner).filter(|(_, owner)| **owner != NO_AGGREGATE) {
@@ -107,17 +112,16 @@ impl Surface {
             let after = |node: &u32| mesh.points[*node as usize] + ways[*node as usize];
             let is_flat = |number: &&u32| {
                 let cell = &mesh.cells[4 * **number as usize..][..4];
-                let [before, after] = [
-                    [0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]),
-                    [0, 1, 2, 3].map(|i| after(&cell[i])),
-                ];
+                let [before, after] =
+                    [[0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]), [0, 1, 2, 3].map(|i| after(&cell[i]))];
                 before != after && flattens(before, after, short)
             };
             let flat: Vec<u32> = watched.par_iter().filter(is_flat).copied().collect();
             if flat.is_empty() {
                 return;
             }
-            let mut nodes: Vec<u32> = flat.iter().flat_map(|&cell| mesh.cells[4 * cell as usize..][..4].to_vec()).collect();
+            let mut nodes: Vec<u32> =
+                flat.iter().flat_map(|&cell| mesh.cells[4 * cell as usize..][..4].to_vec()).collect();
             nodes.sort_unstable();
             nodes.dedup();
             let share = if halving < HALVINGS { 0.5 } else { 0.0 };

@@ -3,9 +3,9 @@
 //! Compression: two rigid plates with friction, the lower one held, the upper one moved down along a smooth step.
 //! Tension: the same loading of two rigid bodies that hold the nodes of ZMIN and ZMAX, as glued platens do.
 
+use super::geometry::present;
 use super::lines::{Lines, real};
 use super::{Analysis, DeckError, DeckOptions};
-use super::geometry::present;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::sides::Sides;
 use crate::mesh::{Mesh, Phase};

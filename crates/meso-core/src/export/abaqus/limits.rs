@@ -37,7 +37,11 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), DeckError> {
     positive("duration_s", loading.duration_s)?;
     positive("time_increment_s", loading.time_increment_s)?;
     if options.with_damage && options.analysis == Analysis::Elastic {
-        return Err(DeckError::new("with_damage", "true", "analysis elastic has no damage; take compression, tension or none"));
+        return Err(DeckError::new(
+            "with_damage",
+            "true",
+            "analysis elastic has no damage; take compression, tension or none",
+        ));
     }
     if let Some(section) = options.section_mm2 {
         positive("section_mm2", section)?;

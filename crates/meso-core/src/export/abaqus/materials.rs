@@ -1,10 +1,10 @@
 //! Materials under the names of the phases, and the sections that give them to the element sets.
 
+use super::DeckOptions;
 use super::damage::{self, Row};
 use super::geometry::present;
 use super::limits::{self, DeckError};
 use super::lines::{Lines, real};
-use super::DeckOptions;
 use crate::materials::{Elastic, Materials, Strength};
 use crate::mesh::{CellKind, Mesh, Phase, PhaseVolumes};
 use std::io::{self, Write};

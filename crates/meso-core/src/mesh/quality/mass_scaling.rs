@@ -45,8 +45,7 @@ impl MassScaling {
         let cells = Sums::of_cells(mesh, &materials, time_step_s);
         let solid = Phase::ALL.map(|phase| cells[phase as usize].named(phase));
         let joints = Sums::of_cohesive(mesh, &materials, time_step_s).named(Phase::Itz);
-        let phases: Vec<PhaseScaling> =
-            solid.into_iter().chain([joints]).filter(|phase| phase.elements > 0).collect();
+        let phases: Vec<PhaseScaling> = solid.into_iter().chain([joints]).filter(|phase| phase.elements > 0).collect();
         let mass = |with: fn(&PhaseScaling) -> f64| phases.iter().map(|phase| phase.mass_t * with(phase)).sum::<f64>();
         Self { time_step_s, factor: mass(|phase| phase.factor) / mass(|_| 1.0), phases }
     }
