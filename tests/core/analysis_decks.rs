@@ -41,7 +41,7 @@ fn shared_by_cores(mesh: &Mesh) -> usize {
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
     for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
         if *phase == Phase::Aggregate {
-            cell.iter().for_each(|node| drop(owners.entry(*node).or_default().insert(*id)));
+            cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
         }
     }
     owners.values().filter(|ids| ids.len() > 1).count()
@@ -97,7 +97,7 @@ fn cut_edges_cost_much_less_aggregate_than_whole_cells_would() {
     // The cells of one of the two aggregates at every shared node: half of those of both.
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
     for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
-        cell.iter().for_each(|node| drop(owners.entry(*node).or_default().insert(*id)));
+        cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
     }
     let qualities = quality::cells(&kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
@@ -168,8 +168,13 @@ fn the_itz_of_thin_cells_is_no_tougher_than_mortar() {
     let deck = Deck::read(&deck(&lattice(ItzForm::Solid, Joined::Mortar, Volumes::Fitted), &compression()));
     let softened =
         |material| rows(&deck, material, "CONCRETE COMPRESSION DAMAGE").into_iter().filter(|row| row[0] > 0.0);
-    for (itz, mortar) in softened("ITZ").zip(softened("MORTAR")) {
-        assert!(itz[0] == mortar[0] && itz[1] <= mortar[1] * 1.01, "{itz:?} {mortar:?}");
+    let [itz, mortar] = ["ITZ", "MORTAR"].map(|material| softened(material).collect::<Vec<_>>());
+    // From the first softened row on: the peaks lie where the moduli put them.
+    let after = |rows: &[[f64; 2]], row: usize| rows[row][1] - rows[0][1];
+    assert_eq!(itz.len(), mortar.len());
+    for row in 1..itz.len() {
+        let [itz, mortar] = [&itz, &mortar].map(|rows| after(rows, row));
+        assert!(itz <= mortar * 1.0001, "{row}: {itz} {mortar}");
     }
 }
 
@@ -336,4 +341,35 @@ fn a_deck_holds_the_whole_specimen() {
     assert!((aggregate + mortar - 64_000.0).abs() < 1e-3 && (aggregate / exact - 1.0).abs() < 0.005);
     assert_eq!(deck.friction, Some(0.1));
     assert_eq!(deck.rigid_bodies.len(), 2);
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn time_steps_by_phase() {
+    for (fraction, gap) in [(0.4, 1.0), (0.5, 0.5)] {
+        let mut spec = meso_core::Spec { fraction, specimen: Specimen::cube(50.0), ..Default::default() };
+        spec.placement.min_gap_mm = gap;
+        let model = meso_core::pack(&spec, &meso_core::Silent).unwrap();
+        for (joined, volumes) in [(Joined::Keep, Volumes::Fitted), (Joined::Mortar, Volumes::Fitted), (Joined::Mortar, Volumes::Exact)] {
+            let options = MeshOptions { method: Method::Lattice, itz: ItzForm::None, joined, volumes, element_size_mm: 2.0, ..Default::default() };
+            let mesh = mesh::build(&model, &options).unwrap();
+            let materials = Materials::default();
+            let exact: f64 = model.aggregates.iter().map(|grain| grain.body.volume()).sum();
+            println!("f {fraction} gap {gap} {joined:?} {volumes:?}: {} cells, aggregate {:+.3} %, {:?}", mesh.cell_count(), 100.0 * (PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0), mesh.notes);
+            let qualities = quality::cells(&mesh);
+            let sharpest = qualities.iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
+            println!("  sharpest {sharpest}");
+            for phase in [Phase::Mortar, Phase::Aggregate] {
+                let speed = materials.elastic(phase).wave_speed_mm_per_s();
+                let mut steps: Vec<f64> = qualities.iter().zip(&mesh.phase).filter(|(_, p)| **p == phase).map(|(q, _)| q.stable_length_mm / speed).collect();
+                steps.sort_by(f64::total_cmp);
+                let at = |share: f64| steps[(share * (steps.len() - 1) as f64) as usize];
+                println!("  {:>10} {:>8} steps min {:.2e} 0.1% {:.2e} 1% {:.2e} 10% {:.2e} median {:.2e}", phase.name(), steps.len(), at(0.0), at(0.001), at(0.01), at(0.1), at(0.5));
+            }
+            for step in [5e-8, 1e-7, 2e-7, 3e-7, 5e-7] {
+                let s = MassScaling::of(&mesh, &materials, step);
+                println!("  dt {step:e}: x{:.3} {:?}", s.factor, s.phases.iter().map(|p| (p.phase, (p.factor * 1000.0).round() / 1000.0, (p.scaled * 1000.0).round() / 1000.0)).collect::<Vec<_>>());
+            }
+        }
+    }
 }

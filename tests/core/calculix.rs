@@ -137,7 +137,7 @@ pub(crate) fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
     Ok(std::fs::read(folder.path().join("volumes.msh")).unwrap())
 }
 
-/// What CalculiX 2.20 cannot read of the explicit decks; docs/meshing.md lists the same.
+/// What CalculiX 2.20 cannot read of the explicit decks; docs/decks.md lists the same.
 const UNKNOWN_TO_CALCULIX: [&str; 13] = [
     "*COHESIVESECTION",
     "*CONCRETECOMPRESSIONDAMAGE",

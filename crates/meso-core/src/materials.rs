@@ -1,7 +1,7 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
 //! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not available.
-//! docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's range (Sec. 3.1).
+//! docs/decks.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's range (Sec. 3.1).
 
 use crate::mesh::{Mesh, Phase};
 use serde::{Deserialize, Deserializer, Serialize};
