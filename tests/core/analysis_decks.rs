@@ -1,35 +1,32 @@
 //! Decks of analyses, read back from their cards: what a mechanician would refuse is not in them.
 
 use crate::deck_reader::{Card, Deck};
-use crate::mesh::{aggregate, block, deck};
+use crate::mesh::deck;
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::{Elastic, Materials, Strength};
-use meso_core::math::{Rotation, Vec3};
+use meso_core::math::Vec3;
 use meso_core::mesh::quality::{self, MassScaling};
 use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, Volumes};
 use meso_core::packing::Specimen;
+use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// As [`turned_blocks`](crate::mesh::turned_blocks), so large that their spheres nearly touch: elements of 2 mm join some.
-fn close_blocks() -> (Vec<Aggregate>, Specimen) {
-    let at = |id: u32| {
-        let centre = Vec3::new((id % 4) as f64, (id / 4 % 4) as f64, (id / 16) as f64) * 10.0 + Vec3::repeat(5.0);
-        let half = [2.0 + f64::from(id % 3) * 0.3, 2.5, 2.8].map(|h| 1.08 * h);
-        let turn = Rotation::from_euler_angles(f64::from(id) * 0.7, f64::from(id) * 1.3, f64::from(id) * 2.1);
-        aggregate(id, block(half.map(|h| -h), half).rotated(&turn).translated(&centre), 0.5)
-    };
-    ((0..64).map(at).collect(), Specimen::cube(40.0))
+/// A small packing of the paper's grains: some are so close that elements of 2 mm join them.
+fn grains() -> (Vec<Aggregate>, Specimen) {
+    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(40.0), ..Default::default() };
+    spec.placement.min_gap_mm = 0.3;
+    (meso_core::pack(&spec, &Silent).unwrap().aggregates, spec.specimen)
 }
 
 fn meshed(options: MeshOptions) -> Mesh {
-    let (grains, specimen) = close_blocks();
+    let (grains, specimen) = self::grains();
     mesh::build_parts(&grains, &specimen, &options).unwrap()
 }
 
 fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
-    meshed(MeshOptions { method: Method::Lattice, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
+    meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
 }
 
 fn compression() -> DeckOptions {
@@ -75,7 +72,7 @@ fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
 
 #[test]
 fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
-    for (method, size) in [(Method::Lattice, 2.0), (Method::Voxel, 1.0)] {
+    for (method, size) in [(Method::FITTED, 2.0), (Method::VOXEL, 1.0)] {
         let options =
             |joined| MeshOptions { method, itz: ItzForm::None, joined, element_size_mm: size, ..Default::default() };
         let (kept, parted) = (meshed(options(Joined::Keep)), meshed(options(Joined::Mortar)));
@@ -109,7 +106,7 @@ fn cut_edges_cost_much_less_aggregate_than_whole_cells_would() {
 
 #[test]
 fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
-    let exact: f64 = close_blocks().0.iter().map(|grain| grain.body.volume()).sum();
+    let exact: f64 = grains().0.iter().map(|grain| grain.body.volume()).sum();
     let error = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).aggregate / exact - 1.0;
     let fitted = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted);
     let restored = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Exact);
@@ -215,10 +212,10 @@ fn plates_press_on_nodes_where_faces_are_in_pieces() {
     assert_eq!(pairs.map(|card| card.data[0][0].clone()).collect::<Vec<_>>(), ["N_ZMIN", "N_ZMAX"]);
 }
 
-/// Voxels with cohesive elements around blocks that reach the sides.
+/// Voxels with cohesive elements around grains that reach the lower side.
 fn side_cut() -> Mesh {
-    let (mut grains, specimen) = close_blocks();
-    grains.iter_mut().for_each(|grain| grain.body = grain.body.translated(&Vec3::new(0.0, 0.0, -1.6)));
+    let (mut grains, specimen) = self::grains();
+    grains.iter_mut().for_each(|grain| grain.body = grain.body.translated(&Vec3::new(0.0, 0.0, -4.0)));
     let itz = ItzForm::Cohesive;
     mesh::build_parts(&grains, &specimen, &MeshOptions { itz, element_size_mm: 2.0, ..Default::default() }).unwrap()
 }
@@ -337,39 +334,8 @@ fn a_deck_holds_the_whole_specimen() {
         deck.element_sets[set].iter().map(cell).inspect(|volume| assert!(*volume > 0.0)).sum()
     };
     let (aggregate, mortar) = (volume("AGGREGATE"), volume("MORTAR") + volume("ITZ"));
-    let exact: f64 = close_blocks().0.iter().map(|grain| grain.body.volume()).sum();
+    let exact: f64 = grains().0.iter().map(|grain| grain.body.volume()).sum();
     assert!((aggregate + mortar - 64_000.0).abs() < 1e-3 && (aggregate / exact - 1.0).abs() < 0.005);
     assert_eq!(deck.friction, Some(0.1));
     assert_eq!(deck.rigid_bodies.len(), 2);
-}
-
-#[test]
-#[ignore = "a measurement"]
-fn time_steps_by_phase() {
-    for (fraction, gap) in [(0.4, 1.0), (0.5, 0.5)] {
-        let mut spec = meso_core::Spec { fraction, specimen: Specimen::cube(50.0), ..Default::default() };
-        spec.placement.min_gap_mm = gap;
-        let model = meso_core::pack(&spec, &meso_core::Silent).unwrap();
-        for (joined, volumes) in [(Joined::Keep, Volumes::Fitted), (Joined::Mortar, Volumes::Fitted), (Joined::Mortar, Volumes::Exact)] {
-            let options = MeshOptions { method: Method::Lattice, itz: ItzForm::None, joined, volumes, element_size_mm: 2.0, ..Default::default() };
-            let mesh = mesh::build(&model, &options).unwrap();
-            let materials = Materials::default();
-            let exact: f64 = model.aggregates.iter().map(|grain| grain.body.volume()).sum();
-            println!("f {fraction} gap {gap} {joined:?} {volumes:?}: {} cells, aggregate {:+.3} %, {:?}", mesh.cell_count(), 100.0 * (PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0), mesh.notes);
-            let qualities = quality::cells(&mesh);
-            let sharpest = qualities.iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
-            println!("  sharpest {sharpest}");
-            for phase in [Phase::Mortar, Phase::Aggregate] {
-                let speed = materials.elastic(phase).wave_speed_mm_per_s();
-                let mut steps: Vec<f64> = qualities.iter().zip(&mesh.phase).filter(|(_, p)| **p == phase).map(|(q, _)| q.stable_length_mm / speed).collect();
-                steps.sort_by(f64::total_cmp);
-                let at = |share: f64| steps[(share * (steps.len() - 1) as f64) as usize];
-                println!("  {:>10} {:>8} steps min {:.2e} 0.1% {:.2e} 1% {:.2e} 10% {:.2e} median {:.2e}", phase.name(), steps.len(), at(0.0), at(0.001), at(0.01), at(0.1), at(0.5));
-            }
-            for step in [5e-8, 1e-7, 2e-7, 3e-7, 5e-7] {
-                let s = MassScaling::of(&mesh, &materials, step);
-                println!("  dt {step:e}: x{:.3} {:?}", s.factor, s.phases.iter().map(|p| (p.phase, (p.factor * 1000.0).round() / 1000.0, (p.scaled * 1000.0).round() / 1000.0)).collect::<Vec<_>>());
-            }
-        }
-    }
 }

@@ -9,6 +9,7 @@ mod calculix;
 mod check;
 mod cohesive_decks;
 mod conforming_decks;
+mod conforming_retries;
 mod deck_reader;
 mod decks;
 mod erosion;

@@ -2,23 +2,25 @@
 
 use super::{names, values};
 use crate::failure::Failure;
-use crate::gmsh::Gmsh;
 use crate::{inputs, stderr};
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ROOM_MM, Surfaces};
-use meso_core::mesh::{self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Volumes};
+use meso_core::mesh::{
+    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, VolumeMesher, Volumes,
+};
 use meso_core::packing::Specimen;
 use meso_core::spec::options_from_toml;
 use meso_core::{Model, Spec};
+use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Meshes and decks")]
 pub(super) struct Meshing {
-    #[arg(long, value_parser = names::parse::<Method>)]
-    #[arg(help = format!("How the specimen is divided: {} [default: voxel; with an analysis lattice]", names::list::<Method>()))]
-    method: Option<Method>,
+    #[arg(long, value_parser = names::parse::<MethodName>)]
+    #[arg(help = format!("How the specimen is divided: {} [default: voxel; with an analysis lattice]", names::list::<MethodName>()))]
+    method: Option<MethodName>,
     /// Edge length of the elements, mm
     #[arg(long, value_name = "H", default_value_t = MeshOptions::default().element_size_mm, value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
@@ -92,8 +94,9 @@ pub(super) struct Meshing {
 }
 
 impl Meshing {
-    pub(super) fn options(&self) -> MeshOptions {
-        MeshOptions {
+    /// What was typed, whatever method it belongs to.
+    fn table(&self) -> MeshTable {
+        MeshTable {
             method: self.method(),
             element_size_mm: self.element_size_mm,
             itz: self.itz(),
@@ -117,12 +120,19 @@ impl Meshing {
         self.analysis.is_explicit() && !self.geometry_only
     }
 
-    fn method(&self) -> Method {
-        self.method.unwrap_or(if self.analyses() { Method::Lattice } else { Method::Voxel })
+    fn method(&self) -> MethodName {
+        self.method.unwrap_or(if self.analyses() { MethodName::Lattice } else { MethodName::Voxel })
     }
 
     fn itz(&self) -> ItzForm {
         self.itz.unwrap_or(if self.analyses() { ItzForm::Smeared } else { ItzForm::Solid })
+    }
+
+    /// What is meant: flags of other methods were named by [`warn_unused`](Self::warn_unused), and do nothing.
+    pub(super) fn options(&self) -> Result<MeshOptions, Failure> {
+        let table = self.table();
+        let options = table.validate_ranges().and_then(|()| table.without_foreign().try_into());
+        options.map_err(|error| wrong_mesh(&error))
     }
 
     /// What a deck holds; what it cannot hold of a mesh of `specimen` is wrong usage.
@@ -169,17 +179,17 @@ impl Meshing {
         for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
             stderr::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
         }
-        let voxels = self.method() == Method::Voxel;
+        for (key, _, of) in self.table().foreign() {
+            let of = format!("{of:?}").to_lowercase();
+            does_nothing(&flag(key), &format!("the method {of}"));
+        }
+        let voxels = self.method() == MethodName::Voxel;
         let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
-        let explicit = matches!(analysis, Analysis::Compression | Analysis::Tension);
-        let (usual, lattice) = (Loading::default(), self.method() == Method::Lattice);
+        let explicit = analysis.is_explicit();
+        let usual = Loading::default();
         for (flag, given, used, of) in [
-            ("--fit", self.fit != Fit::Fitted, lattice, "the method lattice"),
             ("--volumes", self.volumes == Some(Volumes::Exact), !voxels, "the methods lattice and conforming"),
             ("--joined", self.joined.is_some(), self.itz() != ItzForm::Cohesive, "an --itz that is not cohesive"),
-            ("--thin-itz", self.thin_itz, voxels, "the method voxel"),
-            ("--subsamples", self.subsamples != 1, voxels, "the method voxel"),
-            ("--slabs", self.slabs.is_some(), self.method() == Method::Conforming, "the method conforming"),
             ("--reduced-integration", self.reduced_integration, voxels || !writes_deck, "the method voxel"),
             (
                 "--analysis",
@@ -204,25 +214,25 @@ impl Meshing {
             ),
         ] {
             if given && !used {
-                stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+                does_nothing(flag, of);
             }
         }
     }
 
     /// The command that gives the same deck again, whatever it was typed as: files and threads change nothing.
     fn command(&self) -> String {
-        let (mesh, loading) = (self.options(), self.loading());
+        let (mesh, loading) = (self.table().without_foreign(), self.loading());
         let mut words = vec![format!(
-            "mesocrete mesh MODEL --method {} --element-size-mm {} --itz {} --joined {} --volumes {} --fit {} --order {}",
+            "mesocrete mesh MODEL --method {} --element-size-mm {} --itz {} --joined {} --volumes {}",
             name(mesh.method),
             mesh.element_size_mm,
             name(mesh.itz),
             name(mesh.joined),
             name(mesh.volumes),
-            name(mesh.fit),
-            mesh.order
         )];
         let flags = [
+            ("--fit plain", mesh.fit == Fit::Plain),
+            ("--order 2", mesh.order == 2),
             ("--thin-itz", mesh.thin_itz),
             ("--reduced-integration", self.reduced_integration),
             ("--geometry-only", self.geometry_only),
@@ -255,9 +265,9 @@ impl Meshing {
 
     /// Refuses what `specimen` cannot be meshed with, and a gmsh that is not there, before the specimen is packed.
     pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
-        self.options().validate(specimen).map_err(|error| self.wrong_mesh(&error))?;
-        if self.method() == Method::Conforming {
-            Gmsh::program(&self.gmsh).check().map_err(|error| self.wrong_mesh(&error))?;
+        self.options()?.validate(specimen).map_err(|error| wrong_mesh(&error))?;
+        if self.method() == MethodName::Conforming {
+            Gmsh::program(&self.gmsh).check().map_err(|error| wrong_mesh(&error))?;
         }
         Ok(())
     }
@@ -267,7 +277,7 @@ impl Meshing {
     /// A conforming mesh needs some, else its facets touch. An analysis needs aggregates that share no nodes: half an element
     /// shows most gaps, less where the packing would get too dense for it.
     pub(super) fn leave_room(&self, spec: &mut Spec) -> Option<String> {
-        if self.method() == Method::Conforming {
+        if self.method() == MethodName::Conforming {
             let mut wanted = false;
             for gap in [&mut spec.placement.min_gap_mm, &mut spec.placement.wall_gap_mm] {
                 (*gap, wanted) = if *gap == 0.0 { (ROOM_MM, true) } else { (*gap, wanted) };
@@ -289,19 +299,22 @@ impl Meshing {
             if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
                 stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
             }
-            gmsh.run(surfaces)
+            gmsh.fill(surfaces)
         };
-        mesh::build_with(model, &self.options(), &run).map_err(|error| self.wrong_mesh(&error))
+        mesh::build_with(model, &self.options()?, &run).map_err(|error| wrong_mesh(&error))
     }
+}
 
-    fn wrong_mesh(&self, error: &MeshError) -> Failure {
-        match error {
-            MeshError::Option { .. } => Failure::Usage(flag_names(&error.to_string())),
-            MeshError::NearTouching { .. } => {
-                Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
-            }
-            _ => Failure::Run(error.to_string()),
+fn wrong_mesh(error: &MeshError) -> Failure {
+    match error {
+        MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
+        MeshError::MissingGmsh { .. } => {
+            Failure::Run(format!("{error} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
+        MeshError::NearTouching { .. } => {
+            Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
+        }
+        _ => Failure::Run(error.to_string()),
     }
 }
 
@@ -343,20 +356,20 @@ fn name(value: impl serde::Serialize) -> String {
 
 /// What a deck cannot hold is wrong usage.
 pub(super) fn wrong_deck(error: &DeckError) -> Failure {
-    Failure::Usage(flag_names(&error.to_string()))
+    Failure::Usage(format!("{} {}", flag(error.key()), error.fault()))
 }
 
-/// The core speaks of `mesh.element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag.
-fn flag_names(message: &str) -> String {
-    let rest = message.strip_prefix("mesh.").or(message.strip_prefix("deck."));
-    match rest.and_then(|rest| rest.split_once(' ')) {
-        // Of a key that ends in its unit, seconds, the flag has only the name.
-        Some((key, rest)) if !key.contains('.') => {
-            format!("--{} {rest}", key.strip_suffix("_s").unwrap_or(key).replace('_', "-"))
-        }
-        Some((key, rest)) => format!("{key} {rest}"),
-        None => message.to_owned(),
+/// The core speaks of `element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag. Of a key that
+/// ends in its unit, seconds, the flag has only the name.
+fn flag(key: &str) -> String {
+    if key.contains('.') {
+        return key.to_owned();
     }
+    format!("--{}", key.strip_suffix("_s").unwrap_or(key).replace('_', "-"))
+}
+
+fn does_nothing(flag: &str, of: &str) {
+    stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
 }
 
 /// A file that holds material values.

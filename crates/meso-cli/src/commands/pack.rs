@@ -98,7 +98,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         print(&model.report);
-        mesh.iter().for_each(|mesh| MeshReport::of(mesh, &model, args.meshing.options(), &deck).print());
+        if let Some(mesh) = &mesh {
+            MeshReport::of(mesh, &model, args.meshing.options()?, &deck).print();
+        }
         plan.files().for_each(|path| stderr::line(format!("wrote {}", path.display())));
         plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &deck));
     }

@@ -57,17 +57,25 @@ pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
 
 /// Parts the aggregates of `mesh`, images of `bodies`, that share nodes.
 pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate]) -> Parted {
-    let joined = joined(mesh);
-    let mut parted =
-        Parted { nodes: joined.chunk_by(|a, b| a.0 == b.0).count(), pairs: pairs(&joined), volume_mm3: 0.0 };
+    let mut joined = joined(mesh);
+    let (nodes, pairs) = (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined));
     let surfaces = Surfaces::of(bodies);
-    let left = left(mesh, &surfaces, &joined);
-    if mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
-        cut(mesh, &surfaces, &left);
+    let (mut volume_mm3, mut cuts) = (0.0, 0);
+    while !joined.is_empty() {
+        let left = left(mesh, &surfaces, &joined);
+        if mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] && cuts < CUTS {
+            cut(mesh, &surfaces, &left);
+            cuts += 1;
+        }
+        volume_mm3 += become_mortar(mesh, &left);
+        joined = self::joined(mesh);
     }
-    parted.volume_mm3 = become_mortar(mesh, &left);
-    parted
+    Parted { nodes, pairs, volume_mm3 }
 }
+
+/// A cut through an edge whose two nodes different aggregates leave joins these anew. After so many rounds of cuts what is
+/// still joined becomes mortar whole.
+const CUTS: usize = 2;
 
 /// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.
 fn left(mesh: &Mesh, surfaces: &Surfaces, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {

@@ -55,8 +55,9 @@ def curve(odb):
     energies = [model_output(regions, name) for _, name in ENERGIES]
     rows = []
     for time, force in forces:
-        strain = SENSE * interpolated(ways, time) / HEIGHT_MM
-        stress = SENSE * force / SECTION_MM2
+        # No minus before a zero.
+        strain = SENSE * interpolated(ways, time) / HEIGHT_MM + 0.0
+        stress = SENSE * force / SECTION_MM2 + 0.0
         rows.append([strain, stress] + [interpolated(energy, time) for energy in energies])
     return rows
 

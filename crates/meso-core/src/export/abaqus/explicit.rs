@@ -58,7 +58,7 @@ pub(super) fn check(sides: &Sides) -> Result<(), DeckError> {
 fn slaves(lines: &mut Lines<impl Write>) -> io::Result<()> {
     for side in ["ZMIN", "ZMAX"] {
         lines.line(format!("*SURFACE, TYPE=NODE, NAME=N_{side}"))?;
-        lines.line(format!("{side}, 1.0"))?;
+        lines.line(side)?;
     }
     Ok(())
 }
