@@ -35,14 +35,14 @@ fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in
 #[test]
 fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
     let folder = Folder::with_spec();
-    let flags = ["--analysis", "compression", "--element-size-mm", "3", "--summary-json", "s.json"];
+    let flags = ["--analysis", "compression", "--element-size-mm", "2", "--summary-json", "s.json"];
     assert_eq!(
         folder
-            .run(&["pack", "small.toml", "-qo", "m.json", "--analysis", "compression", "--element-size-mm", "3"])
+            .run(&["pack", "small.toml", "-qo", "m.json", "--analysis", "compression", "--element-size-mm", "2"])
             .code,
         0
     );
-    assert!(json(&folder, "m.json")["spec"]["placement"]["min_gap_mm"].as_f64().unwrap() >= 0.375);
+    assert!(json(&folder, "m.json")["spec"]["placement"]["min_gap_mm"].as_f64().unwrap() >= 0.25);
     let run = folder.run(&[&["mesh", "m.json", "-o", "m.inp"][..], &flags].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     let told = json(&folder, "s.json");
@@ -178,12 +178,12 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
 
 #[test]
 fn the_time_step_of_cohesive_elements_is_told_beside_that_of_the_others() {
-    // 0.03 mm times the root of 2.2e-9 tonne/mm3 over 20,000 MPa.
+    // 0.1 mm times the root of 2.2e-9 tonne/mm3 over 20,000 MPa.
     let folder = Folder::with_model();
     for (itz, told) in [("cohesive", true), ("none", false)] {
         let run = folder.run(&["mesh", "small.json", "-fo", "m.inp", "--element-size-mm", "8", "--itz", itz]);
         assert_eq!(
-            run.stderr.contains("the cohesive elements allow 9.9e-9 s, by their stiffness"),
+            run.stderr.contains("the cohesive elements allow 3.3e-8 s, by their stiffness"),
             told,
             "{}",
             run.stderr
@@ -209,6 +209,7 @@ fn flags_of_other_methods_and_analyses_are_missed_aloud() {
         assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and does nothing here\n")), "{flags:?}");
     }
     let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
+    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "3", "--method", "voxel"];
     let run = folder.run(&[&mesh[..], &all, &["--analysis", "compression"]].concat());
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
