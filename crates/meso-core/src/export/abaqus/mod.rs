@@ -224,7 +224,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), DeckError> {
     Err(DeckError::new("analysis", analysis, accepted))
 }
 
-/// Writes `mesh` as a deck to `out`, in one pass and without a second copy of the mesh.
+/// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.
 ///
 /// # Errors
 /// Those of `out`, and those of [`DeckOptions::validate`] as invalid input.
