@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::{inputs, stderr};
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
-use meso_core::mesh::conforming::{ROOM_MM, Surfaces};
+use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
 use meso_core::mesh::{
     self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, VolumeMesher, Volumes,
 };
@@ -280,9 +280,9 @@ impl Meshing {
         if self.method() == MethodName::Conforming {
             let mut wanted = false;
             for gap in [&mut spec.placement.min_gap_mm, &mut spec.placement.wall_gap_mm] {
-                (*gap, wanted) = if *gap == 0.0 { (ROOM_MM, true) } else { (*gap, wanted) };
+                (*gap, wanted) = if *gap == 0.0 { (ADVISED_GAP_MM, true) } else { (*gap, wanted) };
             }
-            return wanted.then(|| format!("packing with gaps of {ROOM_MM} mm, which a conforming mesh needs"));
+            return wanted.then(|| format!("packing with gaps of {ADVISED_GAP_MM} mm, which a conforming mesh needs"));
         }
         if !self.analyses() || spec.placement.min_gap_mm > 0.0 {
             return None;

@@ -5,8 +5,8 @@
 //! where they meet its surface, and what lies before the cut becomes mortar: one element more, and little volume less.
 //! Hexahedra, and cells of a mesh whose opposite faces must match, become mortar whole.
 
-use super::volumes::cell_volume;
-use super::{CellKind, Mesh, NO_AGGREGATE, Phase};
+use super::cells::{CellKind, Mesh, NO_AGGREGATE, Phase};
+use super::quality::cell_volume;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use std::collections::BTreeMap;

@@ -5,11 +5,11 @@
 //! half as far, and the next round shares out what that leaves. Nodes on the specimen's sides, and between more than two
 //! materials, stay.
 
+use super::cells::{Mesh, NO_AGGREGATE, Phase};
 use super::interface::{self, Owners};
-use super::quality::{dihedral_cosines, stable_length};
+use super::quality::{cell_volume, stable_length};
 use super::sides::Sides;
-use super::volumes::cell_volume;
-use super::{Mesh, NO_AGGREGATE, Phase};
+use super::tet::dihedral_cosines;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use rayon::prelude::*;
@@ -65,15 +65,16 @@ struct Surface {
 
 impl Surface {
     fn of(mesh: &Mesh) -> Self {
-        let (owners, sides) = (Owners::of(mesh), Sides::of(mesh));
-        let between = owners.aggregates(|node| owners.are_several(node) && sides.on(node) == 0);
+        let (owners, sides) = (Owners::of(mesh.by_aggregate()), Sides::of(mesh));
+        let between = owners.bodies(|node| owners.are_several(node) && sides.on(node) == 0);
         let mut owner = vec![NO_AGGREGATE; mesh.points.len()];
         for place in between.chunk_by(|a, b| a.0 == b.0).filter(|place| place.len() == 1) {
             owner[place[0].0 as usize] = place[0].1;
         }
         let moves = |node: &u32| owner[*node as usize] != NO_AGGREGATE;
-        let cores =
-            interface::faces(mesh).into_iter().filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
+        let cores = interface::faces(mesh.by_aggregate())
+            .into_iter()
+            .filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
         let faces = cores.map(|face| ([0, 1, 2].map(|i| face.nodes[i]), mesh.aggregate[face.cell as usize]));
         let faces = faces.filter(|(nodes, _)| nodes.iter().any(moves)).collect();
         let cells =

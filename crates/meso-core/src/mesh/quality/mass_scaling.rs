@@ -6,7 +6,7 @@
 use super::measured;
 use crate::materials::Materials;
 use crate::math::Vec3;
-use crate::mesh::{Mesh, Phase};
+use crate::mesh::cells::{Mesh, Phase};
 use rayon::prelude::*;
 use serde::Serialize;
 
