@@ -16,6 +16,7 @@ mod interrupt;
 #[path = "../layer_errors.rs"]
 mod layer_errors;
 mod meshing;
+mod outputs;
 mod report;
 mod same_bytes;
 mod solve;
