@@ -172,7 +172,7 @@ impl Meets<'_> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "concrete"))]
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};
