@@ -14,7 +14,7 @@ use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
 use collision::table::{Table, save};
 use criterion::{Criterion, criterion_group};
-use meso_core::gjk::{self, Ask, Counters, Method};
+use meso_core::gjk::{self, PairQuery, Counters, Method};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -77,8 +77,8 @@ fn contestants<'a>(grains: &'a [Grain], queries: &'a [Query], ccd: Option<&'a Cc
     all
 }
 
-fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<Ask<'a>> {
-    let ask = |q: &Query| Ask { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
+fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<PairQuery<'a>> {
+    let ask = |q: &Query| PairQuery { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
     queries.iter().map(ask).collect()
 }
 

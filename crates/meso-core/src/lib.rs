@@ -42,7 +42,13 @@ pub mod saved;
 pub mod spec;
 #[cfg(feature = "concrete")]
 pub mod statistics;
-mod wide;
+mod simd;
+
+/// What tests and benches force; results do not change with it.
+#[doc(hidden)]
+pub mod testing {
+    pub use crate::simd::{Isa, choose, isa};
+}
 
 #[cfg(feature = "concrete")]
 pub use model::{Model, pack};

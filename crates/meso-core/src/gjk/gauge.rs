@@ -5,7 +5,7 @@ use super::ellipsoid::Ellipsoids;
 use crate::geometry::{Facet, NarrowPolyhedron};
 use crate::lanes::{LANES, least};
 use crate::math::Vec3;
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 
 /// Rounding of the single-precision arithmetic on them, as a share of the lengths in it: ten times what a dozen operations
 /// lose.

@@ -16,8 +16,8 @@
 //! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`]; for many at once,
 //! [`overlap_many`]; for one body against its neighbours, at one place or at many, [`clear_many`].
 
-mod batch;
 mod body;
+mod cascade;
 mod certificate;
 mod classical;
 mod ellipsoid;
@@ -25,20 +25,23 @@ mod enhanced;
 mod exact;
 mod gauge;
 mod integer;
+mod kernel;
+mod lockstep;
+mod many;
+mod mpr;
 mod nearest;
 mod pair;
-mod portal;
-mod query;
-mod simd;
+mod points;
 mod simplex;
 mod support;
 
-pub use batch::{Ask, clear_many, clear_many_counted, overlap_many};
 pub use body::{Body, Bounds};
+pub use cascade::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
 pub use gauge::Solid;
-pub use pair::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
-pub(crate) use query::farther;
-pub use query::{
+pub use lockstep::PairQuery;
+pub use many::{clear_many, overlap_many};
+pub(crate) use points::farther;
+pub use points::{
     GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
     verdict_with,
 };

@@ -118,11 +118,14 @@ pub(crate) fn widest<W: Wide>(work: W) -> W::Output {
 /// The token of an instruction set.
 pub(crate) trait Simd: Copy {
     /// Its register of f32.
-    type F32: Lanes<T = f32, Token = Self>;
+    type F32: Lockstep<Token = Self>;
     /// Its register of f64.
     type F64: Lanes<T = f64, Token = Self>;
     /// True where many pairs in lockstep take less than two thirds of the time of one after the other: as measured.
     const LOCKSTEP_PAYS: bool;
+
+    /// The columns of as many rows as a register has f64.
+    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F64; 8];
 
     /// The same memory, of which the compiler knows nothing.
     ///
@@ -183,16 +186,18 @@ pub(crate) trait Lanes:
     fn or(self, mask: u32, other: Self) -> Self;
     /// The lanes of the mask, moved to the front; what is behind them has no meaning.
     fn front(self, mask: u32) -> Self;
-    /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are lanes.
-    fn refilled(self, mask: u32, from: &[Self::T], at: usize) -> Self;
     /// The numbers with their lowest five bits replaced by the slots `at`, `at` + 1, ...
     fn keyed(self, at: usize) -> Self;
     /// The largest lane.
     fn largest(self) -> Self::T;
+}
+
+/// What only a search in lockstep asks for.
+pub(crate) trait Lockstep: Lanes<T = f32> {
+    /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are lanes.
+    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self;
     /// The largest lane of each of as many registers as there are lanes, in their order.
     fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self;
-    /// The columns of as many rows as there are lanes.
-    fn columns(token: Self::Token, rows: &[&[f32; 8]; MOST_LANES]) -> [Self; 8];
 }
 
 /// Calls `act` with each lane of the mask.

@@ -1,6 +1,6 @@
 //! Vector types for any machine: arrays, which the compiler turns into what registers there are.
 
-use super::{Lanes, MOST_LANES, SLOTS, Simd};
+use super::{Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The token of every machine.
@@ -18,6 +18,11 @@ impl Simd for Portable {
     type F64 = Array<f64>;
     // Not measured on arm64; on x86-64 without FMA it loses.
     const LOCKSTEP_PAYS: bool = false;
+
+    #[inline(always)]
+    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f64>; 8] {
+        std::array::from_fn(|column| Array(std::array::from_fn(|l| f64::from(rows[l][column]))))
+    }
 }
 
 const LANES: usize = 4;
@@ -111,17 +116,6 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn refilled(self, mask: u32, from: &[$t], at: usize) -> Self {
-                let mut refilled = self;
-                let mut next = at;
-                super::for_each_lane(mask, |l| {
-                    refilled.0[l] = from[next];
-                    next += 1;
-                });
-                refilled
-            }
-
-            #[inline(always)]
             fn keyed(self, at: usize) -> Self {
                 let key = |l: usize| self.0[l].to_bits() & !(SLOTS as $bits - 1) | (at + l) as $bits;
                 Self(std::array::from_fn(|l| <$t>::from_bits(key(l))))
@@ -133,18 +127,26 @@ macro_rules! lanes {
                 let (p, q) = (if a > b { a } else { b }, if c > d { c } else { d });
                 if p > q { p } else { q }
             }
-
-            #[inline(always)]
-            fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self {
-                Self(std::array::from_fn(|l| registers[l].largest()))
-            }
-
-            #[inline(always)]
-            fn columns(_: Portable, rows: &[&[f32; 8]; MOST_LANES]) -> [Self; 8] {
-                std::array::from_fn(|column| Self(std::array::from_fn(|l| <$t>::from(rows[l][column]))))
-            }
         }
     };
 }
 lanes!(f32, u32);
 lanes!(f64, u64);
+
+impl Lockstep for Array<f32> {
+    #[inline(always)]
+    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
+        let mut refilled = self;
+        let mut next = at;
+        super::for_each_lane(mask, |l| {
+            refilled.0[l] = from[next];
+            next += 1;
+        });
+        refilled
+    }
+
+    #[inline(always)]
+    fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self {
+        Self(std::array::from_fn(|l| registers[l].largest()))
+    }
+}

@@ -2,12 +2,13 @@
 
 use super::body::Body;
 use super::classical::{Classical, Until};
-use super::enhanced::{Enhanced, Found, Originals, Pair};
+use super::enhanced::Enhanced;
 use super::exact::{Decision, ExactPair};
 use super::nearest::SubAlgorithm;
-use super::simd::dispatch;
+use super::pair::{Found, Originals, Pair};
 use super::simplex::Corners;
 use crate::math::Vec3;
+use crate::simd::dispatch;
 use std::str::FromStr;
 
 /// Smallest and largest accepted magnitude of a coordinate that is not 0.
@@ -109,7 +110,7 @@ impl Method {
             Self::Enhanced => dispatch(Enhanced { pair, v }),
             Self::Classical => classical(SubAlgorithm::Johnson),
             Self::SignedVolumes => classical(SubAlgorithm::SignedVolumes),
-            Self::Exact => Found::Doubt(Corners::NONE),
+            Self::Exact => Found::Undecided(Corners::NONE),
         }
     }
 }
@@ -316,7 +317,7 @@ impl<'p> Scaled<'p> {
         match self.search(method) {
             Found::Apart(_) => false,
             Found::Overlap(_) => true,
-            Found::Doubt(corners) => matches!(self.exact().decide(corners.pairs()), Decision::Overlap(_)),
+            Found::Undecided(corners) => matches!(self.exact().decide(corners.pairs()), Decision::Overlap(_)),
         }
     }
 
@@ -324,7 +325,7 @@ impl<'p> Scaled<'p> {
         match self.search(method) {
             Found::Apart(direction) => Verdict::Separated { direction, proof: Proof::Margin },
             Found::Overlap(corners) => intersecting(corners.pairs(), Proof::Margin),
-            Found::Doubt(corners) => match self.exact().decide(corners.pairs()) {
+            Found::Undecided(corners) => match self.exact().decide(corners.pairs()) {
                 Decision::Overlap(pairs) => intersecting(&pairs, Proof::Exact),
                 Decision::Apart(v) => Verdict::Separated { direction: v.direction(), proof: Proof::Exact },
             },
@@ -336,7 +337,7 @@ impl<'p> Scaled<'p> {
         match dispatch(Classical { pair: self.pair(), v: self.start(), sub_algorithm, until }) {
             Found::Overlap(_) => 0.0,
             Found::Apart(_) => unreachable!("a search for the nearest point does not stop at a separation"),
-            Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.sqrt(),
+            Found::Undecided(corners) => self.exact().squared_distance(corners.pairs()).0.sqrt(),
         }
     }
 
@@ -347,7 +348,7 @@ impl<'p> Scaled<'p> {
         match dispatch(Classical::beyond(self.pair(), self.start(), scaled)) {
             Found::Apart(_) => true,
             Found::Overlap(_) => false,
-            Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.exceeds(gap),
+            Found::Undecided(corners) => self.exact().squared_distance(corners.pairs()).0.exceeds(gap),
         }
     }
 

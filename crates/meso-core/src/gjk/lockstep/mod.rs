@@ -1,0 +1,28 @@
+//! Many pairs side by side: a lane of a register for each.
+//!
+//! The same steps as [`ellipsoid`](super::ellipsoid) in f64 and [`mpr`](super::mpr) in f32, lane by lane. The modules are
+//! generic over the instruction set.
+
+mod bounds;
+mod pending;
+mod search;
+mod supports;
+mod vectors;
+
+pub(super) use bounds::Glance;
+pub(super) use pending::Pending;
+pub(super) use search::{Search, Undecided};
+
+use super::body::Body;
+use crate::math::Vec3;
+
+/// Do A and B share a point, with B displaced by `b_from_a` (mm)?
+#[derive(Clone, Copy, Debug)]
+pub struct PairQuery<'a> {
+    /// The first body.
+    pub a: &'a Body,
+    /// The second body.
+    pub b: &'a Body,
+    /// What to add to B's points to have them in A's frame, mm.
+    pub b_from_a: Vec3,
+}
