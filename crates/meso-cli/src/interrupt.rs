@@ -2,18 +2,16 @@
 //! at any other time, everything stops.
 //!
 //! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
-//! `.mesocrete-*.tmp`, or a folder of gmsh's.
+//! `.mesocrete-*.tmp`, or gmsh's folder.
 
 use crate::failure::INTERRUPTED;
 use std::path::{Path, PathBuf};
-use std::process::Child;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 static POLLED: AtomicBool = AtomicBool::new(false);
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-static RUNNING: Mutex<Vec<Arc<Mutex<Child>>>> = Mutex::new(Vec::new());
 
 /// Handles the signals from now on.
 pub(crate) fn install() {
@@ -21,7 +19,7 @@ pub(crate) fn install() {
     let _ = ctrlc::set_handler(|| {
         let first = !ASKED.swap(true, Ordering::SeqCst);
         if !(first && POLLED.load(Ordering::SeqCst)) {
-            end_programs();
+            meso_gmsh::end_all();
             remove_temporary_files();
             std::process::exit(INTERRUPTED.into());
         }
@@ -49,27 +47,7 @@ impl Drop for Polling {
     }
 }
 
-/// While this lives, another program ends with this process.
-pub(crate) struct Running(Arc<Mutex<Child>>);
-
-impl Running {
-    pub(crate) fn new(child: &Arc<Mutex<Child>>) -> Self {
-        if let Ok(mut running) = RUNNING.lock() {
-            running.push(Arc::clone(child));
-        }
-        Self(Arc::clone(child))
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        if let Ok(mut running) = RUNNING.lock() {
-            running.retain(|other| !Arc::ptr_eq(other, &self.0));
-        }
-    }
-}
-
-/// Remembers a temporary file or folder to be removed when the process is told to end.
+/// Remembers a temporary file to be removed when the process is told to end.
 pub(crate) fn remember(path: &Path) {
     if let Ok(mut paths) = TEMPORARY.lock() {
         paths.push(path.to_owned());
@@ -83,19 +61,10 @@ pub(crate) fn forget(path: &Path) {
     }
 }
 
-fn end_programs() {
-    if let Ok(running) = RUNNING.lock() {
-        for child in running.iter() {
-            // One that has ended by itself is no news.
-            let _ = child.lock().map(|mut child| child.kill().and_then(|()| child.wait()));
-        }
-    }
-}
-
 fn remove_temporary_files() {
     if let Ok(paths) = TEMPORARY.lock() {
         for path in paths.iter() {
-            let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+            let _ = std::fs::remove_file(path);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::ellipsoid::Ellipsoids;
 use super::support::Support;
-use crate::geometry::{Facet, NarrowPolyhedron};
+use crate::geometry::{CompactPolyhedron, Facet};
 use crate::math::{Mat3, Vec3};
 use crate::simd::{Wide, widest};
 use nalgebra::{Scalar, Vector3};
@@ -51,7 +51,7 @@ impl Bounds {
     /// Makes `body` the one that these are of: its memory is used again. Of a body of one group only the points in f32 are
     /// laid out, which are exact: [`Body::widen`] makes the others of them.
     #[inline]
-    pub(crate) fn lay_out(&self, shape: &NarrowPolyhedron, body: &mut Body) {
+    pub(crate) fn lay_out(&self, shape: &CompactPolyhedron, body: &mut Body) {
         body.bounds = self.0;
         if shape.vertex_count() > GROUP {
             body.fill(shape.vertices());
@@ -64,7 +64,7 @@ impl Bounds {
 
 /// Lays out up to a group of vertices on wide registers, and repeats the first one.
 struct LaidOut<'a> {
-    shape: &'a NarrowPolyhedron,
+    shape: &'a CompactPolyhedron,
     group: &'a mut Group<f32>,
 }
 

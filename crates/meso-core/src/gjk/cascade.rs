@@ -12,7 +12,7 @@ use super::mpr::{self, Portal, Refined};
 use super::pair::{Found, NarrowPair, Pair, View};
 use super::points::Method;
 use super::simplex::Corners;
-use crate::geometry::NarrowPolyhedron;
+use crate::geometry::CompactPolyhedron;
 use crate::math::Vec3;
 use crate::simd::{Simd, Vectorized, dispatch};
 use nalgebra::Vector3;
@@ -105,7 +105,7 @@ pub fn apart_counted(
 #[inline]
 pub fn apart_from(
     a: &Solid,
-    b: (&Bounds, &NarrowPolyhedron),
+    b: (&Bounds, &CompactPolyhedron),
     made: &mut Body,
     (b_from_a, gap): (&Vec3, f64),
     counters: &mut Counters,
@@ -295,7 +295,7 @@ impl<'a> Query<'a> {
     }
 
     #[inline(always)]
-    fn pair(&self) -> Pair<'a> {
+    pub(crate) fn pair(&self) -> Pair<'a> {
         Pair { a: self.a, b: self.b, x: self.x, reach: self.reach(), originals: None }
     }
 
@@ -360,11 +360,10 @@ impl Vectorized for Wide<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Refined<f64> {
         let Self { pair, v, gap, portal } = self;
-        if let Some(portal) = portal {
-            let corners = portal.map(|of| pair.vertex(of));
-            if mpr::is_portal(&-pair.x, &corners) {
-                return mpr::refine(pair, simd, corners, gap);
-            }
+        if let Some(portal) = portal
+            && let Some(refined) = mpr::resume(pair, simd, portal, gap)
+        {
+            return refined;
         }
         mpr::search(pair, simd, v, gap)
     }

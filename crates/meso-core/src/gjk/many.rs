@@ -3,7 +3,7 @@
 //! The answers are those of [`overlap`](super::overlap), in any order and on any machine: both are exact. Where lockstep does
 //! not pay, on the instruction set or with few pairs, they are asked one by one.
 
-use super::cascade::{Counters, Query};
+use super::cascade::Counters;
 use super::lockstep::{Glance, PairQuery, Pending, Search, Undecided};
 use crate::simd::{Simd, Vectorized, dispatch};
 use std::cell::RefCell;
@@ -11,12 +11,6 @@ use std::ops::Range;
 
 /// Pairs below which they are asked one by one: less than a register's lanes, twice.
 const FEW: usize = 8;
-
-impl<'a> PairQuery<'a> {
-    fn query(&self, gap: f64) -> Query<'a> {
-        Query { a: self.a, b: self.b, x: self.b_from_a, gap }
-    }
-}
 
 /// [`overlap`](super::overlap) for each of many pairs, in their order.
 ///

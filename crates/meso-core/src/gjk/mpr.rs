@@ -10,7 +10,7 @@
 
 use super::certificate;
 use super::kernel::Real;
-use super::pair::View;
+use super::pair::{Pair, View};
 use super::simplex::Vertex;
 use crate::simd::Simd;
 use nalgebra::Vector3;
@@ -125,10 +125,20 @@ pub(crate) fn refine<V: View, S: Simd>(
     Refined::Undecided(None)
 }
 
+/// The search in f64 from the portal that single precision came to; `None` where in f64 that is none.
+#[inline(always)]
+pub(crate) fn resume<S: Simd>(pair: Pair<'_>, simd: S, portal: Portal, gap: f64) -> Option<Refined<f64>> {
+    let [p, q, r] = portal;
+    let corners = [pair.vertex(p), pair.vertex(q), pair.vertex(r)];
+    if is_portal(&-pair.x, &corners) { Some(refine(pair, simd, corners, gap)) } else { None }
+}
+
 /// True when the ray from `v0` through the origin passes the triangle, which faces away from `v0`.
-pub(crate) fn is_portal<T: Real>(v0: &Vector3<T>, corners: &[Vertex<T>; 3]) -> bool {
-    let [p, q, r] = corners.map(|v| v.w);
-    [(p, q), (q, r), (r, p)].iter().all(|(p, q)| p.cross(q).dot(v0) <= num_traits::zero())
+#[inline(always)]
+fn is_portal<T: Real>(v0: &Vector3<T>, corners: &[Vertex<T>; 3]) -> bool {
+    let zero: T = num_traits::zero();
+    let [p, q, r] = [corners[0].w, corners[1].w, corners[2].w];
+    p.cross(&q).dot(v0) <= zero && q.cross(&r).dot(v0) <= zero && r.cross(&p).dot(v0) <= zero
 }
 
 /// The direction `v` turned away from `w`, the point that keeps it from telling the bodies apart.

@@ -25,14 +25,6 @@ impl Simplex {
         Self { vertices: [a; 4], len: 1 }
     }
 
-    /// The simplex of these vertices.
-    #[inline(always)]
-    pub(crate) fn of(vertices: &[Vertex]) -> Self {
-        let mut simplex = Self::point(vertices[0]);
-        simplex.keep(vertices);
-        simplex
-    }
-
     /// The vertices, newest last.
     #[inline(always)]
     pub(crate) fn vertices(&self) -> &[Vertex] {

@@ -6,7 +6,7 @@
 //! portal it came to.
 
 use super::super::kernel::Real;
-use super::super::mpr::{MAX_STEPS, Portal, TURN};
+use super::super::mpr::{self, MAX_STEPS, Portal, Refined, TURN};
 use super::supports::{Groups, Supports, unpacked};
 use super::vectors::{Vectors, first_lanes, narrow_lanes};
 use super::{PairQuery, Pending};
@@ -66,6 +66,7 @@ impl Vectorized for Search<'_, '_> {
                 break;
             }
         }
+        self.resume(simd);
     }
 }
 
@@ -75,6 +76,28 @@ static NOBODY: Group<f32> = Group([[0.0; 32]; 3]);
 impl<'q> Search<'_, 'q> {
     fn query(&self, entry: u32) -> &PairQuery<'q> {
         &self.queries[self.pending.queries()[entry as usize] as usize]
+    }
+
+    /// Takes the undecided pairs up in f64, from the portals they came to; most are decided there at once.
+    #[inline(always)]
+    fn resume<S: Simd>(&mut self, simd: S) {
+        let mut left = 0;
+        for i in 0..self.undecided.len() {
+            let Undecided { entry, portal } = self.undecided[i];
+            let refined = match portal {
+                Some(portal) => mpr::resume(self.query(entry).query(self.gap).pair(), simd, portal, self.gap),
+                None => None,
+            };
+            match refined {
+                Some(Refined::Apart(_)) => self.answer(entry, false),
+                Some(Refined::Overlap(_)) => self.answer(entry, true),
+                _ => {
+                    self.undecided[left] = self.undecided[i];
+                    left += 1;
+                }
+            }
+        }
+        self.undecided.truncate(left);
     }
 
     #[inline(always)]
