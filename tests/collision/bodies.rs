@@ -2,7 +2,9 @@
 
 use super::families::Dice;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{self, PairQuery, Body, Counters, Support, apart, apart_counted, clear_many, overlap, overlap_many};
+use meso_core::gjk::{
+    self, Body, Counters, PairQuery, Support, apart, apart_counted, clear_many, overlap, overlap_many,
+};
 use meso_core::math::{Mat3, Vec3};
 
 /// Two bodies on ellipsoids and a displacement at which they may or may not overlap.

@@ -85,6 +85,7 @@ fn every_finite_number_gets_the_exact_answer() {
         for (seed, mixed) in (0..40).zip([false, true].into_iter().cycle()) {
             let mut dice = Dice::new(5000 + seed);
             let [a, mut b] = [0, 1].map(|_| (0..5).map(|_| dice.integers(3)).collect::<Vec<_>>());
+            b.iter_mut().for_each(|p| *p += Vec3::new(3.0, 2.0, 0.0));
             let truth = reference::intersects(&a, &b);
             if !mixed {
                 let (a, b): (Vec<_>, Vec<_>) = (a.iter().map(scaled).collect(), b.iter().map(scaled).collect());

@@ -38,11 +38,11 @@ mod prefetch;
 pub mod recipes;
 #[cfg(feature = "concrete")]
 pub mod saved;
+mod simd;
 #[cfg(feature = "concrete")]
 pub mod spec;
 #[cfg(feature = "concrete")]
 pub mod statistics;
-mod simd;
 
 /// What tests and benches force; results do not change with it.
 #[doc(hidden)]

@@ -94,9 +94,8 @@ impl Classical<'_> {
         let Until::Apart(gap) = self.until else { return None };
         let pair = &self.pair;
         if gap == 0.0 {
-            let proved = |_| {
-                separation > pair.doubt(direction) || certificate::separates(pair.a, pair.b, &pair.x, direction)
-            };
+            let proved =
+                |_| separation > pair.doubt(direction) || certificate::separates(pair.a, pair.b, &pair.x, direction);
             return (separation > 0.0)
                 .then(|| if proved(()) { Found::Apart(*direction) } else { Found::Undecided(pair.corners(&simplex)) });
         }

@@ -74,12 +74,7 @@ pub(crate) struct Extremes<T> {
 
 /// The extremes of two bodies of one group each.
 #[inline(always)]
-pub(crate) fn extremes_of_groups<T: Real, S: Simd>(
-    simd: S,
-    a: &Group<T>,
-    b: &Group<T>,
-    v: &Vector3<T>,
-) -> Extremes<T> {
+pub(crate) fn extremes_of_groups<T: Real, S: Simd>(simd: S, a: &Group<T>, b: &Group<T>, v: &Vector3<T>) -> Extremes<T> {
     let top_a = keys(simd, simd.afresh(a), [v.x, v.y, v.z]).largest();
     let top_b = keys(simd, simd.afresh(b), [-v.x, -v.y, -v.z]).largest();
     Extremes { a: top_a.slot(), b: top_b.slot(), top_of_a: top_a, bottom_of_b: -top_b }

@@ -4,7 +4,8 @@
 //! not pay, on the instruction set or with few pairs, they are asked one by one.
 
 use super::cascade::Counters;
-use super::lockstep::{Glance, PairQuery, Pending, Search, Undecided};
+use super::lockstep::{Glance, Pending, Search, Undecided};
+use super::pair_query::PairQuery;
 use crate::simd::{Simd, Vectorized, dispatch};
 use std::cell::RefCell;
 use std::ops::Range;
@@ -157,4 +158,3 @@ impl Work {
 fn any(answers: &[Option<bool>], is_so: impl Fn(Option<bool>) -> bool) -> bool {
     answers.iter().fold(false, |any, &answer| any | is_so(answer))
 }
-

@@ -1,8 +1,9 @@
 //! Many pairs at a time past their bounds: the steps of [`ellipsoid`](super::super::ellipsoid), lane by lane, in f64.
 
 use super::super::ellipsoid::SLACK;
+use super::super::pair_query::PairQuery;
+use super::pending::Pending;
 use super::vectors::{Vectors, first_lanes};
-use super::{Pending, PairQuery};
 use crate::simd::{Lanes, MOST_LANES, Simd, Vectorized, for_each_lane};
 
 /// Answers what the bounds tell: true where a pair is not more than `gap` apart; the rest goes to `pending`, which is empty.
@@ -92,7 +93,8 @@ fn push<L: Lanes<T = f64>>(pending: &mut Pending, mask: u32, first: usize, v: Ve
 fn apart<S: Simd>(simd: S, along: S::F64, sum: S::F64, product: S::F64, gap: f64, n: Vectors<S::F64>) -> u32 {
     if gap == 0.0 {
         let rest = along * along * S::F64::all(simd, 1.0 - SLACK) - sum;
-        return rest.above(S::F64::all(simd, 0.0)) & (rest * rest).above(product * S::F64::all(simd, 4.0 + 4.0 * SLACK));
+        return rest.above(S::F64::all(simd, 0.0))
+            & (rest * rest).above(product * S::F64::all(simd, 4.0 + 4.0 * SLACK));
     }
     // sqrt(q_a) + sqrt(q_b), squared.
     let squared = sum + product.sqrt() * S::F64::all(simd, 2.0);

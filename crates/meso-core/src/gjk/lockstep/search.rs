@@ -5,13 +5,14 @@
 //! place, so that no lane idles. Single precision proves what it can; what it cannot is left to the single query, with the
 //! portal it came to.
 
+use super::super::body::Group;
+use super::super::cascade::NARROW_REACH;
 use super::super::kernel::Real;
 use super::super::mpr::{self, MAX_STEPS, Portal, Refined, TURN};
+use super::super::pair_query::PairQuery;
+use super::pending::Pending;
 use super::supports::{Groups, Supports, unpacked};
 use super::vectors::{Vectors, first_lanes, narrow_lanes};
-use super::{PairQuery, Pending};
-use crate::gjk::body::Group;
-use crate::gjk::cascade::NARROW_REACH;
 use crate::simd::{Lanes, Lockstep, MOST_LANES, Simd, Vectorized, for_each_lane};
 
 /// Registers of pairs in flight: what one waits for, another fills.

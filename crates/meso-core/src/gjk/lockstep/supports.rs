@@ -43,8 +43,8 @@ impl<S: Simd> Supports<S> {
     /// The lanes that are proved more than `gap` apart, and those for which a portal search is over.
     #[inline(always)]
     pub(super) fn apart(&self, simd: S, direction: Vectors<S::F32>, reach: S::F32, gap: f32) -> (u32, u32) {
-        let doubt = (direction.norm1() * reach)
-            .times_plus(S::F32::all(simd, f32::HEIGHT_ERROR), S::F32::all(simd, f32::TINY));
+        let doubt =
+            (direction.norm1() * reach).times_plus(S::F32::all(simd, f32::HEIGHT_ERROR), S::F32::all(simd, f32::TINY));
         let beyond = if gap == 0.0 {
             self.separation
         } else {
