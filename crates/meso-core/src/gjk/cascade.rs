@@ -122,7 +122,7 @@ pub fn apart_from(
     }
     counters.count(Stage::Gjk);
     bounds.lay_out(shape, made);
-    let narrow = Query { a: a.body(), b: made, x: *b_from_a, gap }.search_narrow(&v, false);
+    let narrow = Query { a: a.body(), b: made, x: *b_from_a, gap }.search_narrow(&v);
     if let Some(apart) = narrow.answer() {
         return apart;
     }
@@ -196,7 +196,7 @@ impl<'a> Query<'a> {
     /// The answer by a search from direction `v`, whatever it takes.
     #[inline(never)]
     pub(crate) fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
-        let narrow = self.search_narrow(v, true);
+        let narrow = self.search_narrow(v);
         narrow.answer().unwrap_or_else(|| self.settle_from(v, narrow.portal(), counters))
     }
 
@@ -230,8 +230,8 @@ impl<'a> Query<'a> {
             return Some(axis);
         }
         counters.count(Stage::Gjk);
-        let portal = match self.search_narrow(&v, true) {
-            Refined::Apart(v) => return Some(v),
+        let portal = match self.search_narrow(&v) {
+            Refined::Apart(v) => return Some(v.cast()),
             Refined::Overlap(_) => return None,
             Refined::Undecided(portal) => portal,
         };
@@ -248,12 +248,11 @@ impl<'a> Query<'a> {
         glance(&self.a.bounds, &self.b.bounds, &self.x, self.gap)
     }
 
-    /// The search in single precision from direction `v`; its portal is taken up in double precision where B's points are
-    /// there in it.
+    /// The search in single precision from direction `v`.
     #[inline(always)]
-    fn search_narrow(&self, v: &Vec3, resume: bool) -> Refined<f64> {
+    fn search_narrow(&self, v: &Vec3) -> Refined<f32> {
         match self.narrow_pair() {
-            Some(narrow) => dispatch(Narrow { query: *self, narrow, v: or_x(v).cast(), resume }),
+            Some(pair) => dispatch(Narrow { pair, v: or_x(v).cast(), gap: self.gap as f32 }),
             None => Refined::Undecided(None),
         }
     }
@@ -333,27 +332,17 @@ impl Vectorized for Axis<'_> {
 
 /// A portal search in single precision.
 struct Narrow<'a> {
-    query: Query<'a>,
-    narrow: NarrowPair<'a>,
+    pair: NarrowPair<'a>,
     v: Vector3<f32>,
-    resume: bool,
+    gap: f32,
 }
 
 impl Vectorized for Narrow<'_> {
-    type Output = Refined<f64>;
+    type Output = Refined<f32>;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> Refined<f64> {
-        let Self { query, narrow, v, resume } = self;
-        match mpr::search(narrow, simd, v, query.gap as f32) {
-            Refined::Apart(v) => Refined::Apart(v.cast()),
-            Refined::Overlap(portal) => Refined::Overlap(portal),
-            Refined::Undecided(Some(portal)) if resume => {
-                let resumed = mpr::resume(query.pair(), simd, portal, query.gap);
-                resumed.unwrap_or(Refined::Undecided(None))
-            }
-            Refined::Undecided(portal) => Refined::Undecided(portal),
-        }
+    fn run<S: Simd>(self, simd: S) -> Refined<f32> {
+        mpr::search(self.pair, simd, self.v, self.gap)
     }
 }
 
