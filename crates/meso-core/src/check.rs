@@ -1,7 +1,7 @@
 //! The independent check of a model: everything a packing promises, proved from the saved coordinates alone.
 //!
-//! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are saved,
-//! and exact orientation signs for convexity. What it finds is listed, never repaired.
+//! It shares no code with placement. It has its own broad phase, the exact collision verdict on the vertices as
+//! saved, and exact orientation signs for convexity. Findings are listed, never repaired.
 
 mod inclusions;
 mod pairs;
@@ -18,8 +18,8 @@ use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;
 
-/// What a check looked at and found. Voids and fibres are meant, too, where a finding speaks of an aggregate: their ids
-/// count on from the last aggregate's.
+/// Scope and findings of a check. Where a finding speaks of an aggregate, voids and fibres are included: their ids
+/// follow those of the aggregates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// Aggregates looked at.
@@ -78,14 +78,14 @@ pub enum Finding {
         /// Its size by the spec's definition, mm.
         size_mm: f64,
     },
-    /// A void or fibre is not as large as the spec says.
+    /// A void or fibre does not have the size in the spec.
     Shape {
         /// Id.
         body: u32,
         /// What is wrong.
         reason: String,
     },
-    /// The report does not say what the aggregates say.
+    /// The report contradicts the aggregates.
     Report {
         /// What differs.
         reason: String,
@@ -172,7 +172,7 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
-    // The offset of what is no convex solid means nothing.
+    // The offset of a body that is not convex means nothing.
     let itz = if convex.is_none() && aggregate.kind == Kind::Aggregate { itz(aggregate) } else { None };
     [convex, itz, outside(model, container, aggregate), size(model, aggregate)].into_iter().flatten().collect()
 }

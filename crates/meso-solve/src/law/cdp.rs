@@ -16,7 +16,7 @@
 //! law, dc their exponential one, both over inelastic strain, which is plastic strain and what damage gave up of elastic.
 //!
 //! Differences to Abaqus with the same deck:
-//! - The rising branch is one polynomial through the deck's polygon, within 2.5 % of the strength (peak and its strain agree).
+//! - The rising branch is one polynomial through the deck's polygon, within 2.6 % of the strength (peak and its strain agree).
 //! - A crack's plastic opening is its opening less d f_t h / E; Abaqus takes a unit length in place of h. So here the whole
 //!   stress-opening curve spends the fracture energy on any width, there f_t^2 (h - 1 mm) / 2E more.
 //! - Tensile damage goes on to 0.9999, where Abaqus keeps the deck's last 0.99.
@@ -58,9 +58,9 @@ pub struct Cdp<R> {
     /// Elastic strains of the strengths.
     tensile_strain: R,
     compressive_strain: R,
-    /// Energy over strength: the width of the softening curves, mm.
+    /// Fracture energy over strength, mm, and strength over crushing energy, per mm: widths of the softening curves.
     tensile_opening: R,
-    crushing_opening: R,
+    per_crushing_opening: R,
     /// Widest crack band, mm.
     widest: R,
     widest_mm: f64,
@@ -68,8 +68,8 @@ pub struct Cdp<R> {
 
 /// How far damage of a crack goes.
 const LEAST_INTEGRITY: f64 = 1e-4;
-/// Newton's steps; the equation is convex, so each ends on the safe side of the surface.
-const STEPS: usize = 3;
+/// Newton's steps; the equation is convex, so each ends on the safe side. A third changes no strength at steps of 1e-4.
+const STEPS: usize = 2;
 
 /// Finds out whether the law can have these values.
 ///
@@ -132,7 +132,7 @@ impl<R: Real> Cdp<R> {
             tensile_strain: splat(ft / e),
             compressive_strain: splat(fc / e),
             tensile_opening: splat(openings[0]),
-            crushing_opening: splat(openings[1]),
+            per_crushing_opening: splat(1.0 / openings[1]),
             widest: splat(widest_mm),
             widest_mm,
         }
@@ -173,6 +173,8 @@ struct Trial<R> {
     largest_fall: R,
     largest: R,
     crushed: R,
+    /// How fast the share of the Mises stress that is left falls.
+    share_fall: R,
 }
 
 impl<R: Real> Cdp<R> {
@@ -225,8 +227,9 @@ impl<R: Real> Cdp<R> {
     fn trial(&self, invariants: Invariants<R>, shape: &[R; 3], tension: R, crushed: R) -> Trial<R> {
         let q = invariants.mises;
         let two_thirds = R::splat(2.0 / 3.0);
-        // dG/dq
-        let along = q / q.mul_add(q, self.rounding).sqrt().max(R::splat(1e-8));
+        // dG/dq = q / sqrt(q^2 + a^2)
+        let per_potential = R::splat(1.0) / q.mul_add(q, self.rounding).sqrt().max(R::splat(1e-8));
+        let along = q * per_potential;
         let least = along.mul_add(shape[2], self.dilation);
         let mises_fall = self.three_shear * along;
         Trial {
@@ -235,6 +238,7 @@ impl<R: Real> Cdp<R> {
             largest_fall: two_thirds.mul_add(mises_fall * shape[0], self.mean_fall),
             largest: (two_thirds * q).mul_add(shape[0], invariants.mean),
             crushed,
+            share_fall: self.three_shear * per_potential,
             invariants,
         }
     }
@@ -257,27 +261,34 @@ impl<R: Real> Cdp<R> {
             flow = (flow + excess / fall).positive();
         }
         let flow = R::select(active, flow, zero);
-        let Invariants { mean, mises, .. } = trial.invariants;
-        let left = one - trial.mises_fall * flow / mises.max(R::splat(1e-8));
-        let beyond = left.lt(zero) & zero.lt(flow);
+        let mean = trial.invariants.mean;
+        let left = (-trial.share_fall).mul_add(flow, one);
         let returned = (-self.mean_fall).mul_add(flow, mean);
+        let beyond = left.lt(zero);
+        // Seldom anywhere, and one division less.
+        if !R::any(beyond) {
+            return (left, returned);
+        }
         let tip = self.tip(trial.harden.mul_add(flow, trial.crushed)).min(mean);
-        (R::select(beyond, zero, left.min(one)), R::select(beyond, tip, returned))
+        (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
     /// Integrities of tension and compression, and the width that they are of.
     #[inline(always)]
     fn integrity(&self, cracked: R, crushed: R, width: R) -> [R; 2] {
         let width = width.min(self.widest);
-        let [steep, flat] = BRANCHES.map(|(from, slope)| {
+        // The share of f_t is from - slope w / (G_f / f_t), with the opening w = h (cracked + (1 - share) f_t / E).
+        let pieces = BRANCHES.map(|(from, slope)| {
             let (from, slope) = (R::splat(from), R::splat(slope));
-            // The share is from - slope w, with the opening w = h (cracked + (1 - share) f_t / E).
             let held = (R::splat(1.0) - from).mul_add(self.tensile_strain, cracked);
-            let run = (self.tensile_opening / width) - slope * self.tensile_strain;
-            from - slope * held / run
+            let run = (-slope).mul_add(width * self.tensile_strain, self.tensile_opening);
+            (from, slope * width * held, run)
         });
-        let crack = steep.max(flat).between(LEAST_INTEGRITY, 1.0);
-        let per_scale = width / self.crushing_opening;
+        // Both quotients by one division.
+        let [(from, steep, steep_run), (to, flat, flat_run)] = pieces;
+        let over = R::splat(1.0) / (steep_run * flat_run);
+        let crack = (from - steep * flat_run * over).max(to - flat * steep_run * over).between(LEAST_INTEGRITY, 1.0);
+        let per_scale = width * self.per_crushing_opening;
         let x = (crushed - self.peak).positive() * per_scale;
         let crush = softening::integrity(x, self.compressive_strain * per_scale).min(R::splat(1.0));
         [crack, R::select(self.peak.lt(crushed), crush, R::splat(1.0))]

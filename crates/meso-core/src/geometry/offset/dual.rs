@@ -8,7 +8,7 @@ use crate::math::Vec3;
 
 /// Half an ulp of 1.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
-/// Vertices closer than so many roundings of the body's extent are one.
+/// Vertices closer than this many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
 
 /// Faces as loops of vertex indices, one after the other.

@@ -225,7 +225,7 @@ impl Specimen {
         })
     }
 
-    /// As [`Specimen::build`], and looks for triangles that cross each other and for pieces nested in others.
+    /// As [`Specimen::build`], and looks for triangles that cross each other and for components nested in others.
     ///
     /// # Errors
     /// See [`ContainerError`].
@@ -265,7 +265,7 @@ impl Specimen {
     /// # Panics
     /// Where [`Specimen::build`] fails.
     pub fn container(&self) -> Box<dyn Container> {
-        self.build().expect("an accepted specimen encloses a room")
+        self.build().expect("an accepted specimen encloses a volume")
     }
 
     /// Bounding box, mm.
