@@ -6,7 +6,7 @@ use crate::{inputs, stderr};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
-use meso_core::mesh::conforming::{ROOM_MM, Surfaces};
+use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
 use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, MeshTable, MethodName, VolumeMesher};
 use meso_core::packing::{Placement, Specimen};
 use meso_core::spec::options_from_toml;
@@ -177,7 +177,7 @@ impl Meshing {
         let mut wanted = false;
         for gap in [&mut placement.min_gap_mm, &mut placement.wall_gap_mm] {
             if self.method == MethodName::Conforming && *gap == 0.0 {
-                (*gap, wanted) = (ROOM_MM, true);
+                (*gap, wanted) = (ADVISED_GAP_MM, true);
             }
         }
         wanted

@@ -11,7 +11,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
-use meso_core::mesh::conforming::ROOM_MM;
+use meso_core::mesh::conforming::ADVISED_GAP_MM;
 use meso_core::packing::{Images, Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
 use std::path::{Path, PathBuf};
@@ -121,7 +121,7 @@ impl Args {
         *min_gap_mm = self.min_gap_mm.unwrap_or(*min_gap_mm);
         *wall_gap_mm = self.wall_gap_mm.unwrap_or(*wall_gap_mm);
         if self.meshing.leave_room(&mut spec.placement) && !self.quiet {
-            stderr::line(format!("packing with gaps of {ROOM_MM} mm, which a conforming mesh needs"));
+            stderr::line(format!("packing with gaps of {ADVISED_GAP_MM} mm, which a conforming mesh needs"));
         }
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| self.name_flag(error))?;

@@ -1,6 +1,7 @@
 //! What is asked of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
 
-use super::MeshError;
+use super::error::MeshError;
+use crate::aggregate::Aggregate;
 use crate::packing::Specimen;
 use serde::{Deserialize, Serialize};
 
@@ -153,6 +154,14 @@ impl MeshOptions {
             }
         }
         self.validate_order()
+    }
+
+    /// The thickness of an aggregate's shell as a layer of solid elements, mm; 0 for none.
+    pub(super) fn shell_mm(&self, aggregate: &Aggregate) -> f64 {
+        match self.itz {
+            ItzForm::Solid => aggregate.itz_thickness_mm,
+            ItzForm::Cohesive | ItzForm::None => 0.0,
+        }
     }
 
     fn validate_order(&self) -> Result<(), MeshError> {
