@@ -7,10 +7,10 @@
 use super::cells::{CellKind, Draft, Mesh, NO_AGGREGATE, NO_BODY, Notes, Phase};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
-use super::options::{Fit, ItzForm, MeshOptions, Method, MethodName, Order};
+use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Order, Volumes};
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{fidelity, interface, lattice, layer, quality, sides, voxel};
+use super::{apart, fidelity, interface, lattice, layer, own_volume, quality, sides, smeared, voxel};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::model::Model;
@@ -60,6 +60,7 @@ fn assemble(
     }
     leave_out_voids(&mut mesh, bodies);
     fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
+    make_fit(&mut mesh, bodies, options);
     if options.itz == ItzForm::Cohesive {
         interface::add_cohesive(&mut mesh);
         if mesh.periodic != [false; 3] {
@@ -71,6 +72,23 @@ fn assemble(
         mesh.raise_order();
     }
     Ok(mesh)
+}
+
+/// Parts joined aggregates, restores volumes and names the smeared ITZ, as far as each is asked for.
+fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
+    if options.joined == Joined::Mortar && options.itz != ItzForm::Cohesive {
+        let parted = apart::part(mesh, bodies);
+        mesh.notes.parted_nodes = parted.nodes;
+        mesh.notes.parted_pairs = parted.pairs;
+        mesh.notes.parted_mm3 = parted.volume_mm3;
+    }
+    let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
+    if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
+        own_volume::restore(mesh, bodies, options.element_size_mm);
+    }
+    if options.itz == ItzForm::Smeared {
+        smeared::name(mesh);
+    }
 }
 
 /// The cells of the method asked for, with the solid ITZ as a layer of its own.

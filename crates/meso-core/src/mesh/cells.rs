@@ -127,6 +127,12 @@ pub struct Notes {
     pub closed_gap_pairs: usize,
     /// The widest gap between two of these, mm.
     pub widest_closed_gap_mm: f64,
+    /// Nodes that two or more aggregates shared and mortar parts now.
+    pub parted_nodes: usize,
+    /// Pairs of aggregates that mortar parts there.
+    pub parted_pairs: usize,
+    /// Volume of aggregates that became mortar for it, mm3, before any volume was made good.
+    pub parted_mm3: f64,
     /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
     /// two, thinner than the elements can show, is closed.
     pub closed_side_gaps: usize,
@@ -179,6 +185,19 @@ impl Mesh {
     /// Number of cells, cohesive elements apart.
     pub fn cell_count(&self) -> usize {
         self.phase.len()
+    }
+
+    /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](super::ItzForm::Smeared): its cells
+    /// belong to no aggregate.
+    pub fn has_smeared_itz(&self) -> bool {
+        let mut cells = self.phase.iter().zip(&self.aggregate);
+        cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
+    }
+
+    /// Nodes that cores of several aggregates share, and pairs of aggregates that share some: an elastic skeleton.
+    pub fn joined_aggregates(&self) -> (usize, usize) {
+        let joined = super::apart::joined(self);
+        (joined.chunk_by(|a, b| a.0 == b.0).count(), super::apart::pairs(&joined))
     }
 }
 

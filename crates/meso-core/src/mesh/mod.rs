@@ -2,6 +2,7 @@
 //!
 //! [`build()`] is the one way in; the methods are siblings. A mesh knows nothing of file formats.
 
+pub(crate) mod apart;
 mod build;
 pub(crate) mod cells;
 pub mod conforming;
@@ -12,8 +13,10 @@ mod lattice;
 mod layer;
 mod location;
 mod options;
+mod own_volume;
 pub mod quality;
 pub mod sides;
+mod smeared;
 mod tet;
 mod voxel;
 
@@ -22,5 +25,5 @@ pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
-pub use options::{Fit, ItzForm, MeshOptions, MeshTable, Method, MethodName, Order};
+pub use options::{Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, Order, Volumes};
 pub use quality::PhaseVolumes;

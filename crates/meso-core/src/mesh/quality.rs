@@ -2,6 +2,10 @@
 //!
 //! The report looks at cells in runs, so that a mesh of tens of millions needs no list of all their measures.
 
+mod mass_scaling;
+
+pub use mass_scaling::{MassScaling, PhaseScaling};
+
 use super::cells::{CellKind, Mesh, Phase};
 use super::error::MeshError;
 use super::fidelity::InterfaceDistance;
@@ -25,6 +29,8 @@ pub struct CellQuality {
     pub radius_ratio: f64,
     /// Shortest distance from a node (a face) to the opposite face, mm.
     pub shortest_altitude_mm: f64,
+    /// The stable time step of explicit dynamics times the wave speed, mm: a bound for lumped masses.
+    pub stable_length_mm: f64,
     /// mm3; negative where the nodes are out of order.
     pub volume_mm3: f64,
 }
@@ -37,8 +43,22 @@ pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
 fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
     match mesh.kind {
         CellKind::Hexahedron => voxel(cell, mesh),
-        _ => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),
+        _ => {
+            let quality = tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]));
+            // The nodes of a second-order tetrahedron are half as far apart.
+            let halves = if mesh.kind == CellKind::QuadraticTetrahedron { 2.0 } else { 1.0 };
+            CellQuality { stable_length_mm: quality.stable_length_mm / halves, ..quality }
+        }
     }
+}
+
+/// The length L of a tetrahedron that bounds its stable time step: L / c is stable for dilatational waves of speed c.
+///
+/// With lumped masses m = rho V / 4 its highest frequency w has w^2 <= 4 c^2 sum |grad N|^2 (the trace bounds the largest
+/// eigenvalue, for Poisson's ratios of 0 or more), and central differences are stable up to 2 / w. So L = 1 / sqrt(sum
+/// |grad N|^2), where |grad N| is one over an altitude. The shortest altitude is up to twice as long, and no bound.
+pub(crate) fn stable_length(p: [Vec3; 4]) -> f64 {
+    6.0 * volume(p) / face_vectors(p).map(|n| n.norm_squared()).into_iter().sum::<f64>().sqrt()
 }
 
 /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
@@ -58,6 +78,7 @@ pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
         max_dihedral_deg: degrees(low),
         radius_ratio: 3.0 * inscribed / circumradius(p),
         shortest_altitude_mm: shortest_altitude(p),
+        stable_length_mm: stable_length(p),
         volume_mm3: volume,
     }
 }
@@ -71,12 +92,14 @@ fn circumradius([a, b, c, d]: [Vec3; 4]) -> f64 {
 
 /// Measures of a box-shaped hexahedron.
 fn voxel(cell: &[u32], mesh: &Mesh) -> CellQuality {
-    let edge = |i: usize| (mesh.points[cell[i] as usize] - mesh.points[cell[0] as usize]).norm();
+    let edges = [1, 3, 4].map(|i: usize| (mesh.points[cell[i] as usize] - mesh.points[cell[0] as usize]).norm());
     CellQuality {
         min_dihedral_deg: 90.0,
         max_dihedral_deg: 90.0,
         radius_ratio: 1.0,
-        shortest_altitude_mm: edge(1).min(edge(3)).min(edge(4)),
+        shortest_altitude_mm: edges.into_iter().fold(f64::INFINITY, f64::min),
+        // The same bound with the gradients at the centre: 2 / (c sqrt(8 sum |grad N|^2)).
+        stable_length_mm: 1.0 / edges.map(|edge| 1.0 / (edge * edge)).iter().sum::<f64>().sqrt(),
         volume_mm3: cell_volume(mesh.kind, cell, &mesh.points),
     }
 }
@@ -106,7 +129,8 @@ pub struct QualityReport {
     pub bad_cells: Vec<usize>,
     /// Cells with no positive volume.
     pub inverted: usize,
-    /// Longest stable time step of explicit dynamics, s: altitude over dilatational wave speed, of the worst cell.
+    /// Stable time step of explicit dynamics, s: 1 / (c sqrt(sum |grad N|^2)) of the worst cell, c the dilatational wave
+    /// speed.
     pub stable_time_step_s: f64,
     /// The same of cohesive elements, by their stiffness and mass per area; `None` where there are none.
     pub cohesive_time_step_s: Option<f64>,
@@ -123,7 +147,7 @@ impl QualityReport {
     /// Of a mesh of `bodies` in `specimen`; time steps are those of `materials`.
     pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, materials: &Materials) -> Self {
         let worst = Worst::of(mesh, materials);
-        let solid = mesh.phase.contains(&Phase::Itz);
+        let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
         let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
         Self {
             cells: mesh.cell_count(),
@@ -175,6 +199,7 @@ impl Worst {
     }
 
     fn of(mesh: &Mesh, materials: &Materials) -> Self {
+        let materials = materials.in_mesh(mesh);
         let speeds = |phase: Phase| materials.elastic(phase).wave_speed_mm_per_s();
         let runs = mesh.cells.par_chunks(RUN * mesh.kind.nodes()).zip(mesh.phase.par_chunks(RUN)).enumerate();
         let of_run = |(run, (cells, phases)): (usize, (&[u32], &[Phase]))| {
@@ -200,7 +225,7 @@ impl Worst {
             self.bad.push(index);
         }
         self.inverted += usize::from(cell.volume_mm3 <= 0.0);
-        self.time_step = self.time_step.min(cell.shortest_altitude_mm / wave_speed);
+        self.time_step = self.time_step.min(cell.stable_length_mm / wave_speed);
     }
 
     /// With the cells that come after these.

@@ -5,7 +5,7 @@
 //!
 //! Nodes on the faces of a periodic box are images of each other: one and the same in the endless specimen. With cohesive elements a
 //! place has a node for each material there, and which these are depends on the cells behind the face. So images are told apart
-//! by their *owner*, the aggregate whose cells have them, and [`complete`] gives every image of a place a node for each owner that
+//! by their *owner*, the aggregate whose cells have them, and `complete` gives every image of a place a node for each owner that
 //! any of them has.
 
 use super::cells::{Cells, Mesh, NO_AGGREGATE};

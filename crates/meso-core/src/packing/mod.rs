@@ -15,7 +15,7 @@ pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
+pub use specimen::{Built, Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
 
 use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
