@@ -21,7 +21,7 @@ OPEN = {
         {"packing::place", "packing::rearrange", "packing::take_and_place"},
         {"spec::inclusions", "spec::limits"},
     ],
-    "meso-py": [{"aggregate", "mesh", "packing"}],
+    "meso-py": [{"aggregate", "mesh", "packing", "response"}],
     "meso-solve": [{"frame", "observer", "response", "run"}],
 }
 # `mesh::build` takes a whole `Model`.
