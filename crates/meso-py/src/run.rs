@@ -87,7 +87,10 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
         start: Instant::now(),
     });
     // Of none, as many as there are cores.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();
     let shared = Arc::clone(&watch);
     thread::Builder::new().name("mesocrete".into()).spawn(move || {

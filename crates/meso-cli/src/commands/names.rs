@@ -1,7 +1,7 @@
 //! Options with a name out of a few: the core's own enums, so that a new method needs no change here.
 
-use serde::de::value::{Error, StrDeserializer};
 use serde::Serialize;
+use serde::de::value::{Error, StrDeserializer};
 use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
 
 /// Reads a name that serde knows as one of `T`'s.

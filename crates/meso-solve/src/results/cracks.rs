@@ -128,7 +128,8 @@ mod tests {
 
     #[test]
     fn open_cells_show_their_outside_alone() {
-        let options = MeshOptions { method: Method::VOXEL, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
+        let options =
+            MeshOptions { method: Method::VOXEL, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
         let mesh = meso_core::mesh::build_parts(&[], &Specimen::cuboid([4.0, 2.0, 8.0]), &options).unwrap();
         assert_eq!(mesh.cell_count(), 8);
         // Two neighbours and a third one whose crack is hardly open.

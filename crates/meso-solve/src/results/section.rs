@@ -166,7 +166,8 @@ mod tests {
 
     #[test]
     fn a_plane_along_faces_shows_the_cells_below_it() {
-        let options = MeshOptions { method: Method::FITTED, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
+        let options =
+            MeshOptions { method: Method::FITTED, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
         let mesh = meso_core::mesh::build_parts(&[], &Specimen::cube(8.0), &options).unwrap();
         // The plane z = 4 passes through nodes.
         let area = |cell: &[u32]| {
