@@ -2,6 +2,7 @@
 
 pub(crate) mod check;
 pub(crate) mod convert;
+pub(crate) mod image;
 pub(crate) mod init;
 pub(crate) mod mesh;
 mod mesh_report;
@@ -31,7 +32,7 @@ stdout carries data only, messages go to stderr.
 Exit codes: 0 done; 1 failure; 2 wrong usage or spec; 3 short of the target with --strict; 130 after Ctrl-C.
 
 First steps:
-  mesocrete pack --fraction 0.4        pack a 150 mm cube; writes model.json, model.vtu, model.inp
+  mesocrete pack --fraction 0.4        pack a 150 mm cube; writes model.json, .vtu, .inp, .html
   mesocrete init en-cube-150           write SPEC.toml to start from, then: mesocrete pack SPEC.toml";
 
 #[derive(Subcommand, Debug)]
@@ -48,6 +49,8 @@ pub(crate) enum Command {
     Report(report::Args),
     /// Write a saved model in another format
     Convert(convert::Args),
+    /// Write voxel images and sections of a saved model: .npy, .tif, .vti, .png, .svg
+    Image(image::Args),
     /// Write a commented SPEC.toml to start from
     Init(init::Args),
     /// List the specimens that `init` knows

@@ -40,6 +40,7 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Check(args) => commands::check::run(&args),
         Command::Report(args) => commands::report::run(&args),
         Command::Convert(args) => commands::convert::run(&args),
+        Command::Image(args) => commands::image::run(&args),
         Command::Init(args) => commands::init::run(&args),
         Command::Recipes => commands::recipes::run(),
     }

@@ -155,12 +155,23 @@ impl Unit {
                 .open(path)
                 .and_then(|file| quiet_if_closed(stream(file, write)))
                 .map_err(|error| Failure::file(path, &error)),
-            Target::File { shown, path } => {
-                let temporary = fill_beside(path, write).map_err(|error| Failure::file(shown, &error))?;
-                self.complete.push(Complete { temporary, path: path.clone(), force });
-                Ok(())
-            }
+            Target::File { .. } => self.fill_file(target, force, |out| write(out)),
         }
+    }
+
+    /// As [`Unit::fill`], for formats that seek: streams are refused.
+    pub(crate) fn fill_file(
+        &mut self,
+        target: &Target,
+        force: bool,
+        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        let Target::File { shown, path } = target else {
+            return Err(Failure::Usage("this format cannot be streamed; name a file, or take .npy".to_owned()));
+        };
+        let temporary = fill_beside(path, write).map_err(|error| Failure::file(shown, &error))?;
+        self.complete.push(Complete { temporary, path: path.clone(), force });
+        Ok(())
     }
 
     /// Gives every file its name. Where one fails, those before it become what they were.
@@ -237,7 +248,7 @@ fn quiet_if_closed(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-fn fill_beside(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<TempPath> {
+fn fill_beside(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<TempPath> {
     interrupt::step()?;
     let made = interrupt::hidden(|| new_file(folder(path)), |made| made.path())?;
     let (file, temporary) = made.into_parts();

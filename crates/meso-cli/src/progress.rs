@@ -1,30 +1,70 @@
-//! The progress line, the clock and the wish to stop, as the core sees them.
+//! Progress, the clock and the wish to stop, as the core sees them: a bar on a terminal, now and then a line elsewhere.
 
 use crate::interrupt;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use meso_core::Progress;
+use meso_core::packing::{Measure, Stage};
 use std::io::{self, IsTerminal, Write};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
-/// Characters of a full bar: the line stays within 80.
-const BAR: usize = 16;
 /// Back to the start of the line, which is emptied.
 pub(crate) const CLEAR: &str = "\r\x1b[2K";
+/// Characters of a full bar beside other figures.
+const BAR: usize = 16;
+/// Steps of a full bar on a terminal.
+const STEPS: u64 = 1000;
+/// From this width on there is space for the clock and for what Ctrl-C leaves.
+const WIDE: u16 = 72;
+/// A run without a terminal reports no more often.
+const LINE: Duration = Duration::from_secs(10);
+
+/// The stages of a packing that is meshed and written, with their weights in the default run.
+pub(crate) const PACK: [(Stage, f64); 6] = [
+    (Stage::Take, 2.0),
+    (Stage::Place, 4.0),
+    (Stage::Prove, 1.0),
+    (Stage::Mesh, 3.0),
+    (Stage::Measure, 2.0),
+    (Stage::Write, 2.0),
+];
 
 /// Watches one run.
 pub(crate) struct Watch {
     started: Instant,
-    /// The tenth of a second in which the line was last drawn, where someone sees it.
-    drawn: Option<AtomicU64>,
+    measure: Measure,
+    shown: Shown,
     polling: Option<interrupt::Polling>,
 }
 
+/// What a user sees of it.
+enum Shown {
+    Nothing,
+    Bar(ProgressBar),
+    /// When the last line was written.
+    Lines(Mutex<Instant>),
+}
+
 impl Watch {
-    /// Starts the clock; a line is drawn where stderr is a terminal and `quiet` is false.
-    pub(crate) fn start(quiet: bool) -> Self {
-        let seen = !quiet && io::stderr().is_terminal();
-        let drawn = seen.then(AtomicU64::default);
-        Self { started: Instant::now(), drawn, polling: Some(interrupt::Polling::begin()) }
+    /// Starts the clock of a packing, of which Ctrl-C keeps the best. A bar is drawn where stderr is a terminal and
+    /// `quiet` is false.
+    pub(crate) fn start(quiet: bool, plan: &[(Stage, f64)]) -> Self {
+        let mut watch = Self::of_files(quiet, plan);
+        watch.polling = Some(interrupt::Polling::begin());
+        watch.leaves("Ctrl-C keeps what is placed");
+        watch
+    }
+
+    /// Starts the clock of work that Ctrl-C ends without a file.
+    pub(crate) fn of_files(quiet: bool, plan: &[(Stage, f64)]) -> Self {
+        let shown = match (quiet, io::stderr().is_terminal()) {
+            (true, _) => Shown::Nothing,
+            (_, true) => Shown::Bar(bar_on_terminal()),
+            (_, false) => Shown::Lines(Mutex::new(Instant::now())),
+        };
+        let watch = Self { started: Instant::now(), measure: Measure::new(plan), shown, polling: None };
+        watch.leaves("Ctrl-C leaves no file");
+        watch
     }
 
     /// Seconds since the start.
@@ -32,22 +72,42 @@ impl Watch {
         self.started.elapsed().as_secs_f64()
     }
 
-    /// Takes the line away. Nobody asks any more whether to stop, so that from now on Ctrl-C ends everything.
+    /// Nobody asks any more whether to stop, so that from now on Ctrl-C ends everything.
+    pub(crate) fn placed(&mut self) {
+        drop(self.polling.take());
+        self.leaves("Ctrl-C leaves no file");
+    }
+
+    /// Takes the bar away.
     pub(crate) fn finish(&mut self) {
         drop(self.polling.take());
-        if self.drawn.is_some() {
-            show(CLEAR);
+        if let Shown::Bar(bar) = &self.shown {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn leaves(&self, what: &'static str) {
+        if let Shown::Bar(bar) = &self.shown {
+            bar.set_message(what);
         }
     }
 }
 
 impl Progress for Watch {
-    fn update(&self, fraction: f64, target: f64) -> bool {
-        let tenth = 1 + (10.0 * self.elapsed()) as u64;
-        if self.drawn.as_ref().is_some_and(|drawn| drawn.swap(tenth, Ordering::Relaxed) != tenth) {
-            show(&format!("{CLEAR}{}", line(fraction, target, self.elapsed())));
-        }
+    fn update(&self, _: f64, _: f64) -> bool {
         !interrupt::asked()
+    }
+
+    fn stage(&self, stage: Stage, share: f64) {
+        self.measure.tell(stage, share);
+        match &self.shown {
+            Shown::Nothing => {}
+            Shown::Bar(bar) => {
+                bar.set_prefix(self.measure.stage());
+                bar.set_position((self.measure.share() * STEPS as f64) as u64);
+            }
+            Shown::Lines(last) => self.line(last),
+        }
     }
 
     fn seconds(&self) -> f64 {
@@ -55,9 +115,32 @@ impl Progress for Watch {
     }
 }
 
-fn line(fraction: f64, target: f64, seconds: f64) -> String {
-    let bar = bar(fraction / target);
-    format!("packing {bar} {fraction:.4} of {target} ({seconds:.0} s, Ctrl-C keeps the best)")
+impl Watch {
+    /// Writes a line where the last one is old.
+    fn line(&self, last: &Mutex<Instant>) {
+        if let Ok(mut last) = last.try_lock()
+            && last.elapsed() >= LINE
+        {
+            *last = Instant::now();
+            let (stage, percent) = (self.measure.stage(), 100.0 * self.measure.share());
+            crate::stderr::line(format!("{stage}: {percent:.0} % of all after {:.0} s", self.elapsed()));
+        }
+    }
+}
+
+/// A bar as wide as the terminal, on one line of it.
+fn bar_on_terminal() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
+    let is_wide = console::Term::stderr().size().1 >= WIDE;
+    let template = if is_wide {
+        "{prefix:<8}{wide_bar} {percent:>3} % {elapsed:>4}  {msg}"
+    } else {
+        "{prefix:<8}{wide_bar} {percent:>3} %"
+    };
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.set_style(style.progress_chars("=> "));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
 }
 
 /// A bar of which this share, 0 to 1, is full.
@@ -66,20 +149,14 @@ pub(crate) fn bar(share: f64) -> String {
     format!("[{full:BAR$}]")
 }
 
+/// The part of a line that fits the terminal.
+pub(crate) fn fitting(line: &str) -> String {
+    let columns = usize::from(console::Term::stderr().size().1).max(2);
+    line.chars().take(columns - 1).collect()
+}
+
 /// A closed terminal does not stop the run.
 pub(crate) fn show(text: &str) {
     let mut stderr = io::stderr().lock();
     let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
-}
-
-#[cfg(test)]
-mod tests {
-    use super::line;
-
-    #[test]
-    fn the_line_fits_a_terminal_of_80() {
-        let text = line(0.43218, 0.5, 12.3);
-        assert_eq!(text, "packing [=============   ] 0.4322 of 0.5 (12 s, Ctrl-C keeps the best)");
-        assert!(line(0.7, 0.6789, 1e4).len() < 80);
-    }
 }

@@ -1,12 +1,15 @@
 //! What a packing and a mesh can be written as: the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
+use crate::export::raster::{Values, npy, png, vti};
 use crate::export::vtk::Encoding;
 use crate::export::{csv, msh, pvtu, stl, vtu, vtu_mesh};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::packing::Images;
+use crate::page;
 use crate::saved;
+use crate::voxel_image::{ImageError, ImageOptions, Quantity, Region, VoxelImage};
 use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -167,6 +170,94 @@ impl MeshFile {
             Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), encoding, out),
             Content::Index(names) => pvtu::write(mesh, names, out),
             Content::Script(name) => abaqus::write_curve(mesh, deck, name, out),
+        }
+    }
+}
+
+/// A format that holds a voxel image or a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// An array of numpy.
+    Npy,
+    /// Pages of a TIFF.
+    Tif,
+    /// VTK image data.
+    Vti,
+    /// A picture of a section.
+    Png,
+    /// A section as exact polygons.
+    Svg,
+}
+
+impl ImageFormat {
+    /// All formats, the array first.
+    pub const ALL: [Self; 5] = [Self::Npy, Self::Tif, Self::Vti, Self::Png, Self::Svg];
+
+    /// The extension without its dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Npy => "npy",
+            Self::Tif => "tif",
+            Self::Vti => "vti",
+            Self::Png => "png",
+            Self::Svg => "svg",
+        }
+    }
+
+    /// The format that the extension of `path` names, in either case; `.tiff` is `.tif`.
+    pub fn from_path(path: &Path) -> Option<Self> {
+        let extension = lower_extension(path)?;
+        let extension = if extension == "tiff" { "tif" } else { &extension };
+        Self::ALL.into_iter().find(|format| format.extension() == extension)
+    }
+
+    /// Refuses what the format cannot show.
+    ///
+    /// # Errors
+    /// Names the way out.
+    pub fn check(self, options: &ImageOptions) -> Result<(), ImageError> {
+        let refuse = |accepted: &str| {
+            let value = format!("to be written as .{}", self.extension());
+            Err(ImageError { key: "the image", value, accepted: accepted.to_owned() })
+        };
+        let is_section = matches!(options.region, Region::Section { .. });
+        match (self, options.quantity) {
+            (Self::Png | Self::Svg, _) if !is_section => {
+                refuse("that shows one section: name it, as in z=75, or take .npy, .tif or .vti")
+            }
+            (Self::Png, Quantity::Grain | Quantity::Distance) => {
+                refuse("that shows phases or shares; take .npy, .tif or .vti")
+            }
+            (Self::Svg, Quantity::Grain | Quantity::Distance | Quantity::Share) => {
+                refuse("that shows phases; take .npy, .tif, .vti or .png")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes an image of `model` to `out` as it is made, and reports the share that is; `.tif` needs a file to seek in, see
+    /// [`tif::write`](crate::export::raster::tif::write).
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(
+        self,
+        image: &VoxelImage,
+        model: &Model,
+        region: Region,
+        told: &dyn Fn(f64),
+        mut out: impl Write,
+    ) -> io::Result<()> {
+        let frame = image.frame();
+        match (self, region) {
+            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(told), out),
+            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(told), out),
+            (Self::Svg, Region::Section { axis, at }) => page::section(model, axis, at, &mut out),
+            (Self::Png, Region::Section { .. }) => {
+                let values: Values = image.layers(0..frame.counts[2]);
+                png::write(&frame, &values, out)
+            }
+            _ => Err(io::Error::other("a .png or .svg holds a section, and a .tif needs a file to seek in")),
         }
     }
 }

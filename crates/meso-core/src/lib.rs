@@ -43,6 +43,8 @@ mod simd;
 pub mod spec;
 #[cfg(feature = "concrete")]
 pub mod statistics;
+#[cfg(feature = "concrete")]
+pub mod voxel_image;
 
 /// What tests and benches force; results do not change with it.
 #[doc(hidden)]

@@ -3,7 +3,7 @@
 use crate::aggregate::take::{Grain, Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
-use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Strategy, Tally, Target};
+use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Stage, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -77,7 +77,10 @@ fn largest_body(spec: &Spec, grains: &[Grain]) -> Result<Largest, SpecError> {
 fn take_grains(spec: &Spec, progress: &dyn Progress, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
     let deadline = spec.placement.deadline(started);
     let stopped = AtomicBool::new(false);
-    let go_on = || {
+    let inclusions: f64 = spec.inclusions().fractions().iter().sum();
+    let wanted = spec.specimen.volume() * (spec.fraction + inclusions);
+    let go_on = |volume: f64| {
+        progress.stage(Stage::Take, volume / wanted);
         let go_on = progress.update(0.0, spec.fraction) && progress.seconds() < deadline;
         stopped.fetch_or(!go_on, Ordering::Relaxed);
         go_on

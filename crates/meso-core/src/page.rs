@@ -6,9 +6,12 @@ pub mod plot;
 mod slice;
 mod tables;
 
+use crate::aggregate::{Aggregate, SizeDefinition};
+use crate::geometry::sieve_size;
 use crate::model::Model;
 use crate::statistics::Statistics;
 use plot::{Curve, Plot};
+use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 
 /// Writes the page to `out`.
@@ -25,6 +28,14 @@ pub fn write(model: &Model, statistics: &Statistics, out: impl Write) -> io::Res
     tables::spec(model, &mut out)?;
     out.write_all(b"</main>\n</html>\n")?;
     out.flush()
+}
+
+/// Writes one section across `axis` at `place` mm as a picture of its own (`.svg`), to scale in mm and upright.
+///
+/// # Errors
+/// Those of `out`.
+pub fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+    slice::picture(model, axis, place, out)
 }
 
 const STYLE: &str = "\
@@ -93,14 +104,34 @@ fn grading(model: &Model) -> Plot {
         sum += class.fraction / model.report.target_fraction;
         reached.push((class.d_max_mm, sum));
     }
-    Plot {
-        title: "Passing against sieve size",
-        x: "size, mm (logarithmic)",
-        y: "share of the asked volume",
-        log_x: true,
-        size: plot::SMALL,
-        curves: vec![Curve::line("asked", asked.collect()), Curve::dots("reached", reached)],
+    let mut curves = vec![Curve::line("asked", asked.collect()), Curve::dots("reached", reached)];
+    let (title, x) = match grading.size {
+        SizeDefinition::Sieve => ("Passing against sieve size", "sieve size, mm (logarithmic)"),
+        SizeDefinition::LongestAxis => {
+            curves.push(Curve::line("by sieve size", sieve_curve(model)));
+            ("Passing against longest axis", "longest axis, mm (logarithmic)")
+        }
+    };
+    Plot { title, x, y: "share of the asked volume", log_x: true, size: plot::SMALL, curves }
+}
+
+/// Points of a curve over sizes.
+const CURVE_POINTS: usize = 60;
+
+/// The volume that passes square openings of a size, over the volume asked for.
+fn sieve_curve(model: &Model) -> Vec<(f64, f64)> {
+    let sieved = |aggregate: &Aggregate| (sieve_size(&aggregate.body), aggregate.body.volume());
+    let mut grains: Vec<(f64, f64)> = model.aggregates.par_iter().map(sieved).collect();
+    grains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let asked = model.report.target_fraction * model.report.specimen.volume_mm3;
+    let step = grains.len().div_ceil(CURVE_POINTS).max(1);
+    let mut passing = 0.0;
+    let mut curve = Vec::new();
+    for some in grains.chunks(step) {
+        passing += some.iter().map(|grain| grain.1).sum::<f64>() / asked;
+        curve.push((some[some.len() - 1].0, passing));
     }
+    curve
 }
 
 /// Layers with fewer samples scatter by more than 2 %, and are left out.

@@ -51,6 +51,11 @@ impl Default for Options {
 }
 
 impl Options {
+    /// A fifth of the samples, for a page that is written beside other files: curves scatter twice as much.
+    pub fn quick() -> Self {
+        Self { lines: 2_000, points: 40_000, ..Self::default() }
+    }
+
     /// Names the first invalid value.
     ///
     /// # Errors
@@ -101,19 +106,40 @@ pub struct Statistics {
 /// # Errors
 /// A loaded model may hold coordinates beyond what the exact distance accepts.
 pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkError> {
+    statistics_watched(model, options, &|_| {})
+}
+
+/// As [`statistics`], and reports which share of the work is done, 0 to 1.
+///
+/// # Errors
+/// As [`statistics`].
+pub fn statistics_watched(
+    model: &Model,
+    options: &Options,
+    told: &(dyn Fn(f64) + Sync),
+) -> Result<Statistics, GjkError> {
+    told(0.02);
     let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
     // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
     let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
     let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
+    let (shapes, orientation) = (Shapes::of(aggregates), Orientation::of(aggregates));
+    told(0.2);
+    let wall_effect = wall::wall_effect(&sample);
+    told(0.35);
+    let nearest_distance_mm = nearest::nearest_distances(model, &images)?;
+    told(0.7);
+    let correlation = correlation::correlation(&sample);
+    told(1.0);
     Ok(Statistics {
         fraction: ordered_sum(aggregates, |a| a.body.volume()) / container.volume(),
         specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / container.volume(),
         classes: model.report.classes.clone(),
-        shapes: Shapes::of(aggregates),
-        orientation: Orientation::of(aggregates),
-        wall_effect: wall::wall_effect(&sample),
-        nearest_distance_mm: nearest::nearest_distances(model, &images)?,
-        correlation: correlation::correlation(&sample),
+        shapes,
+        orientation,
+        wall_effect,
+        nearest_distance_mm,
+        correlation,
         phases: PhaseFigures::all(&model.inclusions, container.volume()),
     })
 }

@@ -5,7 +5,7 @@ use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
-use meso_core::mesh::{self, Mesh, MeshOptions};
+use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable};
 use meso_core::{Model, saved};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
@@ -39,7 +39,8 @@ pub(crate) fn write_model(
         return write_whole(path, overwrite, watch, |out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
-        let mesh = mesh::build(model, &MeshOptions::default());
+        let usual = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz));
+        let mesh = usual.and_then(|options| mesh::build(model, &options));
         let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding, watch);
     }

@@ -10,6 +10,7 @@ mod boundary;
 mod command;
 mod files;
 mod gjk;
+mod image;
 mod mesh;
 mod pack;
 mod packing;

@@ -39,8 +39,12 @@ impl PartialEq for PyMesh {
 
 /// Meshes `model` with the options that Python's keywords name.
 pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
+    // `itz=None` means what it says.
+    if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
+        keywords.set_item("itz", "none")?;
+    }
     let table: MeshTable = options(Some(keywords))?;
-    let options = MeshOptions::try_from(table).map_err(exception)?;
+    let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(exception)?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
     let built = beside_python(py, None, move |watch| {

@@ -5,12 +5,13 @@ use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
 use crate::run::beside_python;
 use crate::spec::{self, PySpec};
-use crate::{arrays, files, tree};
+use crate::{arrays, files, image, tree};
 use meso_core::check::{Check, check};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
 use meso_core::packing::Images;
 use meso_core::statistics::{Options, statistics};
+use meso_core::voxel_image::Region;
 use meso_core::{Model, saved};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -189,6 +190,85 @@ impl PyPacking {
         })
     }
 
+    /// What is at every voxel of the specimen, or of a box in it.
+    ///
+    /// Voxel (k, j, i) has its centre at (i + 0.5, j + 0.5, k + 0.5) h from the lower corner of the specimen's bounding
+    /// box, or of `box`. It lies in a body if its centre lies in the closed polyhedron.
+    ///
+    /// Parameters
+    /// ----------
+    /// h : float
+    ///     Edge of a voxel, mm; along periodic axes it must divide the specimen's length.
+    /// what : {"phase", "grain", "share", "distance"}
+    ///     "phase": uint8, 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 255 outside the specimen. "grain": int32, the id
+    ///     of the aggregate, void or fibre, -1 in the mortar, -2 outside. "share": float32, the share of the voxel's
+    ///     volume, exact to rounding; see `of`. "distance": float32, mm to the nearest surface of an aggregate, void or
+    ///     fibre, negative inside, NaN outside the specimen.
+    /// box : pair of triples, optional
+    ///     Lower and upper corner of the part that is shown, mm, in the specimen's bounding box.
+    /// of : {"aggregate", "core", "itz", "void", "fibre"}
+    ///     Whose share: of aggregates with their ITZ shells (as the packing's fraction counts them), of aggregates
+    ///     without, of the shells alone, of voids or of fibres.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (nz, ny, nx), C order
+    ///
+    /// Raises
+    /// ------
+    /// ValueError, TypeError
+    ///     Names the option, its value and what is accepted. Images of more than 2^33 voxels are left to
+    ///     `mesocrete image`, which streams them.
+    #[pyo3(signature = (h, what="phase", r#box=None, *, of="aggregate"))]
+    fn voxelize<'py>(
+        &self,
+        py: Python<'py>,
+        h: f64,
+        what: &str,
+        r#box: Option<[[f64; 3]; 2]>,
+        of: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let region = r#box.map_or(Region::Whole, |[min, max]| Region::Box { min, max });
+        image::make(py, &self.0, image::options(h, what, of, region)?)
+    }
+
+    /// What is on a plane across an axis, pixel by pixel.
+    ///
+    /// Parameters
+    /// ----------
+    /// axis : {"x", "y", "z"}
+    ///     The axis that the plane is across.
+    /// at : float
+    ///     Where on it, mm.
+    /// px : int
+    ///     Pixels along the longer side of the section; they are square.
+    /// what, of
+    ///     As for `voxelize`; shares are those of cubic voxels.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (rows, columns)
+    ///     [y, x] across z, [z, x] across y, [z, y] across x; the first row is the lowest, as with
+    ///     `matplotlib.pyplot.imshow(..., origin="lower")`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError, TypeError
+    ///     Names the option, its value and what is accepted.
+    #[pyo3(signature = (axis, at, px=512, what="phase", *, of="aggregate"))]
+    fn section<'py>(
+        &self,
+        py: Python<'py>,
+        axis: &str,
+        at: f64,
+        px: i64,
+        what: &str,
+        of: &str,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (axis, h) = image::pixels(&self.0, axis, px)?;
+        image::make(py, &self.0, image::options(h, what, of, Region::Section { axis, at })?)
+    }
+
     /// Meshes the packing.
     ///
     /// Parameters
@@ -198,7 +278,8 @@ impl PyPacking {
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
     /// **options
-    ///     The other options of `mesocrete mesh`, e.g. `itz="none"`.
+    ///     The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
+    ///     if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
     ///
     /// Raises
     /// ------

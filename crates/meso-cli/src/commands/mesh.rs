@@ -5,11 +5,13 @@ use super::meshing::{Meshing, wrong_deck};
 use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
+use crate::progress::Watch;
 use crate::{inputs, stderr, threads};
 use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
 use meso_core::mesh::Mesh;
+use meso_core::packing::Stage;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +56,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let deck = args.meshing.deck(&model.spec)?;
     args.meshing.check(&model.spec.specimen)?;
     args.meshing.warn_unused(writes_deck);
-    let mesh = args.meshing.build(&model, args.quiet)?;
+    let mut watch = Watch::of_files(args.quiet, &[(Stage::Mesh, 1.0)]);
+    let mesh = args.meshing.build(&model, args.quiet, &watch);
+    watch.finish();
+    let mesh = mesh?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
     }
@@ -78,6 +83,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     unit.commit()?;
     if let (Some(told), false) = (told, args.quiet) {
         told.print();
+        args.meshing.hint(&model.spec).into_iter().for_each(stderr::line);
         targets
             .iter()
             .filter_map(|target| target.file())

@@ -2,18 +2,21 @@
 
 use super::{names, values};
 use crate::failure::Failure;
+use crate::progress::Watch;
 use crate::{inputs, stderr};
+use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
 use meso_core::mesh::{
     self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, VolumeMesher, Volumes,
 };
-use meso_core::packing::Specimen;
+use meso_core::packing::{Specimen, Stage};
 use meso_core::spec::options_from_toml;
-use meso_core::{Model, Spec};
+use meso_core::{Model, Progress, Spec};
 use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Meshes and decks")]
@@ -26,8 +29,11 @@ pub(super) struct Meshing {
     #[arg(allow_negative_numbers = true)]
     element_size_mm: f64,
     #[arg(long, value_parser = names::parse::<ItzForm>)]
-    #[arg(help = format!("How the interfacial transition zone enters the mesh: {} [default: solid; with an analysis smeared]", names::list::<ItzForm>()))]
+    #[arg(help = format!("How the interfacial transition zone enters the mesh: {} [default: solid, or none where the elements are thicker than it; with an analysis smeared]", names::list::<ItzForm>()))]
     itz: Option<ItzForm>,
+    /// The thickness that the spec gives it.
+    #[arg(skip)]
+    thickness: OnceLock<Itz>,
     #[arg(long, value_parser = names::parse::<Joined>)]
     #[arg(help = format!("What becomes of aggregates that would share nodes: {} [default: keep; with an analysis mortar]", names::list::<Joined>()))]
     joined: Option<Joined>,
@@ -44,7 +50,7 @@ pub(super) struct Meshing {
     /// Let the ITZ be thinner than one voxel, with holes in it
     #[arg(long)]
     thin_itz: bool,
-    /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
+    /// Sub-samples per voxel and axis, 1 to 8; with more than 1 each body gets as many voxels as its samples fill
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
     subsamples: u32,
@@ -99,7 +105,7 @@ impl Meshing {
         MeshTable {
             method: self.method(),
             element_size_mm: self.element_size_mm,
-            itz: self.itz(),
+            itz: self.itz.or(self.analyses().then_some(ItzForm::Smeared)),
             thin_itz: self.thin_itz,
             subsamples: self.subsamples,
             fit: self.fit,
@@ -108,6 +114,7 @@ impl Meshing {
             volumes: self.volumes.unwrap_or(if self.analyses() { Volumes::Exact } else { Volumes::Fitted }),
             slabs: self.slabs,
         }
+        .with_itz_for(self.thickness.get().unwrap_or(&Itz::default()))
     }
 
     /// Whether the deck computes something: then what is not asked for is what a mechanician would choose.
@@ -125,7 +132,18 @@ impl Meshing {
     }
 
     fn itz(&self) -> ItzForm {
-        self.itz.unwrap_or(if self.analyses() { ItzForm::Smeared } else { ItzForm::Solid })
+        self.table().itz.unwrap_or(ItzForm::Solid)
+    }
+
+    /// How to get the ITZ, where the mesh has none although nobody said so.
+    pub(super) fn hint(&self, spec: &Spec) -> Option<String> {
+        let [low, high] = spec.itz.thickness_mm;
+        (self.itz.is_none() && self.itz() == ItzForm::None && high > 0.0).then(|| {
+            format!(
+                "the mesh has no ITZ: shells of {low} to {high} mm are thinner than its elements; --itz cohesive or --method \
+                 lattice shows them"
+            )
+        })
     }
 
     /// The options; flags of other methods were named by [`warn_unused`](Self::warn_unused), and do nothing.
@@ -137,6 +155,7 @@ impl Meshing {
 
     /// Contents of a deck; options that a mesh of the specimen cannot carry are wrong usage.
     pub(super) fn deck(&self, spec: &Spec) -> Result<DeckOptions, Failure> {
+        self.thickness.get_or_init(|| spec.itz);
         let deck = DeckOptions {
             analysis: self.analysis,
             strain: self.strain,
@@ -226,7 +245,7 @@ impl Meshing {
             "mesocrete mesh MODEL --method {} --element-size-mm {} --itz {} --joined {} --volumes {}",
             name(mesh.method),
             mesh.element_size_mm,
-            name(mesh.itz),
+            name(self.itz()),
             name(mesh.joined),
             name(mesh.volumes),
         )];
@@ -289,8 +308,8 @@ impl Meshing {
     }
 
     /// Meshes; options that cannot be are wrong usage.
-    pub(super) fn build(&self, model: &Model, quiet: bool) -> Result<Mesh, Failure> {
-        build(model, &self.options()?, &self.gmsh, quiet)
+    pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<Mesh, Failure> {
+        build(model, &self.options()?, &self.gmsh, quiet, watch)
     }
 }
 
@@ -304,7 +323,13 @@ pub(super) fn check(options: &MeshOptions, gmsh: &Path, specimen: &Specimen) -> 
 }
 
 /// Meshes, with the program `gmsh` where it is needed; options that cannot be are wrong usage.
-pub(super) fn build(model: &Model, options: &MeshOptions, gmsh: &Path, quiet: bool) -> Result<Mesh, Failure> {
+pub(super) fn build(
+    model: &Model,
+    options: &MeshOptions,
+    gmsh: &Path,
+    quiet: bool,
+    watch: &Watch,
+) -> Result<Mesh, Failure> {
     let gmsh = Gmsh::program(gmsh);
     let run = |surfaces: &Surfaces| {
         if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
@@ -312,7 +337,8 @@ pub(super) fn build(model: &Model, options: &MeshOptions, gmsh: &Path, quiet: bo
         }
         gmsh.fill(surfaces)
     };
-    mesh::build_with(model, options, &run).map_err(|error| wrong_mesh(&error))
+    let told = |share| watch.stage(Stage::Mesh, share);
+    mesh::build_watched(model, options, &run, &told).map_err(|error| wrong_mesh(&error))
 }
 
 /// What cannot be asked of a mesh is wrong usage.

@@ -5,22 +5,24 @@ use super::meshing::{Meshing, wrong_deck};
 use super::{mesh, names, values};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{self, Target, Unit};
-use crate::progress::Watch;
+use crate::progress::{PACK, Watch};
 use crate::{inputs, stderr, threads};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
-use meso_core::packing::{Images, Placement, Report, Seconds, StopReason, Strategy};
-use meso_core::{Model, Spec, SpecError};
+use meso_core::packing::{Images, Placement, Report, Seconds, Stage, StopReason, Strategy};
+use meso_core::page;
+use meso_core::statistics::{Options, statistics_watched};
+use meso_core::{Model, Progress, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; meshes: .inp, .msh, .pvtu; `-` writes the
-    /// .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp
+    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; a page: .html; meshes: .inp, .msh, .pvtu;
+    /// `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Seed of all randomness; the same seed gives the same bytes
@@ -76,6 +78,8 @@ pub(crate) struct Args {
 enum Content {
     Packing(Format),
     Mesh(MeshFormat),
+    /// Pictures and figures.
+    Page,
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -92,16 +96,22 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     args.meshing.warn_unused(plan.has_deck());
     // Before the work: a hopeless target is reported while nothing is lost.
     spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
-    let mut watch = Watch::start(args.quiet);
+    let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
+    let mut watch = Watch::start(args.quiet, &stages);
     let model = meso_core::pack(&spec, &watch);
+    watch.placed();
+    let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
+        let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet, &watch)).transpose()?;
+        plan.write(&model, mesh.as_ref(), &deck, &watch)?;
+        Ok((model, mesh))
+    });
     watch.finish();
-    let model = model.map_err(|error| args.name_flag(error))?;
-    let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet)).transpose()?;
-    plan.write(&model, mesh.as_ref(), &deck, &watch)?;
+    let (model, mesh) = written?;
     if !args.quiet {
         print(&model.report);
         if let Some(mesh) = &mesh {
             MeshReport::of(mesh, &model, args.meshing.options()?, &deck).print();
+            args.meshing.hint(&spec).into_iter().for_each(stderr::line);
         }
         plan.files().for_each(|path| stderr::line(format!("wrote {}", path.display())));
         plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &deck));
@@ -144,11 +154,11 @@ impl Args {
 
     /// Destinations of all outputs; refuses those that cannot be written before anything is packed.
     fn plan(&self) -> Result<Plan, Failure> {
-        let default = ["model.json", "model.vtu", "model.inp"].map(PathBuf::from);
+        let default = ["model.json", "model.vtu", "model.inp", "model.html"].map(PathBuf::from);
         let paths = if self.output.is_empty() { &default[..] } else { &self.output };
         let contents = paths.iter().map(|path| content(path)).collect::<Result<Vec<_>, _>>()?;
         let target = |(path, content): (&PathBuf, &Content)| match content {
-            Content::Packing(_) => Target::new(path, self.force),
+            Content::Packing(_) | Content::Page => Target::new(path, self.force),
             Content::Mesh(format) => mesh::target(path, *format, self.force, &self.meshing),
         };
         let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
@@ -164,10 +174,13 @@ fn content(path: &Path) -> Result<Content, Failure> {
     if path == Path::new("-") {
         return Ok(Content::Packing(Format::Json));
     }
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+        return Ok(Content::Page);
+    }
     let packing = Format::from_path(path).map(Content::Packing);
     packing.or_else(|| MeshFormat::from_path(path).map(Content::Mesh)).ok_or_else(|| {
         let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
-        let known: Vec<&str> = Format::ALL.map(Format::extension).into_iter().chain(meshes).collect();
+        let known: Vec<&str> = Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect();
         let known = known.join(", .");
         Failure::Usage(format!("{}: the extension names no format; it must be one of .{known}", path.display()))
     })
@@ -189,7 +202,7 @@ impl Plan {
     fn meshes(&self) -> impl Iterator<Item = (&Target, MeshFormat)> {
         self.outputs.iter().filter_map(|(target, content)| match content {
             Content::Mesh(format) => Some((target, *format)),
-            Content::Packing(_) => None,
+            Content::Packing(_) | Content::Page => None,
         })
     }
 
@@ -205,7 +218,8 @@ impl Plan {
     fn write(&self, model: &Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
         let mut unit = Unit::default();
         let start = watch.elapsed();
-        for (target, content) in &self.outputs {
+        for (number, (target, content)) in self.outputs.iter().enumerate() {
+            watch.stage(Stage::Write, number as f64 / self.outputs.len() as f64);
             match (content, mesh) {
                 (Content::Packing(format), _) => {
                     unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
@@ -215,6 +229,7 @@ impl Plan {
                     mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.encoding)?;
                 }
                 (Content::Mesh(_), None) => {}
+                (Content::Page, _) => self.fill_page(&mut unit, target, model, watch)?,
             }
         }
         if let Some(target) = &self.summary {
@@ -227,6 +242,16 @@ impl Plan {
             })?;
         }
         unit.commit()
+    }
+}
+
+impl Plan {
+    /// A page of fewer samples than `report` takes: a newcomer waits for it.
+    fn fill_page(&self, unit: &mut Unit, target: &Target, model: &Model, watch: &Watch) -> Result<(), Failure> {
+        let told = |share| watch.stage(Stage::Measure, share);
+        let figures =
+            statistics_watched(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
+        unit.fill(target, self.force, |out| page::write(model, &figures, out))
     }
 }
 

@@ -3,9 +3,12 @@
 use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
+use crate::progress::Watch;
 use crate::{inputs, stderr, threads};
+use meso_core::Progress;
+use meso_core::packing::Stage;
 use meso_core::page;
-use meso_core::statistics::{Options, Statistics, statistics};
+use meso_core::statistics::{Options, Statistics, statistics_watched};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +35,10 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let target = Target::new(&args.output, args.force)?;
     outputs::distinct(&[&target], &[&args.model])?;
     let model = inputs::model(&args.model)?;
-    let figures = threads::with(args.threads, || statistics(&model, &Options::default()))?;
+    let mut watch = Watch::of_files(args.quiet, &[(Stage::Measure, 1.0)]);
+    let told = |share| watch.stage(Stage::Measure, share);
+    let figures = threads::with(args.threads, || statistics_watched(&model, &Options::default(), &told))?;
+    watch.finish();
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();
     unit.fill(&target, args.force, |out| match content {

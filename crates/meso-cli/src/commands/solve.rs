@@ -6,7 +6,7 @@ mod watch;
 
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
-use crate::progress::Watch;
+use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, stderr, threads};
 use division::Division;
 use folder::{Folder, Kept};
@@ -174,7 +174,7 @@ impl Args {
                 spec.seed
             ));
         }
-        let mut watch = Watch::start(self.quiet);
+        let mut watch = Watch::start(self.quiet, &PACK[..3]);
         let model = meso_core::pack(&spec, &watch);
         watch.finish();
         seconds.pack = watch.elapsed();

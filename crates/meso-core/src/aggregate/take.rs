@@ -110,8 +110,8 @@ pub struct Recipe<'a> {
     pub inclusions: &'a Inclusions,
     /// Seed of all streams.
     pub seed: u64,
-    /// Called now and then; `false` ends the take with the grains it has.
-    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    /// Called now and then with the volume generated so far, mm3; `false` ends the take with the grains it has.
+    pub go_on: &'a (dyn Fn(f64) -> bool + Sync),
 }
 
 /// Generates grains of every class until each class holds `fraction * volume * share * (1 + surplus)` mm3, as nearly
@@ -148,12 +148,13 @@ const SPARE: u32 = 8;
 pub(super) fn fill(
     grains: &mut Vec<Grain>,
     target: f64,
-    go_on: &(dyn Fn() -> bool + Sync),
+    go_on: &(dyn Fn(f64) -> bool + Sync),
     make: impl Fn(u32) -> Result<Grain, HullError> + Sync,
 ) -> Result<(), HullError> {
+    let before: f64 = grains.iter().map(Grain::volume).sum();
     let (mut volume, mut made) = (0.0, 0);
     loop {
-        if !go_on() {
+        if !go_on(before + volume) {
             return Ok(());
         }
         // With no grain yet this is NaN, and NaN.min(CHUNK) is CHUNK.

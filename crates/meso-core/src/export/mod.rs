@@ -4,6 +4,7 @@ pub mod abaqus;
 pub mod csv;
 pub mod msh;
 pub mod pvtu;
+pub mod raster;
 pub mod stl;
 pub mod vtk;
 pub mod vtu;

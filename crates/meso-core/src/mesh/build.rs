@@ -31,7 +31,20 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
 /// # Errors
 /// As [`build`], and those of `gmsh`.
 pub fn build_with(model: &Model, options: &MeshOptions, gmsh: &dyn VolumeMesher) -> Result<Mesh, MeshError> {
-    assemble(&model.bodies(), &model.spec.specimen, options, gmsh)
+    build_watched(model, options, gmsh, &|_| {})
+}
+
+/// As [`build_with`], and reports now and then which share of the work is done, 0 to 1.
+///
+/// # Errors
+/// As [`build_with`].
+pub fn build_watched(
+    model: &Model,
+    options: &MeshOptions,
+    gmsh: &dyn VolumeMesher,
+    told: &dyn Fn(f64),
+) -> Result<Mesh, MeshError> {
+    assemble(&model.bodies(), &model.spec.specimen, options, gmsh, told)
 }
 
 /// Meshes `aggregates`, which must be disjoint and inside `specimen`; voids among them are left out of the mesh.
@@ -39,7 +52,7 @@ pub fn build_with(model: &Model, options: &MeshOptions, gmsh: &dyn VolumeMesher)
 /// # Errors
 /// As [`build`].
 pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Mesh, MeshError> {
-    assemble(aggregates, specimen, options, &|_: &conforming::Surfaces| Err(MeshError::NeedsGmsh))
+    assemble(aggregates, specimen, options, &|_: &conforming::Surfaces| Err(MeshError::NeedsGmsh), &|_| {})
 }
 
 fn assemble(
@@ -47,26 +60,33 @@ fn assemble(
     specimen: &Specimen,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
+    told: &dyn Fn(f64),
 ) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
+    told(0.02);
     let container = specimen.container();
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut bodies = images_near(aggregates, specimen, 0.0);
     bodies.sort_by(before);
     let bodies = bodies.as_slice();
+    told(0.05);
     let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
+    told(0.6);
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
         clip(&mut mesh, &*container);
     }
     leave_out_voids(&mut mesh, bodies);
     fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
+    told(0.75);
     make_fit(&mut mesh, bodies, options);
+    told(0.85);
     if options.itz == ItzForm::Cohesive {
         interface::add_cohesive(&mut mesh);
         if mesh.periodic != [false; 3] {
             sides::complete(&mut mesh);
         }
     }
+    told(0.95);
     quality::all_positive(&mesh)?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();

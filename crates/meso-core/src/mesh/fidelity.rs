@@ -168,7 +168,7 @@ fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
 }
 
 /// A convex body by its surface.
-struct Body {
+pub(crate) struct Body {
     id: u32,
     /// The triangles of its faces.
     triangles: Vec<[Vec3; 3]>,
@@ -177,7 +177,7 @@ struct Body {
 }
 
 impl Body {
-    fn new(aggregate: &Aggregate) -> Self {
+    pub(crate) fn new(aggregate: &Aggregate) -> Self {
         let body = &aggregate.body;
         let corners = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
         let pieces =
@@ -187,7 +187,7 @@ impl Body {
     }
 
     /// From `x` to the surface, mm: inside, the nearest plane; outside, the nearest of the triangles that face `x`.
-    fn distance(&self, x: &Vec3) -> f64 {
+    pub(crate) fn distance(&self, x: &Vec3) -> f64 {
         let height = |plane: &Plane| plane.normal.dot(x) - plane.offset;
         let (mut highest, mut most) = (0, f64::NEG_INFINITY);
         for (triangle, plane) in self.planes.iter().enumerate() {

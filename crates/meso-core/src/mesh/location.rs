@@ -8,8 +8,10 @@ use crate::aggregate::Aggregate;
 use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// A convex body by its face planes.
+#[derive(Clone)]
 pub(crate) struct Facets {
     /// Of its inside.
     pub(crate) phase: Phase,
@@ -108,16 +110,22 @@ pub(crate) struct PointGrid {
 }
 
 impl PointGrid {
-    fn coordinate(&self, axis: usize, index: usize) -> f64 {
+    pub(crate) fn coordinate(&self, axis: usize, index: usize) -> f64 {
         self.origin[axis] + index as f64 * self.spacing[axis]
     }
 
     /// The indices whose coordinates lie within the closed interval `low..=high`.
-    fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<usize> {
         let index = |x: f64| (x - self.origin[axis]) / self.spacing[axis];
         let start = index(low).ceil().max(0.0);
         let end = (index(high).floor() + 1.0).min(self.counts[axis] as f64);
         if start < end { start as usize..end as usize } else { 0..0 }
+    }
+
+    /// The point with this number in layer `k`.
+    pub(crate) fn point(&self, number: usize, k: usize) -> Vec3 {
+        let (i, j) = (number % self.counts[0], number / self.counts[0]);
+        Vec3::new(self.coordinate(0, i), self.coordinate(1, j), self.coordinate(2, k))
     }
 
     /// Points in one z layer.
@@ -133,11 +141,11 @@ pub(crate) struct Label(u32);
 impl Label {
     pub(crate) const MORTAR: Self = Self(NO_BODY);
 
-    fn core(body: u32) -> Self {
+    pub(crate) fn core(body: u32) -> Self {
         Self(body << 1)
     }
 
-    fn shell(body: u32) -> Self {
+    pub(crate) fn shell(body: u32) -> Self {
         Self(body << 1 | 1)
     }
 
@@ -154,13 +162,14 @@ impl Label {
 /// All bodies, and by layer of a grid those that meet it.
 pub(crate) struct Scan<'a> {
     grid: PointGrid,
-    bodies: &'a [Facets],
+    bodies: Cow<'a, [Facets]>,
     by_layer: Vec<Vec<u32>>,
 }
 
 impl<'a> Scan<'a> {
     /// Prepares the labels of `grid`.
-    pub(crate) fn new(grid: PointGrid, bodies: &'a [Facets]) -> Self {
+    pub(crate) fn new(grid: PointGrid, bodies: impl Into<Cow<'a, [Facets]>>) -> Self {
+        let bodies = bodies.into();
         let mut by_layer = vec![Vec::new(); grid.counts[2]];
         for (index, body) in bodies.iter().enumerate() {
             for k in grid.range(2, body.aabb.min.z, body.aabb.max.z) {
@@ -170,24 +179,36 @@ impl<'a> Scan<'a> {
         Self { grid, bodies, by_layer }
     }
 
+    /// The points.
+    pub(crate) fn grid(&self) -> &PointGrid {
+        &self.grid
+    }
+
+    /// The bodies, as they were given.
+    pub(crate) fn bodies(&self) -> &[Facets] {
+        &self.bodies
+    }
+
     /// Labels of layer `k`, into `labels` of length [`PointGrid::layer_len`].
     pub(crate) fn label_layer(&self, k: usize, labels: &mut [Label]) {
         labels.fill(Label::MORTAR);
-        let z = self.grid.coordinate(2, k);
-        for &index in &self.by_layer[k] {
-            self.label_body(index, z, labels);
-        }
+        self.paint_layer(k, labels, |body| [Label::shell(body), Label::core(body)]);
     }
 
-    fn label_body(&self, index: u32, z: f64, labels: &mut [Label]) {
-        let body = &self.bodies[index as usize];
-        for j in self.grid.range(1, body.aabb.min.y, body.aabb.max.y) {
-            let row = &mut labels[j * self.grid.counts[0]..][..self.grid.counts[0]];
-            let [outer, core] = body.intervals(self.grid.coordinate(1, j), z);
-            if body.shell > 0.0 {
-                row[self.grid.range(0, outer.low, outer.high)].fill(Label::shell(index));
+    /// Gives the points of layer `k` in the shell and the core of every body their values; others keep theirs.
+    pub(crate) fn paint_layer<T: Copy>(&self, k: usize, layer: &mut [T], values: impl Fn(u32) -> [T; 2]) {
+        let z = self.grid.coordinate(2, k);
+        for &index in &self.by_layer[k] {
+            let body = &self.bodies[index as usize];
+            let [shell, core_value] = values(index);
+            for j in self.grid.range(1, body.aabb.min.y, body.aabb.max.y) {
+                let row = &mut layer[j * self.grid.counts[0]..][..self.grid.counts[0]];
+                let [outer, core] = body.intervals(self.grid.coordinate(1, j), z);
+                if body.shell > 0.0 {
+                    row[self.grid.range(0, outer.low, outer.high)].fill(shell);
+                }
+                row[self.grid.range(0, core.low, core.high)].fill(core_value);
             }
-            row[self.grid.range(0, core.low, core.high)].fill(Label::core(index));
         }
     }
 }

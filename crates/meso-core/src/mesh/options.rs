@@ -1,7 +1,7 @@
 //! What is asked of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
 
 use super::error::MeshError;
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Itz};
 use crate::packing::Specimen;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,8 @@ pub enum Method {
         /// Let the solid ITZ have its own thickness, even where that is less than a voxel (and the layer has holes);
         /// otherwise it is at least one voxel thick.
         thin_itz: bool,
-        /// Sub-samples per voxel and axis, 1 to 8: 1 takes the phase of the centre, n the majority of n^3 points.
+        /// Sub-samples per voxel and axis, 1 to 8: 1 takes the phase of the centre; with n each body gets as many voxels
+        /// as its samples fill, of n^3 in each, the fullest first.
         subsamples: u32,
     },
     /// Body-centred cubic tetrahedra.
@@ -119,6 +120,18 @@ pub enum ItzForm {
     Smeared,
     /// Not at all: aggregates bonded to the mortar.
     None,
+}
+
+impl ItzForm {
+    /// The form that elements can show without more being asked for: a solid layer, or none where the elements are too
+    /// coarse for it.
+    ///
+    /// Voxels and plain lattices have whole elements alone. Shells thinner than one would come out several times too
+    /// thick, at the aggregates' expense.
+    pub fn carried_by(method: MethodName, fit: Fit, element_size_mm: f64, itz: &Itz) -> Self {
+        let whole_elements = method == MethodName::Voxel || (method == MethodName::Lattice && fit == Fit::Plain);
+        if whole_elements && element_size_mm > itz.thickness_mm[0] { Self::None } else { Self::Solid }
+    }
 }
 
 /// What becomes of aggregates that share nodes, since the elements cannot show the gap between them.
@@ -230,8 +243,8 @@ pub struct MeshTable {
     pub method: MethodName,
     /// As [`MeshOptions::element_size_mm`].
     pub element_size_mm: f64,
-    /// As [`MeshOptions::itz`].
-    pub itz: ItzForm,
+    /// As [`MeshOptions::itz`]; absent: what the elements can show, see [`ItzForm::carried_by`].
+    pub itz: Option<ItzForm>,
     /// As [`MeshOptions::joined`].
     pub joined: Joined,
     /// As [`MeshOptions::volumes`].
@@ -250,7 +263,7 @@ pub struct MeshTable {
 
 impl Default for MeshTable {
     fn default() -> Self {
-        MeshOptions::default().into()
+        Self { itz: None, ..MeshOptions::default().into() }
     }
 }
 
@@ -263,7 +276,7 @@ impl From<MeshOptions> for MeshTable {
             Method::Lattice { fit: own, .. } => fit = own,
             Method::Conforming { slabs: own, .. } => slabs = own,
         }
-        let method = method.name();
+        let (method, itz) = (method.name(), Some(itz));
         Self { method, element_size_mm, itz, joined, volumes, thin_itz, subsamples, fit, order, slabs }
     }
 }
@@ -282,7 +295,7 @@ impl TryFrom<MeshTable> for MeshOptions {
             MethodName::Lattice => Method::Lattice { fit, order },
             MethodName::Conforming => Method::Conforming { order, slabs },
         };
-        Ok(Self { method, element_size_mm, itz, joined, volumes })
+        Ok(Self { method, element_size_mm, itz: itz.unwrap_or(ItzForm::Solid), joined, volumes })
     }
 }
 
@@ -309,6 +322,16 @@ impl MeshTable {
     pub fn validate_ranges(&self) -> Result<(), MeshError> {
         validate_subsamples(self.subsamples)?;
         self.slabs.map_or(Ok(()), validate_slabs)
+    }
+
+    /// The same table with the form of the ITZ that its elements can show, where it names none.
+    #[must_use]
+    pub fn with_itz_for(self, itz: &Itz) -> Self {
+        let carried = match self.thin_itz {
+            true => ItzForm::Solid,
+            false => ItzForm::carried_by(self.method, self.fit, self.element_size_mm, itz),
+        };
+        Self { itz: Some(self.itz.unwrap_or(carried)), ..self }
     }
 
     /// The same table without the options of other methods.

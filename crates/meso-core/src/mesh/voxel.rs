@@ -1,4 +1,4 @@
-//! Voxel mesh: a regular grid of hexahedra, each of the phase of its centre or of the majority of its sub-samples.
+//! Voxel mesh: a regular grid of hexahedra, each of the phase of its centre, or as its sub-samples say.
 //!
 //! A centre is in an aggregate when all face planes have it inside, and in the ITZ when it is also outside the inward
 //! offset by the shell's thickness: max_i (n_i . x - d_i) > -t. By default t is at least the voxel's edge, so that along
@@ -7,6 +7,7 @@
 use super::cells::{CellKind, Draft, NO_BODY, Phase};
 use super::location::{Facets, Label, PointGrid, Scan};
 use super::options::MeshOptions;
+use super::subsamples::{Claim, settle};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -23,7 +24,7 @@ pub(super) fn build(
     let voxels = Voxels::of(specimen, options.element_size_mm);
     let facets =
         Facets::all(bodies, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
-    let labels = voxels.labels(&facets, subsamples as usize);
+    let labels = voxels.labels(bodies, &facets, subsamples as usize);
     let phase = labels.par_iter().map(|&label| phase_of(label, &facets)).collect();
     let owner = labels.par_iter().map(|label| label.body().unwrap_or(NO_BODY)).collect();
     Draft { kind: CellKind::Hexahedron, points: voxels.points(), cells: voxels.cells(), phase, owner }
@@ -61,7 +62,7 @@ impl Voxels {
         Self { min: aabb.min, max: aabb.max, spacing, counts }
     }
 
-    fn labels(&self, facets: &[Facets], n: usize) -> Vec<Label> {
+    fn labels(&self, bodies: &[Aggregate], facets: &[Facets], n: usize) -> Vec<Label> {
         let spacing = self.spacing / n as f64;
         let grid = PointGrid { origin: self.min + spacing / 2.0, spacing, counts: self.counts.map(|c| c * n) };
         let scan = Scan::new(grid, facets);
@@ -70,26 +71,34 @@ impl Voxels {
         if n == 1 {
             layers.for_each(|(k, layer)| scan.label_layer(k, layer));
         } else {
-            layers.for_each(|(k, layer)| self.majority_layer(&scan, grid, n, k, layer));
+            let claims: Vec<_> = layers.map(|(k, layer)| self.sample_layer(&scan, grid, n, k, layer)).collect();
+            settle(claims.concat(), n * n * n, bodies, &mut labels);
         }
         labels
     }
 
-    /// Labels of voxel layer `k` by the majority of n x n x n points in each voxel.
-    fn majority_layer(&self, scan: &Scan, fine: PointGrid, n: usize, k: usize, layer: &mut [Label]) {
+    /// Labels the voxels of layer `k` whose n x n x n samples agree; the claims on the others.
+    fn sample_layer(&self, scan: &Scan, fine: PointGrid, n: usize, k: usize, layer: &mut [Label]) -> Vec<Claim> {
         let mut samples = vec![Label::MORTAR; fine.layer_len() * n];
         for (sub, labels) in samples.chunks_exact_mut(fine.layer_len()).enumerate() {
             scan.label_layer(k * n + sub, labels);
         }
-        let mut votes = Vec::with_capacity(n * n * n);
+        let first = (k * layer.len()) as u32;
+        let (mut claims, mut of_voxel) = (Vec::new(), Vec::with_capacity(n * n * n));
         for (voxel, label) in layer.iter_mut().enumerate() {
             let (i, j) = (voxel % self.counts[0] * n, voxel / self.counts[0] * n);
-            votes.clear();
+            of_voxel.clear();
             for row in (0..n * n).map(|r| r / n * fine.layer_len() + (j + r % n) * fine.counts[0] + i) {
-                votes.extend_from_slice(&samples[row..row + n]);
+                of_voxel.extend_from_slice(&samples[row..row + n]);
             }
-            *label = majority(&mut votes);
+            if of_voxel.iter().all(|sample| *sample == of_voxel[0]) {
+                *label = of_voxel[0];
+            } else {
+                of_voxel.sort_unstable();
+                claims.extend(Claim::of(first + voxel as u32, &of_voxel));
+            }
         }
+        claims
     }
 
     fn points(&self) -> Vec<Vec3> {
@@ -115,20 +124,4 @@ impl Voxels {
         });
         cells
     }
-}
-
-/// Of the most frequent body, core and shell together, the label that more of its points have: a thin shell must not take
-/// votes from its aggregate. Of equally frequent ones the smallest, so that the order of the samples does not matter.
-fn majority(votes: &mut [Label]) -> Label {
-    if votes.iter().all(|v| *v == votes[0]) {
-        return votes[0];
-    }
-    votes.sort_unstable();
-    let body = longest(votes.chunk_by(|a, b| a.body() == b.body()));
-    longest(body.chunk_by(|a, b| a == b))[0]
-}
-
-/// The first of the longest runs.
-fn longest<'a>(runs: impl Iterator<Item = &'a [Label]>) -> &'a [Label] {
-    runs.fold(&[], |best, run| if run.len() > best.len() { run } else { best })
 }

@@ -4,6 +4,7 @@ mod cell_grid;
 mod face_shift;
 mod images;
 mod place;
+mod progress;
 mod reachable;
 mod rearrange;
 mod report;
@@ -14,6 +15,7 @@ pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
+pub use progress::{Measure, Progress, Silent, Stage};
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
 pub use specimen::{Built, Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
 
@@ -68,27 +70,6 @@ impl Default for Placement {
             wall_gap_mm: 0.0,
             time_limit_s: None,
         }
-    }
-}
-
-/// A long run reports its progress here, and asks whether to go on.
-pub trait Progress: Sync {
-    /// The fraction reached so far, of the target. Return `false` to stop with the best packing found.
-    fn update(&self, fraction: f64, target: f64) -> bool;
-    /// Seconds since some fixed moment: the core itself reads no clock.
-    fn seconds(&self) -> f64;
-}
-
-/// No progress, no clock, never stops.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Silent;
-
-impl Progress for Silent {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
-    fn seconds(&self) -> f64 {
-        0.0
     }
 }
 

@@ -1,8 +1,8 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::{
-    Container, DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, StopReason, Strategy, rearrange,
-    take_and_place,
+    Container, DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, Stage, StopReason, Strategy,
+    rearrange, take_and_place,
 };
 use crate::aggregate::Kind;
 use crate::aggregate::take::Grain;
@@ -130,6 +130,10 @@ impl Progress for Unstoppable<'_> {
         true
     }
 
+    fn stage(&self, stage: Stage, share: f64) {
+        self.0.stage(stage, share);
+    }
+
     fn seconds(&self) -> f64 {
         self.0.seconds()
     }
@@ -184,8 +188,16 @@ impl<'a> Task<'a> {
         (self.request.progress.seconds() - self.started) / (self.deadline - self.started)
     }
 
+    /// This share of the placing is done, or of the proof after it.
+    pub(super) fn done(&self, stage: Stage, share: f64) {
+        self.request.progress.stage(stage, share);
+    }
+
     /// Reports `volume` mm3 placed; the reason to stop now, if there is one.
     pub(super) fn stopped(&self, volume: f64) -> Option<StopReason> {
+        if volume > 0.0 {
+            self.done(Stage::Place, volume / (self.volume * self.request.target.fraction));
+        }
         if !self.request.progress.update(volume / self.volume, self.request.target.fraction) {
             return Some(StopReason::Interrupted);
         }

@@ -33,6 +33,22 @@ pub(super) fn figure(model: &Model, axis: usize, place: f64, out: &mut impl Writ
     writeln!(out, "</g></svg><figcaption>{caption}</figcaption></figure>")
 }
 
+/// The colours of a picture that stands alone: one for all aggregates, as in images of voxels.
+const STYLE: &str = ".m{fill:#e4e1da}.i{fill:#8a8275}.vo{fill:#fff}.fi{fill:#2f3b4c}";
+
+/// One section across `axis` at `place` mm, as a file of its own.
+pub(super) fn picture(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+    let size = model.spec.specimen.aabb().size();
+    let (u, v) = ACROSS[axis];
+    let (width, height) = (size[u], size[v]);
+    write!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" ")?;
+    writeln!(out, "viewBox=\"0 0 {width} {height}\">\n<title>{} = {place} mm</title>", NAMES[axis])?;
+    let cores: String = (0..6).map(|class| format!(".c{class}{{fill:#7fa8c9}}")).collect();
+    writeln!(out, "<style>{STYLE}{cores}</style>\n<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
+    section(model, axis, place, out)?;
+    out.write_all(b"</g>\n</svg>\n")
+}
+
 /// The three sections half a largest aggregate below the faces at the upper ends of the axes, seen from their corner.
 pub(super) fn block(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let aabb = model.spec.specimen.aabb();

@@ -1,8 +1,8 @@
 """The compiled part of the mesocrete package."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from os import PathLike
-from typing import Any, TypeAlias, final, overload
+from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -156,6 +156,32 @@ class Packing:
     def specimen_surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
     def check(self) -> dict[str, Any]: ...
     def statistics(self, **options: Any) -> dict[str, Any]: ...
+    def voxelize(
+        self,
+        h: float,
+        what: Literal["phase", "grain", "share", "distance"] = "phase",
+        box: Sequence[Sequence[float]] | None = None,
+        *,
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[Any]:
+        """Return what is at every voxel of edge `h`, mm: an array [z, y, x] in C order.
+
+        `what` is "phase" (uint8: 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 255 outside), "grain" (int32: the id,
+        -1 in the mortar, -2 outside), "share" (float32, of the voxel's volume, whose by `of`) or "distance" (float32, mm
+        to the nearest surface, negative inside, NaN outside). `box` is a part by its lower and upper corner, mm.
+        """
+
+    def section(
+        self,
+        axis: Literal["x", "y", "z"],
+        at: float,
+        px: int = 512,
+        what: Literal["phase", "grain", "share", "distance"] = "phase",
+        *,
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[Any]:
+        """Return what is on the plane across `axis` at `at` mm, `px` pixels along its longer side; lowest row first."""
+
     def mesh(
         self, *, method: str | None = None, element_size: float | None = None, **options: Any
     ) -> Mesh: ...

@@ -2,10 +2,11 @@
 
 use crate::commands::{meshing, names, values};
 use crate::failure::Failure;
+use crate::progress::Watch;
 use meso_core::Model;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName};
-use meso_core::packing::Specimen;
+use meso_core::packing::{Specimen, Stage};
 use meso_solve::Itz;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -61,11 +62,11 @@ impl Division {
         let table = MeshTable {
             method: self.method,
             element_size_mm: self.element_size_mm.unwrap_or(if is_quick { QUICK_MM } else { usual.element_size_mm }),
-            itz: match self.itz {
+            itz: Some(match self.itz {
                 Zone::Smeared | Zone::None => ItzForm::None,
                 Zone::Solid => ItzForm::Solid,
                 Zone::Cohesive => ItzForm::Cohesive,
-            },
+            }),
             fit: self.fit,
             subsamples: self.subsamples,
             ..usual
@@ -85,6 +86,9 @@ impl Division {
     }
 
     pub(super) fn build(&self, model: &Model, options: &MeshOptions, quiet: bool) -> Result<Mesh, Failure> {
-        meshing::build(model, options, &self.gmsh, quiet)
+        let mut watch = Watch::of_files(quiet, &[(Stage::Mesh, 1.0)]);
+        let mesh = meshing::build(model, options, &self.gmsh, quiet, &watch);
+        watch.finish();
+        mesh
     }
 }

@@ -2,7 +2,7 @@
 
 use super::folder::Folder;
 use crate::failure::Failure;
-use crate::progress::{CLEAR, bar, show};
+use crate::progress::{CLEAR, bar, fitting, show};
 use crate::{interrupt, stderr};
 use meso_core::mesh::Mesh;
 use meso_solve::results::{Moment, Snapshot};
@@ -102,7 +102,7 @@ impl<'a> Watching<'a> {
             Shown::Bar => {
                 if self.drawn.get().is_none_or(|drawn| drawn.elapsed() >= REDRAW) {
                     self.drawn.set(Some(Instant::now()));
-                    show(&format!("{CLEAR}{}", line(progress, left)));
+                    show(&format!("{CLEAR}{}", fitting(&line(progress, left))));
                 }
             }
         }

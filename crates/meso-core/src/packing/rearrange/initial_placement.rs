@@ -1,12 +1,13 @@
 //! Initial placement: grains are dropped, largest first, where they overlap least.
 
+use super::FILLING;
 use super::clearance_grid::{ClearanceGrid, around};
 use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::place::Task;
-use crate::packing::{Pose, StopReason};
+use crate::packing::{Pose, Stage, StopReason};
 use rayon::prelude::*;
 
 /// Random positions tried per dropped grain.
@@ -35,6 +36,7 @@ pub(super) fn fill(task: &Task, wanted: impl Fn(usize) -> bool) -> Result<Vec<(u
         let mut rest = order.as_slice();
         while !rest.is_empty() {
             let dropped = order.len() - rest.len();
+            task.done(Stage::Place, FILLING * poses.len() as f64 / grains.len() as f64);
             if let Some(reason) = task.stopped(0.0) {
                 return Err(reason);
             }

@@ -22,7 +22,7 @@ mod turn;
 mod walls;
 
 use super::place::Task;
-use super::{Outcome, Pose, StopReason};
+use super::{Outcome, Pose, Stage, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use contact_cache::{Gaps, Look};
@@ -65,6 +65,10 @@ const EARLY: f64 = LATE / 3.0;
 /// Beyond this share of the time limit, bodies that still lack much are damped quickly.
 const HURRY: f64 = LATE / 2.0;
 
+/// What bodies lack at first, in radii of the smallest, and the share of the stage that finding positions takes.
+const FIRST_LACK: f64 = 0.5;
+const FILLING: f64 = 0.3;
+
 /// Places all grains of `task`, or as many as fit, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
@@ -85,7 +89,9 @@ pub(super) fn place(task: &Task) -> Outcome {
     loop {
         // The lists of the dynamics are gone when the proof makes its own.
         let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
+        task.done(Stage::Prove, 0.1);
         let proved = certify::keep_apart(task, &reached, &mut outcome.work);
+        task.done(Stage::Prove, 1.0);
         // Single precision took an overlapping pair for open: ask for a larger gap, and continue.
         if proved.left_out > 0 && ended == Ended::Open && settings.ask_for_more() {
             poses = reached;
@@ -224,6 +230,7 @@ impl<'a> Dynamics<'a> {
             if self.sweep - best_sweep > self.settings.damping.patience() {
                 return Ended::Jammed;
             }
+            task.done(Stage::Place, self.share());
             if let Some(reason) = task.stopped(0.0) {
                 return Ended::Stopped(reason);
             }
@@ -329,6 +336,14 @@ impl<'a> Dynamics<'a> {
         self.lack = libm::sqrt(look.energy / self.bodies.len() as f64) / self.settings.radius;
         let outside = self.bodies.state.iter().filter(|state| !state.inside).count() as u32;
         Look { open_below: look.open_below + outside, ..look }
+    }
+
+    /// How far the overlaps have fallen, on a logarithmic scale: what a body lacks begins near a tenth of a radius and
+    /// ends near the slop. The start has taken [`FILLING`] of the stage.
+    fn share(&self) -> f64 {
+        let end = SLOP / 8.0;
+        let fallen = libm::log(FIRST_LACK / self.lack.clamp(end, FIRST_LACK)) / libm::log(FIRST_LACK / end);
+        FILLING + (1.0 - FILLING) * fallen
     }
 
     fn step(&mut self, momentum: f64) {

@@ -1,0 +1,127 @@
+//! `mesocrete image`: voxel images and sections of a saved model.
+
+use super::{names, values};
+use crate::failure::Failure;
+use crate::outputs::{self, Target, Unit};
+use crate::progress::Watch;
+use crate::{inputs, stderr, threads};
+use meso_core::Progress;
+use meso_core::export::raster::tif;
+use meso_core::formats::ImageFormat;
+use meso_core::packing::Stage;
+use meso_core::voxel_image::{ImageError, ImageOptions, Quantity, Region, ShareOf, VoxelImage};
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// A saved model (.json); `-` is standard input
+    model: PathBuf,
+    /// File to write, its format by the extension: .npy, .tif, .vti; of a section .png and .svg, too; `-` writes the
+    /// .npy to standard output. May be repeated
+    #[arg(short, long, value_name = "FILE", required = true)]
+    output: Vec<PathBuf>,
+    /// Edge of a voxel; along periodic axes it must divide the specimen's length
+    #[arg(long, value_name = "H", default_value_t = ImageOptions::default().voxel_size_mm, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
+    voxel_size_mm: f64,
+    #[arg(long, default_value = "phase", value_parser = names::parse::<Quantity>)]
+    #[arg(help = format!("What the values are: {}", names::list::<Quantity>()))]
+    what: Quantity,
+    #[arg(long, value_parser = names::parse::<ShareOf>)]
+    #[arg(help = format!("Whose share of a voxel, with --what share: {}; absent: aggregate, ITZ included", names::list::<ShareOf>()))]
+    of: Option<ShareOf>,
+    /// The voxels on one plane across an axis, at so many mm: z=75
+    #[arg(long, value_name = "AXIS=MM", value_parser = plane, conflicts_with = "box")]
+    section: Option<(usize, f64)>,
+    /// A part of the specimen by its lower and upper corner, mm: 0,0,0,50,50,50; voxels are counted from the lower corner
+    #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true)]
+    r#box: Option<[f64; 6]>,
+    /// Number of threads; all cores when absent
+    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
+    threads: Option<u16>,
+    /// Replace files that are there already
+    #[arg(short, long)]
+    force: bool,
+    /// Print only errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// An axis and a place on it.
+fn plane(text: &str) -> Result<(usize, f64), String> {
+    let expected = || "it must be an axis and a length in mm, as in z=75".to_owned();
+    let (axis, at) = text.split_once('=').ok_or_else(expected)?;
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim()).ok_or_else(expected)?;
+    at.trim().parse().ok().filter(|at: &f64| at.is_finite()).map(|at| (axis, at)).ok_or_else(expected)
+}
+
+/// Six coordinates.
+fn corners(text: &str) -> Result<[f64; 6], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| "it must be six lengths in mm, with commas".to_owned())
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    threads::with(args.threads, || on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    let options = args.options()?;
+    let plan = args.output.iter().map(|path| plan(path, args, &options)).collect::<Result<Vec<_>, _>>()?;
+    outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
+    let model = inputs::model(&args.model)?;
+    let image = VoxelImage::new(&model, &options).map_err(|error| wrong(&error))?;
+    let mut unit = Unit::default();
+    let mut watch = Watch::of_files(args.quiet, &[(Stage::Image, 1.0)]);
+    let told = |share| watch.stage(Stage::Image, share);
+    for (target, format) in &plan {
+        match format {
+            ImageFormat::Tif => {
+                unit.fill_file(target, args.force, |out| tif::write(&image.frame(), image.slabs_watched(&told), out))?
+            }
+            _ => unit.fill(target, args.force, |out| format.write(&image, &model, options.region, &told, out))?,
+        }
+    }
+    unit.commit()?;
+    watch.finish();
+    if !args.quiet {
+        let shape: Vec<String> = image.frame().shape().iter().map(usize::to_string).collect();
+        let (what, shape) = (options.quantity.name(), shape.join(" x "));
+        stderr::line(format!("{what} of {shape} voxels of {} mm", options.voxel_size_mm));
+        let files = plan.iter().filter_map(|(target, _)| target.file());
+        files.for_each(|path| stderr::line(format!("wrote {}", path.display())));
+    }
+    Ok(0)
+}
+
+impl Args {
+    fn options(&self) -> Result<ImageOptions, Failure> {
+        if self.of.is_some() && self.what != Quantity::Share {
+            return Err(Failure::Usage("--of is only for --what share; add that, or leave --of out".to_owned()));
+        }
+        let region = match (self.section, self.r#box) {
+            (Some((axis, at)), _) => Region::Section { axis, at },
+            (_, Some([a, b, c, d, e, f])) => Region::Box { min: [a, b, c], max: [d, e, f] },
+            _ => Region::Whole,
+        };
+        let of = self.of.unwrap_or_default();
+        Ok(ImageOptions { voxel_size_mm: self.voxel_size_mm, quantity: self.what, of, region })
+    }
+}
+
+fn plan(path: &Path, args: &Args, options: &ImageOptions) -> Result<(Target, ImageFormat), Failure> {
+    let format = if path == Path::new("-") { Some(ImageFormat::Npy) } else { ImageFormat::from_path(path) };
+    let format = format.ok_or_else(|| {
+        let known = ImageFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
+        Failure::Usage(format!("{}: the extension names no image; it must be one of {known}", path.display()))
+    })?;
+    format.check(options).map_err(|error| Failure::Usage(format!("{}: {}", path.display(), error.accepted)))?;
+    Ok((Target::new(path, args.force)?, format))
+}
+
+/// The core speaks of `voxel_size_mm`, the user typed `--voxel-size-mm`.
+fn wrong(error: &ImageError) -> Failure {
+    Failure::Usage(format!("--{} is {}; {}", error.key.replace('_', "-"), error.value, error.accepted))
+}

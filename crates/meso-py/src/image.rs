@@ -1,0 +1,93 @@
+//! Voxel images and sections as arrays of numpy.
+
+use crate::boundary::guard;
+use crate::run::beside_python;
+use meso_core::Model;
+use meso_core::export::raster::Values;
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::prelude::*;
+use serde::Deserialize;
+use serde::de::IntoDeserializer;
+use serde::de::value::{Error, StrDeserializer};
+use std::sync::Arc;
+
+/// Most voxels of an array; larger images belong in files.
+const MOST: usize = 1 << 33;
+
+/// The options by their names in Python.
+///
+/// # Errors
+/// `ValueError` for names that are none.
+pub(crate) fn options(h: f64, what: &str, of: &str, region: Region) -> PyResult<ImageOptions> {
+    let quantity: Quantity = named("what", what, "\"phase\", \"grain\", \"share\", \"distance\"")?;
+    let share: ShareOf = named("of", of, "\"aggregate\", \"core\", \"itz\", \"void\", \"fibre\"")?;
+    if share != ShareOf::Aggregate && quantity != Quantity::Share {
+        return Err(PyValueError::new_err(format!("of is {of:?}; it is only for what=\"share\"")));
+    }
+    Ok(ImageOptions { voxel_size_mm: h, quantity, of: share, region })
+}
+
+/// One of the names that serde knows.
+fn named<T: for<'de> Deserialize<'de>>(key: &str, name: &str, known: &str) -> PyResult<T> {
+    let text: StrDeserializer<'_, Error> = name.into_deserializer();
+    T::deserialize(text).map_err(|_| PyValueError::new_err(format!("{key} is {name:?}; it must be one of {known}")))
+}
+
+/// The axis of that name, and the size of a pixel, mm, of which `px` fit along the longer side of the section.
+///
+/// # Errors
+/// `ValueError` for another axis and for no pixels.
+pub(crate) fn pixels(model: &Model, axis: &str, px: i64) -> PyResult<(usize, f64)> {
+    let number = ["x", "y", "z"].iter().position(|name| *name == axis);
+    let number = number
+        .ok_or_else(|| PyValueError::new_err(format!("axis is {axis:?}; it must be one of \"x\", \"y\", \"z\"")))?;
+    if px < 1 {
+        return Err(PyValueError::new_err(format!("px is {px}; it must be 1 or more")));
+    }
+    let mut size = model.spec.specimen.aabb().size();
+    size[number] = 0.0;
+    Ok((number, size.max() / px as f64))
+}
+
+/// The whole image.
+///
+/// # Errors
+/// `ValueError` for options that cannot be met, `KeyboardInterrupt` on Ctrl-C.
+pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptions) -> PyResult<Bound<'py, PyAny>> {
+    guard(|| {
+        let model = Arc::clone(model);
+        let made = beside_python(py, None, move |watch| -> PyResult<(Values, Vec<usize>)> {
+            watch.stops_soon();
+            let image = VoxelImage::new(&model, &options).map_err(|error| PyValueError::new_err(error.to_string()))?;
+            let shape = image.frame().shape();
+            if shape.iter().product::<usize>() > MOST {
+                return Err(PyValueError::new_err(format!(
+                    "the image would have {shape:?} voxels, more than 2^33; take a box or larger voxels, or stream it to a \
+                     file: mesocrete image MODEL -o FILE.npy"
+                )));
+            }
+            let mut slabs = image.slabs().take_while(|_| watch.goes_on());
+            let first = slabs.next().ok_or_else(|| PyKeyboardInterrupt::new_err("stopped"))?;
+            Ok((slabs.fold(first, joined), shape))
+        })?;
+        let (values, shape) = made?;
+        match values {
+            Values::Label(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
+            Values::Id(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
+            Values::Real(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
+        }
+    })
+}
+
+/// Two slabs as one; slabs of an image are of one type.
+fn joined(mut lower: Values, upper: Values) -> Values {
+    match (&mut lower, upper) {
+        (Values::Label(all), Values::Label(more)) => all.extend_from_slice(&more),
+        (Values::Id(all), Values::Id(more)) => all.extend_from_slice(&more),
+        (Values::Real(all), Values::Real(more)) => all.extend_from_slice(&more),
+        _ => unreachable!("slabs of an image are of one type"),
+    }
+    lower
+}
