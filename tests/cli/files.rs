@@ -6,13 +6,16 @@ use std::process::Stdio;
 use std::time::Duration;
 
 #[test]
-fn pack_without_outputs_writes_model_json_vtu_and_inp() {
+fn pack_without_outputs_writes_model_json_vtu_inp_and_html() {
     let folder = Folder::with_spec();
     let run = folder.run(&["pack", "small.toml"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stdout.is_empty());
-    assert_eq!(folder.names(), ["model.inp", "model.json", "model.vtu", "small.toml"]);
+    assert_eq!(folder.names(), ["model.html", "model.inp", "model.json", "model.vtu", "small.toml"]);
     assert!(run.stderr.contains("meshed 8,000 elements"), "{}", run.stderr);
+    // Voxels of 2 mm show no shell of a tenth, and one line says how to get it.
+    assert!(run.stderr.contains("the mesh has no ITZ: shells of 0.1 to 0.5 mm are thinner"), "{}", run.stderr);
+    assert!(!run.stderr.contains("itz  "), "{}", run.stderr);
 }
 
 #[test]
@@ -32,9 +35,9 @@ fn an_existing_file_is_kept_unless_forced() {
 fn the_same_command_twice_with_force_gives_the_same_files() {
     let folder = Folder::with_spec();
     assert_eq!(folder.run(&["pack", "small.toml"]).code, 0);
-    let first: Vec<_> = ["model.json", "model.vtu", "model.inp"].map(|name| folder.read(name)).into();
+    let first: Vec<_> = ["model.json", "model.vtu", "model.inp", "model.html"].map(|name| folder.read(name)).into();
     assert_eq!(folder.run(&["pack", "small.toml", "--force"]).code, 0);
-    assert!(["model.json", "model.vtu", "model.inp"].map(|name| folder.read(name)).to_vec() == first);
+    assert!(["model.json", "model.vtu", "model.inp", "model.html"].map(|name| folder.read(name)).to_vec() == first);
 }
 
 #[test]

@@ -14,6 +14,7 @@ mod conforming_rooms;
 mod conforming_slabs;
 mod files;
 mod help;
+mod image;
 mod interrupt;
 #[path = "../layer_errors.rs"]
 mod layer_errors;

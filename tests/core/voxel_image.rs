@@ -4,8 +4,9 @@ use crate::models;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::raster::{Values, npy, png, tif, vti};
 use meso_core::formats::ImageFormat;
+use meso_core::geometry::Plane;
 use meso_core::gjk;
-use meso_core::math::Vec3;
+use meso_core::math::{Aabb, Vec3};
 use meso_core::packing::Images;
 use meso_core::spec::Spec;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
@@ -45,10 +46,15 @@ fn centres(image: &VoxelImage) -> Vec<Vec3> {
     voxels.map(|(i, j, k)| Vec3::new(at(i, 0), at(j, 1), at(k, 2))).collect()
 }
 
-/// Phase and grain of a point, by every half-space of every body.
-fn look(model: &Model, bodies: &[Aggregate], x: &Vec3) -> (u8, i32) {
-    let Some((body, height)) = bodies.iter().map(|body| (body, height(body, x))).find(|(_, height)| *height <= 0.0)
-    else {
+/// A body with its box and its half-spaces.
+type Solid<'a> = (&'a Aggregate, Aabb, Vec<Plane>);
+
+/// Phase and grain of a point, by every half-space of every body near it.
+fn look(model: &Model, bodies: &[Solid], x: &Vec3) -> (u8, i32) {
+    let height = |planes: &[Plane]| planes.iter().map(|p| p.normal.dot(x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
+    let near = bodies.iter().filter(|(_, aabb, _)| aabb.distance(x) == 0.0);
+    let mut holding = near.map(|(body, _, planes)| (body, height(planes)));
+    let Some((body, height)) = holding.find(|(_, height)| *height <= 0.0) else {
         return if model.spec.specimen.container().contains(x) { (0, -1) } else { (255, -2) };
     };
     let phase = match body.kind {
@@ -66,6 +72,7 @@ fn every_voxel_has_the_phase_and_the_grain_of_the_half_spaces_around_its_centre(
     for spec in [CUBE, PERIODIC, CYLINDER, DOGBONE, FURTHER] {
         let model = packed(spec);
         let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
+        let shown: Vec<Solid> = shown.iter().map(|b| (b, b.body.aabb(), b.body.planes().collect())).collect();
         let options = ImageOptions { voxel_size_mm: 0.75, ..ImageOptions::default() };
         let (frame, Values::Label(phases)) = image(&model, options) else { panic!("phases are labels") };
         let (_, Values::Id(grains)) = image(&model, ImageOptions { quantity: Quantity::Grain, ..options }) else {
@@ -114,7 +121,7 @@ fn distances_are_those_of_the_nearest_body_and_negative_inside() {
                 assert!(distance.is_nan());
                 continue;
             }
-            let domain = meso_core::math::Aabb { min: *centre, max: *centre }.grown(20.0);
+            let domain = Aabb { min: *centre, max: *centre }.grown(20.0);
             let images = model.aggregates.iter().flat_map(|a| {
                 let shifts = period.shifts(&a.body.aabb(), &domain);
                 shifts.into_iter().map(|shift| Aggregate { body: a.body.translated(&shift), ..a.clone() })

@@ -8,7 +8,7 @@ import mesocrete as mc
 
 @pytest.fixture(scope="module")
 def mesh(packing):
-    return packing.mesh(method="voxel", element_size=3.0)
+    return packing.mesh(method="voxel", element_size=3.0, itz="solid")
 
 
 def test_arrays_have_the_documented_shapes(mesh):

@@ -13,7 +13,7 @@ from mesocrete import gjk
 
 REPORT_KEYS = {
     "version", "seed", "target_fraction", "fraction", "aggregates", "discarded", "specimen", "classes", "stop_reason",
-    "seconds", "work",
+    "work",
 }  # fmt: skip
 
 
@@ -33,7 +33,9 @@ def test_report_has_the_keys_of_the_summary(packing):
     report = packing.report()
     assert REPORT_KEYS <= report.keys()
     assert report["specimen"] == {"kind": "cube", "volume_mm3": 216000.0}
-    assert {"total", "take", "place", "write"} <= report["seconds"].keys()
+    assert "seconds" not in report
+    assert {"total", "take", "place", "write"} <= packing.work["seconds"].keys()
+    assert packing.work["gjk_calls"] == report["work"]["gjk_calls"]
     assert {"candidates", "pairs_broad", "pairs_sphere", "pairs_axis", "gjk_calls", "exact_calls"} <= report["work"].keys()
     assert report["seed"] == packing.seed == 7
 
@@ -137,7 +139,7 @@ def test_damaged_pickles_are_value_errors(packing):
 def test_packings_do_not_hash_and_say_what_they_are(packing):
     with pytest.raises(TypeError):
         hash(packing)
-    assert repr(packing) == f"Packing({len(packing)} aggregates in a cube, fraction={packing.fraction}, seed=7)"
+    assert repr(packing) == f"Packing({len(packing)} aggregates in a cube, fraction={packing.fraction:.4f}, seed=7)"
     assert "Aggregate(id=0, size_class=" in repr(packing.aggregates[0])
     assert repr(packing.aggregates) == f"<{len(packing)} aggregates>"
 

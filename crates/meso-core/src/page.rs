@@ -1,8 +1,9 @@
-//! One self-contained HTML page about a packing: pictures, grading plot, statistics; no script, nothing to load.
+//! One self-contained HTML page about a packing: pictures, a block to turn, grading plot, statistics; nothing to load.
 //!
 //! Pictures are exact: the polygons in which the plane meets the polyhedra and their cores.
 
 pub mod plot;
+mod scene;
 mod slice;
 mod tables;
 
@@ -10,6 +11,8 @@ use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::geometry::sieve_size;
 use crate::model::Model;
 use crate::statistics::Statistics;
+pub use scene::base64;
+
 use plot::{Curve, Plot};
 use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
@@ -22,6 +25,7 @@ pub fn write(model: &Model, statistics: &Statistics, out: impl Write) -> io::Res
     let mut out = BufWriter::with_capacity(1 << 16, out);
     head(model, &mut out)?;
     tables::outcome(model, &mut out)?;
+    scene::write(model, &mut out)?;
     pictures(model, &mut out)?;
     plots(model, statistics, &mut out)?;
     tables::shapes(statistics, &mut out)?;
@@ -39,17 +43,23 @@ pub fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> 
 }
 
 const STYLE: &str = "\
-body{margin:0;font:15px/1.5 system-ui,sans-serif;color:#1d1d1f;background:#fff}
-main{max-width:72rem;margin:0 auto;padding:2rem 1.5rem}
+:root{color-scheme:light dark;--paper:#fff;--ink:#1d1d1f;--soft:#5f6368;--line:#c9ccd1;--faint:#e8eaed;--panel:#f6f7f8;--label:#3c4043}
+@media (prefers-color-scheme:dark){:root{--paper:#17181a;--ink:#e6e6e8;--soft:#a0a4aa;--line:#4a4d52;--faint:#303338;\
+--panel:#212327;--label:#c4c8cd}}
+body{margin:0;font:15px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper)}
+main{max-width:72rem;margin:0 auto;padding:2rem clamp(.8rem,4vw,1.5rem)}
 h1{font-size:1.6rem;margin:0}h2{font-size:1.15rem;margin:2.2rem 0 .6rem}
-p{max-width:46rem}.note{color:#5f6368}
-table{border-collapse:collapse;margin:.5rem 0}th,td{padding:.2rem .9rem .2rem 0;text-align:right}
-th{font-weight:600;border-bottom:1px solid #c9ccd1}th:first-child,td:first-child{text-align:left}
-.row{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0}figcaption{color:#5f6368;font-size:.85rem}
-svg{display:block}svg text{font:11px system-ui,sans-serif;fill:#3c4043}
-.m{fill:#e4e1da}.i{fill:#8a8275}.a{stroke:none}.f{fill:none;stroke:#9aa0a6}.g{stroke:#e8eaed}
+p{max-width:46rem;overflow-wrap:anywhere}.note{color:var(--soft)}
+table{border-collapse:collapse;margin:.5rem 0;display:block;max-width:100%;overflow-x:auto}
+th,td{padding:.2rem .9rem .2rem 0;text-align:right;white-space:nowrap}
+th{font-weight:600;border-bottom:1px solid var(--line)}th:first-child,td:first-child{text-align:left}
+.row{display:flex;flex-wrap:wrap;gap:1.5rem}figure{margin:0;max-width:100%}figcaption{color:var(--soft);font-size:.85rem}
+svg{display:block;max-width:100%;height:auto}svg text{font:11px system-ui,sans-serif;fill:var(--label)}
+canvas{display:block;width:100%;height:min(70vh,36rem);touch-action:none;cursor:grab}
+input[type=range]{width:min(16rem,40vw);vertical-align:middle}
+.m{fill:#e4e1da}.i{fill:#8a8275}.a{stroke:none}.f{fill:none;stroke:#9aa0a6}.g{stroke:var(--faint)}
 .c0{fill:#7fa8c9}.c1{fill:#c9a66b}.c2{fill:#a3b18a}.c3{fill:#c48b9f}.c4{fill:#8fb8b0}.c5{fill:#b39ddb}
-pre{background:#f6f7f8;padding:1rem;overflow:auto;font-size:.8rem}
+pre{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}
 ";
 
 fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {

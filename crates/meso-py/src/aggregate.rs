@@ -7,8 +7,9 @@ use crate::polyhedron::{PyPolyhedron, offset_error};
 use crate::tree::type_name;
 use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};
-use meso_core::geometry::Face;
-use numpy::PyArray2;
+use meso_core::geometry::{Face, sieve_size};
+use meso_core::math::longest_distance;
+use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice, PyTuple};
@@ -68,6 +69,30 @@ impl PyAggregate {
         self.0.body.volume()
     }
 
+    /// Surface of the outer body, mm2.
+    #[getter]
+    fn area(&self) -> f64 {
+        self.0.body.area()
+    }
+
+    /// Centre of volume: ndarray, shape (3,), float64, mm.
+    #[getter]
+    fn centroid<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, self.0.body.centroid().as_slice())
+    }
+
+    /// Longest distance of two vertices, mm: the longest axis 2a.
+    #[getter]
+    fn size(&self) -> f64 {
+        longest_distance(self.0.body.vertices())
+    }
+
+    /// Side of the smallest square hole that it passes, mm.
+    #[getter]
+    fn sieve_size(&self) -> f64 {
+        sieve_size(&self.0.body)
+    }
+
     /// Thickness of the ITZ shell, mm.
     #[getter]
     fn itz_thickness(&self) -> f64 {
@@ -92,9 +117,11 @@ impl PyAggregate {
         let Aggregate { id, class, itz_thickness_mm, body, kind } = &self.0;
         let volume = body.volume();
         if *kind != Kind::Aggregate {
-            return format!("Aggregate(id={id}, phase={:?}, volume={volume} mm3)", kind.name());
+            return format!("Aggregate(id={id}, phase={:?}, volume={volume:.4} mm3)", kind.name());
         }
-        format!("Aggregate(id={id}, size_class={class}, volume={volume} mm3, itz_thickness={itz_thickness_mm} mm)")
+        format!(
+            "Aggregate(id={id}, size_class={class}, volume={volume:.2} mm3, itz_thickness={itz_thickness_mm:.3} mm)"
+        )
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {
@@ -141,6 +168,12 @@ impl PyAggregates {
         self.0.aggregates.iter().enumerate().filter(move |(_, aggregate)| same(aggregate)).map(|(position, _)| position)
     }
 
+    /// A property of every aggregate.
+    fn column<'py>(&self, py: Python<'py>, value: impl Fn(&Aggregate) -> f64 + Sync) -> Bound<'py, PyArray1<f64>> {
+        let model = &self.0;
+        PyArray1::from_vec(py, py.detach(|| model.aggregates.iter().map(&value).collect()))
+    }
+
     fn at(&self, index: usize) -> PyAggregate {
         PyAggregate(self.0.aggregates[index].clone())
     }
@@ -156,6 +189,49 @@ impl PyAggregates {
 
 #[pymethods]
 impl PyAggregates {
+    /// Volumes, mm3: ndarray, shape (n,), float64; so are the other properties of all aggregates.
+    #[getter]
+    fn volume<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |aggregate| aggregate.body.volume())
+    }
+
+    /// Surfaces, mm2.
+    #[getter]
+    fn area<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |aggregate| aggregate.body.area())
+    }
+
+    /// Longest distances of two vertices, mm.
+    #[getter]
+    fn size<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |aggregate| longest_distance(aggregate.body.vertices()))
+    }
+
+    /// Sides of the smallest square holes that they pass, mm.
+    #[getter]
+    fn sieve_size<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |aggregate| sieve_size(&aggregate.body))
+    }
+
+    /// Thicknesses of the ITZ shells, mm.
+    #[getter]
+    fn itz_thickness<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |aggregate| aggregate.itz_thickness_mm)
+    }
+
+    /// Indices of the size classes, from the finest: ndarray, shape (n,), int64.
+    #[getter]
+    fn size_class<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        PyArray1::from_iter(py, self.0.aggregates.iter().map(|aggregate| i64::from(aggregate.class)))
+    }
+
+    /// Centres of volume, mm: ndarray, shape (n, 3).
+    #[getter]
+    fn centroid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let centroids: Vec<_> = self.0.aggregates.iter().map(|aggregate| aggregate.body.centroid()).collect();
+        arrays::from_points(py, &centroids)
+    }
+
     fn __len__(&self) -> usize {
         self.0.aggregates.len()
     }

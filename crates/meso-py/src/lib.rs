@@ -18,6 +18,7 @@ mod polyhedron;
 mod response;
 mod run;
 mod spec;
+mod table;
 mod tree;
 
 use pyo3::prelude::*;

@@ -5,9 +5,8 @@ use crate::boundary::{file_error, guard};
 use crate::files;
 use crate::packing::{call_view, plain};
 use crate::response::{self, Asked, PyResponse};
-use crate::run::{Watch, beside_python};
+use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
-use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
@@ -16,6 +15,8 @@ use meso_core::mesh::{
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
+use meso_core::packing::Stage;
+use meso_core::{Model, Progress};
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyUserWarning, PyValueError};
@@ -38,7 +39,13 @@ impl PartialEq for PyMesh {
 }
 
 /// Meshes `model` with the options that Python's keywords name.
-pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
+pub(crate) fn build(
+    py: Python<'_>,
+    model: Arc<Model>,
+    progress: Option<&Bound<'_, PyAny>>,
+    keywords: &Bound<'_, PyDict>,
+) -> PyResult<PyMesh> {
+    let progress = listener(py, progress)?;
     // `itz=None` means what it says.
     if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
         keywords.set_item("itz", "none")?;
@@ -47,11 +54,12 @@ pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDi
     let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(exception)?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
-    let built = beside_python(py, None, move |watch| {
-        mesh::build_with(&model, &with, &|surfaces: &Surfaces| {
+    let built = in_stages(py, progress.as_ref(), Plan(&[(Stage::Mesh, 1.0)], 1.0), move |watch| {
+        let fill = |surfaces: &Surfaces| {
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
-        })
+        };
+        mesh::build_watched(&model, &with, &fill, &|share| watch.stage(Stage::Mesh, share))
     })?;
     built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(exception)
 }
@@ -258,8 +266,8 @@ impl PyMesh {
     ///     Moments, evenly over the test, whose fields are kept in `Response.frames`.
     /// threads : int, optional
     ///     All cores when absent. It changes the time, never the result.
-    /// progress : callable, optional
-    ///     Called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
+    /// progress : bool or callable, optional
+    ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
     /// **options
     ///     `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `hourglass`, `interface`: see docs/solve.md.
@@ -294,6 +302,13 @@ impl PyMesh {
     /// The mesh as a PyVista unstructured grid (needs the extra `plot`).
     fn to_pyvista<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         call_view("mesh_to_pyvista", slf, None)
+    }
+
+    /// Shows the mesh by phase (needs the extra `plot`); see `plot_mesh` in the reference for `cut`, `phases` and
+    /// `screenshot`.
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("plot_mesh", slf, options)
     }
 
     /// The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`).

@@ -2,9 +2,10 @@
 
 use crate::boundary::guard;
 use crate::packing::PyPacking;
-use crate::run::{beside_python, check_callable};
+use crate::run::{Plan, in_stages, listener};
 use crate::{spec, tree};
 use meso_core::Spec;
+use meso_core::packing::Stage;
 use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
@@ -21,9 +22,10 @@ use std::sync::Arc;
 ///     Replaces the spec's seed; 0 to 2^64 - 1.
 /// fraction : float, optional
 ///     Replaces the spec's fraction: aggregate volume over specimen volume, above 0 and below 1.
-/// progress : callable, optional
-///     Called about 25 times a second as `progress(fraction, target)`; when it returns False, the best valid packing
-///     found so far is returned.
+/// progress : bool or callable, optional
+///     True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
+///     `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
+///     name, too: "take", "place" or "prove". When it returns False, the best valid packing found so far is returned.
 ///
 /// Returns
 /// -------
@@ -62,9 +64,10 @@ pub(crate) fn pack(
             spec.fraction = checked_fraction(fraction)?;
         }
         spec.validate().map_err(|error| spec::spec_error(&error))?;
-        check_callable(progress)?;
+        let progress = listener(py, progress)?;
         warn_of(py, &spec)?;
-        let model = beside_python(py, progress, move |watch| meso_core::pack(&spec, watch))?;
+        let plan = Plan(&[(Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)], spec.fraction);
+        let model = in_stages(py, progress.as_ref(), plan, move |watch| meso_core::pack(&spec, watch))?;
         Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
     })
 }

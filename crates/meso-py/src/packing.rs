@@ -4,16 +4,16 @@ use crate::aggregate::{PyAggregate, PyAggregates, inclusions};
 use crate::arrays::{IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
-use crate::run::beside_python;
+use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
-use crate::{arrays, files, image, tree};
+use crate::{arrays, files, image, table, tree};
 use meso_core::check::{Check, check};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
-use meso_core::packing::Images;
-use meso_core::statistics::{Options, statistics};
+use meso_core::packing::{Images, Stage};
+use meso_core::statistics::{Options, statistics_watched};
 use meso_core::voxel_image::Region;
-use meso_core::{Model, saved};
+use meso_core::{Model, Progress, saved};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -112,9 +112,29 @@ impl PyPacking {
         (aabb.min.into(), aabb.max.into())
     }
 
-    /// The result and its cost: a dict with the keys of `--summary-json`.
+    /// The result: a dict with the keys of `--summary-json` but `seconds`, so that equal runs compare equal.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        plain(py, &self.0.report)
+        let report = plain(py, &self.0.report)?;
+        report.cast::<PyDict>()?.del_item("seconds")?;
+        Ok(report)
+    }
+
+    /// What the result cost: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
+    /// new dict.
+    #[getter]
+    fn work<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let work = plain(py, &self.0.report.work)?;
+        work.cast::<PyDict>()?.set_item("seconds", plain(py, &self.0.report.seconds)?)?;
+        Ok(work)
+    }
+
+    /// Every aggregate, void and fibre as a row: a dict of arrays of one length, as `pandas.DataFrame` takes it.
+    ///
+    /// Columns: `id`, `class` (int64), `phase` (str), `size_mm` (longest distance of two vertices), `sieve_size_mm`,
+    /// `volume_mm3`, `area_mm2`, `sphericity` (Wadell), `centroid_x_mm`, `centroid_y_mm`, `centroid_z_mm`,
+    /// `itz_thickness_mm` (float64), `vertices`, `faces` (int64). They are those of the `.csv`, and the sieve size.
+    fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        table::of(py, &self.0)
     }
 
     /// Writes the packing, whole or not at all; the extension names the format.
@@ -172,18 +192,29 @@ impl PyPacking {
     ///
     /// Parameters
     /// ----------
+    /// progress : bool or callable, optional
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
     /// **options
     ///     How much is sampled, and how finely: `seed`, `lines`, `lag_mm`, `lags`, `points`, `layer_mm`.
     ///
     /// Returns
     /// -------
     /// dict
-    #[pyo3(signature = (**options))]
-    fn statistics<'py>(&self, py: Python<'py>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(signature = (*, progress=None, **options))]
+    fn statistics<'py>(
+        &self,
+        py: Python<'py>,
+        progress: Option<&Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (model, options) = (Arc::clone(&self.0), spec::options::<Options>(options)?);
             options.validate().map_err(|error| spec::spec_error(&error))?;
-            let measured = beside_python(py, None, move |_| statistics(&model, &options))?;
+            let progress = listener(py, progress)?;
+            let plan = Plan(&[(Stage::Measure, 1.0)], 1.0);
+            let measured = in_stages(py, progress.as_ref(), plan, move |watch| {
+                statistics_watched(&model, &options, &|share| watch.stage(Stage::Measure, share))
+            })?;
             plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
         })
     }
@@ -275,6 +306,8 @@ impl PyPacking {
     ///     How the specimen is divided; "voxel" is the default.
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
+    /// progress : bool or callable, optional
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
     /// **options
     ///     The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
     ///     if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
@@ -283,12 +316,13 @@ impl PyPacking {
     /// ------
     /// ValueError, TypeError
     ///     Names the option, its value and the accepted range.
-    #[pyo3(signature = (*, method=None, element_size=None, **options))]
+    #[pyo3(signature = (*, method=None, element_size=None, progress=None, **options))]
     fn mesh(
         &self,
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
         element_size: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyMesh> {
         guard(|| {
@@ -298,7 +332,7 @@ impl PyPacking {
                     keywords.set_item(key, value)?;
                 }
             }
-            mesh::build(py, Arc::clone(&self.0), &keywords)
+            mesh::build(py, Arc::clone(&self.0), progress, &keywords)
         })
     }
 
@@ -349,7 +383,33 @@ impl PyPacking {
     fn __repr__(&self) -> String {
         let (spec, report) = (&self.0.spec, &self.0.report);
         let (count, kind) = (self.0.aggregates.len(), spec.specimen.kind());
-        format!("Packing({count} aggregates in a {kind}, fraction={}, seed={})", report.fraction, spec.seed)
+        format!("Packing({count} aggregates in a {kind}, fraction={:.4}, seed={})", report.fraction, spec.seed)
+    }
+
+    /// A section through the middle and the figures, for notebooks.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("packing_to_html", slf, None)
+    }
+
+    /// The exact section across an axis as the text of an SVG.
+    fn _section_svg(&self, py: Python<'_>, axis: usize, at: f64) -> PyResult<String> {
+        guard(|| {
+            let model = Arc::clone(&self.0);
+            let drawn = beside_python(py, None, move |_| {
+                let mut svg = Vec::new();
+                meso_core::page::section(&model, axis.min(2), at, &mut svg).map(|()| svg)
+            })?;
+            Ok(String::from_utf8_lossy(&drawn?).into_owned())
+        })
+    }
+
+    /// Sizes and the share of the aggregates' volume that the grading asks to pass them.
+    fn _asked_curve(&self) -> (Vec<f64>, Vec<f64>) {
+        let grading = &self.0.spec.grading;
+        let (low, high) = (grading.d_min_mm, grading.d_max_mm);
+        let sizes: Vec<f64> = (0..=100).map(|i| low * (high / low).powf(f64::from(i) / 100.0)).collect();
+        let asked = sizes.iter().map(|&size| grading.passing(size)).collect();
+        (sizes, asked)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -5,7 +5,7 @@ use crate::boundary::guard;
 use crate::files;
 use crate::mesh::PyMesh;
 use crate::packing::call_view;
-use crate::run::{Watch, beside_python_on, check_callable};
+use crate::run::{Watch, beside_python_on, listener};
 use crate::spec::options;
 use crate::tree;
 use meso_core::Progress as _;
@@ -94,9 +94,9 @@ pub(crate) fn solve(
     asked: Asked,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyResponse> {
-    check_callable(progress)?;
+    let progress = listener(py, progress)?;
     let (threads, mesh) = (asked.threads, mesh.clone());
-    let tested = beside_python_on(py, threads, progress, move |watch| {
+    let tested = beside_python_on(py, threads, progress.as_ref(), None, move |watch| {
         watch.stops_soon();
         test(&mesh, &asked, watch)
     })?;
@@ -223,7 +223,7 @@ impl PyResponse {
     fn write(&self, py: Python<'_>, folder: PathBuf, overwrite: bool) -> PyResult<()> {
         guard(|| {
             let tested = Arc::clone(&self.0);
-            beside_python_on(py, None, None, move |watch| {
+            beside_python_on(py, None, None, None, move |watch| {
                 tested.with_outcome(|outcome| files::write_results(outcome, &tested.frames, &folder, overwrite, watch))
             })?
         })

@@ -2,7 +2,8 @@
 
 use crate::boundary::bug;
 use meso_core::Progress;
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use meso_core::packing::{Measure, Stage};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -28,7 +29,13 @@ pub(crate) struct Watch {
     /// How long to wait for the end once it is asked for, ms.
     grace: AtomicU64,
     start: Instant,
+    /// Of work in stages, and what the whole of it counts.
+    staged: Option<(Measure, f64)>,
 }
+
+/// The stages of work with their weights, and what the whole of it counts when it is told: 1, or the fraction asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Plan(pub(crate) &'static [(Stage, f64)], pub(crate) f64);
 
 impl Watch {
     /// Whether nobody asked to stop.
@@ -54,6 +61,12 @@ impl Progress for Watch {
         self.go_on.load(Relaxed)
     }
 
+    fn stage(&self, stage: Stage, share: f64) {
+        if let Some((measure, _)) = &self.staged {
+            measure.tell(stage, share);
+        }
+    }
+
     fn seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
     }
@@ -69,7 +82,17 @@ pub(crate) fn beside_python<T: Send + 'static>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
-    beside_python_on(py, None, progress, work)
+    beside_python_on(py, None, progress, None, work)
+}
+
+/// The same in stages.
+pub(crate) fn in_stages<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    plan: Plan,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
+) -> PyResult<T> {
+    beside_python_on(py, None, progress, Some(plan), work)
 }
 
 /// The same on so many threads, or on all cores.
@@ -77,9 +100,11 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     py: Python<'_>,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
+    plan: Option<Plan>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
     let watch = Arc::new(Watch {
+        staged: plan.map(|Plan(stages, whole)| (Measure::new(stages), whole)),
         go_on: AtomicBool::new(true),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
@@ -104,7 +129,9 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     };
     loop {
         match wait(POLL) {
-            Ok(Ok(value)) => return tell(progress, &watch).map(|()| value),
+            Ok(Ok(value)) => {
+                return tell(progress, &watch).and_then(|()| close(progress)).map(|()| value);
+            }
             Ok(Err(payload)) => return Err(bug(&*payload)),
             Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("bug: the worker is gone")),
             Err(RecvTimeoutError::Timeout) => {
@@ -118,27 +145,36 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     }
 }
 
-/// Calls `progress(fraction, target)`; when that returns `False` the work stops with the best it has.
+/// Tells the listener `done`, `total` and the stage; when it returns `False` the work stops with the best it has.
 fn tell(progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
     let Some(progress) = progress else { return Ok(()) };
-    let [fraction, target] = [&watch.fraction, &watch.target].map(|bits| f64::from_bits(bits.load(Relaxed)));
-    let answer = progress.call1((fraction, target))?;
+    let (done, total, stage) = match &watch.staged {
+        Some((measure, whole)) => (measure.share() * whole, *whole, measure.stage()),
+        None => {
+            let [done, total] = [&watch.fraction, &watch.target].map(|bits| f64::from_bits(bits.load(Relaxed)));
+            (done, total, "solve")
+        }
+    };
+    let answer = progress.call1((done, total, stage))?;
     if !answer.is_none() && !answer.is_truthy()? {
         watch.go_on.store(false, Relaxed);
     }
     Ok(())
 }
 
-/// Refuses a `progress` that cannot be called, before any work starts.
+fn close(progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    progress.map_or(Ok(()), |progress| progress.call_method0("close").map(drop))
+}
+
+/// Who hears how far the work is: nobody, a bar for True, or a callable.
 ///
 /// # Errors
-/// `TypeError`.
-pub(crate) fn check_callable(progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-    match progress {
-        Some(object) if !object.is_callable() => Err(PyTypeError::new_err(format!(
-            "progress is of type {}; it must be a callable that takes (fraction, target)",
-            crate::tree::type_name(object)
-        ))),
-        _ => Ok(()),
-    }
+/// `TypeError` for anything else, before any work starts.
+pub(crate) fn listener<'py>(
+    py: Python<'py>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let Some(progress) = progress else { return Ok(None) };
+    let listener = py.import("mesocrete._progress")?.call_method1("listener", (progress,))?;
+    Ok((!listener.is_none()).then_some(listener))
 }

@@ -124,9 +124,9 @@ impl VoxelImage {
                 let ids: Vec<[i32; 2]> = ids.iter().map(|&id| [id; 2]).collect();
                 Values::Id(self.painted(layers, scan, &ids, NO_GRAIN, OUTSIDE_ID))
             }
-            Maker::Share(shares) => Values::Real(self.made(layers, 0.0, |k, layer| shares.add(k, layer), 0.0)),
+            Maker::Share(shares) => Values::Real(self.made(layers, 0.0, |k, layer| shares.add(k, layer), None)),
             Maker::Distance(scan, surfaces) => {
-                Values::Real(self.made(layers, f32::NAN, |k, layer| surfaces.measure(scan, k, layer), f32::NAN))
+                Values::Real(self.made(layers, f32::NAN, |k, layer| surfaces.measure(scan, k, layer), Some(f32::NAN)))
             }
         }
     }
@@ -140,22 +140,25 @@ impl VoxelImage {
         mortar: T,
         outside: T,
     ) -> Vec<T> {
-        self.made(layers, mortar, |k, layer| scan.paint_layer(k, layer, |body| values[body as usize]), outside)
+        self.made(layers, mortar, |k, layer| scan.paint_layer(k, layer, |body| values[body as usize]), Some(outside))
     }
 
-    /// Layers that `make` fills, on all threads; voxels outside the specimen get their own value.
+    /// Layers that `make` fills, on all threads; voxels outside the specimen get a value of their own, if there is one. Of
+    /// shares there is none: a voxel with its centre outside may hold a part of a body.
     fn made<T: Copy + Send + Sync>(
         &self,
         layers: Range<usize>,
         blank: T,
         make: impl Fn(usize, &mut [T]) + Sync,
-        outside: T,
+        outside: Option<T>,
     ) -> Vec<T> {
         let first = layers.start;
         let mut values = vec![blank; layers.len() * self.grid.layer_len()];
         values.par_chunks_exact_mut(self.grid.layer_len()).enumerate().for_each(|(k, layer)| {
             make(first + k, layer);
-            outside::mark(&*self.container, &self.grid, first + k, layer, outside);
+            if let Some(value) = outside {
+                outside::mark(&*self.container, &self.grid, first + k, layer, value);
+            }
         });
         values
     }

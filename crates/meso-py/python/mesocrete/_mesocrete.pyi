@@ -107,6 +107,22 @@ class Aggregate:
     @property
     def volume(self) -> float: ...
     @property
+    def area(self) -> float:
+        """Surface of the outer body, mm2."""
+
+    @property
+    def centroid(self) -> NDArray[np.float64]:
+        """Centre of volume, mm: shape (3,)."""
+
+    @property
+    def size(self) -> float:
+        """Longest distance of two vertices, mm."""
+
+    @property
+    def sieve_size(self) -> float:
+        """Side of the smallest square hole that it passes, mm."""
+
+    @property
     def itz_thickness(self) -> float: ...
     @property
     def body(self) -> Polyhedron: ...
@@ -119,7 +135,35 @@ class Aggregate:
 
 @final
 class Aggregates:
-    """The aggregates of a packing, in descending volume: a sequence."""
+    """The aggregates of a packing, in descending volume: a sequence, and arrays of their properties."""
+
+    @property
+    def volume(self) -> NDArray[np.float64]:
+        """Volumes, mm3: shape (n,)."""
+
+    @property
+    def area(self) -> NDArray[np.float64]:
+        """Surfaces, mm2: shape (n,)."""
+
+    @property
+    def size(self) -> NDArray[np.float64]:
+        """Longest distances of two vertices, mm: shape (n,)."""
+
+    @property
+    def sieve_size(self) -> NDArray[np.float64]:
+        """Sides of the smallest square holes that they pass, mm: shape (n,)."""
+
+    @property
+    def itz_thickness(self) -> NDArray[np.float64]:
+        """Thicknesses of the ITZ shells, mm: shape (n,)."""
+
+    @property
+    def size_class(self) -> NDArray[np.int64]:
+        """Indices of the size classes, from the finest: shape (n,)."""
+
+    @property
+    def centroid(self) -> NDArray[np.float64]:
+        """Centres of volume, mm: shape (n, 3)."""
 
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[Aggregate]: ...
@@ -149,13 +193,24 @@ class Packing:
     def inclusions(self) -> list[Aggregate]: ...
     @property
     def bounds(self) -> tuple[list[float], list[float]]: ...
-    def report(self) -> dict[str, Any]: ...
+    def report(self) -> dict[str, Any]:
+        """Return the result without wall times: equal runs have equal reports."""
+
+    @property
+    def work(self) -> dict[str, Any]:
+        """What the result cost: counters, and wall times by stage under `seconds`."""
+
+    def table(self) -> dict[str, NDArray[Any]]:
+        """Return every aggregate, void and fibre as a row of columns, as `pandas.DataFrame` takes it."""
+
     def write(
         self, path: _Path, *, overwrite: bool = True, compress: bool = False, images: str = "none"
     ) -> None: ...
     def specimen_surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
     def check(self) -> dict[str, Any]: ...
-    def statistics(self, **options: Any) -> dict[str, Any]: ...
+    def statistics(
+        self, *, progress: bool | Callable[[float, float], object] | None = None, **options: Any
+    ) -> dict[str, Any]: ...
     def voxelize(
         self,
         h: float,
@@ -183,11 +238,19 @@ class Packing:
         """Return what is on the plane across `axis` at `at` mm, `px` pixels along its longer side; lowest row first."""
 
     def mesh(
-        self, *, method: str | None = None, element_size: float | None = None, **options: Any
+        self,
+        *,
+        method: str | None = None,
+        element_size: float | None = None,
+        progress: bool | Callable[[float, float], object] | None = None,
+        **options: Any,
     ) -> Mesh: ...
     def to_pyvista(self, **options: Any) -> Any: ...
     def plot(self, **options: Any) -> Any: ...
     def plot_grading(self, **options: Any) -> Any: ...
+    def _repr_html_(self) -> str: ...
+    def _section_svg(self, axis: int, at: float) -> str: ...
+    def _asked_curve(self) -> tuple[list[float], list[float]]: ...
     def _surfaces(self, images: str) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -225,7 +288,7 @@ class Mesh:
         *,
         materials: dict[str, Any] | None = None,
         threads: int | None = None,
-        progress: Callable[[float, float], object] | None = None,
+        progress: bool | Callable[[float, float], object] | None = None,
         **options: Any,
     ) -> Response:
         """Test the specimen between rigid plates along z, and return its curve, figures and fields.
@@ -235,6 +298,9 @@ class Mesh:
         """
 
     def to_pyvista(self) -> Any: ...
+    def plot(self, **options: Any) -> Any:
+        """Show the mesh by phase; `cut`, `phases`, `screenshot`, and options of `pyvista.Plotter.add_mesh`."""
+
     def to_meshio(self) -> Any: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -327,7 +393,7 @@ def pack(
     *,
     seed: int | None = None,
     fraction: float | None = None,
-    progress: Callable[[float, float], object] | None = None,
+    progress: bool | Callable[[float, float], object] | None = None,
 ) -> Packing: ...
 def load(path: _Path) -> Packing: ...
 def convex_hull(points: ArrayLike) -> Polyhedron: ...

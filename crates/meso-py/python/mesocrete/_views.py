@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import importlib
 import os
 import tempfile
@@ -16,6 +17,13 @@ _PHASES = {"mortar": 0, "ITZ": 1, "aggregate": 2}
 _FIBRE = 4
 # Of surfaces; 3 is a void, which meshes do not have.
 _KINDS = {"aggregate": 2, "void": 3, "fibre": _FIBRE}
+_OUTSIDE = 255
+_AXES = ("x", "y", "z")
+# The colours of phases and of size classes, as in pages and images.
+_PALETTE = {0: "#e4e1da", 1: "#8a8275", 2: "#7fa8c9", 3: "#ffffff", 4: "#2f3b4c"}
+_CLASSES = ["#7fa8c9", "#c9a66b", "#a3b18a", "#c48b9f", "#8fb8b0", "#b39ddb"]
+# Meshes of more cells are shown without their edges.
+_EDGES = 200_000
 
 
 def _need(module: str, extra: str) -> Any:
@@ -44,36 +52,168 @@ def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
     return data
 
 
-def plot_packing(packing: Any, *, screenshot: Any = None, **options: Any) -> Any:
-    """Show the bodies, coloured by size class (voids and fibres as further ones), inside the specimen's edges; those of periodic specimens cut.
+def _across(cut: Any, bounds: Any) -> tuple[int, float]:
+    """Return the axis and the place of a cut: a name, "z", through the middle, or a pair, ("z", 30.0)."""
+    name, at = (cut, None) if isinstance(cut, str) else cut
+    if name not in _AXES:
+        message = f"cut is {cut!r}; it must be one of 'x', 'y', 'z', or a pair of one of them and a length in mm"
+        raise ValueError(message)
+    axis = _AXES.index(name)
+    return axis, (bounds[0][axis] + bounds[1][axis]) / 2 if at is None else float(at)
 
-    With `screenshot` (a path) the picture is written off screen instead. `options` go to `pyvista.Plotter.add_mesh`.
+
+def _colours(labels: Any) -> Any:
+    """Return red, green, blue and opacity of phase labels."""
+    table = np.zeros((256, 4), dtype=np.uint8)
+    for label, colour in _PALETTE.items():
+        table[label] = (*bytes.fromhex(colour[1:]), 255)
+    return table[labels]
+
+
+def _section(packing: Any, axis: int, at: float, *, itz: bool, px: int = 800) -> Any:
+    """Return a plane across an axis with the colours of the phases in its pixels."""
+    labels = packing.section(_AXES[axis], at, px=px)
+    if not itz:
+        labels = np.where(labels == _PHASES["ITZ"], _PHASES["aggregate"], labels)
+    low, high = (np.array(corner) for corner in packing.bounds)
+    low[axis] = high[axis] = at
+    sides = [i for i in range(3) if i != axis]
+    pixel = max(high - low) / px
+    spacing = np.full(3, pixel)
+    counts = np.ones(3, dtype=int)
+    counts[sides[0]], counts[sides[1]] = labels.shape[1] + 1, labels.shape[0] + 1
+    plane = _need("pyvista", "plot").ImageData(dimensions=counts, spacing=spacing, origin=low)
+    plane.cell_data["colour"] = _colours(labels).reshape(-1, 4)
+    return plane.threshold(0.5, scalars="inside") if _mark(plane, labels) else plane
+
+
+def _mark(plane: Any, labels: Any) -> bool:
+    """Mark the pixels inside the specimen; True where some lie outside."""
+    plane.cell_data["inside"] = (labels != _OUTSIDE).ravel().astype(np.uint8)
+    return bool((labels == _OUTSIDE).any())
+
+
+def plot_packing(
+    packing: Any, *, cut: Any = None, itz: bool = False, screenshot: Any = None, **options: Any
+) -> Any:
+    """Show the bodies, coloured by size class (voids and fibres as further ones), inside the specimen's edges.
+
+    `cut` ("z", or ("z", 30.0) in mm) takes the part beyond a plane away, and shows the phases on it. With `itz` the ITZ
+    is shown on the cut; without a cut the bodies are translucent around their cores. With `screenshot` (a path) the
+    picture is written off screen instead. `options` go to `pyvista.Plotter.add_mesh`. Bodies that cross a face of a
+    periodic specimen are cut there.
     """
     pyvista = _need("pyvista", "plot")
     surface = packing_to_pyvista(packing, images="cut")
     plotter = pyvista.Plotter(off_screen=screenshot is not None)
-    options = {"scalars": "class", "cmap": "cividis", "show_scalar_bar": False} | options
-    plotter.add_mesh(surface, **options)
+    colours = _CLASSES[: max(int(surface.cell_data["class"].max(initial=0)) + 1, 2)]
+    options = {"scalars": "class", "cmap": colours, "clim": (0, len(colours) - 1), "show_scalar_bar": False} | options
+    if cut is not None:
+        axis, at = _across(cut, packing.bounds)
+        normal = np.eye(3)[axis]
+        surface = surface.clip(normal, origin=at * normal)
+        plotter.add_mesh(_section(packing, axis, at, itz=itz), scalars="colour", rgb=True, lighting=False)
+    elif itz:
+        cores = [core for core in (body.core() for body in packing.aggregates) if core is not None]
+        if cores:
+            plotter.add_mesh(_surfaces_of(cores), color=_PALETTE[_PHASES["aggregate"]])
+        options = {"opacity": 0.35} | options
+    if surface.n_cells:
+        plotter.add_mesh(surface, **options)
     points, triangles = packing.specimen_surface()
     outline = pyvista.PolyData.from_regular_faces(points, triangles).extract_feature_edges(20.0)
     if outline.n_points:
         plotter.add_mesh(outline, color="black")
+    return _shown(plotter, screenshot)
+
+
+def _surfaces_of(bodies: Any) -> Any:
+    """Return the triangles of many bodies as one surface."""
+    starts = np.cumsum([0, *(len(body.vertices) for body in bodies)])
+    triangles = [body.triangles + start for body, start in zip(bodies, starts, strict=False)]
+    points = np.concatenate([body.vertices for body in bodies])
+    return _need("pyvista", "plot").PolyData.from_regular_faces(points, np.concatenate(triangles))
+
+
+def _shown(plotter: Any, screenshot: Any) -> Any:
+    """Show what a plotter holds, or write it as a picture."""
     if screenshot is None:
         return plotter.show()
     plotter.screenshot(screenshot)
     return plotter.close()
 
 
+def plot_mesh(
+    mesh: Any, *, cut: Any = None, phases: Any = None, screenshot: Any = None, **options: Any
+) -> Any:
+    """Show a mesh by phase.
+
+    `cut` ("z", or ("z", 30.0) in mm) takes the cells beyond a plane away, whole ones; `phases`, a list of names
+    ("mortar", "ITZ", "aggregate", "fibre"), shows only these. With `screenshot` (a path) the picture is written off
+    screen instead. `options` go to `pyvista.Plotter.add_mesh`.
+    """
+    grid = mesh_to_pyvista(mesh)
+    kept = np.ones(grid.n_cells, dtype=bool)
+    if phases is not None:
+        known = _PHASES | {"fibre": _FIBRE}
+        unknown = [name for name in phases if name not in known]
+        if unknown:
+            message = f"phases holds {unknown[0]!r}; it may hold {', '.join(map(repr, known))}"
+            raise ValueError(message)
+        kept &= np.isin(mesh.phase, [known[name] for name in phases])
+    if cut is not None:
+        points = mesh.points
+        axis, at = _across(cut, (points.min(axis=0), points.max(axis=0)))
+        kept &= points[mesh.cells, axis].mean(axis=1) <= at
+    shown = grid.extract_cells(np.flatnonzero(kept)).extract_surface(algorithm="dataset_surface")
+    shown.cell_data["colour"] = _colours(np.asarray(shown.cell_data["phase"]))
+    plotter = _need("pyvista", "plot").Plotter(off_screen=screenshot is not None)
+    plotter.add_mesh(shown, **({"scalars": "colour", "rgb": True, "show_edges": grid.n_cells < _EDGES} | options))
+    return _shown(plotter, screenshot)
+
+
+def packing_to_html(packing: Any) -> str:
+    """Return a section through the middle beside the most important figures, for notebooks."""
+    report = packing.report()
+    low, high = packing.bounds
+    svg = packing._section_svg(2, (low[2] + high[2]) / 2)
+    picture = base64.b64encode(svg.encode()).decode()
+    rows = {
+        "specimen": f"{report['specimen']['kind']}, {report['specimen']['volume_mm3']:.4g} mm³",
+        "aggregates": f"{report['aggregates']:,}",
+        "fraction": f"{report['fraction']:.4f} of {report['target_fraction']:.4g} asked",
+        "seed": report["seed"],
+    }
+    cells = "".join(f"<tr><th style='text-align:left'>{key}</th><td>{value}</td></tr>" for key, value in rows.items())
+    return (
+        "<div style='display:flex;flex-wrap:wrap;gap:1em;align-items:center'>"
+        f"<img alt='section at half height' style='width:240px' src='data:image/svg+xml;base64,{picture}'>"
+        f"<table>{cells}</table></div>"
+    )
+
+
 def plot_grading(packing: Any, ax: Any = None) -> Any:
-    """Draw the grading asked for and the one reached, as volume passing over size; returns the matplotlib axes."""
+    """Draw the grading asked for, the one reached, and the sieve curve, as volume passing over size.
+
+    Which size the grading means, the longest axis or the sieve's, stands at the axis. Returns the matplotlib axes.
+    """
     if ax is None:
         ax = _need("matplotlib.pyplot", "plot").subplots()[1]
     classes = packing.report()["classes"]
     sizes = [classes[0]["d_min_mm"], *(c["d_max_mm"] for c in classes)]
-    for key, label, style in (("target_fraction", "asked", "k--"), ("fraction", "reached", "o-")):
-        volumes = np.array([0.0, *(c[key] for c in classes)])
-        ax.plot(sizes, 100 * np.cumsum(volumes) / max(volumes.sum(), np.finfo(float).tiny), style, label=label)
-    ax.set(xlabel="size, mm", ylabel="aggregate volume passing, %", xscale="log", ylim=(0, 102))
+    total = max(sum(c["fraction"] for c in classes), np.finfo(float).tiny)
+    asked_at, asked = packing._asked_curve()
+    ax.plot(asked_at, 100 * np.array(asked), "k--", label="asked")
+    reached = np.cumsum([0.0, *(c["fraction"] for c in classes)])
+    ax.plot(sizes, 100 * (asked[0] + (1 - asked[0]) * reached / total), "o", label="reached")
+    by_axis = packing.spec.grading.get("size", "longest-axis") == "longest-axis"
+    if by_axis and len(packing):
+        sieved, volumes = packing.aggregates.sieve_size, packing.aggregates.volume
+        order = np.argsort(sieved)
+        passing = asked[0] + (1 - asked[0]) * np.cumsum(volumes[order]) / volumes.sum()
+        ax.plot(sieved[order], 100 * passing, label="by sieve size")
+    label = "longest axis, mm" if by_axis else "sieve size, mm"
+    ax.set(xlabel=label, ylabel="aggregate volume passing, %", xscale="log", ylim=(0, 102))
     ax.set_xticks(sizes, [f"{size:g}" for size in sizes])
     ax.minorticks_off()
     ax.legend()

@@ -1,0 +1,67 @@
+//! The bodies of a packing as columns, and single columns of its aggregates.
+
+use crate::boundary::guard;
+use crate::run::beside_python;
+use meso_core::Model;
+use meso_core::aggregate::Aggregate;
+use meso_core::geometry::sieve_size;
+use meso_core::math::{Vec3, longest_distance};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// What a body measures.
+struct Row {
+    size: f64,
+    sieve_size: f64,
+    volume: f64,
+    area: f64,
+    centroid: Vec3,
+}
+
+impl Row {
+    fn of(aggregate: &Aggregate) -> Self {
+        let (body, mass) = (&aggregate.body, aggregate.body.mass_properties());
+        let size = longest_distance(body.vertices());
+        Self { size, sieve_size: sieve_size(body), volume: mass.volume, area: body.area(), centroid: mass.centroid }
+    }
+
+    fn sphericity(&self) -> f64 {
+        PI.cbrt() * (6.0 * self.volume).cbrt().powi(2) / self.area
+    }
+}
+
+/// All columns of all bodies.
+///
+/// # Errors
+/// `KeyboardInterrupt` on Ctrl-C.
+pub(crate) fn of<'py>(py: Python<'py>, model: &Arc<Model>) -> PyResult<Bound<'py, PyDict>> {
+    guard(|| {
+        let shared = Arc::clone(model);
+        let rows: Vec<Row> = beside_python(py, None, move |_| shared.bodies().par_iter().map(Row::of).collect())?;
+        let bodies = model.bodies();
+        let integers = |value: &dyn Fn(&Aggregate) -> i64| PyArray1::from_iter(py, bodies.iter().map(value));
+        let reals = |value: &dyn Fn(&Row) -> f64| PyArray1::from_iter(py, rows.iter().map(value));
+        let table = PyDict::new(py);
+        table.set_item("id", integers(&|body| i64::from(body.id)))?;
+        table.set_item("class", integers(&|body| i64::from(body.class)))?;
+        let phases: Vec<&str> = bodies.iter().map(|body| body.kind.name()).collect();
+        table.set_item("phase", py.import("numpy")?.call_method1("array", (phases,))?)?;
+        table.set_item("size_mm", reals(&|row| row.size))?;
+        table.set_item("sieve_size_mm", reals(&|row| row.sieve_size))?;
+        table.set_item("volume_mm3", reals(&|row| row.volume))?;
+        table.set_item("area_mm2", reals(&|row| row.area))?;
+        table.set_item("sphericity", reals(&Row::sphericity))?;
+        table.set_item("centroid_x_mm", reals(&|row| row.centroid.x))?;
+        table.set_item("centroid_y_mm", reals(&|row| row.centroid.y))?;
+        table.set_item("centroid_z_mm", reals(&|row| row.centroid.z))?;
+        let thicknesses = PyArray1::from_iter(py, bodies.iter().map(|body| body.itz_thickness_mm));
+        table.set_item("itz_thickness_mm", thicknesses)?;
+        table.set_item("vertices", integers(&|body| body.body.vertices().len() as i64))?;
+        table.set_item("faces", integers(&|body| body.body.faces().len() as i64))?;
+        Ok(table)
+    })
+}
