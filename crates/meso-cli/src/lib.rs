@@ -12,8 +12,6 @@ mod progress;
 mod stderr;
 mod threads;
 
-pub use inputs::Beside;
-
 use clap::Parser;
 use commands::{Cli, Command};
 use failure::Failure;

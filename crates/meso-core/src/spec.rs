@@ -6,7 +6,6 @@
 mod crowding;
 mod error;
 mod files;
-mod inclusions;
 mod library;
 mod limits;
 mod messages;

@@ -2,6 +2,7 @@
 
 mod aspect_ratio;
 pub mod grading;
+pub mod grain;
 pub mod inclusions;
 pub mod itz;
 mod library;
@@ -11,7 +12,8 @@ pub mod take;
 
 pub use aspect_ratio::AspectRatio;
 pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
-pub use inclusions::{Cone, Fibres, Inclusions, Kind, Voids};
+pub use grain::{Grain, Kind};
+pub use inclusions::{Cone, Fibres, Inclusions, Voids};
 pub use itz::Itz;
 pub use library::Template;
 pub use shape::{Shape, ShapeKind};

@@ -13,9 +13,11 @@ mod integer;
 mod integrals;
 mod nearest;
 pub mod offset;
+mod plane;
 mod polyhedron;
 mod predicates;
 mod sieve;
+mod sum;
 mod triangle_mesh;
 
 pub(crate) use box_tree::BoxTree;
@@ -26,7 +28,8 @@ pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull, convex_hul
 pub use inradius::{Ball, inscribed_ball};
 pub(crate) use nearest::nearest_on_triangle;
 pub use offset::{OffsetError, inward_offset};
-pub use polyhedron::{Facet, MassProperties, Plane, Polyhedron};
+pub use plane::{Facet, Plane};
+pub use polyhedron::{MassProperties, Polyhedron};
 pub(crate) use predicates::orient3d;
 pub use predicates::{MAX_MAGNITUDE, MIN_MAGNITUDE};
 pub use sieve::{principal_axes, sieve_size};

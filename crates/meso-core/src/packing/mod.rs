@@ -9,6 +9,7 @@ mod rearrange;
 mod report;
 mod specimen;
 mod take_and_place;
+mod task;
 
 pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
@@ -17,7 +18,7 @@ pub use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
 pub use specimen::{Built, Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
 
-use crate::aggregate::take::{self, Grain};
+use crate::aggregate::grain::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
 use crate::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
@@ -149,7 +150,7 @@ impl Pose {
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
     pub fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
         match self.rotation() {
-            Some(rotation) => take::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
+            Some(rotation) => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
             None => body.vertices().collect(),
         }
     }
@@ -184,7 +185,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// Nothing placed so far; `stop` where `task` is not to begin at all.
-    fn empty(task: &place::Task, strategy: &'static str, dead_end: StopReason) -> Self {
+    fn empty(task: &task::Task, strategy: &'static str, dead_end: StopReason) -> Self {
         Self {
             poses: vec![None; task.request.grains.len()],
             work: Work::default(),

@@ -1,9 +1,10 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
 mod grading;
+mod inclusions;
 
 use super::messages::number;
-use super::{Spec, SpecError, inclusions};
+use super::{Spec, SpecError};
 use crate::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 use grading::grading;
