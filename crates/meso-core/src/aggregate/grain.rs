@@ -85,11 +85,11 @@ impl Grain {
 
 /// Coordinates of grains and of their centres are multiples of 2^-30 mm: their sums are then exact in f64 up to 8 km,
 /// so that translating a grain changes no shape, no volume and no face by rounding.
-pub const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
+pub(crate) const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Rounds to the lattice of [`LATTICE_MM`].
 #[inline(always)]
-pub fn snap(v: &Vec3) -> Vec3 {
+pub(crate) fn snap(v: &Vec3) -> Vec3 {
     rounded_to(LATTICE_MM, v)
 }
 

@@ -8,11 +8,11 @@ use crate::geometry::{HullError, convex_hull, sieve_size};
 use rayon::prelude::*;
 
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
-pub const ITZ_LIMIT: f64 = 0.5;
+pub(crate) const ITZ_LIMIT: f64 = 0.5;
 
 /// The parts of a spec that the take needs.
 #[derive(Clone, Copy)]
-pub struct Recipe<'a> {
+pub(crate) struct Recipe<'a> {
     /// Sizes.
     pub grading: &'a Grading,
     /// Shapes.
@@ -33,7 +33,7 @@ pub struct Recipe<'a> {
 ///
 /// # Errors
 /// A shape without volume.
-pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
+pub(crate) fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
     let (classes, beyond) = (recipe.grading.classes(), 1.0 + surplus);
     let mut grains = Vec::new();
     // Coarse classes first: if it ends early, they are what a packing begins with.

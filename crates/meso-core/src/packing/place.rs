@@ -25,7 +25,7 @@ impl Placement {
 }
 
 /// Places the grains of `request`.
-pub fn place(request: &Request) -> Outcome {
+pub(crate) fn place(request: &Request) -> Outcome {
     let mut task = Task::new(request);
     match request.placement.chosen() {
         Strategy::TakeAndPlace => {
