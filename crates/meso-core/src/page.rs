@@ -2,6 +2,7 @@
 //!
 //! Pictures are exact: the polygons in which the plane meets the polyhedra and their cores.
 
+#[doc(hidden)]
 pub mod plot;
 mod scene;
 mod slice;
@@ -11,6 +12,7 @@ use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::geometry::sieve_size;
 use crate::model::Model;
 use crate::statistics::Statistics;
+#[doc(hidden)]
 pub use scene::base64;
 
 use plot::{Curve, Plot};
@@ -38,6 +40,7 @@ pub fn write(model: &Model, statistics: &Statistics, out: impl Write) -> io::Res
 ///
 /// # Errors
 /// Those of `out`.
+#[doc(hidden)]
 pub fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
     slice::picture(model, axis, place, out)
 }

@@ -113,6 +113,7 @@ pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkErr
 ///
 /// # Errors
 /// As [`statistics`].
+#[doc(hidden)]
 pub fn statistics_watched(
     model: &Model,
     options: &Options,

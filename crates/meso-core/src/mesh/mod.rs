@@ -15,16 +15,21 @@ pub(crate) mod location;
 mod options;
 mod own_volume;
 pub mod quality;
+#[doc(hidden)]
 pub mod sides;
 mod smeared;
 mod subsamples;
 mod tet;
 mod voxel;
 
-pub use build::{build, build_parts, build_watched, build_with};
+#[doc(hidden)]
+pub use build::{build_parts, build_watched};
+pub use build::{build, build_with};
 pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
-pub use options::{Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, Order, Volumes};
+pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
+#[doc(hidden)]
+pub use options::{MeshTable, MethodName};
 pub use quality::PhaseVolumes;

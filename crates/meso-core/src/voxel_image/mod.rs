@@ -26,13 +26,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// The label of voxels outside the specimen.
-pub const OUTSIDE: u8 = 255;
+const OUTSIDE: u8 = 255;
 /// The label of voxels in a void.
-pub const VOID: u8 = 3;
+const VOID: u8 = 3;
 /// The id of voxels in no grain.
-pub const NO_GRAIN: i32 = -1;
+const NO_GRAIN: i32 = -1;
 /// The id of voxels outside the specimen.
-pub const OUTSIDE_ID: i32 = -2;
+const OUTSIDE_ID: i32 = -2;
 
 /// Voxels that are made at a time: 32 MB of shares, and enough layers of any image for many threads.
 const AT_ONCE: usize = 8 << 20;
