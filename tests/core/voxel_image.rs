@@ -2,16 +2,15 @@
 
 use crate::models;
 use meso_core::aggregate::{Aggregate, Kind};
-use meso_core::export::raster::{Values, npy, png, tif, vti};
 use meso_core::formats::ImageFormat;
 use meso_core::geometry::Plane;
 use meso_core::gjk;
 use meso_core::math::{Aabb, Vec3};
 use meso_core::packing::Images;
 use meso_core::spec::Spec;
-use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
 use meso_core::{Model, Silent, pack};
-use std::io::{Cursor, Read, Seek};
+use std::io::Cursor;
 
 const CUBE: &str = "fraction = 0.4\n[specimen]\nkind = \"cube\"\nside_mm = 30\n";
 const PERIODIC: &str = "fraction = 0.4\n[specimen]\nkind = \"cube\"\nside_mm = 30\nperiodic = [\"x\", \"y\", \"z\"]\n";
@@ -181,24 +180,18 @@ fn an_image_is_the_same_in_slabs_and_on_any_number_of_threads() {
 fn files_hold_the_values_behind_their_headers() {
     let model = packed(CUBE);
     let (image, values) = image(&model, ImageOptions { voxel_size_mm: 2.0, ..ImageOptions::default() });
-    let frame = image.frame();
-    let mut array = Vec::new();
-    npy::write(&frame, image.slabs(), &mut array).unwrap();
+    let written = |format: ImageFormat| {
+        let mut out = Cursor::new(Vec::new());
+        format.write_file(&image, &model, Region::Whole, &|_| {}, &mut out).unwrap();
+        out.into_inner()
+    };
+    let array = written(ImageFormat::Npy);
     assert_eq!((array.len() - 15 * 15 * 15) % 64, 0);
     assert!(array.ends_with(&values.bytes()));
-    assert!(
-        String::from_utf8_lossy(&array[..128])
-            .contains("'descr': '|u1', 'fortran_order': False, 'shape': (15, 15, 15)")
-    );
-    let mut grid = Vec::new();
-    vti::write(&frame, image.slabs(), &mut grid).unwrap();
-    assert!(grid.windows(values.len()).any(|window| *window == *values.bytes()));
-    let mut pages = Cursor::new(Vec::new());
-    tif::write(&frame, image.slabs(), &mut pages).unwrap();
-    pages.rewind().unwrap();
-    let mut tag = [0; 4];
-    pages.read_exact(&mut tag).unwrap();
-    assert_eq!(&tag, b"II*\0");
+    let header = String::from_utf8_lossy(&array[..128]);
+    assert!(header.contains("'descr': '|u1', 'fortran_order': False, 'shape': (15, 15, 15)"), "{header}");
+    assert!(written(ImageFormat::Vti).windows(values.len()).any(|window| *window == *values.bytes()));
+    assert_eq!(&written(ImageFormat::Tif)[..4], b"II*\0");
 }
 
 #[test]
@@ -221,7 +214,8 @@ fn what_cannot_be_asked_of_an_image_is_named() {
     assert!(ImageFormat::Png.check(&usual).is_err());
     let ids = ImageOptions { quantity: Quantity::Grain, region: Region::Section { axis: 2, at: 3.0 }, ..usual };
     assert!(ImageFormat::Svg.check(&ids).is_err());
-    let (image, values) =
-        image(&models::two_boxes(), ImageOptions { region: Region::Section { axis: 2, at: 3.0 }, ..usual });
-    png::write(&image.frame(), &values, Vec::new()).unwrap();
+    let section = Region::Section { axis: 2, at: 3.0 };
+    let boxes = models::two_boxes();
+    let (image, _) = image(&boxes, ImageOptions { region: section, ..usual });
+    ImageFormat::Png.write(&image, &boxes, section, &|_| {}, Vec::new()).unwrap();
 }

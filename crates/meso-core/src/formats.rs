@@ -1,7 +1,7 @@
 //! What a packing and a mesh can be written as: the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
-use crate::export::raster::{Values, npy, png, vti};
+use crate::export::raster::{Values, npy, png, tif, vti};
 use crate::export::vtk::Encoding;
 use crate::export::{csv, msh, pvtu, stl, vtu, vtu_mesh};
 use crate::mesh::Mesh;
@@ -11,7 +11,7 @@ use crate::page;
 use crate::saved;
 use crate::voxel_image::{ImageError, ImageOptions, Quantity, Region, VoxelImage};
 use std::borrow::Cow;
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// How the aggregates' surfaces are written.
@@ -236,8 +236,25 @@ impl ImageFormat {
         }
     }
 
-    /// Writes an image of `model` to `out` as it is made, and reports the share that is; `.tif` needs a file to seek in, see
-    /// [`tif::write`](crate::export::raster::tif::write).
+    /// Writes an image as [`ImageFormat::write`] does, in any format; a `.tif` seeks in `out`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_file(
+        self,
+        image: &VoxelImage,
+        model: &Model,
+        region: Region,
+        told: &dyn Fn(f64),
+        out: impl Write + Seek,
+    ) -> io::Result<()> {
+        match self {
+            Self::Tif => tif::write(&image.frame(), image.slabs_watched(told), out),
+            _ => self.write(image, model, region, told, out),
+        }
+    }
+
+    /// Writes an image of `model` to `out` as it is made, and reports the share that is; not `.tif`, which seeks.
     ///
     /// # Errors
     /// Those of `out`.

@@ -3,8 +3,7 @@
 use crate::boundary::guard;
 use crate::run::beside_python;
 use meso_core::Model;
-use meso_core::export::raster::Values;
-use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
 use pyo3::prelude::*;

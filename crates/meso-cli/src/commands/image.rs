@@ -6,7 +6,6 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr, threads};
 use meso_core::Progress;
-use meso_core::export::raster::tif;
 use meso_core::formats::ImageFormat;
 use meso_core::packing::Stage;
 use meso_core::voxel_image::{ImageError, ImageOptions, Quantity, Region, ShareOf, VoxelImage};
@@ -79,7 +78,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     for (target, format) in &plan {
         match format {
             ImageFormat::Tif => {
-                unit.fill_file(target, args.force, |out| tif::write(&image.frame(), image.slabs_watched(&told), out))?
+                unit.fill_file(target, args.force, |out| format.write_file(&image, &model, options.region, &told, out))?;
             }
             _ => unit.fill(target, args.force, |out| format.write(&image, &model, options.region, &told, out))?,
         }

@@ -7,8 +7,7 @@ pub mod csv;
 pub mod msh;
 #[doc(hidden)]
 pub mod pvtu;
-#[doc(hidden)]
-pub mod raster;
+pub(crate) mod raster;
 #[doc(hidden)]
 pub mod stl;
 pub mod vtk;

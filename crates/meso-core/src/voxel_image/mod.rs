@@ -13,7 +13,8 @@ mod share;
 pub use options::{ImageError, ImageOptions, Quantity, Region, ShareOf};
 
 use crate::aggregate::{Aggregate, Kind};
-use crate::export::raster::{Frame, ValueKind, Values};
+pub use crate::export::raster::{Frame, ValueKind, Values};
+
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Phase;
 use crate::mesh::location::{Facets, PointGrid, Scan};

@@ -3,10 +3,10 @@
 //! Arrays are [z, y, x] in C order. Slabs arrive in ascending z and are written as they come, so that no file needs the
 //! whole image in memory.
 
-pub mod npy;
-pub mod png;
-pub mod tif;
-pub mod vti;
+pub(crate) mod npy;
+pub(crate) mod png;
+pub(crate) mod tif;
+pub(crate) mod vti;
 
 use std::borrow::Cow;
 
@@ -104,5 +104,5 @@ impl Values {
 }
 
 /// Red, green and blue of a phase's label in pictures; the voxels outside the specimen are transparent.
-pub const PALETTE: [[u8; 3]; 5] =
+const PALETTE: [[u8; 3]; 5] =
     [[0xe4, 0xe1, 0xda], [0x8a, 0x82, 0x75], [0x7f, 0xa8, 0xc9], [0xff, 0xff, 0xff], [0x2f, 0x3b, 0x4c]];

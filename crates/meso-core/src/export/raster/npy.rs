@@ -10,7 +10,7 @@ const ALIGNED: usize = 64;
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(frame: &Frame, mut slabs: impl Iterator<Item = Values>, mut out: impl Write) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Values>, mut out: impl Write) -> io::Result<()> {
     let kind = match frame.kind {
         ValueKind::Label => "|u1",
         ValueKind::Id => "<i4",

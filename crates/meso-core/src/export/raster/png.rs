@@ -10,7 +10,7 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// Those of `out`; ids, and reals that are not shares, which no picture holds.
-pub fn write(frame: &Frame, values: &Values, out: impl Write) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, values: &Values, out: impl Write) -> io::Result<()> {
     let ([rows, columns], _) = frame.pictures();
     let mut encoder = Encoder::new(out, columns, rows);
     encoder.set_depth(BitDepth::Eight);

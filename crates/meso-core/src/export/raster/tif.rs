@@ -16,7 +16,7 @@ const LARGE: usize = 3_900_000_000;
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(frame: &Frame, slabs: impl Iterator<Item = Values>, out: impl Write + Seek) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, slabs: impl Iterator<Item = Values>, out: impl Write + Seek) -> io::Result<()> {
     let is_large = frame.counts.iter().product::<usize>() * frame.kind.bytes() > LARGE;
     let written = if is_large {
         TiffEncoder::new_big(out).and_then(|encoder| pages(frame, slabs, encoder))

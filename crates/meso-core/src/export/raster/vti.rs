@@ -9,7 +9,7 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(frame: &Frame, mut slabs: impl Iterator<Item = Values>, mut out: impl Write) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Values>, mut out: impl Write) -> io::Result<()> {
     let Frame { counts: [nx, ny, nz], corner_mm: [x, y, z], voxel_size_mm: h, name, .. } = *frame;
     let kind = match frame.kind {
         ValueKind::Label => "UInt8",
