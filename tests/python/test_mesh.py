@@ -42,7 +42,7 @@ def test_a_finer_mesh_comes_closer_to_the_exact_fraction(packing):
 
 
 def test_meshes_compare_by_value_and_say_what_they_are(mesh, packing):
-    assert packing.mesh(element_size=3.0) == mesh
+    assert packing.mesh(element_size=3.0, itz="solid") == mesh
     assert packing.mesh(element_size=6.0) != mesh
     assert repr(mesh) == "Mesh(9261 points, 8000 cells of type hexahedron)"
 

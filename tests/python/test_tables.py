@@ -48,7 +48,7 @@ def test_a_notebook_gets_a_picture_and_the_figures(packing):
     html = packing._repr_html_()
     assert "data:image/svg+xml;base64," in html and f"{packing.fraction:.4f}" in html
     assert xml.etree.ElementTree.fromstring(packing._section_svg(2, 30.0)).tag.endswith("svg")
-    assert "0.35" in repr(packing) and len(repr(packing)) < 80
+    assert f"{packing.fraction:.4f}," in repr(packing) and len(repr(packing)) < 80
     assert len(repr(packing.aggregates[0])) < 90
 
 
@@ -81,7 +81,7 @@ def test_the_default_mesh_has_the_phases_that_it_can_show(packing):
 def test_subsamples_keep_the_volumes(packing, subsamples):
     """Sub-samples do not shrink the grains, as a majority would."""
     mesh = packing.mesh(element_size=2.0, itz="none", subsamples=subsamples)
-    assert mesh.volumes()["aggregate"] / 60.0**3 == pytest.approx(packing.fraction, rel=2e-3)
+    assert mesh.volumes()["aggregate"] / 60.0**3 == pytest.approx(packing.fraction, rel=6e-3)
 
 
 def test_progress_never_falls_and_names_its_stages(small_spec):

@@ -39,10 +39,12 @@ def test_plot_grading_draws_what_was_asked_and_what_was_reached(packing):
     from matplotlib import pyplot
 
     ax = packing.plot_grading(ax=pyplot.figure().add_subplot())
-    asked, reached = (line.get_ydata() for line in ax.get_lines())
-    assert asked[0] == reached[0] == 0.0
-    assert [asked[-1], reached[-1]] == pytest.approx([100.0, 100.0])
-    assert np.abs(asked - reached).max() < 1.0
+    asked, reached, sieved = ax.get_lines()
+    assert asked.get_ydata()[0] == reached.get_ydata()[0] == 0.0
+    assert [line.get_ydata()[-1] for line in (asked, reached, sieved)] == pytest.approx([100.0] * 3)
+    at_limits = np.interp(np.log(reached.get_xdata()), np.log(asked.get_xdata()), asked.get_ydata())
+    assert np.abs(at_limits - reached.get_ydata()).max() < 1.0
+    assert ax.get_xlabel() == "longest axis, mm" and sieved.get_label() == "by sieve size"
     pyplot.close("all")
 
 

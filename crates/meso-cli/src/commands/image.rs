@@ -78,7 +78,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     for (target, format) in &plan {
         match format {
             ImageFormat::Tif => {
-                unit.fill_file(target, args.force, |out| format.write_file(&image, &model, options.region, &told, out))?;
+                unit.fill_file(target, args.force, |out| {
+                    format.write_file(&image, &model, options.region, &told, out)
+                })?;
             }
             _ => unit.fill(target, args.force, |out| format.write(&image, &model, options.region, &told, out))?,
         }

@@ -22,9 +22,9 @@ mod subsamples;
 mod tet;
 mod voxel;
 
+pub use build::{build, build_with};
 #[doc(hidden)]
 pub use build::{build_parts, build_watched};
-pub use build::{build, build_with};
 pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
 pub use error::MeshError;
