@@ -212,9 +212,10 @@ impl Args {
         let (elements, steps) = (stderr::thousands(mesh.cell_count()), stderr::thousands(run.steps() as usize));
         let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
         stderr::line(format!(
-            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s, {:.0} MB",
+            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
             self.friction,
             run.time_step_s(),
+            run.added_mass_percent(),
             run.bytes() as f64 / 1e6
         ));
     }

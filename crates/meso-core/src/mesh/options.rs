@@ -128,8 +128,10 @@ pub enum Joined {
     /// They stay joined: an elastic skeleton that no analysis breaks.
     #[default]
     Keep,
-    /// Mortar parts them. A cohesive ITZ does so by itself.
+    /// Mortar parts them: of the cells at a shared node those of one aggregate stay. A cohesive ITZ parts by itself.
     Mortar,
+    /// The same with tetrahedra that are cut first: less of the aggregates is lost, and elements get small.
+    Cut,
 }
 
 /// Which volume aggregates have in a mesh of tetrahedra.
