@@ -16,17 +16,23 @@ mod location;
 mod options;
 mod own_volume;
 pub mod quality;
+#[doc(hidden)]
 pub mod sides;
 mod smeared;
 mod tet;
 mod voxel;
 
-pub use build::{build, build_parts, build_with};
+#[doc(hidden)]
+pub use build::build_parts;
+pub use build::{build, build_with};
 pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
+#[doc(hidden)]
 pub use crack_band::{band_factor, regular_edge};
 pub(crate) use crack_band::{characteristic_mm, width_mm};
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
-pub use options::{Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, Order, Volumes};
+pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
+#[doc(hidden)]
+pub use options::{MeshTable, MethodName};
 pub use quality::PhaseVolumes;
