@@ -3,19 +3,26 @@
 //! The planes are moved inwards and intersected through duality: about an interior point, the plane n . x = h becomes
 //! the point n / h, and the hull of these points is dual to the eroded body (its facets are the body's vertices).
 //! Dual points are rounded once from double-double values and their hull is exact, so the result is the exact
-//! erosion of planes displaced by at most 2^-53 of the body's extent: that makes the error of its volume a product
-//! which is known beforehand, extent times area over volume. Where that is too large the answer is an error.
+//! erosion of planes displaced by at most 2^-53 of the body's extent. The error of its volume is therefore known:
+//! extent times area over volume, times that rounding. A body too slender for it is intersected again in an affine
+//! frame in which it is round (its dual points are exact there until they are rounded), and mapped back.
 
 mod dual;
+mod frame;
 mod planes;
 
 use super::inradius::{Erosion, erosion, plane_corners};
 use super::{HullError, Polyhedron};
 use crate::math::Vec3;
+use dual::Dual;
+use frame::Frame;
 use planes::dual_points;
 
 /// Relative error of the volume beyond which no answer is given.
 const ACCURACY: f64 = 1e-9;
+
+/// Half an ulp of 1.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// Why an offset has no trustworthy answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -38,6 +45,8 @@ pub enum OffsetError {
 ///
 /// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to 1e-12
 /// for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are rounded to f64.
+/// There is no answer only where f64 vertices cannot show the shape: where what is left is thinner than about 1e-13 of its
+/// distance from the origin.
 /// A face that is not plane to the last bit counts as the plane of its widest triangle.
 ///
 /// # Errors
@@ -53,7 +62,7 @@ pub fn inward_offset(body: &Polyhedron, thickness: f64) -> Result<Option<Polyhed
     // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.
     let centroid = body.centroid();
     if let Some(points) = dual_points(&corners, &centroid, thickness) {
-        return dual::intersect(&points, &centroid).map(Some);
+        return intersect(&corners, &centroid, thickness, &points).map(Some);
     }
     if clearly_vanishes(body, thickness) {
         return Ok(None);
@@ -61,11 +70,59 @@ pub fn inward_offset(body: &Polyhedron, thickness: f64) -> Result<Option<Polyhed
     match erosion(&corners, thickness) {
         Erosion::Nothing => Ok(None),
         Erosion::Around(center) => {
-            let points = dual_points(&corners, &center, thickness)
-                .ok_or_else(|| ill_conditioned("what is left is smaller than the spacing of f64 numbers there"))?;
-            dual::intersect(&points, &center).map(Some)
+            let points = dual_points(&corners, &center, thickness).ok_or_else(lost)?;
+            intersect(&corners, &center, thickness, &points).map(Some)
         }
     }
+}
+
+/// Frames tried one after the other. Each divides what is left of the slenderness by up to 1e15.
+const FRAMES: usize = 4;
+
+/// The body within the planes whose dual points about `center` are `points`.
+fn intersect(
+    corners: &[[Vec3; 3]],
+    center: &Vec3,
+    thickness: f64,
+    points: &[Vec3],
+) -> Result<Polyhedron, OffsetError> {
+    let mut dual = Dual::of(points)?;
+    if let Some(body) = dual.body() {
+        return placed(&body, &dual, center, |v| *v, 1.0);
+    }
+    let mut frame = Frame::default();
+    for _ in 0..FRAMES {
+        frame = frame.around(&dual).ok_or_else(lost)?;
+        dual = Dual::of(&frame.dual_points(corners, center, thickness).ok_or_else(lost)?)?;
+        if let Some(body) = dual.body() {
+            return placed(&body, &dual, center, |v| frame.to_world(v), frame.volume());
+        }
+    }
+    Err(lost())
+}
+
+/// The body about its centre in a frame, in the specimen's coordinates. It keeps its volume wherever it is; its vertices
+/// must still show its shape.
+fn placed(
+    body: &Polyhedron,
+    dual: &Dual,
+    center: &Vec3,
+    to_world: impl Fn(&Vec3) -> Vec3,
+    frame_volume: f64,
+) -> Result<Polyhedron, OffsetError> {
+    let length = dual.unit();
+    let volume = body.volume() * length * length * length * frame_volume;
+    let body = body.clone().mapped_to_volume(|v| center + to_world(&(v * length)), volume);
+    if rounded_volume(&body) < 1e-3 * volume { Ok(body) } else { Err(lost()) }
+}
+
+/// The volume between faces whose corners err by half an ulp of the largest coordinates: along each axis, that times the
+/// faces seen along it.
+fn rounded_volume(body: &Polyhedron) -> f64 {
+    let largest = body.vertices().iter().fold(Vec3::zeros(), |most, v| most.sup(&v.abs()));
+    let at = |i: u32| body.vertices()[i as usize];
+    let seen: Vec3 = body.triangles().map(|[a, b, c]| (at(b) - at(a)).cross(&(at(c) - at(a))).abs() / 2.0).sum();
+    ROUNDING * largest.dot(&seen)
 }
 
 /// A ball of radius r fits only where 3 volumes are at least r areas (the cones from its centre to the faces).
@@ -78,6 +135,10 @@ fn clearly_vanishes(body: &Polyhedron, thickness: f64) -> bool {
 fn area_at_least([a, b, c]: &[Vec3; 3]) -> f64 {
     let (u, v) = (b - a, c - a);
     (u.cross(&v).norm() - 8.0 * f64::EPSILON * u.norm() * v.norm()).max(0.0) / 2.0
+}
+
+fn lost() -> OffsetError {
+    ill_conditioned("what is left is too thin, or too small, for f64 numbers to show its shape there")
 }
 
 fn ill_conditioned(reason: &str) -> OffsetError {

@@ -1,13 +1,11 @@
 //! The body whose planes are y_i . x = 1, from the hull of the points y_i.
 
-use super::{ACCURACY, OffsetError, ill_conditioned};
-use crate::geometry::Polyhedron;
+use super::{ACCURACY, OffsetError, ROUNDING, ill_conditioned};
 use crate::geometry::double_double::{Dd, Dd3, cross, dot};
 use crate::geometry::hull::Facets;
+use crate::geometry::{Polyhedron, convex_hull, integer};
 use crate::math::Vec3;
 
-/// Half an ulp of 1.
-const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// Vertices closer than so many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
 
@@ -19,23 +17,50 @@ struct Loops {
     ends: Vec<u32>,
 }
 
-/// The intersection of the half-spaces y . (x - center) <= 1.
-pub(super) fn intersect(points: &[Vec3], center: &Vec3) -> Result<Polyhedron, OffsetError> {
-    let scaled = normalised(points)?;
-    let facets = Facets::of(&scaled.points)?;
-    let mut vertices = Vec::with_capacity(2 * points.len());
-    for facet in facets.iter() {
-        vertices.push(vertex(&scaled.points, facet).ok_or_else(flat)?);
+/// The intersection of the half-spaces y . x <= 1, about its centre.
+pub(super) struct Dual {
+    /// In units of [`Dual::unit`]; some of them may be one but for rounding.
+    vertices: Vec<Vec3>,
+    faces: Loops,
+    scale: f64,
+}
+
+impl Dual {
+    /// From the points y.
+    pub(super) fn of(points: &[Vec3]) -> Result<Self, OffsetError> {
+        let scaled = normalised(points)?;
+        let facets = Facets::of(&scaled.points)?;
+        let mut vertices = Vec::with_capacity(2 * points.len());
+        for facet in facets.iter() {
+            vertices.push(vertex(&scaled.points, facet).ok_or_else(flat)?);
+        }
+        Ok(Self { vertices, faces: loops_around(&facets, points.len()), scale: scaled.scale })
     }
-    let (vertices, faces) = merged(vertices, loops_around(&facets, points.len()));
-    let local = Polyhedron::from_lists(vertices.into(), &faces.corners, &faces.ends);
-    if faces.ends.len() < 4 {
-        return Err(flat());
+
+    pub(super) fn vertices(&self) -> &[Vec3] {
+        &self.vertices
     }
-    check(&local, &(center * scaled.scale))?;
-    let length = 1.0 / scaled.scale;
-    let volume = local.volume() * length * length * length;
-    Ok(local.mapped_to_volume(|v| center + v * length, volume))
+
+    /// The length of 1 in these coordinates.
+    pub(super) fn unit(&self) -> f64 {
+        1.0 / self.scale
+    }
+
+    /// The solid, where its volume is right to [`ACCURACY`].
+    pub(super) fn body(&self) -> Option<Polyhedron> {
+        let Some(joined) = self.joined() else {
+            let whole = Polyhedron::from_lists(self.vertices.as_slice().into(), &self.faces.corners, &self.faces.ends);
+            return is_accurate(&whole, 0.0).then_some(whole);
+        };
+        if joined.faces.is_surface() {
+            let body = Polyhedron::from_lists(joined.vertices.into(), &joined.faces.corners, &joined.faces.ends);
+            if is_accurate(&body, joined.moved) {
+                return Some(body);
+            }
+        }
+        // Faces narrower than rounding may close upon themselves when their corners are joined: then the corners decide.
+        convex_hull(&self.vertices).ok().filter(|hull| is_accurate(hull, 0.0))
+    }
 }
 
 fn flat() -> OffsetError {
@@ -77,7 +102,10 @@ fn vertex(points: &[Vec3], facet: &[u32]) -> Option<Vec3> {
     let height_error = normal_error * a.norm() + 4.0 * ROUNDING * normal.norm() * a.norm();
     // Relative to |z| = |m| / height.
     let error = normal_error / normal.norm() + height_error / height;
-    if height > 0.0 && error < 256.0 * ROUNDING { Some(normal / height) } else { double_double_vertex(&a, &b, &c) }
+    if height > 0.0 && error < 256.0 * ROUNDING {
+        return Some(normal / height);
+    }
+    double_double_vertex(&a, &b, &c).or_else(|| exact_vertex(&[a, b, c]))
 }
 
 fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
@@ -88,6 +116,16 @@ fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
     let lost = 1e-27 * magnitude * a.norm() > 1e-15 * height.value();
     let inverse = height.recip();
     (!lost && height.value() > 0.0).then(|| Vec3::from(normal.map(|n| (n * inverse).value())))
+}
+
+/// The same in integers, for planes that are one but for rounding.
+fn exact_vertex(corners: &[Vec3; 3]) -> Option<Vec3> {
+    let unit = integer::unit_exponent(corners.iter().flat_map(|p| [p.x, p.y, p.z]));
+    let [a, b, c] = corners.map(|p| integer::to_integers(&p, unit));
+    let normal = integer::cross(&integer::minus(&b, &a), &integer::minus(&c, &a));
+    let height = integer::dot(&normal, &a);
+    let inside = height.sign() == num_bigint::Sign::Plus;
+    inside.then(|| Vec3::from(normal.map(|n| integer::quotient(&n, &height, -unit))))
 }
 
 /// For every dual point the loop of facets around it, counter-clockwise from outside; none for points inside.
@@ -127,28 +165,55 @@ fn push_loop(loops: &mut Loops, around: &mut [(u32, u32, u32)]) {
 }
 
 impl Loops {
+    /// True where the faces close a surface: every edge is passed once in each direction.
+    fn is_surface(&self) -> bool {
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.corners.len());
+        for face in self.iter() {
+            edges.extend((0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]));
+        }
+        edges.sort_unstable();
+        let once = edges.windows(2).all(|pair| pair[0] != pair[1]);
+        self.ends.len() >= 4 && once && edges.iter().all(|[a, b]| edges.binary_search(&[*b, *a]).is_ok())
+    }
+
     fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(&0).chain(&self.ends);
         starts.zip(&self.ends).map(|(&start, &end)| &self.corners[start as usize..end as usize])
     }
 }
 
-/// Joins neighbouring vertices that rounding alone keeps apart; drops faces that lose their area by it.
-fn merged(vertices: Vec<Vec3>, faces: Loops) -> (Vec<Vec3>, Loops) {
-    let extent = vertices.iter().map(Vec3::norm).fold(0.0, f64::max);
-    let mut same: Vec<u32> = (0..vertices.len() as u32).collect();
-    let mut any = false;
-    for face in faces.iter() {
-        for (k, &v) in face.iter().enumerate() {
-            let w = face[(k + 1) % face.len()];
-            if (vertices[v as usize] - vertices[w as usize]).norm() <= MERGED * ROUNDING * extent {
-                let (v, w) = (root(&same, v), root(&same, w));
-                same[v.max(w) as usize] = v.min(w);
-                any = true;
+/// A body whose vertices were joined.
+struct Joined {
+    vertices: Vec<Vec3>,
+    faces: Loops,
+    /// The farthest that a vertex went.
+    moved: f64,
+}
+
+impl Dual {
+    /// Joins neighbouring vertices that rounding alone keeps apart; `None` where there are none.
+    fn joined(&self) -> Option<Joined> {
+        let Self { vertices, faces, .. } = self;
+        let extent = vertices.iter().map(Vec3::norm).fold(0.0, f64::max);
+        let mut same: Vec<u32> = (0..vertices.len() as u32).collect();
+        let mut any = false;
+        for face in faces.iter() {
+            for (k, &v) in face.iter().enumerate() {
+                let w = face[(k + 1) % face.len()];
+                if (vertices[v as usize] - vertices[w as usize]).norm() <= MERGED * ROUNDING * extent {
+                    let (v, w) = (root(&same, v), root(&same, w));
+                    same[v.max(w) as usize] = v.min(w);
+                    any = true;
+                }
             }
         }
+        any.then(|| {
+            let went = |v: usize| (vertices[v] - vertices[root(&same, v as u32) as usize]).norm();
+            let moved = (0..vertices.len()).map(went).fold(0.0, f64::max);
+            let (vertices, faces) = without_doubles(vertices, faces, &same);
+            Joined { vertices, faces, moved }
+        })
     }
-    if any { without_doubles(&vertices, &faces, &same) } else { (vertices, faces) }
 }
 
 /// The faces over the first of each set of joined vertices.
@@ -184,18 +249,9 @@ fn root(same: &[u32], mut v: u32) -> u32 {
 }
 
 /// The certificate: planes displaced by a few roundings of the extent change the volume by no more than that times
-/// area over volume. Rounding the vertices about the centre costs as much again.
-fn check(local: &Polyhedron, center: &Vec3) -> Result<(), OffsetError> {
+/// area over volume. Rounding the vertices about the centre costs as much again, and so do vertices that were `moved`.
+fn is_accurate(local: &Polyhedron, moved: f64) -> bool {
     let extent = local.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
-    let slenderness = local.area() / local.volume();
-    let accurate = 4.0 * ROUNDING * extent * slenderness < ACCURACY;
-    if !accurate {
-        return Err(ill_conditioned("what is left is too thin for its volume to be right to 1e-9"));
-    }
-    // A body far from the origin keeps its volume; but its vertices must still show its shape.
-    let resolved = ROUNDING * center.amax() * slenderness < 1e-3;
-    if !resolved {
-        return Err(ill_conditioned("what is left is smaller than the spacing of f64 numbers there"));
-    }
-    Ok(())
+    // False for NaN, too.
+    (4.0 * ROUNDING * extent).max(moved) * local.area() / local.volume() < ACCURACY
 }

@@ -40,6 +40,11 @@ fn double_double_point([a, b, c]: &[Vec3; 3], center: &Vec3, thickness: f64) -> 
 
 /// The same in integers; `None` where the height is not positive, or not to be told from 0 within 2^-128 of its unit.
 fn exact_point(corners: &[Vec3; 3], center: &Vec3, thickness: f64) -> Option<Vec3> {
+    exact_point_in(&[Vec3::x(), Vec3::y(), Vec3::z()], corners, center, thickness)
+}
+
+/// The dual point in a frame: its products with the frame's `axes`, each exact until it is rounded.
+pub(super) fn exact_point_in(axes: &[Vec3; 3], corners: &[Vec3; 3], center: &Vec3, thickness: f64) -> Option<Vec3> {
     const PRECISION: usize = 128;
     let coordinates = corners.iter().chain([center]).flat_map(|p| [p.x, p.y, p.z]);
     let unit = integer::unit_exponent(coordinates.chain([thickness]));
@@ -49,6 +54,13 @@ fn exact_point(corners: &[Vec3; 3], center: &Vec3, thickness: f64) -> Option<Vec
     let shift = integer::to_integer(thickness, unit);
     let shell = ((integer::dot(&normal, &normal) * &shift * &shift) << (2 * PRECISION)).sqrt();
     let height = (integer::dot(&normal, &a) << PRECISION) - shell;
-    (height.sign() == num_bigint::Sign::Plus && height.bits() > 60)
-        .then(|| Vec3::from(normal.map(|n| integer::quotient(&(n << PRECISION), &height, -unit))))
+    if height.sign() != num_bigint::Sign::Plus || height.bits() <= 60 {
+        return None;
+    }
+    let axes_unit = integer::unit_exponent(axes.iter().flat_map(|p| [p.x, p.y, p.z]));
+    let along = |axis: &Vec3| {
+        let product = integer::dot(&normal, &integer::to_integers(axis, axes_unit)) << PRECISION;
+        integer::quotient(&product, &height, axes_unit - unit)
+    };
+    Some(Vec3::from(axes.each_ref().map(along)))
 }
