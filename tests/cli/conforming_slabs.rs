@@ -104,7 +104,7 @@ fn slabs_of_cylinders_prisms_and_polyhedra_make_one_mesh_with_every_volume_exact
         );
         let model = meso_core::pack(&Spec::from_toml(&spec).unwrap(), &Silent).unwrap();
         let Some(one) = in_slabs(&model, ItzForm::None, 1) else { return };
-        let room = model.spec.specimen.room();
+        let room = model.spec.specimen.container();
         let aggregates: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
         for &slabs in others {
             let mesh = in_slabs(&model, ItzForm::None, slabs).unwrap();

@@ -76,7 +76,7 @@ fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
         assert!((volume / specimen.volume() - 1.0).abs() < 0.005, "{kind}: {volume} of {}", specimen.volume());
         let cells = quality::cells(&mesh);
         assert_eq!(quality::bad_cells(&cells, 8.0), [0; 0], "{kind}");
-        let room = specimen.room();
+        let room = specimen.container();
         let outside = outside(&mesh);
         assert!(outside.len() > 3000 && outside.iter().all(|(_, phase)| *phase == Phase::Mortar), "{kind}");
         let off = |node: u32| room.depth(&mesh.points[node as usize]).abs();
@@ -89,7 +89,7 @@ fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
 fn the_sides_of_plain_lattices_are_staircases() {
     let specimen = cylinder();
     let mesh = lattice(&specimen, Fit::Plain, ItzForm::None);
-    let room = specimen.room();
+    let room = specimen.container();
     let worst =
         outside(&mesh).into_iter().flat_map(|(nodes, _)| nodes.map(|n| room.depth(&mesh.points[n as usize]).abs()));
     assert!(worst.fold(0.0, f64::max) > 0.5);

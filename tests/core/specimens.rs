@@ -153,7 +153,7 @@ fn grains_lie_inside_a_closed_surface_that_is_not_convex() {
     let model = packed(specimen.clone(), Strategy::Rearrange, 0.0);
     let nearest = along_edges(&model).map(|v| side(&v)).fold(f64::INFINITY, f64::min);
     assert!((0.0..1.0).contains(&nearest), "{nearest}");
-    let surface = specimen.room().surface();
+    let surface = specimen.container().surface();
     let points: Vec<_> = surface.points.iter().map(|p| nalgebra::Point3::from(*p)).collect();
     let mesh = parry3d_f64::shape::TriMesh::new(points, surface.triangles().collect()).unwrap();
     let here = nalgebra::Isometry3::identity();
@@ -210,7 +210,7 @@ fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
 fn cubes(edge: f64) -> Specimen {
     let (mut vertices_mm, mut triangles) = (Vec::new(), Vec::new());
     for cube in 0..64 {
-        let mut surface = Specimen::cube(edge).room().surface();
+        let mut surface = Specimen::cube(edge).container().surface();
         let place = Vec3::from([1, 4, 16].map(|step| f64::from(cube / step % 4))) * (edge + 3.0);
         surface.points.iter_mut().for_each(|point| *point += place);
         triangles.extend(surface.triangles().map(|t| t.map(|corner| corner + vertices_mm.len() as u32)));
@@ -221,7 +221,7 @@ fn cubes(edge: f64) -> Specimen {
 
 /// A cube of 20 mm with one of 6 mm in its middle, or beside it, whose triangles are turned round where it is a hollow.
 fn nested(at: f64, hollow: bool) -> Specimen {
-    let (outer, mut inner) = (Specimen::cube(20.0).room().surface(), Specimen::cube(6.0).room().surface());
+    let (outer, mut inner) = (Specimen::cube(20.0).container().surface(), Specimen::cube(6.0).container().surface());
     inner.points.iter_mut().for_each(|point| *point += Vec3::new(at, 7.0, 7.0));
     let inner_triangles = inner.triangles().map(|[a, b, c]| if hollow { [a, c, b] } else { [a, b, c] });
     let triangles = outer.triangles().chain(inner_triangles.map(|t| t.map(|corner| corner + 8))).collect();
@@ -284,7 +284,7 @@ fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
         },
     ];
     for specimen in rooms {
-        let (room, surface) = (specimen.room(), specimen.room().surface());
+        let (room, surface) = (specimen.container(), specimen.container().surface());
         let six: f64 = surface
             .triangles()
             .map(|t| t.map(|i| surface.points[i as usize]))

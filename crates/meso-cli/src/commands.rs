@@ -4,12 +4,12 @@ pub(crate) mod check;
 pub(crate) mod convert;
 pub(crate) mod init;
 pub(crate) mod mesh;
+mod mesh_report;
 mod meshing;
 mod names;
 pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
-mod told;
 mod values;
 
 use clap::{Parser, Subcommand};

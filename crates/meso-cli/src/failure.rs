@@ -1,6 +1,6 @@
 //! How a command ends badly: one line on stderr and an exit code.
 
-use crate::say;
+use crate::stderr;
 use std::path::Path;
 
 /// Exit code of a run-time or input/output failure.
@@ -38,8 +38,8 @@ impl Failure {
     }
 
     /// Says it on stderr; the exit code.
-    pub(crate) fn tell(&self) -> u8 {
-        say::line(format!("error: {}", self.message()));
+    pub(crate) fn print(&self) -> u8 {
+        stderr::line(format!("error: {}", self.message()));
         if matches!(self, Self::Usage(_)) { USAGE } else { RUN }
     }
 }
@@ -58,5 +58,5 @@ fn plain(error: &std::io::Error) -> String {
 
 /// A panic says one line; [`Failure::Bug`] adds what to do about it.
 pub(crate) fn hush_panics() {
-    std::panic::set_hook(Box::new(|panic| say::line(format!("internal error: {panic}").replace('\n', " "))));
+    std::panic::set_hook(Box::new(|panic| stderr::line(format!("internal error: {panic}").replace('\n', " "))));
 }

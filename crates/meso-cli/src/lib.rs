@@ -10,7 +10,7 @@ mod inputs;
 mod interrupt;
 mod outputs;
 mod progress;
-mod say;
+mod stderr;
 mod threads;
 
 pub use inputs::Beside;
@@ -30,7 +30,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     interrupt::install();
     std::panic::catch_unwind(|| dispatch(cli.command))
         .unwrap_or(Err(Failure::Bug))
-        .unwrap_or_else(|failure| failure.tell())
+        .unwrap_or_else(|failure| failure.print())
 }
 
 fn dispatch(command: Command) -> Result<u8, Failure> {

@@ -11,7 +11,7 @@ use crate::aggregate::{Aggregate, Kind, SizeDefinition};
 use crate::geometry::sieve_size;
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
-use crate::packing::Room;
+use crate::packing::Container;
 use pairs::Placed;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -130,14 +130,14 @@ impl Check {
 
 /// Checks every promise of `model`.
 pub fn check(model: &Model) -> Check {
-    let room = model.spec.specimen.room();
+    let container = model.spec.specimen.container();
     let bodies = model.bodies();
-    let placed = placed(model, &bodies, room.aabb());
+    let placed = placed(model, &bodies, container.aabb());
     let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
-    findings.par_extend(bodies.par_iter().flat_map_iter(|body| single(model, &*room, body)));
+    findings.par_extend(bodies.par_iter().flat_map_iter(|body| single(model, &*container, body)));
     // Summed in the order of the aggregates, whatever the threads.
     let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
-    let fraction = volumes.iter().sum::<f64>() / room.volume();
+    let fraction = volumes.iter().sum::<f64>() / container.volume();
     findings.extend(report(model, fraction));
     findings.extend(inclusions::report(model));
     Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings }
@@ -169,22 +169,22 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
 }
 
 /// What concerns one aggregate alone.
-fn single(model: &Model, room: &dyn Room, aggregate: &Aggregate) -> Vec<Finding> {
+fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
     // The offset of what is no convex solid means nothing.
     let itz = if convex.is_none() && aggregate.kind == Kind::Aggregate { itz(aggregate) } else { None };
-    [convex, itz, outside(model, room, aggregate), size(model, aggregate)].into_iter().flatten().collect()
+    [convex, itz, outside(model, container, aggregate), size(model, aggregate)].into_iter().flatten().collect()
 }
 
-fn outside(model: &Model, room: &dyn Room, aggregate: &Aggregate) -> Option<Finding> {
-    let inside = room.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm);
+fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Option<Finding> {
+    let inside = container.holds(aggregate.body.vertices(), &Vec3::zeros(), model.spec.placement.wall_gap_mm);
     let (period, middle) = (model.spec.specimen.period(), aggregate.body.aabb());
     let middle = (middle.min + middle.max) / 2.0;
     // In directions that repeat themselves the aggregate is there once, near the box. Which point of it lies in the box
     // is the placement's choice, so half of its length is left to it.
     let slack = aggregate.body.aabb().size() / 2.0;
-    let box_size = room.aabb().size();
+    let box_size = container.aabb().size();
     let near =
         (0..3).all(|i| period.along(i).is_none() || (middle[i] >= -slack[i] && middle[i] <= box_size[i] + slack[i]));
     (!(inside && near)).then_some(Finding::Outside { aggregate: aggregate.id })

@@ -3,6 +3,9 @@
 //! Units everywhere: mm, mm3, N, MPa, tonne, s, radians; volume fractions from 0 to 1, by volume of the specimen, from
 //! the exact polyhedra.
 
+// No environment, clock, file, print or mathematics of the platform: the list stands in this crate's `clippy.toml`.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
+
 pub mod aggregate;
 pub mod check;
 pub mod export;

@@ -18,11 +18,11 @@ pub struct Model {
     pub aggregates: Vec<Aggregate>,
     /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of them.
     pub inclusions: Vec<Aggregate>,
-    /// What was reached.
+    /// The result's figures.
     pub report: Report,
 }
 
-/// Takes and places the aggregates that `spec` asks for.
+/// Generates and places the aggregates that `spec` asks for.
 ///
 /// # Errors
 /// A spec that cannot be met is named before any work starts.
@@ -36,7 +36,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
-    let largest = spec.specimen.room().largest().less(spec.placement.wall_gap_mm);
+    let largest = spec.specimen.container().largest().less(spec.placement.wall_gap_mm);
     if let Some(error) = spec.fits_nowhere(&grains, &largest) {
         return Err(error);
     }
@@ -44,7 +44,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     let mut outcome = packing::place(&request(spec, &grains, largest, progress, start));
     outcome.note(&grains, spec.grading.classes().len());
     outcome.cut_short = !complete;
-    // Every grain is freed as it settles: there is no moment with all of both.
+    // Every grain is freed as it settles, so that the two lists never coexist in full.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
     packing::keep_off_faces(&mut bodies, &spec.specimen, spec.placement.wall_gap_mm);
@@ -85,7 +85,7 @@ fn request<'a>(
     }
 }
 
-/// The grains, as many as there is time for, and whether these are all.
+/// The grains that the time allows, and whether these are all.
 fn take_grains(spec: &Spec, progress: &dyn Progress, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
     let deadline = spec.placement.deadline(started);
     let stopped = AtomicBool::new(false);
@@ -105,16 +105,16 @@ fn flat_shape(error: &HullError) -> SpecError {
     SpecError::value("shape", format!("gives aggregates without volume: {error}"))
 }
 
-/// Grains that settle at once, on all threads.
+/// Grains that settle together, on all threads.
 const AT_ONCE: usize = 256;
 
-/// The placed grains in the specimen's frame: aggregates, and what is not.
+/// The placed grains in the specimen's frame: aggregates, then inclusions.
 fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<Aggregate>, Vec<Aggregate>), SpecError> {
-    // First those go that found no place: what the others become takes twice as much.
+    // Grains without a pose are freed first: settled ones take twice the memory.
     let mut is_placed = poses.iter().map(Option::is_some);
     grains.retain(|_| is_placed.next() == Some(true));
     poses.retain(Option::is_some);
-    // In the order in which their bodies came into memory: neighbours that go leave room for larger ones.
+    // In the order of allocation: neighbours that are freed leave space for larger ones.
     let mut order: Vec<u32> = (0..grains.len() as u32).collect();
     order.sort_unstable_by_key(|&number| (grains[number as usize].class, grains[number as usize].index));
     arrange(&mut grains, &order);
@@ -125,7 +125,7 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
         let Grain { kind, class, itz_thickness_mm, .. } = grain;
         Ok(Aggregate { id, kind, class, itz_thickness_mm, body })
     };
-    // From the last on, so that these lists shrink as that of aggregates grows.
+    // From the last on, so that these lists shrink as the list of aggregates grows.
     let mut aggregates = Vec::with_capacity(poses.len());
     while !grains.is_empty() {
         let first = grains.len().saturating_sub(AT_ONCE);
@@ -143,7 +143,7 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     Ok((aggregates, inclusions))
 }
 
-/// Moves what has the number `order[k]` to place `k`, without a second list.
+/// Moves the element of number `order[k]` to position `k`, in place.
 fn arrange<T>(list: &mut [T], order: &[u32]) {
     let mut from = order.to_vec();
     for start in 0..list.len() {

@@ -9,17 +9,17 @@ mod files;
 mod inclusions;
 mod library;
 mod limits;
-mod mix;
+mod messages;
+mod mix_design;
 mod read;
 mod sieves;
 mod surface;
 mod tree;
-mod words;
 
 pub use error::{SpecError, SpecErrorKind};
 pub use files::{Files, NoFiles};
 pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
-pub use mix::Mix;
+pub use mix_design::MixDesign;
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use crate::packing::{Placement, Specimen};
@@ -112,7 +112,7 @@ impl Spec {
         library::inline(&mut tree, files)?;
         surface::inline(&mut tree, files)?;
         let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
-        let mix = mix::take(&mut tree)?;
+        let mix = mix_design::take(&mut tree)?;
         let mut spec: Self = read::read(&tree)?;
         if spec.grading.classes_mm.is_empty() {
             spec.grading.classes_mm = spec.grading.usual_classes();

@@ -20,7 +20,7 @@ pub use wall::WallEffect;
 use crate::aggregate::Aggregate;
 use crate::gjk::GjkError;
 use crate::model::Model;
-use crate::packing::{ClassReport, Room, images_near};
+use crate::packing::{ClassReport, Container, images_near};
 use crate::spec::SpecError;
 use index::Index;
 use rayon::prelude::*;
@@ -101,20 +101,20 @@ pub struct Statistics {
 /// # Errors
 /// A loaded model may hold coordinates beyond what the exact distance accepts.
 pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkError> {
-    let (room, aggregates) = (model.spec.specimen.room(), model.aggregates.as_slice());
+    let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
     // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
     let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
-    let sample = Sample { room: &*room, aggregates: &images.aggregates, index: &images.index, options };
+    let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
     Ok(Statistics {
-        fraction: ordered_sum(aggregates, |a| a.body.volume()) / room.volume(),
-        specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / room.volume(),
+        fraction: ordered_sum(aggregates, |a| a.body.volume()) / container.volume(),
+        specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / container.volume(),
         classes: model.report.classes.clone(),
         shapes: Shapes::of(aggregates),
         orientation: Orientation::of(aggregates),
         wall_effect: wall::wall_effect(&sample),
         nearest_distance_mm: nearest::nearest_distances(model, &images)?,
         correlation: correlation::correlation(&sample),
-        phases: PhaseFigures::all(&model.inclusions, room.volume()),
+        phases: PhaseFigures::all(&model.inclusions, container.volume()),
     })
 }
 
@@ -136,7 +136,7 @@ impl Images {
 /// What sampling needs.
 #[derive(Clone, Copy)]
 struct Sample<'a> {
-    room: &'a dyn Room,
+    container: &'a dyn Container,
     aggregates: &'a [Aggregate],
     index: &'a Index,
     options: &'a Options,

@@ -150,7 +150,7 @@ impl PyPacking {
         &self,
         py: Python<'py>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>)> {
-        let surface = self.0.spec.specimen.room().surface();
+        let surface = self.0.spec.specimen.container().surface();
         Ok((arrays::from_points(py, &surface.points)?, arrays::from_indices(py, surface.triangles().flatten(), 3)?))
     }
 

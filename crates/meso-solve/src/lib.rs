@@ -3,4 +3,5 @@
 //! Units as everywhere: mm, N, MPa, tonne, s; energies in mJ (N mm).
 
 pub mod law;
+pub mod point;
 pub mod real;

@@ -3,7 +3,7 @@
 use super::values;
 use crate::failure::{Failure, RUN};
 use crate::outputs::{Target, Unit};
-use crate::{inputs, say, threads};
+use crate::{inputs, stderr, threads};
 use meso_core::Model;
 use meso_core::check::{Check, Finding, check};
 use serde::Serialize;
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         return Ok(0);
     }
     let name = args.model.display();
-    say::line(format!("error: {name}: {} of its promises are not kept", say::count(found.findings.len())));
+    stderr::line(format!("error: {name}: {} of its promises are not kept", stderr::thousands(found.findings.len())));
     Ok(RUN)
 }
 
@@ -64,21 +64,21 @@ fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
         ("aggregates outside their class", |f| matches!(f, Finding::Size { .. })),
         ("figures of the report that differ", |f| matches!(f, Finding::Report { .. })),
     ];
-    writeln!(out, "{:34} {:>12}", "aggregates", say::count(check.aggregates))?;
+    writeln!(out, "{:34} {:>12}", "aggregates", stderr::thousands(check.aggregates))?;
     if !model.inclusions.is_empty() {
-        writeln!(out, "{:34} {:>12}", "voids and fibres", say::count(model.inclusions.len()))?;
+        writeln!(out, "{:34} {:>12}", "voids and fibres", stderr::thousands(model.inclusions.len()))?;
         rows.push(("voids and fibres of a wrong size", |f| matches!(f, Finding::Shape { .. })));
     }
     writeln!(out, "{:34} {:>12.6}", "fraction", check.fraction)?;
-    writeln!(out, "{:34} {:>12}", "pairs put to the exact test", say::count(check.pairs_tested as usize))?;
+    writeln!(out, "{:34} {:>12}", "pairs put to the exact test", stderr::thousands(check.pairs_tested as usize))?;
     writeln!(out, "{:34} {gap:>12}", "gap asked between aggregates, mm")?;
     for (name, of_kind) in rows {
         let count = check.findings.iter().filter(|finding| of_kind(finding)).count();
-        writeln!(out, "{name:34} {:>12}", say::count(count))?;
+        writeln!(out, "{name:34} {:>12}", stderr::thousands(count))?;
     }
     check.findings.iter().take(LISTED).try_for_each(|finding| writeln!(out, "  {finding}"))?;
     if check.findings.len() > LISTED {
-        writeln!(out, "  and {} more; --json lists all", say::count(check.findings.len() - LISTED))?;
+        writeln!(out, "  and {} more; --json lists all", stderr::thousands(check.findings.len() - LISTED))?;
     }
     writeln!(out, "{}", if check.is_sound() { "sound: every promise is kept" } else { "NOT sound" })
 }

@@ -4,7 +4,7 @@ use super::names;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
-use crate::say;
+use crate::stderr;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, Surfaces};
 use meso_core::packing::Images;
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     if !args.quiet {
         plan.iter()
             .filter_map(|(target, _)| target.file())
-            .for_each(|path| say::line(format!("wrote {}", path.display())));
+            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
     Ok(0)
 }

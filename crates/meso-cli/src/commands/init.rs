@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
-use crate::say;
+use crate::stderr;
 use meso_core::recipes::{self, ALL};
 use std::path::PathBuf;
 
@@ -27,7 +27,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     unit.commit()?;
     if let Some(path) = target.file() {
         let path = path.display();
-        say::line(format!("wrote {path}; edit it, then: mesocrete pack {path}"));
+        stderr::line(format!("wrote {path}; edit it, then: mesocrete pack {path}"));
     }
     Ok(0)
 }

@@ -1,11 +1,11 @@
 //! `mesocrete mesh`: a saved model as finite elements.
 
+use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
-use super::told::Told;
 use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
-use crate::{inputs, say, threads};
+use crate::{inputs, stderr, threads};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
@@ -52,7 +52,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let deck = args.meshing.deck(&model.spec.specimen)?;
     args.meshing.check(&model.spec.specimen)?;
-    args.meshing.tell_unused(writes_deck);
+    args.meshing.warn_unused(writes_deck);
     let mesh = args.meshing.build(&model, args.quiet)?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
@@ -65,7 +65,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     };
     let tell = || {
         let asked = !args.quiet || summary.is_some();
-        asked.then(|| Told::of(&mesh, &model, args.meshing.options(), &deck.materials))
+        asked.then(|| MeshReport::of(&mesh, &model, args.meshing.options(), &deck.materials))
     };
     // The disk is waited for, and the figures are counted meanwhile.
     let (filled, told) = rayon::join(fill_all, tell);
@@ -75,11 +75,11 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     }
     unit.commit()?;
     if let (Some(told), false) = (told, args.quiet) {
-        told.tell();
+        told.print();
         targets
             .iter()
             .filter_map(|target| target.file())
-            .for_each(|path| say::line(format!("wrote {}", path.display())));
+            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
     Ok(0)
 }

@@ -3,7 +3,7 @@
 use super::{names, values};
 use crate::failure::Failure;
 use crate::gmsh::Gmsh;
-use crate::{inputs, say};
+use crate::{inputs, stderr};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
@@ -108,7 +108,7 @@ impl Meshing {
     }
 
     /// Says which flags were given for nothing: those of decks where none is written, those of another method or analysis.
-    pub(super) fn tell_unused(&self, writes_deck: bool) {
+    pub(super) fn warn_unused(&self, writes_deck: bool) {
         let deck = [
             ("--analysis", self.analysis != Analysis::None),
             ("--strain", self.strain.is_some()),
@@ -117,7 +117,7 @@ impl Meshing {
             ("--reduced-integration", self.reduced_integration),
         ];
         for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
-            say::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+            stderr::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
         }
         let voxels = self.method == Method::Voxel;
         let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
@@ -145,7 +145,7 @@ impl Meshing {
             ("--frames", self.frames != usual.frames, explicit, "--analysis compression and tension"),
         ] {
             if given && !used {
-                say::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+                stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
             }
         }
     }
@@ -180,7 +180,7 @@ impl Meshing {
         let gmsh = Gmsh::program(&self.gmsh);
         let run = |surfaces: &Surfaces| {
             if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
-                say::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
+                stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
             }
             gmsh.run(surfaces)
         };

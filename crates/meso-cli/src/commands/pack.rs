@@ -1,12 +1,12 @@
 //! `mesocrete pack`: a spec becomes a packed specimen and its files.
 
+use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
-use super::told::Told;
 use super::{mesh, names, values};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use crate::{inputs, say, threads};
+use crate::{inputs, stderr, threads};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
@@ -88,9 +88,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if plan.has_mesh() {
         args.meshing.check(&spec.specimen)?;
     }
-    args.meshing.tell_unused(plan.has_deck());
+    args.meshing.warn_unused(plan.has_deck());
     // Before the work: a hopeless target is named while nothing is lost.
-    spec.doubts().iter().for_each(|doubt| say::line(format!("warning: {doubt}")));
+    spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     let mut watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
@@ -98,9 +98,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet)).transpose()?;
     plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
-        tell(&model.report);
-        mesh.iter().for_each(|mesh| Told::of(mesh, &model, args.meshing.options(), &deck.materials).tell());
-        plan.files().for_each(|path| say::line(format!("wrote {}", path.display())));
+        print(&model.report);
+        mesh.iter().for_each(|mesh| MeshReport::of(mesh, &model, args.meshing.options(), &deck.materials).print());
+        plan.files().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
     Ok(exit_code(&model.report, args.strict))
 }
@@ -117,7 +117,7 @@ impl Args {
         *min_gap_mm = self.min_gap_mm.unwrap_or(*min_gap_mm);
         *wall_gap_mm = self.wall_gap_mm.unwrap_or(*wall_gap_mm);
         if self.meshing.leave_room(&mut spec.placement) && !self.quiet {
-            say::line(format!("packing with gaps of {ROOM_MM} mm, which a conforming mesh needs"));
+            stderr::line(format!("packing with gaps of {ROOM_MM} mm, which a conforming mesh needs"));
         }
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| self.name_flag(error))?;
@@ -218,31 +218,31 @@ impl Plan {
 }
 
 /// What was reached, as a table.
-fn tell(report: &Report) {
+fn print(report: &Report) {
     // A raw curve places less than the target; a mix design's has many decimals.
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
-    say::line(format!(
+    stderr::line(format!(
         "packed {} aggregates in {:.2} s: fraction {:.5} of {} asked ({}, seed {})",
-        say::count(report.aggregates),
+        stderr::thousands(report.aggregates),
         report.seconds.take + report.seconds.place,
         report.fraction,
         (asked * 1e5).round() / 1e5,
         report.strategy,
         report.seed
     ));
-    say::line(format!("grading: {}", report.grading));
-    say::line("    class, mm       asked     reached  aggregates");
+    stderr::line(format!("grading: {}", report.grading));
+    stderr::line("    class, mm       asked     reached  aggregates");
     for class in &report.classes {
         let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);
-        let aggregates = say::count(class.aggregates);
-        say::line(format!(
+        let aggregates = stderr::thousands(class.aggregates);
+        stderr::line(format!(
             "  {limits:>11}  {:>10.5}  {:>10.5}  {aggregates:>10}",
             class.target_fraction, class.fraction
         ));
     }
     for phase in &report.phases {
-        let (name, bodies) = (phase.phase.plural(), say::count(phase.bodies));
-        say::line(format!("  {name:>11}  {:>10.5}  {:>10.5}  {bodies:>10}", phase.target_fraction, phase.fraction));
+        let (name, bodies) = (phase.phase.plural(), stderr::thousands(phase.bodies));
+        stderr::line(format!("  {name:>11}  {:>10.5}  {:>10.5}  {bodies:>10}", phase.target_fraction, phase.fraction));
     }
 }
 
@@ -256,7 +256,7 @@ fn exit_code(report: &Report, strict: bool) -> u8 {
         StopReason::TimeLimit => " (the time limit came first)",
         StopReason::TargetReached | StopReason::AttemptsExhausted | StopReason::Jammed => "",
     };
-    say::line(format!("warning: short of the target{why}: {}", report.stop_detail));
+    stderr::line(format!("warning: short of the target{why}: {}", report.stop_detail));
     match report.stop_reason {
         StopReason::Interrupted => INTERRUPTED,
         _ if strict => SHORT,

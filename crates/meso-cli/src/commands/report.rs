@@ -3,7 +3,7 @@
 use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
-use crate::{inputs, say, threads};
+use crate::{inputs, stderr, threads};
 use meso_core::page;
 use meso_core::statistics::{Options, Statistics, statistics};
 use std::io::{self, Write};
@@ -41,7 +41,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     })?;
     unit.commit()?;
     if let (Some(path), false) = (target.file(), args.quiet) {
-        say::line(format!("wrote {}", path.display()));
+        stderr::line(format!("wrote {}", path.display()));
     }
     Ok(0)
 }

@@ -2,7 +2,7 @@
 
 use super::random::{Purpose, Stream};
 use super::{Grading, Inclusions, Itz, Kind, Shape, SizeClass, SizeDefinition, inclusions};
-use crate::geometry::{HullError, NarrowPolyhedron, convex_hull, sieve_size};
+use crate::geometry::{CompactPolyhedron, HullError, convex_hull, sieve_size};
 use crate::math::{Mat3, Rotation, Vec3};
 use crate::wide::{Wide, widest};
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ pub struct Grain {
     /// True when the drawn thickness was too much for the grain and was limited.
     pub itz_limited: bool,
     /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
-    pub body: NarrowPolyhedron,
+    pub body: CompactPolyhedron,
     /// Radius of the sphere about the centre that holds the body, mm, rounded up.
     pub outer_radius: f32,
     /// Radius of the sphere about the centre that the body holds, mm, rounded down.
@@ -91,7 +91,7 @@ impl<I: ExactSizeIterator<Item = Vec3>> Wide for Turned<'_, I> {
     }
 }
 
-/// To what a [`NarrowPolyhedron`] keeps. A point of the lattice stays on it: single precision is finer only where all of
+/// To what a [`CompactPolyhedron`] keeps. A point of the lattice stays on it: single precision is finer only where all of
 /// the lattice's digits fit into it.
 fn narrowed(v: &Vec3) -> Vec3 {
     v.map(|x| f64::from(x as f32))

@@ -34,10 +34,10 @@ pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
 
 /// The report's figures of every further phase against those of its bodies.
 pub(super) fn report(model: &Model) -> Option<Finding> {
-    let room = model.spec.specimen.volume();
+    let container = model.spec.specimen.volume();
     let wrong = model.report.phases.iter().find_map(|phase| {
         let own = || model.inclusions.iter().filter(|body| body.kind == phase.phase);
-        let fraction = own().map(|body| body.body.volume()).sum::<f64>() / room;
+        let fraction = own().map(|body| body.body.volume()).sum::<f64>() / container;
         // 1e-9 covers the order of summation.
         let fits = phase.bodies == own().count() && (phase.fraction - fraction).abs() <= 1e-9;
         let name = phase.phase.plural();

@@ -6,12 +6,12 @@
 
 mod cloud;
 mod polygons;
-mod steady;
+mod same_facets;
 mod surface;
 mod wrap;
 
 use super::predicates::in_range;
-use super::{NarrowPolyhedron, Polyhedron};
+use super::{CompactPolyhedron, Polyhedron};
 use crate::math::Vec3;
 use polygons::Polygons;
 use std::cell::RefCell;
@@ -71,10 +71,10 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
 ///
 /// # Errors
 /// See [`HullError`].
-pub fn convex_hull_like(like: &NarrowPolyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
+pub fn convex_hull_like(like: &CompactPolyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
     check(points)?;
     let faces = like.faces();
-    let same = points.len() == like.vertex_count() && steady::are_facets(points, faces.faces());
+    let same = points.len() == like.vertex_count() && same_facets::are_facets(points, faces.faces());
     if same { Ok(Polyhedron::with_faces(points.into(), faces)) } else { convex_hull(points) }
 }
 

@@ -6,7 +6,7 @@
 //! in integers.
 
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
-use super::eights::SixVolumes;
+use super::facet_kernels::SixVolumes;
 use super::integer;
 use crate::math::Vec3;
 use crate::wide::widest;

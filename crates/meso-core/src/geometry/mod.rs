@@ -2,15 +2,15 @@
 
 mod box_tree;
 mod clip;
+mod compact;
 mod double_double;
-mod eights;
 pub mod ellipsoid;
 mod faces;
+mod facet_kernels;
 pub mod hull;
 mod inradius;
 mod integer;
 mod integrals;
-mod narrow;
 mod nearest;
 pub mod offset;
 mod polyhedron;
@@ -20,10 +20,10 @@ mod triangle_mesh;
 
 pub(crate) use box_tree::BoxTree;
 pub use clip::clipped;
+pub use compact::CompactPolyhedron;
 pub use faces::Face;
 pub use hull::{HullBuilder, HullError, affine_dimension, convex_hull, convex_hull_like};
 pub use inradius::{Ball, inscribed_ball};
-pub use narrow::NarrowPolyhedron;
 pub(crate) use nearest::nearest_on_triangle;
 pub use offset::{OffsetError, inward_offset};
 pub use polyhedron::{Facet, MassProperties, Plane, Polyhedron};

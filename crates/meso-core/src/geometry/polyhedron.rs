@@ -1,7 +1,7 @@
 //! A convex polyhedron: vertices and outward polygonal faces, with its exact integrals.
 
-use super::eights::Facets;
 use super::faces::{Face, FaceList, Faces};
+use super::facet_kernels::Facets;
 use super::integrals;
 use super::predicates::orient3d;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};

@@ -2,7 +2,7 @@
 
 use super::ellipsoid::Ellipsoids;
 use super::support::Support;
-use crate::geometry::{Facet, NarrowPolyhedron};
+use crate::geometry::{CompactPolyhedron, Facet};
 use crate::math::{Mat3, Vec3};
 use crate::wide::{Wide, widest};
 
@@ -35,7 +35,7 @@ pub struct Bounds(pub(crate) Ellipsoids);
 impl Bounds {
     /// Makes `body` the one that these are of: its memory is used again.
     #[inline]
-    pub fn lay_out<'b>(&self, shape: &NarrowPolyhedron, body: &'b mut Body) -> &'b Body {
+    pub fn lay_out<'b>(&self, shape: &CompactPolyhedron, body: &'b mut Body) -> &'b Body {
         body.bounds = self.0;
         if shape.vertex_count() > GROUP {
             body.fill(shape.vertices());
@@ -49,7 +49,7 @@ impl Bounds {
 
 /// Lays out up to a group of vertices on wide registers, and repeats the first one.
 struct Widened<'a> {
-    shape: &'a NarrowPolyhedron,
+    shape: &'a CompactPolyhedron,
     group: &'a mut Group,
 }
 

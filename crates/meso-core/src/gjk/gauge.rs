@@ -2,7 +2,7 @@
 
 use super::body::{Body, Bounds, GROUP};
 use super::ellipsoid::Ellipsoids;
-use crate::geometry::{Facet, NarrowPolyhedron};
+use crate::geometry::{CompactPolyhedron, Facet};
 use crate::lanes::{LANES, least};
 use crate::math::Vec3;
 use crate::wide::{Wide, widest};
@@ -83,7 +83,7 @@ impl Solid {
     /// True only where a point of the other body is inside: of its inner ellipsoid the one that is farthest along `-axis`, or
     /// the vertex that is, or the middle of these. `b_from_a` is what to add to the other's points to have them in this frame.
     #[inline(always)]
-    pub(crate) fn meets(&self, b: (&Bounds, &NarrowPolyhedron), axis: &Vec3, b_from_a: &Vec3) -> bool {
+    pub(crate) fn meets(&self, b: (&Bounds, &CompactPolyhedron), axis: &Vec3, b_from_a: &Vec3) -> bool {
         let Some(gauge) = &self.gauge else { return false };
         let (Bounds(bounds), shape) = b;
         let doubt = ROUNDING * (self.body.circumradius() + bounds.circumradius);
@@ -116,7 +116,7 @@ static BEYOND: [f32; 2 * GROUP] = {
 struct Meets<'a> {
     gauge: &'a Gauge,
     bounds: &'a Ellipsoids,
-    shape: &'a NarrowPolyhedron,
+    shape: &'a CompactPolyhedron,
     axis: &'a Vec3,
     b_from_a: &'a Vec3,
     limit: f32,
@@ -198,7 +198,7 @@ mod tests {
             let (solid, bounds) = (Solid::new(a.vertices(), &a.facets()), Solid::new(b.vertices(), &b.facets()));
             let moved: Vec<Vec3> = b.vertices().iter().map(|v| v + x).collect();
             let overlaps = gjk::intersects(a.vertices(), &moved).expect("finite");
-            let meets = solid.meets((&bounds.body().bounds(), &NarrowPolyhedron::from(b)), &axis, &x);
+            let meets = solid.meets((&bounds.body().bounds(), &CompactPolyhedron::from(b)), &axis, &x);
             assert!(overlaps || !meets, "case {case}");
             (met, overlapping) = (met + u32::from(meets), overlapping + u32::from(overlaps));
         }

@@ -11,7 +11,7 @@ use super::gauge::Solid;
 use super::portal::Portal;
 use super::query::Method;
 use super::simd::{Kernel, Search, dispatch};
-use crate::geometry::NarrowPolyhedron;
+use crate::geometry::CompactPolyhedron;
 use crate::math::Vec3;
 
 /// How many pairs each stage was left with.
@@ -99,7 +99,7 @@ pub fn apart_counted(
 #[inline]
 pub fn apart_from(
     a: &Solid,
-    b: (&Bounds, &NarrowPolyhedron),
+    b: (&Bounds, &CompactPolyhedron),
     made: &mut Body,
     (b_from_a, gap): (&Vec3, f64),
     counters: &mut Counters,

@@ -6,11 +6,11 @@
 use super::{Mesh, NO_AGGREGATE};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
-use crate::packing::Room;
+use crate::packing::Container;
 use rayon::prelude::*;
 
 /// Keeps the aggregates' cells and the mortar's inside `room`, and the nodes they have.
-pub(super) fn clip(mesh: &mut Mesh, room: &dyn Room) {
+pub(super) fn clip(mesh: &mut Mesh, room: &dyn Container) {
     if room.is_box() {
         return;
     }

@@ -245,7 +245,7 @@ fn assemble(
     gmsh: Gmsh,
 ) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
-    let room = specimen.room();
+    let room = specimen.container();
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut images = images_near(aggregates, specimen, 0.0);
     images.sort_by(before);

@@ -1,4 +1,4 @@
-//! The images of aggregates in specimens that repeat themselves: whole, or cut at the faces.
+//! The images of aggregates in periodic specimens: whole, or cut at the faces.
 
 use super::{Period, Specimen};
 use crate::aggregate::Aggregate;
@@ -32,7 +32,7 @@ impl Images {
 
     fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
         let image = |shift: Vec3| {
-            // Cut before it is moved: so the parts on both sides of a face have the same corners there.
+            // Cut before translation, so that the parts on both sides of a face have the same corners there.
             let part = clipped(&aggregate.body, &domain.moved(&-shift))?;
             let body = if self == Self::Cut { part } else { aggregate.body.clone() };
             Some(Aggregate { body: body.translated(&shift), ..aggregate.clone() })
@@ -41,13 +41,13 @@ impl Images {
     }
 }
 
-/// The specimen's box, without bounds where it has walls: what lies inside them is not cut there.
+/// The specimen's box, unbounded where it has walls: aggregates inside walls are not cut there.
 fn open_at_walls(specimen: &Specimen) -> Aabb {
     specimen.period().mixed(&specimen.aabb(), &Aabb::everywhere())
 }
 
-/// The aggregates, then their images whose boxes come within `margin` mm of the specimen's, whole: what a point, a line
-/// or an aggregate in the specimen may meet.
+/// The aggregates, then their whole images whose boxes come within `margin` mm of the specimen's: all that a point, a
+/// line or an aggregate in the specimen may meet.
 pub(crate) fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -> Vec<Aggregate> {
     let (period, domain) = (specimen.period(), open_at_walls(specimen));
     if period.is_none() {

@@ -1,26 +1,26 @@
-//! The *place*: aggregates into a specimen, without overlap, with a report of what was reached.
+//! The *place*: puts aggregates into a specimen without overlap, and reports the fraction reached.
 
-mod graze;
-mod grid;
+mod box_grid;
+mod cell_grid;
+mod face_shift;
 mod images;
 mod place;
-mod raster;
-mod reach;
+mod reachable;
 mod rearrange;
 mod report;
 mod specimen;
 mod take_and_place;
 
-pub(crate) use graze::keep_off_faces;
+pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Largest, Obstacle, Period, Periodic, Room, RoomError, Specimen, Surface};
+pub use specimen::{Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
 
 use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
-use crate::geometry::{HullError, NarrowPolyhedron, Polyhedron, convex_hull_like};
+use crate::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -37,14 +37,14 @@ pub struct Placement {
     pub surplus: f64,
     /// Smallest distance between two aggregates, mm; 0 means: proved apart.
     pub min_gap_mm: f64,
-    /// Smallest distance between an aggregate and the specimen's surface, mm. Across faces that are no walls it is that of
-    /// the aggregates' outermost points, as far as a move of the whole packing can give it.
+    /// Smallest distance between an aggregate and the specimen's surface, mm. At periodic faces it is the distance of
+    /// the aggregates' outermost points, as far as a translation of the whole packing can give it.
     pub wall_gap_mm: f64,
-    /// Stop after so many seconds with the best packing found.
+    /// Stop after this many seconds with the best packing found.
     pub time_limit_s: Option<f64>,
 }
 
-/// Attempts per aggregate where the spec does not say: beyond it, an aggregate is given up.
+/// Attempts per aggregate where the spec gives none; after these the aggregate is left out.
 pub const DEFAULT_ATTEMPTS: u32 = 50_000;
 
 /// The placement strategies, siblings behind one interface.
@@ -72,7 +72,7 @@ impl Default for Placement {
     }
 }
 
-/// Where a long run says how far it is, and asks whether to go on.
+/// A long run reports its progress here, and asks whether to go on.
 pub trait Progress: Sync {
     /// The fraction reached so far, of the target. Return `false` to stop with the best packing found.
     fn update(&self, fraction: f64, target: f64) -> bool;
@@ -93,18 +93,18 @@ impl Progress for Silent {
     }
 }
 
-/// What is to be placed, and where.
+/// The grains to place, and where.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
     /// What is filled.
     pub specimen: &'a Specimen,
     /// Volume of the aggregates over the specimen's, 0 to 1.
     pub fraction: f64,
-    /// What the classes are asked to hold.
+    /// Target of every class.
     pub grading: &'a Grading,
     /// Voids and fibres asked for.
     pub inclusions: Inclusions,
-    /// What no body in the specimen exceeds, its distance to the walls kept.
+    /// Upper bounds on a body in the specimen, its distance to the walls kept.
     pub largest: Largest,
     /// The grains in the order they are placed.
     pub grains: &'a [Grain],
@@ -118,7 +118,7 @@ pub struct Request<'a> {
     pub started: f64,
 }
 
-/// A rotation. Single precision is as good as any: what is proved is the body turned by this.
+/// A rotation. Single precision suffices, because the proof uses the body turned by this very rotation.
 type Turn = UnitQuaternion<f32>;
 
 /// Where a grain ended: turned about its own origin, then moved.
@@ -141,7 +141,7 @@ impl Pose {
     }
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
-    pub fn turned(&self, body: &NarrowPolyhedron) -> Vec<Vec3> {
+    pub fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
         match self.rotation() {
             Some(rotation) => take::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
             None => body.vertices().collect(),
@@ -153,18 +153,18 @@ impl Pose {
     ///
     /// # Errors
     /// Where the turned vertices span no volume.
-    pub fn apply(&self, body: &NarrowPolyhedron) -> Result<Polyhedron, HullError> {
+    pub fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
         if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { convex_hull_like(body, &vertices) }
     }
 }
 
-/// What a strategy reached.
+/// The result of a strategy.
 pub struct Outcome {
     /// The pose of every grain; `None` where it found no place.
     pub poses: Vec<Option<Pose>>,
-    /// What was counted on the way.
+    /// Counters.
     pub work: Work,
     /// Why it ended early, if it did.
     pub stop: Option<StopReason>,
@@ -174,13 +174,13 @@ pub struct Outcome {
     pub strategy: &'static str,
     /// Placed aggregates whose drawn ITZ was thinner than asked, by their number among the placed ones.
     pub itz_limited: Vec<u32>,
-    /// Volume of the largest grain taken of each class, mm3; those of voids and of fibres follow the grading's.
+    /// Volume of the largest grain taken of each class, mm3; the entries of voids and fibres follow the grading's.
     pub largest_mm3: Vec<f64>,
     /// Aggregates among the grains.
     pub aggregates_taken: usize,
     /// Grains too large for any place in the specimen.
     pub too_large: usize,
-    /// True where the stop came before all grains were made.
+    /// True where a stop came before all grains were generated.
     pub cut_short: bool,
 }
 
@@ -201,7 +201,7 @@ impl Outcome {
         }
     }
 
-    /// Notes of the `grains`, in so many `classes` of aggregates, what the report needs of them when they are gone.
+    /// Records what the report needs of the `grains`, in this many `classes` of aggregates, before they are freed.
     pub fn note(&mut self, grains: &[Grain], classes: usize) {
         self.largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {

@@ -1,7 +1,7 @@
 //! Chooses the strategy and runs it: grains in, poses out.
 
 use super::{
-    DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, Room, StopReason, Strategy, rearrange,
+    Container, DEFAULT_ATTEMPTS, Outcome, Period, Placement, Pose, Progress, Request, StopReason, Strategy, rearrange,
     take_and_place,
 };
 use crate::aggregate::Kind;
@@ -9,15 +9,15 @@ use crate::aggregate::take::Grain;
 use crate::math::Aabb;
 use std::borrow::Cow;
 
-/// A request, and what every strategy derives from it.
+/// A request, and the quantities that every strategy derives from it.
 pub(super) struct Task<'a> {
     pub(super) request: Request<'a>,
-    /// The specimen's room, its volume in mm3, and how it repeats itself.
-    pub(super) room: Box<dyn Room>,
+    /// The specimen's container, its volume in mm3, and its periods.
+    pub(super) container: Box<dyn Container>,
     pub(super) volume: f64,
     pub(super) period: Period,
-    /// Volume each class may take, mm3; a grain that would pass it by more than half of itself is left out. Without
-    /// bound where no surplus was taken.
+    /// Volume each class may take, mm3. A grain that would exceed it by more than half of itself is left out.
+    /// Infinite where no surplus was taken.
     pub(super) class_targets: Vec<f64>,
     /// `progress.seconds()` when it began, and at which to stop.
     started: f64,
@@ -60,24 +60,24 @@ pub fn place(request: &Request) -> Outcome {
 
 /// Attempts of the take-and-place that follows a stop.
 const BRIEF_ATTEMPTS: u32 = 100;
-/// It may last so many seconds a grain, twice what it takes, but no longer than this share of the time there is.
+/// It may last this many seconds per grain, twice what it needs, and no longer than this share of the time left.
 const BRIEF_GRAIN_S: f64 = 5e-5;
 const BRIEF_SHARE: f64 = 0.25;
-/// Where the time went by while grains were made, it lasts no longer than this; nor much longer for a user who waits.
+/// If generation used up the time limit, the fallback gets `LATE_S`; after Ctrl-C, at most `WAITED_FOR_S`.
 const LATE_S: f64 = 1.0;
 const WAITED_FOR_S: f64 = 5.0;
-/// No grain is placed in less, and those for which there is no time need not be known.
+/// No grain is placed faster; grains for which there is no time are not even listed.
 const QUICKEST_GRAIN_S: f64 = 5e-6;
 
-/// How long before the time is over a rearrangement is stopped, so that the take-and-place ends in time, s.
+/// How long before the time limit a rearrangement is stopped, so that the fallback ends in time, s.
 fn brief_s(task: &Task) -> f64 {
     let left = task.deadline - task.request.progress.seconds();
     let most = if left > 0.0 { BRIEF_SHARE * left } else { LATE_S };
     most.min(BRIEF_GRAIN_S * task.request.grains.len() as f64)
 }
 
-/// Bodies stopped on their way overlap, and few of them can stay; where the stop came before all were made, none lies
-/// anywhere. Then take-and-place, given a moment, holds more.
+/// Take-and-place for a moment, where a stopped run holds little. Bodies stopped on their way overlap, and few of
+/// them can stay; and after an early stop none has a position.
 fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
     let grains = task.request.grains;
     let volume = |poses: &[Option<Pose>]| -> f64 {
@@ -103,16 +103,16 @@ fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
     if volume(&placed.poses) > reached { placed } else { moved }
 }
 
-/// The numbers of the grains that so many seconds are enough to place: the largest, and fibres last. A fibre finds a line
-/// among coarse grains, but a coarse grain no room among fibres: with 1 % of 0.5 x 30 mm in a 100 mm cube asked for 0.50, 100
-/// attempts reached 0.40 in this order, and 0.19 with the fibres first.
+/// The numbers of the grains that can be placed in this many seconds: the largest, and fibres last. A fibre finds a
+/// line among coarse grains, but coarse grains find no space among fibres. With 1 % of 0.5 x 30 mm in a 100 mm cube
+/// asked for 0.50, 100 attempts reached 0.40 in this order, and 0.19 with the fibres first.
 fn placeable(grains: &[Grain], seconds: f64) -> Vec<usize> {
     let (fibres, others): (Vec<usize>, Vec<usize>) =
         (0..grains.len()).partition(|&number| grains[number].kind == Kind::Fibre);
     others.into_iter().chain(fibres).take((seconds / QUICKEST_GRAIN_S) as usize).collect()
 }
 
-/// The grains of these numbers; copies only where they lie otherwise.
+/// The grains of these numbers, copied only where their order differs.
 fn in_order<'a>(grains: &'a [Grain], numbers: &[usize]) -> Cow<'a, [Grain]> {
     if numbers.iter().copied().eq(0..numbers.len()) {
         return Cow::Borrowed(&grains[..numbers.len()]);
@@ -120,7 +120,7 @@ fn in_order<'a>(grains: &'a [Grain], numbers: &[usize]) -> Cow<'a, [Grain]> {
     Cow::Owned(numbers.iter().map(|&number| grains[number].clone()).collect())
 }
 
-/// The same clock, but no more stops.
+/// The same clock without stops.
 struct Unstoppable<'a>(&'a dyn Progress);
 
 impl Progress for Unstoppable<'_> {
@@ -136,17 +136,17 @@ impl Progress for Unstoppable<'_> {
 
 impl<'a> Task<'a> {
     fn new(request: &Request<'a>) -> Self {
-        let room = request.specimen.room();
-        let (volume, period) = (room.volume(), request.specimen.period());
+        let container = request.specimen.container();
+        let (volume, period) = (container.volume(), request.specimen.period());
         let (wanted, started) = (request.fraction * volume, request.started);
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
         let classes = request.grading.classes();
         let aggregates = classes.iter().map(|class| class.share * wanted * bound);
-        // Of a phase that is not asked for there are no grains, whatever its target.
+        // Phases that were not asked for have no grains, whatever their target.
         let inclusions = request.inclusions.fractions().map(|fraction| fraction * volume * bound);
         Self {
             request: *request,
-            room,
+            container,
             volume,
             period,
             class_targets: aggregates.chain(inclusions).collect(),
@@ -155,23 +155,23 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// False for a grain that no place in the specimen can hold: to try would be in vain.
+    /// False for a grain that fits nowhere in the specimen.
     pub(super) fn admits(&self, grain: &Grain) -> bool {
         self.request.largest.admits(grain)
     }
 
-    /// Where the centre of a grain may be, so that its box `local` about that centre keeps its distance to the walls of
-    /// the specimen's bounding box.
+    /// Admissible centres of a grain whose box about its centre is `local`: that box keeps its distance to the walls
+    /// of the specimen's bounding box.
     pub(super) fn reach(&self, local: &Aabb) -> Aabb {
-        let aabb = self.room.aabb();
+        let aabb = self.container.aabb();
         let inside = Aabb { min: aabb.min - local.min, max: aabb.max - local.max };
         self.period.mixed(&aabb, &inside.grown(-self.request.placement.wall_gap_mm))
     }
 
-    /// What a grain with its centre in the specimen's box may reach, with its gap: the box where there are walls, more
-    /// where there are none.
+    /// The space that a grain with its centre in the specimen's box may reach, with its gap: the box itself at walls,
+    /// more at periodic faces.
     pub(super) fn domain(&self) -> Aabb {
-        let aabb = self.room.aabb();
+        let aabb = self.container.aabb();
         let largest = self.request.grains.iter().map(|grain| f64::from(grain.outer_radius)).fold(0.0, f64::max);
         let margin = (largest + self.request.placement.min_gap_mm) * (1.0 + 1e-9);
         self.period.mixed(&aabb.grown(margin), &aabb)

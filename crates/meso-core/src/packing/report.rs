@@ -1,4 +1,4 @@
-//! What a packing run reached, and what it cost.
+//! The report of a packing run: fractions, stop reason, counters.
 
 use super::{Outcome, Request};
 use crate::aggregate::{Aggregate, Grading, Inclusions, Kind};
@@ -20,7 +20,7 @@ pub struct Report {
     pub aggregates: usize,
     /// Aggregates taken but not placed.
     pub discarded: usize,
-    /// What was filled.
+    /// The specimen.
     pub specimen: SpecimenReport,
     /// The curve behind the classes, e.g. `fuller, normalised, n = 0.5`.
     pub grading: String,
@@ -40,7 +40,7 @@ pub struct Report {
     /// Wall-clock seconds by stage; zero in a loaded model.
     #[serde(default)]
     pub seconds: Seconds,
-    /// How much each stage saw.
+    /// Counters of each stage.
     #[serde(default)]
     pub work: Work,
 }
@@ -106,7 +106,7 @@ pub enum StopReason {
 pub struct Seconds {
     /// All of it.
     pub total: f64,
-    /// Making the aggregates.
+    /// Generating the grains.
     pub take: f64,
     /// Placing them.
     pub place: f64,
@@ -137,14 +137,14 @@ pub struct Work {
 /// A class counts as reached within this share of its target, or within one of its own grains.
 const REACHED: f64 = 0.002;
 
-/// Sums up what `outcome` reached of `request`. Volumes are those of the placed polyhedra.
+/// Summarises the `outcome` of a `request`. Volumes are those of the placed polyhedra.
 pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggregate], outcome: &Outcome) -> Report {
     let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
     let classes = ClassReport::all(request.grading, request.fraction, aggregates, specimen.volume_mm3);
     let phases = PhaseReport::all(&request.inclusions, inclusions, specimen.volume_mm3);
     let largest: Vec<f64> = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
     let (of_classes, of_phases) = largest.split_at(classes.len());
-    // Where all grains were taken and a class has none, half of its smallest is more than it asks for.
+    // When the take was complete, a class without grains asked for less than half of its smallest grain.
     let (some, none): (Vec<_>, Vec<_>) =
         classes.iter().zip(of_classes).partition(|(_, largest)| outcome.stop.is_some() || **largest > 0.0);
     let too_small: Vec<String> = none.iter().map(|(class, _)| class.too_small()).collect();
@@ -184,7 +184,7 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
 }
 
 impl ClassReport {
-    /// Every class of `grading`: what it is asked to hold at `fraction`, and what `aggregates` hold of a specimen of
+    /// Every class of `grading`: its target at `fraction`, and the share that `aggregates` take of a specimen of
     /// `volume_mm3`.
     pub(crate) fn all(grading: &Grading, fraction: f64, aggregates: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
         let asked = grading.classes().into_iter().map(|class| Self {
@@ -203,7 +203,7 @@ impl ClassReport {
         classes
     }
 
-    /// What the class lacks, in words; `largest` is the share of the specimen that its largest grain takes.
+    /// The class's shortfall in words; `largest` is the share of the specimen that its largest grain takes.
     fn lack(&self, largest: f64) -> Option<String> {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
         Some(format!("{}-{} mm lacks {percent}", self.d_min_mm, self.d_max_mm))
@@ -215,7 +215,7 @@ impl ClassReport {
 }
 
 impl PhaseReport {
-    /// Every further phase that is asked for, and what `bodies` hold of a specimen of `volume_mm3`.
+    /// Every further phase that is asked for, and the share that `bodies` take of a specimen of `volume_mm3`.
     pub(crate) fn all(asked: &Inclusions, bodies: &[Aggregate], volume_mm3: f64) -> Vec<Self> {
         let phases = Kind::FURTHER.into_iter().zip(asked.fractions()).filter(|(_, target)| *target > 0.0);
         let phase = |(phase, target_fraction)| {
@@ -234,13 +234,14 @@ impl PhaseReport {
     }
 }
 
-/// How much of its target a class or phase lacks, if it does, in words.
+/// The shortfall of a class or phase, if it has one, in words.
 fn lack(target: f64, reached: f64, largest: f64) -> Option<String> {
     let short = target - reached > (REACHED * target).max(largest);
     short.then(|| format!("{:.1} %", 100.0 * (1.0 - reached / target)))
 }
 
-/// What was reached of what the classes ask for, which is less than `target` where a raw curve leaves out a part of it.
+/// The fraction reached and the fraction asked. The classes ask for less than `target` where a raw curve omits a part
+/// of it.
 fn detail(target: f64, classes: &[ClassReport], notes: &[String]) -> String {
     let placed: f64 = classes.iter().map(|class| class.target_fraction).sum();
     let fraction: f64 = classes.iter().map(|class| class.fraction).sum();
@@ -255,14 +256,14 @@ fn detail(target: f64, classes: &[ClassReport], notes: &[String]) -> String {
     format!("reached {fraction:.5} of {asked}; {}", notes.join(", "))
 }
 
-/// A fraction with at most five decimals; that of a mix design has many.
+/// A fraction with at most five decimals; a mix design's has many.
 fn brief(fraction: f64) -> String {
     let rounded = (fraction * 1e5).round() / 1e5;
     if rounded > 0.0 { rounded.to_string() } else { format!("{fraction:e}") }
 }
 
 impl Work {
-    /// Adds what collision counted.
+    /// Adds the counters of collision detection.
     pub(super) fn add(&mut self, counters: &Counters) {
         self.pairs_broad += counters.pairs;
         self.pairs_sphere += counters.after_spheres;

@@ -15,15 +15,16 @@ use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::wide::{Wide, widest};
 use rayon::prelude::*;
-use scene::{Candidate, Look, Looking, Scene, Workplace};
+use scene::{Candidate, Look, Looking, Scene, Scratch};
 
 /// Grains that search at the same time. A constant, so that the counters do not depend on the threads.
 const BATCH: usize = 32;
 
-/// Tries up to `attempts` positions for every grain of `task`, in its order; what finds none is left out.
+/// Tries up to `attempts` positions for every grain of `task`, in its order; a grain without a free position is left
+/// out.
 pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     let mut outcome = Outcome::empty(task, "take-and-place", StopReason::AttemptsExhausted);
-    // Of what a stop during the take has left, whoever chose the strategy makes what can be made.
+    // After a stop during the take the caller decides what to do with the grains that exist.
     if outcome.stop.is_some() {
         return outcome;
     }
@@ -59,7 +60,7 @@ fn commit(scene: &mut Scene, search: &mut Search, first_mate: usize, other: &mut
     if scene.class_is_full(search.candidate.grain) {
         return;
     }
-    let work = &mut Workplace { counters: &mut search.counters, other };
+    let work = &mut Scratch { counters: &mut search.counters, other };
     let meets_mates = |centre: Vec3| !scene.free_of_mates(&search.candidate, &centre, first_mate, work);
     if search.found.is_some_and(meets_mates) {
         search.run(scene, other);
@@ -71,10 +72,10 @@ fn commit(scene: &mut Scene, search: &mut Search, first_mate: usize, other: &mut
     }
 }
 
-/// Positions of a grain that are looked at together: what each reads lies anywhere in memory, and is waited for together.
+/// Positions of a grain tested together, so that their cache misses overlap.
 const AHEAD: usize = 16;
 
-/// Positions tried next, with what a look at each told. Those left are the first ones, and the last of them is next.
+/// The next positions, with the prefilter's result for each. The first `left` remain; the last of them is next.
 struct Ahead {
     centres: [Vec3; AHEAD],
     looks: [Look; AHEAD],
@@ -118,7 +119,7 @@ impl<'a> Search<'a> {
             self.ahead.left -= 1;
             self.candidates += 1;
             let (centre, look) = (self.ahead.centres[self.ahead.left], self.ahead.looks[self.ahead.left]);
-            let work = &mut Workplace { counters: &mut self.counters, other };
+            let work = &mut Scratch { counters: &mut self.counters, other };
             self.found = scene.free(&self.candidate, &centre, look, work).then_some(centre);
         }
     }
@@ -139,7 +140,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The points of the lattice nearest to such shares of the reach, on registers that round by themselves.
+/// The lattice points nearest to these shares of the reach, rounded in vector registers.
 struct Centres<'a> {
     shares: [[f64; 3]; AHEAD],
     reach: Aabb,

@@ -68,7 +68,7 @@ pub(super) fn block(model: &Model, out: &mut impl Write) -> io::Result<()> {
 
 /// Mortar, aggregates with their rims, and cores on top, voids and fibres, in mm.
 fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
-    let mortar = outlines(&model.spec.specimen.room().surface(), axis, place);
+    let mortar = outlines(&model.spec.specimen.container().surface(), axis, place);
     mortar.iter().try_for_each(|outline| path("m", outline, out))?;
     let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
     shown.iter().try_for_each(|aggregate| cut(aggregate, axis, place, out))
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_cylinder_is_outlined_by_a_rectangle_and_by_a_circle() {
-        let surface = Specimen::Cylinder { diameter_mm: 10.0, height_mm: 20.0 }.room().surface();
+        let surface = Specimen::Cylinder { diameter_mm: 10.0, height_mm: 20.0 }.container().surface();
         let across = outlines(&surface, 2, 5.0);
         assert_eq!((across.len(), across[0].len()), (1, 128));
         assert!(across[0].iter().all(|[x, y]| ((x - 5.0).hypot(y - 5.0) - 5.0).abs() < 1e-12));

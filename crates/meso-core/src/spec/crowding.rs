@@ -4,7 +4,7 @@
 //! dense as one without in which the grown bodies lie in what the walls leave them.
 
 use super::limits::{Checked, mean_volume};
-use super::words::number;
+use super::messages::number;
 use super::{Spec, SpecError};
 use crate::aggregate::take::Grain;
 use crate::aggregate::{Fibres, SizeDefinition, SizeLaw, Voids};
@@ -32,7 +32,7 @@ impl Spec {
     pub fn reach(&self) -> f64 {
         let full = |spec: &Self| {
             let rim = spec.grading.d_min_mm / 4.0;
-            spec.specimen.room().share_within(rim).unwrap_or_else(|| spec.share_within(rim))
+            spec.specimen.container().share_within(rim).unwrap_or_else(|| spec.share_within(rim))
         };
         self.placement.reach() * full(self) / full(&Self::default())
     }

@@ -1,7 +1,7 @@
 //! Voids and fibres that cannot be, named before any work starts.
 
 use super::limits::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
-use super::words::number;
+use super::messages::number;
 use super::{Spec, SpecError};
 use crate::aggregate::{Cone, Fibres, Voids};
 use crate::math::Vec3;
@@ -16,12 +16,12 @@ const RANDOM_RODS: f64 = 5.4;
 pub(super) fn check(spec: &Spec) -> Checked {
     if let Some(voids) = &spec.voids {
         check_voids(voids)?;
-        room(spec, "voids.diameter_mm", voids.longest())?;
+        longest_fits(spec, "voids.diameter_mm", voids.longest())?;
         count(spec, "voids.diameter_mm", "voids", voids.diameter_mm[0], voids.fraction / voids.mean_volume())?;
     }
     if let Some(fibres) = &spec.fibres {
         check_fibres(fibres)?;
-        room(spec, "fibres.length_mm", fibres.longest())?;
+        longest_fits(spec, "fibres.length_mm", fibres.longest())?;
         count(spec, "fibres.diameter_mm", "fibres", fibres.diameter_mm, fibres.fraction / fibres.volume())?;
     }
     sum(spec)
@@ -73,9 +73,9 @@ fn check_cone(cone: &Cone) -> Checked {
 }
 
 /// A body `longest` mm long fits between the walls, and does not meet its own image.
-fn room(spec: &Spec, key: &str, longest: f64) -> Checked {
+fn longest_fits(spec: &Spec, key: &str, longest: f64) -> Checked {
     let placement = &spec.placement;
-    let inner = spec.specimen.room().width() - 2.0 * placement.wall_gap_mm;
+    let inner = spec.specimen.container().width() - 2.0 * placement.wall_gap_mm;
     let period = spec.specimen.period();
     let repeat = (0..3).filter_map(|axis| period.along(axis)).fold(f64::INFINITY, f64::min) - placement.min_gap_mm;
     if longest < inner.min(repeat) {

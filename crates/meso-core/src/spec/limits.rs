@@ -2,7 +2,7 @@
 
 mod grading;
 
-use super::words::number;
+use super::messages::number;
 use super::{Spec, SpecError, inclusions};
 use crate::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
@@ -32,7 +32,7 @@ impl Spec {
         shape(&self.shape)?;
         itz(&self.itz, &self.grading)?;
         placement(&self.placement)?;
-        room(self)?;
+        largest_fits(self)?;
         count(self)?;
         inclusions::check(self)
     }
@@ -161,8 +161,8 @@ fn points(specimen: &Specimen, vertices: &[[f64; 3]]) -> Checked {
     }
     vertices.iter().flatten().try_for_each(|x| within(KEY, *x, -MAX_LENGTH_MM, MAX_LENGTH_MM))?;
     let key = if matches!(specimen, Specimen::Mesh { .. }) { "specimen.triangles" } else { KEY };
-    let room = specimen.check().map_err(|error| SpecError::value(key, format!("enclose nothing: {error}")))?;
-    room.aabb().size().iter().try_for_each(|edge| length(KEY, *edge))
+    let container = specimen.check().map_err(|error| SpecError::value(key, format!("enclose nothing: {error}")))?;
+    container.aabb().size().iter().try_for_each(|edge| length(KEY, *edge))
 }
 
 fn shape(shape: &Shape) -> Checked {
@@ -267,9 +267,9 @@ fn placement(placement: &Placement) -> Checked {
 }
 
 /// The largest aggregate fits, with its distance to the walls and to its own images.
-fn room(spec: &Spec) -> Checked {
-    let (room, period) = (spec.specimen.room(), spec.specimen.period());
-    let (narrowest, gap) = (room.width(), spec.placement.wall_gap_mm);
+fn largest_fits(spec: &Spec) -> Checked {
+    let (container, period) = (spec.specimen.container(), spec.specimen.period());
+    let (narrowest, gap) = (container.width(), spec.placement.wall_gap_mm);
     let inner = narrowest - 2.0 * gap;
     if inner <= 0.0 {
         let message =

@@ -1,7 +1,7 @@
 //! A serde deserializer over [`Node`] whose errors know the dotted path, the line and the nearest known name.
 
+use super::messages::{found, list_of, nearest, plain_words, quoted};
 use super::tree::{Node, Value};
-use super::words::{found, list_of, nearest, plain_words, quoted};
 use super::{Spec, SpecError, SpecErrorKind};
 use serde::de::value::SeqDeserializer;
 use serde::de::{self, Deserialize, DeserializeSeed, Error, Expected, IntoDeserializer, Unexpected, Visitor};

@@ -1,8 +1,8 @@
 //! Specimens from STL files, put into the spec as if their triangles had been written there.
 
 use super::files::Files;
+use super::messages::found;
 use super::tree::{Node, Value};
-use super::words::found;
 use super::{SpecError, SpecErrorKind};
 use crate::geometry::TriangleMesh;
 use crate::import::stl;

@@ -52,7 +52,7 @@ struct Line {
 struct Sums {
     pairs: Vec<f64>,
     segments: Vec<f64>,
-    room: Vec<f64>,
+    lengths: Vec<f64>,
     chords: f64,
     chord_length: f64,
     length: f64,
@@ -63,8 +63,8 @@ pub(super) fn correlation(sample: &Sample) -> Correlation {
     let mut total = Sums::new(lags);
     in_order(options.lines.div_ceil(BATCH), |batch| sums(sample, batch), |sums| total.join(&sums));
     // Lags longer than every line have no pair.
-    let lags: Vec<usize> = (0..lags).filter(|&k| total.room[k] > 0.0).collect();
-    let shares = |counted: &[f64]| lags.iter().map(|&k| counted[k] / total.room[k]).collect();
+    let lags: Vec<usize> = (0..lags).filter(|&k| total.lengths[k] > 0.0).collect();
+    let shares = |counted: &[f64]| lags.iter().map(|&k| counted[k] / total.lengths[k]).collect();
     Correlation {
         lag_mm: lags.iter().map(|&k| k as f64 * lag(sample)).collect(),
         two_point: shares(&total.pairs),
@@ -84,8 +84,8 @@ fn lag(sample: &Sample) -> f64 {
 /// As many lags as asked, as long as the specimen has room for them; only r = 0 where there is no step.
 fn lags(sample: &Sample) -> usize {
     let lag = lag(sample);
-    let room = if lag > 0.0 { sample.room.aabb().size().norm() / lag } else { 0.0 };
-    (sample.options.lags as usize).min(1 + room.min(MOST_LAGS) as usize)
+    let most = if lag > 0.0 { sample.container.aabb().size().norm() / lag } else { 0.0 };
+    (sample.options.lags as usize).min(1 + most.min(MOST_LAGS) as usize)
 }
 
 fn sums(sample: &Sample, batch: u32) -> Sums {
@@ -100,7 +100,14 @@ fn sums(sample: &Sample, batch: u32) -> Sums {
 impl Sums {
     fn new(lags: usize) -> Self {
         let zeros = vec![0.0; lags];
-        Self { pairs: zeros.clone(), segments: zeros.clone(), room: zeros, chords: 0.0, chord_length: 0.0, length: 0.0 }
+        Self {
+            pairs: zeros.clone(),
+            segments: zeros.clone(),
+            lengths: zeros,
+            chords: 0.0,
+            chord_length: 0.0,
+            length: 0.0,
+        }
     }
 
     /// Lines were chosen through uniform points, so in proportion to their length; its inverse as weight undoes that.
@@ -108,7 +115,7 @@ impl Sums {
         let weight = 1.0 / line.length;
         for k in 0..self.pairs.len() {
             let r = k as f64 * lag;
-            self.room[k] += weight * (line.length - r).max(0.0);
+            self.lengths[k] += weight * (line.length - r).max(0.0);
             self.pairs[k] += weight * line.overlap_with_itself(r);
             self.segments[k] += weight * line.chords.iter().map(|(from, to)| (to - from - r).max(0.0)).sum::<f64>();
         }
@@ -118,9 +125,11 @@ impl Sums {
     }
 
     fn join(&mut self, other: &Self) {
-        for (mine, others) in
-            [(&mut self.pairs, &other.pairs), (&mut self.segments, &other.segments), (&mut self.room, &other.room)]
-        {
+        for (mine, others) in [
+            (&mut self.pairs, &other.pairs),
+            (&mut self.segments, &other.segments),
+            (&mut self.lengths, &other.lengths),
+        ] {
             mine.iter_mut().zip(others).for_each(|(x, y)| *x += y);
         }
         self.chords += other.chords;
@@ -157,9 +166,9 @@ impl Line {
 
 /// A line in a random direction through a random point of the specimen up to where it leaves the specimen first.
 fn line(sample: &Sample, stream: &mut Stream) -> Line {
-    let room = sample.room.aabb();
+    let bounds = sample.container.aabb();
     let point = loop {
-        let point = stream.point(&room.min, &room.max);
+        let point = stream.point(&bounds.min, &bounds.max);
         if inside(sample, &point) {
             break point;
         }
@@ -176,8 +185,8 @@ fn line(sample: &Sample, stream: &mut Stream) -> Line {
 
 /// True for points of the specimen; of one that repeats itself, in its box alone.
 fn inside(sample: &Sample, point: &Vec3) -> bool {
-    let room = sample.room.aabb();
-    (0..3).all(|i| point[i] >= room.min[i] && point[i] <= room.max[i]) && sample.room.contains(point)
+    let bounds = sample.container.aabb();
+    (0..3).all(|i| point[i] >= bounds.min[i] && point[i] <= bounds.max[i]) && sample.container.contains(point)
 }
 
 /// How far the specimen reaches from a point of it before it ends for the first time.
@@ -192,14 +201,14 @@ fn reach(sample: &Sample, point: &Vec3, direction: &Vec3) -> f64 {
 
 /// Two distances with the end between them: where the specimen is not convex, by steps that no surface is nearer than.
 fn bracket(sample: &Sample, point: &Vec3, direction: &Vec3) -> (f64, f64) {
-    let size = sample.room.aabb().size().norm();
-    if sample.room.is_convex() {
+    let size = sample.container.aabb().size().norm();
+    if sample.container.is_convex() {
         return (0.0, size);
     }
     let (least, mut low) = (1e-6 * size, 0.0);
     loop {
         let place = point + direction * low;
-        let step = sample.room.depth(&place).max(least);
+        let step = sample.container.depth(&place).max(least);
         if !inside(sample, &(place + direction * step)) {
             return (low, low + step);
         }

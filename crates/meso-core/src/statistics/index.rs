@@ -5,7 +5,7 @@ use crate::math::{Aabb, Vec3};
 
 /// Aggregates by place.
 pub(super) struct Index {
-    room: Aabb,
+    container: Aabb,
     /// Edge of a cell, mm.
     cell: f64,
     counts: [usize; 3],
@@ -17,12 +17,12 @@ pub(super) struct Index {
 
 impl Index {
     /// About one cell to an aggregate.
-    pub(super) fn new(aggregates: &[Aggregate], room: &Aabb) -> Self {
-        let size = room.size();
+    pub(super) fn new(aggregates: &[Aggregate], container: &Aabb) -> Self {
+        let size = container.size();
         let cell = libm::cbrt(size.product() / aggregates.len().max(1) as f64);
         let counts = [0, 1, 2].map(|k| (size[k] / cell).ceil().max(1.0) as usize);
         let boxes: Vec<Aabb> = aggregates.iter().map(|a| a.body.aabb()).collect();
-        let mut index = Self { room: *room, cell, counts, starts: Vec::new(), members: Vec::new(), boxes };
+        let mut index = Self { container: *container, cell, counts, starts: Vec::new(), members: Vec::new(), boxes };
         index.fill();
         index
     }
@@ -69,7 +69,7 @@ impl Index {
     fn cells(&self, aabb: &Aabb) -> impl Iterator<Item = usize> + use<> {
         let counts = self.counts;
         let of = |corner: &Vec3, k: usize| {
-            let cell = ((corner[k] - self.room.min[k]) / self.cell).floor();
+            let cell = ((corner[k] - self.container.min[k]) / self.cell).floor();
             cell.clamp(0.0, (counts[k] - 1) as f64) as usize
         };
         let [x, y, z] = [0, 1, 2].map(|k| of(&aabb.min, k)..=of(&aabb.max, k));

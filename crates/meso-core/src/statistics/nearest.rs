@@ -25,8 +25,8 @@ pub(super) fn nearest_distances(model: &Model, images: &Images) -> Result<Option
 
 /// How far aggregates reach out of the specimen's box, mm.
 fn outmost(model: &Model) -> f64 {
-    let room = model.spec.specimen.aabb();
-    let beyond = |body: Aabb| (room.min - body.min).sup(&(body.max - room.max)).max();
+    let container = model.spec.specimen.aabb();
+    let beyond = |body: Aabb| (container.min - body.min).sup(&(body.max - container.max)).max();
     model.aggregates.iter().map(|aggregate| beyond(aggregate.body.aabb())).fold(0.0, f64::max)
 }
 

@@ -44,10 +44,10 @@ fn join(total: &mut Counts, counts: &Counts) {
 
 fn count(sample: &Sample, batch: u32) -> Counts {
     let mut stream = Stream::new(sample.options.seed, Purpose::Sample, 0, u64::from(batch));
-    let (room, width, mut counts) = (sample.room.aabb(), layer_width(sample), Counts::new());
+    let (container, width, mut counts) = (sample.container.aabb(), layer_width(sample), Counts::new());
     let points = BATCH.min(sample.options.points - batch * BATCH);
-    for point in (0..points).map(|_| stream.point(&room.min, &room.max)) {
-        let depth = sample.room.depth(&point);
+    for point in (0..points).map(|_| stream.point(&container.min, &container.max)) {
+        let depth = sample.container.depth(&point);
         if depth >= 0.0 && depth.is_finite() {
             let layer = (depth / width) as usize;
             counts.resize(counts.len().max(layer + 1), [0; 2]);
@@ -60,7 +60,7 @@ fn count(sample: &Sample, batch: u32) -> Counts {
 
 /// As asked, but never so thin that the layers do not fit into memory.
 fn layer_width(sample: &Sample) -> f64 {
-    (1e-3 * sample.room.aabb().size().max()).max(sample.options.layer_mm)
+    (1e-3 * sample.container.aabb().size().max()).max(sample.options.layer_mm)
 }
 
 fn is_covered(sample: &Sample, point: &Vec3) -> bool {

@@ -1,1 +1,62 @@
 //! Material laws: strain in, stress out, for one number or for a register of numbers at a time.
+//!
+//! Strains are small; tensors have six places, xx yy zz xy yz zx, with engineering shears in strains. Tension is
+//! positive. A law is made of f64 values and holds them as registers, so that a step converts none.
+
+pub mod cdp;
+mod elastic;
+mod invariants;
+mod limits;
+mod softening;
+
+pub use cdp::Cdp;
+pub use elastic::Elastic;
+pub use limits::{LawError, elastic as validate_elastic};
+
+use crate::real::Real;
+
+/// A tensor, xx yy zz xy yz zx.
+pub type Tensor<R> = [R; 6];
+
+/// A material law over registers `R`.
+pub trait Law<R: Real>: Send + Sync {
+    /// What a point remembers, as registers: all zero at the start.
+    type History: Copy + Send + Sync + AsRef<[R]> + AsMut<[R]>;
+
+    /// History of a point that was never strained.
+    fn virgin() -> Self::History;
+
+    /// Stress at the end of a step, MPa, from the whole `strain` at its end; `history` goes along.
+    ///
+    /// `width` is that of the crack band in the element, mm. Beyond [`widest_mm`](Law::widest_mm) it is held there, so
+    /// that more energy is spent than was asked for; ask first.
+    fn stress(&self, strain: &Tensor<R>, history: &mut Self::History, width: R) -> Response<R>;
+
+    /// What pictures show of a point, from the strain that `history` belongs to.
+    fn state(&self, strain: &Tensor<R>, history: &Self::History, width: R) -> State<R>;
+
+    /// Width of the widest crack band that softens without snapping back, mm; infinite where nothing softens.
+    fn widest_mm(&self) -> f64;
+}
+
+/// What a point answers.
+#[derive(Clone, Copy, Debug)]
+pub struct Response<R> {
+    /// MPa.
+    pub stress: Tensor<R>,
+    /// Share of the stiffness that is left, 0 to 1, for what hangs on it: hourglass forces.
+    pub integrity: R,
+}
+
+/// What a point has suffered.
+#[derive(Clone, Copy, Debug)]
+pub struct State<R> {
+    /// Damage in tension, 0 to 1.
+    pub tension: R,
+    /// Damage in compression, 0 to 1.
+    pub compression: R,
+    /// Opening of its crack, mm.
+    pub opening: R,
+    /// Energy per volume that unloading would give back, N/mm2.
+    pub stored: R,
+}

@@ -5,7 +5,7 @@ use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::Aabb;
 use crate::mesh::MeshError;
-use crate::packing::{Obstacle, Period, Room};
+use crate::packing::{Container, Obstacle, Period};
 use rayon::prelude::*;
 
 /// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
@@ -37,7 +37,11 @@ pub(super) fn refuse_grazed(aggregates: &[Aggregate], period: &Period) -> Result
 
 /// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body; its triangles
 /// may lie `chord` mm inside it.
-pub(super) fn refuse_near_touching(aggregates: &[Aggregate], room: &dyn Room, chord: f64) -> Result<(), MeshError> {
+pub(super) fn refuse_near_touching(
+    aggregates: &[Aggregate],
+    room: &dyn Container,
+    chord: f64,
+) -> Result<(), MeshError> {
     let boxes: Vec<Aabb> = aggregates.iter().map(|a| a.body.aabb()).collect();
     let mut order: Vec<usize> = (0..aggregates.len()).collect();
     order.sort_by(|&a, &b| boxes[a].min.x.total_cmp(&boxes[b].min.x));
@@ -69,7 +73,7 @@ fn near(a: &Aabb, b: &Aabb) -> bool {
 }
 
 /// Distance of `body` from the surface of `room`, mm; where the room is not convex and it is beyond [`NARROWEST_MM`], infinite.
-fn wall_gap(body: &Polyhedron, room: &dyn Room) -> f64 {
+fn wall_gap(body: &Polyhedron, room: &dyn Container) -> f64 {
     if room.is_convex() {
         return body.vertices().iter().map(|vertex| room.depth(vertex)).fold(f64::INFINITY, f64::min);
     }

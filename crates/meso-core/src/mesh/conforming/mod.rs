@@ -33,7 +33,7 @@ use super::volumes::all_positive;
 use super::{Mesh, MeshError, MeshOptions, NO_AGGREGATE, Notes};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
-use crate::packing::{Period, Room, Specimen};
+use crate::packing::{Container, Period, Specimen};
 use facets::Triangles;
 use msh::Volumes;
 use rayon::prelude::*;
@@ -100,7 +100,7 @@ impl Division {
         specimen: &Specimen,
         options: &MeshOptions,
     ) -> Result<Self, MeshError> {
-        let (room, size) = (specimen.room(), options.element_size_mm);
+        let (room, size) = (specimen.container(), options.element_size_mm);
         let (period, domain) = (specimen.period(), room.aabb());
         gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
         gaps::refuse_grazed(aggregates, &period)?;
@@ -187,7 +187,7 @@ impl Surfaces {
 ///
 /// # Errors
 /// As [`facets::facets`].
-fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Room, size: f64) -> Result<Shells, String> {
+fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Shells, String> {
     let bodies: Vec<Triangles> =
         aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, String>>()?;
     let mut shells = Shells::default();

@@ -3,7 +3,7 @@
 use super::facets::{LONGEST, Triangles, facets};
 use super::round;
 use crate::math::{Aabb, Vec3};
-use crate::packing::{Room, Specimen, Surface};
+use crate::packing::{Container, Specimen, Surface};
 use std::collections::BTreeMap;
 
 /// The surface of `specimen`, whose room is `room`, with edges of about `size` mm, counter-clockwise from outside: plane
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 ///
 /// # Errors
 /// As [`facets`].
-pub(super) fn walls(specimen: &Specimen, room: &dyn Room, size: f64) -> Result<Triangles, String> {
+pub(super) fn walls(specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Triangles, String> {
     match (specimen, polygons(specimen, room, size)) {
         (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),
         (Specimen::Sphere { diameter_mm }, None) => Ok(round::sphere(*diameter_mm, size)),
@@ -20,7 +20,7 @@ pub(super) fn walls(specimen: &Specimen, room: &dyn Room, size: f64) -> Result<T
 }
 
 /// The same as plane faces; boxes have their own ([`grid`], and [`boxes`](super::boxes)), and spheres have none.
-pub(super) fn polygons(specimen: &Specimen, room: &dyn Room, size: f64) -> Option<Surface> {
+pub(super) fn polygons(specimen: &Specimen, room: &dyn Container, size: f64) -> Option<Surface> {
     match *specimen {
         Specimen::Sphere { .. } => None,
         Specimen::Cylinder { diameter_mm, height_mm } => Some(round::prism(diameter_mm, height_mm, size)),

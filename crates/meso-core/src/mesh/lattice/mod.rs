@@ -31,7 +31,7 @@ use super::grains::{Grain, Locator};
 use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Notes, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
-use crate::packing::{Room, Specimen};
+use crate::packing::{Container, Specimen};
 use bcc::Bcc;
 pub(in crate::mesh) use mend::ways;
 use outline::Outline;
@@ -81,7 +81,7 @@ fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
 /// The fitted lattice: grains and mortar within `room`, its own surface included.
 pub(super) fn fitted(
     aggregates: &[Aggregate],
-    room: &dyn Room,
+    room: &dyn Container,
     repeats: [bool; 3],
     element_size: f64,
 ) -> (Tetrahedra, Notes) {

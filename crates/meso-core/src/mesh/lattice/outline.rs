@@ -5,7 +5,7 @@
 //! points it holds and how deep; its polygons say where it has edges.
 
 use crate::math::Vec3;
-use crate::packing::{Room, Surface};
+use crate::packing::{Container, Surface};
 
 /// Surfaces that meet at more than this angle have an edge between them: its cosine, 30 degrees.
 const SHARP: f64 = 0.866;
@@ -16,7 +16,7 @@ const STEPS: usize = 100;
 
 /// The surface of a room.
 pub(super) struct Outline<'a> {
-    room: &'a dyn Room,
+    room: &'a dyn Container,
     edges: Vec<Edge>,
     /// The sides of the room's box, low and high by axis, beyond which there is surface to be met.
     pub(super) open: [[bool; 2]; 3],
@@ -34,7 +34,7 @@ struct Edge {
 
 impl<'a> Outline<'a> {
     /// That of `room`, or `None` for a box.
-    pub(super) fn new(room: &'a dyn Room) -> Option<Self> {
+    pub(super) fn new(room: &'a dyn Container) -> Option<Self> {
         if room.is_box() {
             return None;
         }

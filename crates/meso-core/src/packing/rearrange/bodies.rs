@@ -1,7 +1,7 @@
 //! The moving bodies: shapes, poses and momenta, in arrays, in an order that keeps neighbours near in memory.
 
 use super::contact::{LANES, Points, V, dot, length, scale};
-use super::slender;
+use super::fibres;
 use super::turn::{turn, turn_on};
 use super::walls::Walls;
 use crate::aggregate::take::Grain;
@@ -10,14 +10,14 @@ use crate::packing::{Period, Pose, Turn};
 use nalgebra::{Quaternion, Vector3};
 use rayon::prelude::*;
 
-/// Where the vertices of a body stand in the coordinate arrays.
+/// Range of a body's vertices in the coordinate arrays.
 #[derive(Clone, Copy)]
 struct Span {
     start: u32,
     len: u32,
 }
 
-/// What of a body moves.
+/// The moving state of a body.
 #[derive(Clone, Copy)]
 pub(super) struct State {
     /// In the specimen, mm.
@@ -26,7 +26,7 @@ pub(super) struct State {
     /// Movement of the last sweep, mm and radians.
     pub(super) velocity: V,
     pub(super) spin: V,
-    /// False where the walls, which are no box, could not all be kept in the last sweep.
+    /// False where the walls of a container that is no box could not all be kept in the last sweep.
     pub(super) inside: bool,
     /// By axis, the side on which a wall of the specimen's box held the body back in the last sweep: -1, 1, or 0 for none.
     pub(super) held: [i8; 3],
@@ -57,12 +57,12 @@ impl State {
         self.rotation = Turn::from_quaternion((self.turn() * self.rotation).into_inner());
     }
 
-    /// How far a point of the body goes in a sweep at the most, mm.
+    /// Bound on the displacement of any point of the body in a sweep, mm.
     pub(super) fn speed(&self, fixed: &Fixed) -> f32 {
         length(self.velocity) + length(self.spin) * fixed.outer_radius
     }
 
-    /// Share of a push in the unit direction `d` that goes against the walls which hold the body.
+    /// Share of a push in the unit direction `d` that acts against walls which hold the body.
     #[inline(always)]
     pub(super) fn held_against(&self, d: V) -> f32 {
         let against = |k: usize| if f32::from(self.held[k]) * d[k] > 0.0 { d[k] * d[k] } else { 0.0 };
@@ -74,14 +74,15 @@ impl State {
     }
 }
 
-/// What of a body stays.
+/// The constant properties of a body.
 #[derive(Clone, Copy)]
 pub(super) struct Fixed {
     /// Which grain it is.
     pub(super) grain: u32,
     pub(super) outer_radius: f32,
-    /// 1 / volume^0.7 and 1 / the moment of inertia of a hollow ball of that mass: small grains give way more than
-    /// large ones, and turning less than moving (255 sweeps where volume^0.5 and a solid ball took 293).
+    /// 1 / volume^0.7, and 1 / the moment of inertia of a hollow ball of that mass. Small grains yield more than
+    /// large ones, and rotations yield less than translations (255 sweeps where volume^0.5 and a solid ball took
+    /// 293).
     pub(super) inverse_mass: f32,
     pub(super) inverse_inertia: f32,
     /// Radius of the ball of the same volume, mm.
@@ -92,18 +93,19 @@ const MASS_EXPONENT: f64 = 0.7;
 
 impl Fixed {
     fn new(index: u32, grain: &Grain) -> Self {
-        let mass = libm::pow(grain.volume(), MASS_EXPONENT) * slender::weight(grain);
+        let mass = libm::pow(grain.volume(), MASS_EXPONENT) * fibres::weight(grain);
         Self {
             grain: index,
             outer_radius: grain.outer_radius * 1.000_001,
             inverse_mass: (1.0 / mass) as f32,
-            inverse_inertia: (1.0 / slender::inertia(grain, mass)) as f32,
+            inverse_inertia: (1.0 / fibres::inertia(grain, mass)) as f32,
             ball_radius: grain.ball_radius() as f32,
         }
     }
 }
 
-/// No body may go farther than this share of its radius before its pairs are looked for again: it would have too many.
+/// A body moves at most this share of its radius before its pairs are searched again: a longer limit would list too
+/// many.
 pub(super) const MOST_MARGIN: f32 = 0.125;
 
 /// All bodies.
@@ -119,7 +121,7 @@ pub(super) struct Bodies<'a> {
     turned: Vec<f32>,
     /// Box of every body about its centre: lowest and highest coordinates.
     boxes: Vec<(V, V)>,
-    /// Length of the path any point of a body has moved at the most since all pairs were listed, mm.
+    /// Bound on the path of any point of a body since all pairs were listed, mm.
     paths: Vec<f32>,
     /// The longest path for which the pairs listed of a body are all that may be contacts, mm.
     limits: Vec<f32>,
@@ -145,7 +147,7 @@ impl<'a> Bodies<'a> {
             fixed: poses.par_iter().map(|pose| Fixed::new(pose.0, grain(pose))).collect(),
             state: poses.par_iter().map(|(_, pose)| State::at(pose)).collect(),
             spans,
-            axes: slender::axes(poses.iter().map(grain)),
+            axes: fibres::axes(poses.iter().map(grain)),
             turned: vec![0.0; end as usize],
             boxes: vec![([0.0; 3], [0.0; 3]); poses.len()],
             paths: vec![0.0; poses.len()],
@@ -173,11 +175,11 @@ impl<'a> Bodies<'a> {
         [d.x as f32, d.y as f32, d.z as f32]
     }
 
-    /// From the middle of `i` to that of `j`, whose centre is at `x` from its own; the middle of a fibre is the point of its
-    /// axis that is nearest.
+    /// Vector from the middle of `i` to the middle of `j`, whose centres are `x` apart; the middle of a fibre is the
+    /// nearest point of its axis.
     #[inline(always)]
-    pub(super) fn way_apart(&self, i: u32, j: u32, x: V) -> V {
-        if self.axes.is_empty() { x } else { slender::between_axes(self.axis(i), self.axis(j), x) }
+    pub(super) fn middle_offset(&self, i: u32, j: u32, x: V) -> V {
+        if self.axes.is_empty() { x } else { fibres::between_axes(self.axis(i), self.axis(j), x) }
     }
 
     fn axis(&self, body: u32) -> V {
@@ -194,25 +196,25 @@ impl<'a> Bodies<'a> {
         along(0).max(along(1)).max(along(2))
     }
 
-    /// Length of the path the body has moved at the most since all pairs were listed, mm.
+    /// Bound on the body's path since all pairs were listed, mm.
     #[inline(always)]
     pub(super) fn path(&self, body: u32) -> f32 {
         self.paths[body as usize]
     }
 
-    /// How far the body may yet go until its pairs are to be looked for again, mm.
+    /// How far the body may still move before its pairs must be searched again, mm.
     #[inline(always)]
     pub(super) fn margin(&self, body: u32) -> f32 {
         self.limits[body as usize] - self.paths[body as usize]
     }
 
-    /// The bodies that may have come nearer to one that the list of pairs does not name.
+    /// The bodies that may be near others that the list of pairs does not name.
     pub(super) fn beyond_limits(&self) -> Vec<u32> {
         let bodies = (0..self.len() as u32).into_par_iter();
         bodies.filter(|&body| self.margin(body) < 0.0).collect()
     }
 
-    /// Lets a body go on for about `sweeps` sweeps at its speed, but at least for `least` mm.
+    /// Limit for about `sweeps` sweeps at the body's speed, but at least `least` mm.
     fn limit(&self, body: u32, sweeps: f32, least: f32) -> f32 {
         let (state, fixed) = (&self.state[body as usize], &self.fixed[body as usize]);
         self.path(body) + (sweeps * state.speed(fixed)).max(least).min(MOST_MARGIN * fixed.ball_radius)
@@ -224,7 +226,7 @@ impl<'a> Bodies<'a> {
         bodies.iter().zip(limits).for_each(|(&body, limit)| self.limits[body as usize] = limit);
     }
 
-    /// Counts all paths from here; returns the paths so far.
+    /// Resets all paths; returns the old ones.
     pub(super) fn start_again(&mut self) -> Vec<f32> {
         let fresh = vec![0.0; self.len()];
         std::mem::replace(&mut self.paths, fresh)
@@ -315,7 +317,7 @@ impl Moving<'_> {
 /// Bodies a thread moves at once.
 const CHUNK: usize = 256;
 
-/// Calls `each` with every body's number and what of it moves.
+/// Calls `each` with every body's number and moving state.
 fn moving(
     state: &mut [State],
     mut turned: &mut [f32],

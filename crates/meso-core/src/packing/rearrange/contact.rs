@@ -1,6 +1,6 @@
 //! Contact between two convex bodies for the dynamics: a direction, the gap along it, and the points it acts on.
 //!
-//! Single precision, uncertified: it only says where to push; placement is proved afterwards by [`gjk`](crate::gjk).
+//! Single precision, uncertified: it only says where to push. [`gjk`](crate::gjk) certifies the positions afterwards.
 //!
 //! The direction is that of the nearest points of the two bodies with their centres moved apart by a factor `spread`,
 //! just enough that they do not overlap. Scaling the distance of two bodies by s is the same as scaling both bodies by
@@ -42,7 +42,7 @@ pub(super) struct Contact {
 #[inline(always)]
 fn extreme(p: &Points, d: V) -> (usize, f32) {
     let mut best = [f32::NEG_INFINITY; LANES];
-    // Vertices are numbered in single precision, too: what is selected together must be of one width and kind.
+    // Vertex numbers are in single precision, too: vector selection needs one width and kind.
     let (mut block, mut number) = ([0.0; LANES], 0.0);
     for reaches in p.along(d) {
         for lane in 0..LANES {
@@ -68,7 +68,7 @@ pub(super) fn highest(lanes: [f32; LANES]) -> f32 {
     max(max(max(a, e), max(c, g)), max(max(b, f), max(d, h)))
 }
 
-/// How far the body reaches in direction `d`.
+/// Support value of the body in direction `d`.
 #[inline(always)]
 fn reach(p: &Points, d: V) -> f32 {
     let mut best = [f32::NEG_INFINITY; LANES];
@@ -117,8 +117,8 @@ impl Contact {
         Self { normal, gap: f32::INFINITY, ..Self::default() }
     }
 
-    /// Finds the contact anew, starting from the remembered one, whose `gap` must be current. The bodies are moved apart
-    /// along `w`: for compact ones that is `x`, from centre to centre.
+    /// Recomputes the contact, starting from the remembered one, whose `gap` must be current. The bodies are moved
+    /// apart along `w`: `x`, from centre to centre, for compact ones.
     #[inline(always)]
     pub(super) fn refresh(&mut self, a: &Points, b: &Points, x: V, w: V) {
         let aside = add_scaled(x, w, -1.0);

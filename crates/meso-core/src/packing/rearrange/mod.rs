@@ -1,22 +1,23 @@
 //! Rearrangement: all grains at once, overlapping where they must, moved by small rigid steps until none overlap.
 //!
 //! Position-based dynamics on the energy E = sum over contacts of (wanted gap - gap)^2. Every contact asks its two
-//! bodies for the least rigid movement that opens it; a body moves by the sum over its contacts, divided by a power of
-//! their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped whenever
-//! the energy rises. Walls are hard. What comes out is proved apart pair by pair before anyone sees it.
+//! bodies for the least rigid movement that opens it; a body moves by the sum over its contacts, divided by a power
+//! of their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped
+//! whenever the energy rises. Walls are hard. The result is certified pair by pair ([`certify`]) before anyone sees
+//! it.
 
-mod balls;
 mod bodies;
-mod cells;
+mod cell_list;
+mod certify;
+mod clearance_grid;
 mod contact;
-mod cooling;
-mod drop;
-mod links;
+mod contact_cache;
+mod damping;
+mod fibres;
+mod initial_placement;
+mod neighbour_list;
 mod obstacle;
-mod pairs;
-mod prove;
-mod slender;
-mod thin;
+mod subsample;
 mod turn;
 mod walls;
 
@@ -24,54 +25,55 @@ use super::place::Task;
 use super::{Outcome, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
-use cooling::{Cooling, FALL, HOPEFUL};
-use links::{Gaps, Look};
-use pairs::Pairs;
+use contact_cache::{Gaps, Look};
+use damping::{Damping, FALL, HOPEFUL};
+use neighbour_list::NeighbourList;
 use walls::Walls;
 
 use crate::aggregate::Kind;
 use crate::aggregate::take::Grain;
 
-/// Wanted gap beyond the least one, as a share of the smallest grain's radius: room for the last digits to settle.
+/// Wanted gap beyond the least one (*slop*), as a share of the smallest grain's radius: it lets the last digits
+/// settle.
 const SLOP: f64 = 0.004;
-/// It is halved after so many sweeps in which bodies lack less than it in the mean, down to about this share.
+/// The slop is halved, down to about this share, after this many sweeps in which bodies lack less than it on average.
 const FINE_SWEEPS: u32 = 40;
 const LEAST_SLOP: f64 = 0.0008;
-/// Margin at walls that are no box, as a share of the slop: single precision sees their far ends.
+/// Margin at the walls of containers that are no boxes, as a share of the slop: bodies see such walls in single
+/// precision.
 const ROUND_MARGIN: f64 = 0.1;
 /// Share of the slop that must be open when it ends.
 const ENOUGH: f64 = 0.2;
 /// Movement is the sum over n contacts over n^0.4. With momentum such long steps are stable, and momentum can be less:
 /// at 0.65, n^0.6 and 0.94 took 167 sweeps, n^0.4 and 0.91 120.
 const RELAXATION: f64 = 0.4;
-/// Beyond so many contacts the movement is damped no further.
+/// Beyond this many contacts the movement is damped no further.
 const MOST_CONTACTS: usize = 256;
 /// Momentum is dropped when the energy rises by this factor.
 const RESTART: f64 = 1.1;
-/// No body goes farther in a sweep than this share of its radius, nor turns by more radians.
+/// No body moves farther in a sweep than this share of its radius, nor rotates by more radians.
 const LONGEST_STEP: f32 = 0.25;
-/// Every body may go at least so many slops before the list is made anew.
+/// Every body may move at least this many slops before its pairs are searched again.
 const LEAST_MARGIN: f64 = 10.0;
 /// A body without contacts comes to rest when it is slower than this share of the slop a sweep.
 const REST: f64 = 0.02;
-/// Where the time runs out, a jam is taken for granted from this share of it on, and again after each such share.
+/// After `LATE` of the time limit the run counts as jammed, and again after each `LATER`.
 const LATE: f64 = 0.5;
 const LATER: f64 = 1.0 / 16.0;
-/// Where the time is limited, a jam is started over only if less than this share of it is spent: to cool slower takes
-/// twice as long.
+/// With a time limit, a jam restarts only if less than this share of it is spent: slower damping takes twice as long.
 const EARLY: f64 = LATE / 3.0;
-/// Bodies that lack much when more than this share of it is spent are to cool quickly.
+/// Beyond this share of the time limit, bodies that still lack much are damped quickly.
 const HURRY: f64 = LATE / 2.0;
 
-/// Places all grains of `task`, or as many as go, and says why.
+/// Places all grains of `task`, or as many as fit, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
-    // Of what a stop during the take has left, whoever chose the strategy makes what can be made.
+    // After a stop during the take the caller decides what to do with the grains that exist.
     if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;
     }
     let mut settings = Settings::new(task);
-    let mut poses = match drop::fill(task, |_| true) {
+    let mut poses = match initial_placement::fill(task, |_| true) {
         Ok(poses) => poses,
         Err(reason) => {
             outcome.stop = Some(reason);
@@ -83,13 +85,13 @@ pub(super) fn place(task: &Task) -> Outcome {
     loop {
         // The lists of the dynamics are gone when the proof makes its own.
         let (ended, reached) = Dynamics::new(task, poses, settings).run(task, &mut outcome.work.sweeps);
-        let proved = prove::keep_apart(task, &reached, &mut outcome.work);
-        // Single precision took a pair for open that is not: ask for more room, and go on.
+        let proved = certify::keep_apart(task, &reached, &mut outcome.work);
+        // Single precision took an overlapping pair for open: ask for a larger gap, and continue.
         if proved.left_out > 0 && ended == Ended::Open && settings.ask_for_more() {
             poses = reached;
             continue;
         }
-        if let Ended::Told(reason) = ended {
+        if let Ended::Stopped(reason) = ended {
             outcome.stop = Some(reason);
         }
         outcome.poses = proved.poses;
@@ -104,10 +106,10 @@ enum Ended {
     Open,
     /// The overlaps do not shrink any more.
     Jammed,
-    /// They would take longer than there is time.
+    /// Opening them would take longer than the time limit allows.
     Late,
-    /// The task said stop.
-    Told(StopReason),
+    /// A time limit or the user stopped the run.
+    Stopped(StopReason),
 }
 
 /// How far apart the bodies are moved.
@@ -119,9 +121,9 @@ struct Settings {
     slop: f64,
     /// Of the smallest grain's ball, mm.
     radius: f64,
-    /// Of this, what must be open when it ends, mm.
+    /// Part of the slop that must be open at the end, mm.
     enough: f64,
-    cooling: Cooling,
+    damping: Damping,
 }
 
 impl Settings {
@@ -133,7 +135,7 @@ impl Settings {
             slop,
             radius,
             enough: ENOUGH * slop,
-            cooling: Cooling::new(task, radius),
+            damping: Damping::new(task, radius),
         }
     }
 
@@ -142,8 +144,8 @@ impl Settings {
         self.enough < self.slop
     }
 
-    /// Asks for less room where what is left to do is in the last digits: what all want beyond the least gap makes a
-    /// jam of what fits.
+    /// Asks for smaller gaps where only the last digits are left: the slop that all bodies want could jam a packing
+    /// that fits.
     fn narrow(&mut self) {
         if self.slop > LEAST_SLOP * self.radius {
             self.slop /= 2.0;
@@ -158,7 +160,7 @@ impl Settings {
 
 struct Dynamics<'a> {
     bodies: Bodies<'a>,
-    pairs: Pairs,
+    neighbours: NeighbourList,
     walls: Walls<'a>,
     settings: Settings,
     /// Share of the summed movement that is done, by the number of contacts.
@@ -174,9 +176,9 @@ impl<'a> Dynamics<'a> {
     fn new(task: &'a Task<'a>, poses: Vec<(u32, Pose)>, settings: Settings) -> Self {
         let request = &task.request;
         Self {
-            bodies: Bodies::new(request.grains, poses, &task.room.aabb(), task.period),
-            pairs: Pairs::none(),
-            walls: Walls::new(task, if task.room.is_box() { 0.01 } else { ROUND_MARGIN } * settings.slop),
+            bodies: Bodies::new(request.grains, poses, &task.container.aabb(), task.period),
+            neighbours: NeighbourList::none(),
+            walls: Walls::new(task, if task.container.is_box() { 0.01 } else { ROUND_MARGIN } * settings.slop),
             settings,
             relaxations: relaxations(),
             sweep: 0,
@@ -185,8 +187,8 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// Moves the bodies until every pair is open, or the task says stop; where nothing helps any more, leaves out the
-    /// worst wedged.
+    /// Moves the bodies until every pair is open or the run is stopped; leaves out the worst wedged where nothing
+    /// else helps.
     fn run(mut self, task: &Task<'a>, sweeps: &mut u64) -> (Ended, Vec<(u32, Pose)>) {
         loop {
             let ended = self.descend(task);
@@ -196,22 +198,22 @@ impl<'a> Dynamics<'a> {
                     self.relieve(task);
                     self.late += LATER;
                 }
-                Ended::Open | Ended::Told(_) => {
+                Ended::Open | Ended::Stopped(_) => {
                     *sweeps += u64::from(self.sweep);
                     let in_time = ended != Ended::Open || self.late == LATE;
-                    return (if in_time { ended } else { Ended::Told(StopReason::TimeLimit) }, self.bodies.poses());
+                    return (if in_time { ended } else { Ended::Stopped(StopReason::TimeLimit) }, self.bodies.poses());
                 }
             }
         }
     }
 
-    /// Sweeps until every pair is open, nothing helps any more, or the task says stop.
+    /// Sweeps until every pair is open, nothing helps any more, or the run is stopped.
     fn descend(&mut self, task: &Task) -> Ended {
         self.bodies.settle(&self.walls);
         let (mut best, mut best_sweep, mut last) = (f64::INFINITY, self.sweep, f64::INFINITY);
         let mut fine_since = None;
         loop {
-            self.renew_pairs();
+            self.renew_neighbours();
             let look = self.look();
             if look.open_below == 0 {
                 return Ended::Open;
@@ -219,53 +221,53 @@ impl<'a> Dynamics<'a> {
             if look.energy < FALL * best {
                 (best, best_sweep) = (look.energy, self.sweep);
             }
-            if self.sweep - best_sweep > self.settings.cooling.patience() {
+            if self.sweep - best_sweep > self.settings.damping.patience() {
                 return Ended::Jammed;
             }
             if let Some(reason) = task.stopped(0.0) {
-                return Ended::Told(reason);
+                return Ended::Stopped(reason);
             }
             let spent = task.spent();
             if spent > self.late {
                 return Ended::Late;
             }
             if spent > HURRY && self.lack > HOPEFUL {
-                self.settings.cooling.hurry();
+                self.settings.damping.hurry();
             }
             let is_fine = self.lack * self.settings.radius < self.settings.slop;
             if is_fine && self.sweep - *fine_since.get_or_insert(self.sweep) > FINE_SWEEPS {
                 self.settings.narrow();
                 fine_since = None;
             }
-            let momentum = if look.energy > RESTART * last { 0.0 } else { self.settings.cooling.momentum() };
+            let momentum = if look.energy > RESTART * last { 0.0 } else { self.settings.damping.momentum() };
             last = look.energy;
             self.step(momentum);
             self.sweep += 1;
         }
     }
 
-    /// From the start again, slower or with fewer grains, where that may help and there is time for it.
+    /// Restarts, slower or with fewer grains, where that may help and time allows.
     fn start_over_or_relieve(&mut self, task: &Task<'a>) {
         if task.spent() >= EARLY {
             return self.relieve(task);
         }
         let moving = self.grains();
-        if let Some(slower) = self.settings.cooling.next(self.lack) {
+        if let Some(slower) = self.settings.damping.next(self.lack) {
             return self.start_over(task, slower, &moving);
         }
-        let fewer = self.settings.cooling.fewer(self.lack);
-        let fewer = fewer.map(|(excess, cooling)| (thin::thinned(task.request.grains, &moving, excess), cooling));
+        let fewer = self.settings.damping.fewer(self.lack);
+        let fewer = fewer.map(|(excess, damping)| (subsample::thinned(task.request.grains, &moving, excess), damping));
         match fewer {
-            Some((kept, cooling)) if kept.len() < moving.len() => self.start_over(task, cooling, &kept),
+            Some((kept, damping)) if kept.len() < moving.len() => self.start_over(task, damping, &kept),
             _ => self.relieve(task),
         }
     }
 
-    /// Drops these grains anew.
-    fn start_over(&mut self, task: &Task<'a>, cooling: Cooling, grains: &[u32]) {
-        // A stop meanwhile is seen by the next look.
-        if let Ok(poses) = drop::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
-            self.settings = Settings { cooling, ..Settings::new(task) };
+    /// Restarts with these grains.
+    fn start_over(&mut self, task: &Task<'a>, damping: Damping, grains: &[u32]) {
+        // A stop in the meantime is noticed by the next look.
+        if let Ok(poses) = initial_placement::fill(task, |number| grains.binary_search(&(number as u32)).is_ok()) {
+            self.settings = Settings { damping, ..Settings::new(task) };
             self.begin(task, poses);
         }
     }
@@ -277,10 +279,10 @@ impl<'a> Dynamics<'a> {
         grains
     }
 
-    /// Goes on with these bodies, at rest.
+    /// Continues with these bodies, at rest.
     fn begin(&mut self, task: &Task<'a>, poses: Vec<(u32, Pose)>) {
-        self.pairs = Pairs::none();
-        self.bodies = Bodies::new(task.request.grains, poses, &task.room.aabb(), task.period);
+        self.neighbours = NeighbourList::none();
+        self.bodies = Bodies::new(task.request.grains, poses, &task.container.aabb(), task.period);
     }
 
     /// Leaves out the grains with the most overlap for their volume.
@@ -289,7 +291,7 @@ impl<'a> Dynamics<'a> {
         let want = self.settings.gaps().want;
         let mut worst: Vec<(f64, u32)> = (0..self.bodies.len() as u32)
             .map(|body| {
-                let contacts = self.pairs.contacts(body);
+                let contacts = self.neighbours.contacts(body);
                 let energy: f64 = contacts.map(|(touch, _)| f64::from(want - touch.contact.gap).powi(2)).sum();
                 let grain = self.bodies.fixed[body as usize].grain;
                 let inside = self.bodies.state[body as usize].inside;
@@ -298,8 +300,8 @@ impl<'a> Dynamics<'a> {
             .collect();
         worst.sort_unstable_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
         let mut poses = self.bodies.poses();
-        let share = self.settings.cooling.relieve(self.lack);
-        // Every kind gives up the same share: fibres are so thin that all of them would be the first to go.
+        let share = self.settings.damping.relieve(self.lack);
+        // Every kind gives up the same share: fibres are so thin that otherwise all of them would go first.
         let volume = |grain: u32| grains[grain as usize].volume();
         let kind = |grain: u32| grains[grain as usize].kind as usize;
         let mut budgets = [0.0; 1 + Kind::FURTHER.len()];
@@ -316,24 +318,24 @@ impl<'a> Dynamics<'a> {
         self.begin(task, poses);
     }
 
-    fn renew_pairs(&mut self) {
+    fn renew_neighbours(&mut self) {
         let least = LEAST_MARGIN * self.settings.slop;
-        self.pairs.cover(&mut self.bodies, self.settings.gaps().want, least as f32);
+        self.neighbours.cover(&mut self.bodies, self.settings.gaps().want, least as f32);
     }
 
     /// Brings every pair's contact up to date.
     fn look(&mut self) -> Look {
-        let look = self.pairs.look(&self.bodies, self.settings.gaps());
+        let look = self.neighbours.look(&self.bodies, self.settings.gaps());
         self.lack = libm::sqrt(look.energy / self.bodies.len() as f64) / self.settings.radius;
         let outside = self.bodies.state.iter().filter(|state| !state.inside).count() as u32;
         Look { open_below: look.open_below + outside, ..look }
     }
 
     fn step(&mut self, momentum: f64) {
-        let Self { bodies, pairs, walls, settings, relaxations, .. } = self;
+        let Self { bodies, neighbours, walls, settings, relaxations, .. } = self;
         let (momentum, rest) = (momentum as f32, (REST * settings.slop) as f32);
         bodies.advance(self.sweep, walls, |body, fixed, state| {
-            let push = pairs.push(fixed, body);
+            let push = neighbours.push(fixed, body);
             let share = relaxations[push.contacts.min(MOST_CONTACTS)];
             let far = LONGEST_STEP * fixed.ball_radius;
             state.velocity = clip(add_scaled(scale(state.velocity, momentum), push.shift, share), far);

@@ -1,4 +1,4 @@
-//! Bodies that do not move, around specimens that are not convex: what they push grains by.
+//! Fixed bodies around non-convex specimens, and how they push grains.
 
 use super::contact::{Contact, LANES, Points, direction_or_up, gap_along};
 use crate::math::Vec3;
@@ -25,15 +25,15 @@ impl About {
     }
 }
 
-/// The displacement, mm, that brings a body (its vertices about `centre`) to a distance of `gap` mm from `obstacle`; none
-/// where it has that. Where the shortest way is none the obstacle allows, the way is back over its own plane.
+/// The displacement, mm, that brings a body (its vertices about `centre`) to a distance of `gap` mm from `obstacle`;
+/// zero where it has that. Where the obstacle forbids the shortest direction, it pushes back over its own plane.
 pub(super) fn push(body: &Points, centre: &Vec3, obstacle: &Obstacle, gap: f64) -> Vec3 {
-    let (way, lacking) = shortest(body, centre, obstacle.points, gap);
+    let (direction, lacking) = shortest(body, centre, obstacle.points, gap);
     if lacking <= 0.0 {
         return Vec3::zeros();
     }
-    let Some(outward) = obstacle.outward.first().filter(|_| !leads_against(&way, obstacle.outward)) else {
-        return way * lacking;
+    let Some(outward) = obstacle.outward.first().filter(|_| !leads_against(&direction, obstacle.outward)) else {
+        return direction * lacking;
     };
     let from_plane = |i: usize| {
         let vertex = Vec3::new(f64::from(body.x[i]), f64::from(body.y[i]), f64::from(body.z[i]));
@@ -43,15 +43,15 @@ pub(super) fn push(body: &Points, centre: &Vec3, obstacle: &Obstacle, gap: f64) 
     outward * -(beyond + gap).max(0.0)
 }
 
-/// A way is allowed when it differs by no more than this from a sum of the allowed ones.
+/// A direction is forbidden when it differs by less than this from a combination of the outward normals.
 const AWAY: f64 = 0.1;
 /// Rounds of the search for that sum.
 const ROUNDS: usize = 30;
 
-/// True when the unit vector `way` is, nearly, a sum of multiples of the normals turned round.
-fn leads_against(way: &Vec3, normals: &[Vec3]) -> bool {
+/// True when the unit vector `direction` is nearly a combination of the reversed normals.
+fn leads_against(direction: &Vec3, normals: &[Vec3]) -> bool {
     let mut parts = vec![0.0f64; normals.len()];
-    let mut rest = *way;
+    let mut rest = *direction;
     for _ in 0..ROUNDS {
         for (part, normal) in parts.iter_mut().zip(normals) {
             let better = (*part - normal.dot(&rest)).max(0.0);
@@ -65,10 +65,10 @@ fn leads_against(way: &Vec3, normals: &[Vec3]) -> bool {
     false
 }
 
-/// The shortest way off an obstacle, of unit length, and how far it is to `gap` mm of distance, mm.
+/// The shortest direction off an obstacle, of unit length, and how far it is to `gap` mm of distance, mm.
 fn shortest(body: &Points, centre: &Vec3, obstacle: &[Vec3], gap: f64) -> (Vec3, f64) {
-    // Contacts are found by moving the bodies apart about their origins: that of the obstacle is its point nearest to the
-    // body, so that it does not matter how far the obstacle goes on.
+    // Contacts are found by moving the bodies apart about their origins. The obstacle's origin is its point nearest
+    // to the body, so its extent does not matter.
     let origin = nearest(obstacle, centre);
     let about = About::new(obstacle, &origin);
     let contact = contact(&about.points(), body, &(centre - origin));

@@ -1,13 +1,13 @@
-//! Turning a body's vertices, and how far they reach then.
+//! Rotation of a body's vertices, and the box of the result.
 
 use super::contact::{LANES, V, highest};
-use crate::geometry::NarrowPolyhedron;
+use crate::geometry::CompactPolyhedron;
 use crate::packing::Turn;
 use crate::wide::{Wide, widest};
 
 /// Turns the vertices of `shape` by `rotation` into `turned`, with copies of the first to the end; returns the box of the
 /// result.
-pub(super) fn turn(shape: &NarrowPolyhedron, turned: &mut [f32], rotation: &Turn) -> (V, V) {
+pub(super) fn turn(shape: &CompactPolyhedron, turned: &mut [f32], rotation: &Turn) -> (V, V) {
     let len = turned.len() / 3;
     for (turned, along) in turned.chunks_exact_mut(len).zip(shape.coordinates()) {
         turned[..along.len()].copy_from_slice(along);
@@ -57,7 +57,7 @@ impl Wide for TurnOn<'_> {
 /// Several values side by side.
 type Lanes = [f32; LANES];
 
-/// How far points reach in direction `d`.
+/// Support values in direction `d`.
 #[inline(always)]
 fn along(d: V, (x, y, z): &(Lanes, Lanes, Lanes)) -> Lanes {
     let mut along = [0.0; LANES];

@@ -3,13 +3,13 @@
 use super::contact::{Points, V};
 use super::obstacle;
 use crate::math::{Aabb, Vec3};
-use crate::packing::Room;
+use crate::packing::Container;
 use crate::packing::place::Task;
 
-/// The room bodies stay in.
+/// The container, moved inwards by the gap.
 pub(super) struct Walls<'a> {
-    room: &'a dyn Room,
-    /// The least distance to its surface, mm, and how much of that is there for rounding.
+    container: &'a dyn Container,
+    /// The least distance to its surface, mm, and the part of it that covers rounding.
     gap: f64,
     margin: f64,
     /// The walls of its bounding box, already moved inwards by that; infinitely far where it has none.
@@ -17,7 +17,7 @@ pub(super) struct Walls<'a> {
     high: Vec3,
 }
 
-/// Steps in which a body is brought back inside walls that are no box; it is looked at again in the next sweep.
+/// Most steps that bring a body back inside walls that are no box; the next sweep continues.
 const MOST_STEPS: usize = 20;
 /// A step shorter than this share of the gap's margin ends it.
 const SETTLED: f64 = 0.1;
@@ -26,15 +26,15 @@ impl<'a> Walls<'a> {
     /// With a `margin` (mm) beyond the gap asked for, so that rounding does not take a body out.
     pub(super) fn new(task: &'a Task, margin: f64) -> Self {
         let gap = task.request.placement.wall_gap_mm + margin;
-        let Aabb { min: low, max: high } = task.period.mixed(&Aabb::everywhere(), &task.room.aabb().grown(-gap));
-        Self { room: &*task.room, gap, margin, low, high }
+        let Aabb { min: low, max: high } = task.period.mixed(&Aabb::everywhere(), &task.container.aabb().grown(-gap));
+        Self { container: &*task.container, gap, margin, low, high }
     }
 
     /// The centre of a body, of its box and `turned` vertices about it, moved inside; false where that is not
     /// done yet.
     pub(super) fn confine(&self, centre: Vec3, own_box: &(V, V), turned: &[f32], radius: f64) -> (Vec3, bool) {
         let mut centre = self.boxed_in(centre, own_box);
-        if self.room.is_box() || self.room.is_clear(&centre, radius + self.gap) {
+        if self.container.is_box() || self.container.is_clear(&centre, radius + self.gap) {
             return (centre, true);
         }
         let (x, yz) = turned.split_at(turned.len() / 3);
@@ -43,7 +43,7 @@ impl<'a> Walls<'a> {
         let body: Vec<Vec3> = (0..x.len()).map(point).collect();
         let own = Points { x, y, z };
         for _ in 0..MOST_STEPS {
-            let inside = self.room.confine(&body, &centre, self.gap);
+            let inside = self.container.confine(&body, &centre, self.gap);
             let inside = self.boxed_in(self.clear_of_obstacles(&own, inside, own_box), own_box);
             let step = (inside - centre).norm();
             centre = inside;
@@ -58,7 +58,7 @@ impl<'a> Walls<'a> {
     fn clear_of_obstacles(&self, own: &Points, mut centre: Vec3, (low, high): &(V, V)) -> Vec3 {
         let corner = |v: &V| Vec3::from_fn(|i, _| f64::from(v[i])) + centre;
         let near = Aabb { min: corner(low), max: corner(high) }.grown(self.gap);
-        let mut obstacles = self.room.obstacles(&near);
+        let mut obstacles = self.container.obstacles(&near);
         // The nearest first: a wall of several triangles pushes along itself where a farther one of them is asked first.
         obstacles.sort_by_cached_key(|obstacle| obstacle::distance(obstacle.points, &centre).to_bits());
         for obstacle in &obstacles {

@@ -1,7 +1,7 @@
 //! Convex polyhedra: a body is inside when all its vertices are on the inner side of all faces, by exact signs.
 
 use super::at_origin;
-use super::room::{Room, Surface};
+use super::container::{Container, Surface};
 use crate::geometry::{Face, HullError, Plane, Polyhedron, convex_hull, orient3d};
 use crate::math::{Aabb, Vec3};
 
@@ -43,7 +43,7 @@ impl Convex {
     }
 }
 
-impl Room for Convex {
+impl Container for Convex {
     fn aabb(&self) -> Aabb {
         self.body.aabb()
     }

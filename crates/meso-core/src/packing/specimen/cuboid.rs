@@ -1,6 +1,6 @@
 //! Boxes: exact, with walls on the sides that do not repeat themselves.
 
-use super::room::{Room, Surface};
+use super::container::{Container, Surface};
 use super::{Period, Periodic};
 use crate::math::{Aabb, Vec3};
 
@@ -12,7 +12,7 @@ pub(super) struct Cuboid {
 }
 
 impl Cuboid {
-    /// Edge lengths in mm; periodic ones are rounded to the grains' lattice, as [`Period`] says.
+    /// Edge lengths in mm; periodic ones are rounded to the grains' lattice (see [`Period`]).
     pub(super) fn new(size: [f64; 3], periodic: Periodic) -> Self {
         let (size, walls) = (Vec3::from(size), periodic.0.map(|periodic| !periodic));
         let period = Period::new(&size, periodic);
@@ -24,7 +24,7 @@ impl Cuboid {
     }
 }
 
-impl Room for Cuboid {
+impl Container for Cuboid {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: self.max }
     }

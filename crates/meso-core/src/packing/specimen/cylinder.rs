@@ -1,6 +1,6 @@
 //! Upright cylinders. A body is inside when all its vertices are: the cylinder is convex.
 
-use super::room::{self, Room, Surface};
+use super::container::{self, Container, Surface};
 use crate::math::{Aabb, Vec3};
 
 /// A cylinder about an axis parallel to z, standing on z = 0.
@@ -10,8 +10,8 @@ pub(super) struct Cylinder {
     height: f64,
 }
 
-/// A squared distance from the axis errs by at most so much of itself: four roundings, of the squares and the sum, and a
-/// little for those of the radius.
+/// Relative error of a squared distance from the axis: four roundings, of the squares and the sum, and a little for
+/// those of the radius.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl Cylinder {
@@ -25,7 +25,7 @@ impl Cylinder {
     }
 }
 
-impl Room for Cylinder {
+impl Container for Cylinder {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: Vec3::new(2.0 * self.radius, 2.0 * self.radius, self.height) }
     }
@@ -52,11 +52,11 @@ impl Room for Cylinder {
     }
 
     fn confine(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> Vec3 {
-        room::pull_in(body, centre, self.radius - gap, |point| self.arm(point))
+        container::pull_in(body, centre, self.radius - gap, |point| self.arm(point))
     }
 
     fn surface(&self) -> Surface {
-        let points = [0.0, self.height].into_iter().flat_map(|z| room::ring(self.radius, self.radius, z));
-        Surface { points: points.collect(), faces: room::stack(2) }
+        let points = [0.0, self.height].into_iter().flat_map(|z| container::ring(self.radius, self.radius, z));
+        Surface { points: points.collect(), faces: container::stack(2) }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! The arcs are polygons with their corners on the arc, so that the specimen has planes alone and its volume is exact.
 
+use super::box_minus_convex::BoxMinusConvex;
 use super::profile::{self, Station};
-use super::solid::Solid;
 use crate::geometry::HullError;
 use crate::math::Vec3;
 
@@ -35,19 +35,19 @@ impl Dogbone {
         (self.rise() * (2.0 * self.radius - self.rise())).sqrt()
     }
 
-    /// The room, whose lengths must be possible: a rise of at most the radius, arcs and neck within the length.
-    pub(super) fn room(&self) -> Result<Solid, HullError> {
+    /// The container. Its lengths must be possible: a rise of at most the radius, arcs and neck within the length.
+    pub(super) fn container(&self) -> Result<BoxMinusConvex, HullError> {
         let cheek = self.cheek();
         let station = |&(x, low): &(f64, f64)| Station { x, low, high: self.width - low };
         let ends = [(0.0, 0.0), (self.length, 0.0)];
         let mut line = vec![ends[0]];
         // Arcs that begin at an end have its corner themselves.
-        line.extend(cheek.iter().filter(|place| !ends.contains(place)));
+        line.extend(cheek.iter().filter(|point| !ends.contains(point)));
         line.push(ends[1]);
         let stations: Vec<Station> = line.iter().map(station).collect();
         let surface = profile::surface(&stations, self.thickness, false);
         let narrowest = self.length.min(self.neck).min(self.thickness);
-        Solid::new(surface, narrowest, &[self.piece(&cheek, false), self.piece(&cheek, true)])
+        BoxMinusConvex::new(surface, narrowest, &[self.piece(&cheek, false), self.piece(&cheek, true)])
     }
 
     /// The lower line between the outer ends of the arcs: x, and height above the lowest line.

@@ -39,15 +39,15 @@ impl Facets {
         near
     }
 
-    /// Those whose boxes meet that of this triangle, by number, itself among them.
+    /// The triangles whose boxes meet this triangle's, by number, itself among them.
     pub(super) fn around(&self, triangle: u32) -> Vec<u32> {
         self.near(&self.boxes[triangle as usize])
     }
 
     /// The point of a triangle that is nearest to `point`, and its distance, mm.
     pub(super) fn nearest_of(&self, triangle: u32, point: &Vec3) -> (Vec3, f64) {
-        let place = nearest_on_triangle(self.of(triangle), point);
-        (place, (place - point).norm())
+        let nearest = nearest_on_triangle(self.of(triangle), point);
+        (nearest, (nearest - point).norm())
     }
 
     /// The point of all triangles that is nearest to `point`, and its distance, mm; `None` where there are none.

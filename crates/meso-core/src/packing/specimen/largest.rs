@@ -1,33 +1,33 @@
-//! What is too large for a room: a body is refused before the work where no place in the room can hold it.
+//! Upper bounds on a body in a container: a body that fits nowhere is refused before the work.
 //!
-//! Upper bounds, each of which a body may be far below and still not fit; what passes all of them is tried.
+//! A body may be far below each bound and still not fit; bodies that pass all of them are tried.
 
 use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3, longest_distance};
 use rayon::prelude::*;
 
-/// No body in the room exceeds any of these.
+/// No body in the container exceeds any of these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Largest {
     /// Radius of a ball, mm.
     pub ball_radius: f64,
-    /// Distance between two points of one piece of the room, mm.
+    /// Distance between two points of one component, mm.
     pub length: f64,
-    /// Volume of one piece of the room, mm3.
+    /// Volume of one component, mm3.
     pub volume: f64,
 }
 
-/// Lengths and volumes of bodies and rooms err by less, as a share.
+/// Relative error of lengths and volumes.
 const ROUNDING: f64 = 1e-6;
 
 impl Largest {
-    /// Of bodies that keep `gap` mm from the surface of the room.
+    /// Bounds for bodies that keep `gap` mm from the surface.
     #[must_use]
     pub fn less(&self, gap: f64) -> Self {
         Self { ball_radius: self.ball_radius - gap, length: self.length - 2.0 * gap, ..*self }
     }
 
-    /// False for a grain that fits in no place and no orientation.
+    /// False for a grain that fits at no position and orientation.
     pub fn admits(&self, grain: &Grain) -> bool {
         let longest = || longest_distance(&grain.body.vertices().collect::<Vec<_>>());
         let beyond = |own: f64, limit: f64| own > limit * (1.0 + ROUNDING);
@@ -36,12 +36,13 @@ impl Largest {
     }
 }
 
-/// The bound is at most this share above the largest ball: to come nearer takes the more cells the flatter the room is.
+/// The bound is at most this share above the largest ball. A tighter one takes the more cells the flatter the
+/// container is.
 const ABOVE: f64 = 0.1;
-/// Most points looked at, some microseconds each; where they do not suffice the bound is a higher one.
+/// Most points evaluated, some microseconds each; where they do not suffice the bound is a looser one.
 const MOST_LOOKS: usize = 200_000;
 
-/// The radius of the largest ball in a room within `aabb`, mm, or a little more, by halving the cubes in which it may have
+/// Radius of the largest ball in a container within `aabb`, mm, or a little more, by halving the cubes that may hold
 /// its centre. The `depth` of a point is its distance to the surface, negative outside.
 pub(super) fn ball_radius(aabb: &Aabb, depth: impl Fn(&Vec3) -> f64 + Sync) -> f64 {
     let mut half = aabb.size().max() / 2.0;
@@ -81,7 +82,7 @@ mod tests {
         let ball = |point: &Vec3, at: f64, radius: f64| radius - (point - Vec3::new(at, 10.0, 10.0)).norm();
         let found = ball_radius(&aabb, |point| ball(point, 10.0, 7.0).max(ball(point, 71.3, 9.0)));
         assert!((9.0..=9.0 * (1.0 + ABOVE) + 1e-9).contains(&found), "{found}");
-        // A slab has a plane full of largest balls, too many to tell them all apart.
+        // A slab has a plane full of largest balls, too many to separate.
         let found = ball_radius(&aabb, |point| (2.0 - (point.y - 9.1).abs()).min(point.x).min(90.0 - point.x));
         assert!((2.0..=2.5).contains(&found), "{found}");
     }

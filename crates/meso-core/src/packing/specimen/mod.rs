@@ -1,9 +1,10 @@
-//! What aggregates are placed in: the specimens that a spec may name, and the room each of them encloses.
+//! Specimens that a spec may name, and the container of each.
 //!
-//! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::room`] turns it into a [`Room`]: one file
-//! per kind behind one small interface.
+//! [`Specimen`] is the spec's view, a few lengths or coordinates. [`Specimen::container`] turns it into a
+//! [`Container`]: one file per kind behind one small interface.
 
-mod closed;
+mod box_minus_convex;
+mod container;
 mod convex;
 mod cuboid;
 mod cylinder;
@@ -13,23 +14,22 @@ mod largest;
 mod notched;
 mod period;
 mod profile;
-mod room;
-mod solid;
 mod sphere;
+mod triangulated;
 
+pub use container::{Container, Obstacle, Surface};
 pub use largest::Largest;
 pub use period::{Period, Periodic};
-pub use room::{Obstacle, Room, Surface};
 
 use crate::geometry::{HullError, SurfaceError, TriangleMesh};
 use crate::math::{Aabb, Vec3};
-use closed::Closed;
 use convex::Convex;
 use cuboid::Cuboid;
 use cylinder::Cylinder;
 use dogbone::Dogbone;
 use serde::{Deserialize, Serialize};
 use sphere::Sphere;
+use triangulated::Triangulated;
 
 /// A specimen; its frame has the origin at the lowest corner of its bounding box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -106,7 +106,8 @@ pub enum Specimen {
         /// Four points or more, mm.
         vertices_mm: Vec<[f64; 3]>,
     },
-    /// What a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL instead.
+    /// The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL
+    /// instead.
     Mesh {
         /// Corners, mm.
         vertices_mm: Vec<[f64; 3]>,
@@ -115,9 +116,9 @@ pub enum Specimen {
     },
 }
 
-/// Why lengths or points enclose no room.
+/// Why lengths or points enclose no volume.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RoomError {
+pub enum ContainerError {
     /// Points without a hull.
     #[error(transparent)]
     Hull(#[from] HullError),
@@ -129,26 +130,26 @@ pub enum RoomError {
     Corner {
         /// Which triangle, from 0.
         triangle: usize,
-        /// What it names.
+        /// The corner that it names.
         corner: u32,
         /// How many there are.
         corners: usize,
     },
     /// Triangles that cross each other.
-    #[error("its surface crosses itself near ({}, {}, {})", place[0], place[1], place[2])]
+    #[error("its surface crosses itself near ({}, {}, {})", at[0], at[1], at[2])]
     Crossing {
         /// A corner of one of the two triangles, mm, in the specimen's frame.
-        place: [f64; 3],
+        at: [f64; 3],
     },
-    /// A piece of the surface on the wrong side of the others.
+    /// A component of the surface that is nested the wrong way.
     #[error(
-        "a piece of its surface, at ({}, {}, {}), bounds room inside the room of another piece, or a hollow in none: turn its \
-         triangles round, or leave it out",
-        place[0], place[1], place[2]
+        "a component of its surface, at ({}, {}, {}), is nested the wrong way: it bounds a volume inside another's, or a \
+         hollow outside all others; reverse its triangles, or remove it",
+        at[0], at[1], at[2]
     )]
     Nested {
-        /// A corner of the piece, mm, in the specimen's frame.
-        place: [f64; 3],
+        /// A corner of the component, mm, in the specimen's frame.
+        at: [f64; 3],
     },
 }
 
@@ -202,11 +203,11 @@ impl Specimen {
         Period::new(&Vec3::from(size), self.periodic())
     }
 
-    /// The room it encloses.
+    /// The container of this specimen.
     ///
     /// # Errors
-    /// Points or triangles that enclose no room. Whether triangles cross is not looked at: see [`Specimen::check`].
-    pub fn build(&self) -> Result<Box<dyn Room>, RoomError> {
+    /// Points or triangles that enclose no volume. Crossing triangles are not detected: see [`Specimen::check`].
+    pub fn build(&self) -> Result<Box<dyn Container>, ContainerError> {
         Ok(match self {
             Self::Cube { side_mm, periodic } => Box::new(Cuboid::new([*side_mm; 3], *periodic)),
             Self::Box { size_mm, periodic } => Box::new(Cuboid::new(*size_mm, *periodic)),
@@ -216,25 +217,27 @@ impl Specimen {
             &Self::Cylinder { diameter_mm, height_mm } => Box::new(Cylinder::new(diameter_mm, height_mm)),
             &Self::Sphere { diameter_mm } => Box::new(Sphere::new(diameter_mm)),
             &Self::NotchedPrism { length_mm, width_mm, depth_mm, notch_depth_mm, notch_width_mm } => {
-                Box::new(notched::room([length_mm, width_mm, depth_mm], notch_depth_mm, notch_width_mm)?)
+                Box::new(notched::container([length_mm, width_mm, depth_mm], notch_depth_mm, notch_width_mm)?)
             }
-            Self::Dogbone { .. } => Box::new(self.dogbone().room()?),
+            Self::Dogbone { .. } => Box::new(self.dogbone().container()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
-            Self::Mesh { vertices_mm, triangles } => convex_or(Closed::new(surface(vertices_mm, triangles)?)),
+            Self::Mesh { vertices_mm, triangles } => convex_or(Triangulated::new(surface(vertices_mm, triangles)?)),
         })
     }
 
     /// As [`Specimen::build`], and looks for triangles that cross each other and for pieces nested in others.
     ///
     /// # Errors
-    /// See [`RoomError`].
-    pub fn check(&self) -> Result<Box<dyn Room>, RoomError> {
+    /// See [`ContainerError`].
+    pub fn check(&self) -> Result<Box<dyn Container>, ContainerError> {
         let Self::Mesh { vertices_mm, triangles } = self else { return self.build() };
-        let closed = Closed::new(surface(vertices_mm, triangles)?);
+        let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing() {
-            return Err(RoomError::Crossing { place: triangle[0].into() });
+            return Err(ContainerError::Crossing { at: triangle[0].into() });
         }
-        closed.nested().map_or_else(|| Ok(convex_or(closed)), |corner| Err(RoomError::Nested { place: corner.into() }))
+        closed
+            .nested()
+            .map_or_else(|| Ok(convex_or(closed)), |corner| Err(ContainerError::Nested { at: corner.into() }))
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -257,20 +260,20 @@ impl Specimen {
         }
     }
 
-    /// The room of a specimen that was accepted by [`Spec::validate`](crate::Spec::validate).
+    /// The container of a specimen accepted by [`Spec::validate`](crate::Spec::validate).
     ///
     /// # Panics
     /// Where [`Specimen::build`] fails.
-    pub fn room(&self) -> Box<dyn Room> {
+    pub fn container(&self) -> Box<dyn Container> {
         self.build().expect("an accepted specimen encloses a room")
     }
 
     /// Bounding box, mm.
     pub fn aabb(&self) -> Aabb {
         match self {
-            // Of a large surface the room takes long to make.
+            // The container of a large surface takes long to build.
             Self::Mesh { vertices_mm, .. } => Aabb::around(&at_origin(vertices_mm)),
-            _ => self.room().aabb(),
+            _ => self.container().aabb(),
         }
     }
 
@@ -278,7 +281,7 @@ impl Specimen {
     pub fn volume(&self) -> f64 {
         match self {
             Self::Mesh { vertices_mm, triangles } => unchecked(vertices_mm, triangles).volume(),
-            _ => self.room().volume(),
+            _ => self.container().volume(),
         }
     }
 }
@@ -286,19 +289,19 @@ impl Specimen {
 /// A closed surface that lacks no more than this share of its hull's volume is its hull.
 const CONVEX: f64 = 1e-12;
 
-/// The room within a closed surface; that of a convex one is packed as a polyhedron, which is denser and faster.
-fn convex_or(closed: Closed) -> Box<dyn Room> {
+/// The container within a closed surface. A convex one is packed as a polyhedron, which is denser and faster.
+fn convex_or(closed: Triangulated) -> Box<dyn Container> {
     match closed.hull() {
         Ok(hull) if closed.volume() >= (1.0 - CONVEX) * hull.volume() => Box::new(Convex::new(hull)),
         _ => Box::new(closed),
     }
 }
 
-fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh, RoomError> {
+fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh, ContainerError> {
     let corners = vertices.len();
     for (triangle, indices) in triangles.iter().enumerate() {
         if let Some(&corner) = indices.iter().find(|&&corner| corner as usize >= corners) {
-            return Err(RoomError::Corner { triangle, corner, corners });
+            return Err(ContainerError::Corner { triangle, corner, corners });
         }
     }
     let mesh = unchecked(vertices, triangles);

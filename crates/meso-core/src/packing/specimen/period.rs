@@ -1,4 +1,4 @@
-//! Boxes that repeat themselves: the axes, the lengths, and the images of what is near a face.
+//! Periodic boxes: the axes, the periods, and the images near a face.
 
 use crate::aggregate::take::snap;
 use crate::math::{Aabb, Vec3};
@@ -66,7 +66,7 @@ impl Period {
         self.0 == Vec3::zeros()
     }
 
-    /// The box with the sides of `periodic` along the axes that repeat themselves, and those of `walled` along the others.
+    /// The box with the sides of `periodic` along the periodic axes, and those of `walled` along the others.
     pub fn mixed(&self, periodic: &Aabb, walled: &Aabb) -> Aabb {
         let side = |axis: usize| if self.along(axis).is_some() { periodic } else { walled };
         Aabb { min: Vec3::from_fn(|i, _| side(i).min[i]), max: Vec3::from_fn(|i, _| side(i).max[i]) }
@@ -75,7 +75,7 @@ impl Period {
     /// `point` moved by whole periods into the box from the origin.
     pub fn wrap(&self, point: &Vec3) -> Vec3 {
         Vec3::from_fn(|i, _| match self.along(i) {
-            // A rounded quotient may be one off either way.
+            // A rounded quotient may be off by one in either direction.
             Some(length) => {
                 let x = point[i] - (point[i] / length).floor() * length;
                 if x < 0.0 {

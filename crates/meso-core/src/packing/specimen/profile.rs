@@ -1,6 +1,6 @@
 //! Plates of one thickness between two lines over their length: the surfaces of notched prisms and dog-bones.
 
-use super::room::Surface;
+use super::container::Surface;
 use crate::math::Vec3;
 use std::collections::BTreeMap;
 
@@ -16,14 +16,14 @@ pub(super) struct Station {
 #[derive(Default)]
 struct Corners {
     known: BTreeMap<[u64; 2], u32>,
-    places: Vec<[f64; 2]>,
+    points: Vec<[f64; 2]>,
 }
 
 impl Corners {
-    fn index(&mut self, place: [f64; 2]) -> u32 {
-        *self.known.entry(place.map(f64::to_bits)).or_insert_with(|| {
-            self.places.push(place);
-            self.places.len() as u32 - 1
+    fn index(&mut self, point: [f64; 2]) -> u32 {
+        *self.known.entry(point.map(f64::to_bits)).or_insert_with(|| {
+            self.points.push(point);
+            self.points.len() as u32 - 1
         })
     }
 }
@@ -33,7 +33,7 @@ impl Corners {
 pub(super) fn surface(stations: &[Station], thickness: f64, upright: bool) -> Surface {
     let mut corners = Corners::default();
     let columns: Vec<Vec<u32>> = columns(stations, &mut corners);
-    let count = corners.places.len() as u32;
+    let count = corners.points.len() as u32;
     let top = |column: &Vec<u32>| column.iter().map(|i| i + count).collect::<Vec<u32>>();
     let mut faces: Vec<Vec<u32>> = columns.iter().map(|column| column.iter().rev().copied().collect()).collect();
     faces.extend(columns.iter().map(top));
@@ -42,7 +42,7 @@ pub(super) fn surface(stations: &[Station], thickness: f64, upright: bool) -> Su
         faces.iter_mut().for_each(|face| face.reverse());
     }
     let point = |&[u, v]: &[f64; 2], w: f64| if upright { Vec3::new(u, w, v) } else { Vec3::new(u, v, w) };
-    let layer = |w: f64| corners.places.iter().map(move |place| point(place, w));
+    let layer = |w: f64| corners.points.iter().map(move |corner| point(corner, w));
     Surface { points: layer(0.0).chain(layer(thickness)).collect(), faces }
 }
 

@@ -1,6 +1,6 @@
 //! Spheres. A body is inside when all its vertices are: the sphere is convex.
 
-use super::room::{self, Room, Surface};
+use super::container::{self, Container, Surface};
 use crate::math::{Aabb, Vec3};
 
 /// A sphere that touches the three coordinate planes.
@@ -25,7 +25,7 @@ impl Sphere {
     }
 }
 
-impl Room for Sphere {
+impl Container for Sphere {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: Vec3::repeat(2.0 * self.radius) }
     }
@@ -49,7 +49,7 @@ impl Room for Sphere {
     }
 
     fn confine(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> Vec3 {
-        room::pull_in(body, centre, self.radius - gap, |point| self.arm(point))
+        container::pull_in(body, centre, self.radius - gap, |point| self.arm(point))
     }
 
     /// Rings from pole to pole; the poles themselves are small polygons.
@@ -57,8 +57,8 @@ impl Room for Sphere {
         let rings = (1..=RINGS).map(|ring| f64::from(ring) / f64::from(RINGS + 1) * std::f64::consts::PI);
         let points = rings.flat_map(|polar| {
             let z = self.radius - self.radius * libm::cos(polar);
-            room::ring(self.radius, self.radius * libm::sin(polar), z)
+            container::ring(self.radius, self.radius * libm::sin(polar), z)
         });
-        Surface { points: points.collect(), faces: room::stack(RINGS) }
+        Surface { points: points.collect(), faces: container::stack(RINGS) }
     }
 }

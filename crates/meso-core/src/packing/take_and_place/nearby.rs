@@ -1,17 +1,17 @@
-//! What lies near a place: a grid of cells that each list the bodies whose box reaches into them, with the balls that these hold.
+//! Bodies by grid cell, with their inscribed balls: the prefilter of random positions.
 //!
-//! A look at a random place waits for memory: so bodies stand eight to a piece with their balls, which are looked at together, and
-//! one or two pieces are all that a look reads.
+//! Every test of a random position waits for memory. So bodies stand eight to a piece with their balls, which are
+//! tested together, and a test reads one or two pieces.
 
 use crate::lanes::{Eight, LANES, least_lane_from_0};
 use crate::math::Aabb;
-use crate::packing::raster::{Raster, cells, is_first_common};
+use crate::packing::cell_grid::{CellGrid, cells, is_first_common};
 use crate::prefetch::prefetch;
 
-/// Stands for: no body, and no piece.
+/// No body, and no piece.
 const NONE: u32 = u32::MAX;
 
-/// Where the ball of no body is, mm: farther than any other, though its distance squared is still a number.
+/// Position of an empty lane's ball, mm: farther than any other, though its squared distance is still finite.
 const NOWHERE: f32 = 1e15;
 
 /// Up to eight bodies of a cell.
@@ -39,7 +39,7 @@ impl Piece {
     };
 }
 
-/// Pieces in blocks of so many: no more memory than they need, and small allocations of others use it again.
+/// Pieces per block: blocks take no more memory than they need, and leave small allocations to others.
 const BLOCK: usize = 256;
 
 /// Pieces by their numbers.
@@ -70,7 +70,7 @@ impl Pieces {
 /// Bodies by the cells that their boxes reach into. They are only ever added.
 #[derive(Clone, Debug)]
 pub(super) struct Nearby {
-    raster: Raster,
+    grid: CellGrid,
     /// Last piece of every cell.
     last: Vec<u32>,
     pieces: Pieces,
@@ -89,21 +89,20 @@ pub(super) struct Closest {
 }
 
 impl Nearby {
-    /// Nothing yet, over `domain` with cells of about `cell` mm, and memory set aside for so many bodies, more than which are
-    /// welcome.
+    /// An empty grid over `domain` with cells of about `cell` mm; `bodies` is a hint of how many will come.
     pub(super) fn new(domain: &Aabb, cell: f64, bodies: usize) -> Self {
-        let raster = Raster::new(domain, cell);
+        let grid = CellGrid::new(domain, cell);
         let lowest = Vec::with_capacity(bodies);
-        Self { last: vec![NONE; raster.len()], raster, pieces: Pieces::default(), lowest }
+        Self { last: vec![NONE; grid.len()], grid, pieces: Pieces::default(), lowest }
     }
 
     /// Adds the next body by its box and the x, y, z and radius of a ball that it holds, mm; bodies are numbered from 0 in the
     /// order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb, ball: [f32; 4]) {
         let body = self.lowest.len() as u32;
-        let (low, high) = self.raster.range(aabb);
+        let (low, high) = self.grid.range(aabb);
         for cell in cells(low, high) {
-            let (piece, lane) = self.open_lane(self.raster.flat(cell));
+            let (piece, lane) = self.open_lane(self.grid.flat(cell));
             let [x, y, z, radius] = ball;
             (piece.x[lane], piece.y[lane], piece.z[lane]) = (x, y, z);
             (piece.radius[lane], piece.bodies[lane]) = (radius, body);
@@ -123,13 +122,13 @@ impl Nearby {
         (piece, lane)
     }
 
-    /// The numbers of the cells at these points, by axis; beside a cell's side that on either side.
+    /// The cell numbers of these points, by axis; a point on a cell's side counts to either.
     #[inline(always)]
     pub(super) fn cells_about<const N: usize>(&self, points: &[[f32; N]; 3]) -> [u32; N] {
-        self.raster.flat_about(points)
+        self.grid.flat_about(points)
     }
 
-    /// Begins to bring near what a look into this cell reads.
+    /// Prefetches this cell.
     #[inline(always)]
     pub(super) fn prefetch(&self, cell: u32) {
         let last = self.last[cell as usize];
@@ -138,7 +137,8 @@ impl Nearby {
         }
     }
 
-    /// Of the bodies that reach into this cell, that which is nearest to the ball about x, y, z for the size of both.
+    /// Among the bodies that reach into this cell, the one nearest to the ball about x, y, z, relative to the sizes
+    /// of both.
     #[inline(always)]
     pub(super) fn closest(&self, cell: u32, [x, y, z]: [f32; 3], own_radius: f32) -> Closest {
         let (mut least, mut pieces) = ([f32::MAX; LANES], [NONE; LANES]);
@@ -171,9 +171,9 @@ impl Nearby {
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let (low, high) = self.raster.range(aabb);
+        let (low, high) = self.grid.range(aabb);
         cells(low, high).all(|cell| {
-            let mut next = self.last[self.raster.flat(cell)];
+            let mut next = self.last[self.grid.flat(cell)];
             while next != NONE {
                 let piece = self.pieces.get(next);
                 let all = piece.bodies[..piece.count as usize]

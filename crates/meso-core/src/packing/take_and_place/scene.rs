@@ -1,8 +1,8 @@
-//! What is placed so far, and whether a grain has room among it.
+//! The bodies placed so far, and whether a grain fits among them.
 
 use super::nearby::Nearby;
 use crate::aggregate::take::Grain;
-use crate::geometry::NarrowPolyhedron;
+use crate::geometry::CompactPolyhedron;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
@@ -14,8 +14,9 @@ use crate::wide::Wide;
 /// least memory.
 const CELL: f64 = 1.25;
 
-/// Inscribed balls share a point when their distance squared over that of their touching is below this, with room for what
-/// single precision loses. In a specimen of many thousand grains across it would lose more: attempts, never a proof.
+/// Inscribed balls share a point when their squared distance over the squared distance of touching is below this. The
+/// margin covers single precision. In a specimen of many thousand grains across it would be too small: that would
+/// cost attempts, never a proof.
 const MEETS: f32 = 0.99;
 
 /// The placed bodies, and the indices that find those near a candidate.
@@ -26,15 +27,15 @@ pub(super) struct Scene<'a> {
     /// The number of the grain that each is. Apart, so that the memory of a grain and of where it lies are waited for
     /// together.
     numbers: Vec<u32>,
-    /// What a grain with its centre in the specimen's box may reach.
+    /// The space that a grain with its centre in the specimen's box may reach.
     domain: Aabb,
     nearby: Nearby,
     /// Volume placed of every class, mm3.
     class_volume: Vec<f64>,
 }
 
-/// Where a grain lies, and what most attempts end with: its body, in the form collision works on, would be as large as all
-/// else that is known of it, and is made where a pair needs it.
+/// Position and bounds of a placed grain: all that most attempts need. Its body in collision's own form would double
+/// the memory, and is built when a pair needs it.
 #[repr(align(64))]
 struct Placed {
     centre: Vec3,
@@ -45,13 +46,13 @@ struct Placed {
 pub(super) struct Candidate<'a> {
     pub(super) grain: &'a Grain,
     vertices: Vec<Vec3>,
-    /// In the form collision works on, with all that lets pairs be told apart early.
+    /// In collision's own form, with the bounds that decide pairs early.
     solid: gjk::Solid,
     /// Its box about its centre.
     pub(super) aabb: Aabb,
 }
 
-/// What a look at a position told.
+/// Result of the prefilter at a position.
 #[derive(Clone, Copy)]
 pub(super) enum Look {
     /// A body is there.
@@ -77,14 +78,10 @@ impl<'a> Scene<'a> {
         let domain = task.domain();
         Self {
             task,
-            // Doubling would leave as much memory behind; of what is set aside only what is used counts.
+            // A growing list would leave as much memory behind; of reserved memory only the used part counts.
             placed: Vec::with_capacity(grains.len()),
             numbers: Vec::with_capacity(grains.len()),
-            nearby: Nearby::new(
-                &domain,
-                std::env::var("CELL").map_or(CELL, |c| c.parse().unwrap()) * middle,
-                grains.len(),
-            ),
+            nearby: Nearby::new(&domain, CELL * middle, grains.len()),
             domain,
             class_volume: vec![0.0; task.class_targets.len()],
         }
@@ -114,7 +111,7 @@ impl<'a> Scene<'a> {
         self.class_volume[usize::from(grain.class)] += grain.volume();
     }
 
-    /// The pose of every grain; what finds near ones is given back before the list is made.
+    /// The pose of every grain; the lookup is freed before the list is made.
     pub(super) fn into_poses(self) -> Vec<Option<Pose>> {
         let Self { task, placed, numbers, nearby, .. } = self;
         drop(nearby);
@@ -133,9 +130,9 @@ impl<'a> Scene<'a> {
         self.class_volume[class] + grain.volume() / 2.0 >= self.task.class_targets[class]
     }
 
-    /// True when the candidate at `centre`, which was looked at, is proved apart from everything placed, and inside the
-    /// specimen.
-    pub(super) fn free(&self, it: &Candidate, centre: &Vec3, look: Look, work: &mut Workplace) -> bool {
+    /// True when the candidate at `centre`, already prefiltered, is proved apart from everything placed and inside
+    /// the specimen.
+    pub(super) fn free(&self, it: &Candidate, centre: &Vec3, look: Look, work: &mut Scratch) -> bool {
         // The body most likely in the way, first: it ends most attempts.
         let closest = match look {
             Look::Taken => return false,
@@ -144,7 +141,7 @@ impl<'a> Scene<'a> {
             Look::Clear => None,
         };
         let placement = self.task.request.placement;
-        if !self.task.room.holds(&it.vertices, centre, placement.wall_gap_mm) {
+        if !self.task.container.holds(&it.vertices, centre, placement.wall_gap_mm) {
             return false;
         }
         let gap = placement.min_gap_mm;
@@ -153,30 +150,30 @@ impl<'a> Scene<'a> {
     }
 
     /// True when the candidate at `centre` is proved apart from the bodies placed from `first_mate` on.
-    pub(super) fn free_of_mates(&self, it: &Candidate, centre: &Vec3, first_mate: usize, work: &mut Workplace) -> bool {
+    pub(super) fn free_of_mates(&self, it: &Candidate, centre: &Vec3, first_mate: usize, work: &mut Scratch) -> bool {
         (first_mate..self.placed.len()).all(|other| self.apart(it, centre, other, work))
     }
 
-    /// The shape of what was placed as this number.
+    /// The shape of a placed body.
     #[inline]
-    fn body(&self, placed: usize) -> &NarrowPolyhedron {
+    fn body(&self, placed: usize) -> &CompactPolyhedron {
         &self.task.request.grains[self.numbers[placed] as usize].body
     }
 
-    fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Workplace) -> bool {
+    fn apart(&self, it: &Candidate, centre: &Vec3, placed: usize, work: &mut Scratch) -> bool {
         let Placed { centre: other_centre, bounds } = &self.placed[placed];
         let place = (&(other_centre - centre), self.task.request.placement.min_gap_mm);
         gjk::apart_from(&it.solid, (bounds, self.body(placed)), work.other, place, work.counters)
     }
 }
 
-/// Looks at positions for the candidate once for what ends most attempts, on wide registers; what it says of one stays right when
-/// more is placed.
+/// The prefilter: tests positions for what ends most attempts, in vector registers. A rejection stays right when more
+/// is placed.
 pub(super) struct Looking<'a, const N: usize> {
     pub(super) scene: &'a Scene<'a>,
     pub(super) it: &'a Candidate<'a>,
     pub(super) centres: &'a [Vec3; N],
-    /// Of so many of the first centres.
+    /// Results of the first centres.
     pub(super) looks: &'a mut [Look],
 }
 
@@ -187,7 +184,7 @@ impl<const N: usize> Wide for Looking<'_, N> {
     fn run(self) {
         let Self { scene, it, centres, looks } = self;
         let at = by_axis(centres);
-        // What one look needs of memory is asked for before the first is waited for.
+        // All memory is requested before the first access.
         let cells = scene.nearby.cells_about(&at);
         for &cell in &cells[..looks.len()] {
             scene.nearby.prefetch(cell);
@@ -200,7 +197,7 @@ impl<const N: usize> Wide for Looking<'_, N> {
                 None => Look::Clear,
             };
         }
-        // So what the proofs will read.
+        // Prefetches what the proofs will read.
         for look in looks {
             if let Look::Near(other) = *look {
                 prefetch(&scene.placed[other as usize..=other as usize]);
@@ -222,19 +219,21 @@ fn by_axis<const N: usize>(points: &[Vec3; N]) -> [[f32; N]; 3] {
     by_axis
 }
 
-/// The middle grain's diameter counts for no less than this share of the root mean cube of all; gradings come to 0.7 or more.
+/// The middle grain's diameter counts for at least this share of the root mean cube of all; gradings come to 0.7 or
+/// more.
 const LEAST_MIDDLE: f64 = 0.5;
 
-/// Diameter of the middle grain, mm; more where there are so many tiny ones that the large would cover cells without number.
+/// Diameter of the middle grain, mm. It is larger where there are so many tiny grains that large ones would cover
+/// countless cells.
 fn middle_size(grains: &[Grain]) -> f64 {
     let size = |grain: &Grain| 2.0 * f64::from(grain.outer_radius);
     let mean_cube = grains.iter().map(|grain| size(grain).powi(3)).sum::<f64>() / grains.len() as f64;
     grains.get(grains.len() / 2).map_or(1.0, |grain| size(grain).max(LEAST_MIDDLE * libm::cbrt(mean_cube)))
 }
 
-/// What a search needs to ask about pairs.
-pub(super) struct Workplace<'a> {
+/// Scratch memory of a search.
+pub(super) struct Scratch<'a> {
     pub(super) counters: &'a mut Counters,
-    /// The other body, where one is needed: its memory.
+    /// Memory for the other body of a pair.
     pub(super) other: &'a mut gjk::Body,
 }

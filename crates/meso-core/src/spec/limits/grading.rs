@@ -3,7 +3,7 @@
 use super::{Checked, length, within};
 use crate::aggregate::{Curve, Grading};
 use crate::spec::SpecError;
-use crate::spec::words::number;
+use crate::spec::messages::number;
 
 pub(super) fn grading(grading: &Grading) -> Checked {
     length("grading.d_min_mm", grading.d_min_mm)?;

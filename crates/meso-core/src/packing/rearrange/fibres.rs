@@ -1,7 +1,7 @@
 //! Fibres among the moving bodies: their contacts lie far from their centres.
 //!
-//! Moved apart from centre to centre, a fibre that pierces a grain would be drawn out along its own axis, by as much as
-//! half its length; moved apart from the nearest point of its axis, it is pushed aside.
+//! Moved apart along their centres, a fibre that pierces a grain would be drawn out along its own axis, by up to half
+//! its length. Moved apart from the nearest point of its axis, it is pushed aside.
 
 use super::contact::{V, add_scaled, dot};
 use crate::aggregate::Kind;
@@ -16,10 +16,10 @@ pub(super) fn axes<'a>(grains: impl Iterator<Item = &'a Grain> + Clone) -> Vec<V
     if grains.clone().any(|grain| grain.kind == Kind::Fibre) { grains.map(axis).collect() } else { Vec::new() }
 }
 
-/// How much more than its volume a fibre counts, as mass and as crowding: grains are to make way for it, and of its own
-/// mass it would give way to them. A 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm (here 20) jammed with a factor of
-/// 1, a third of the fibres left out; with 10, 20 and 40 it took 361, 265 and 241 sweeps; with 100 it jammed, and so it did
-/// with 20 for the mass and none for the crowding, which sets the momentum.
+/// Factor by which a fibre counts more than its volume, as mass and as crowding: grains must yield to it. A 75 mm
+/// cube at 0.50 with 1 % of fibres of 0.5 x 30 mm (factor 20 here) jammed with a factor of 1, a third of the fibres
+/// left out. With 10, 20 and 40 it took 361, 265 and 241 sweeps; with 100 it jammed. It also jammed with 20 for the
+/// mass and none for the crowding, which sets the momentum.
 pub(super) fn weight(grain: &Grain) -> f64 {
     match grain.kind {
         Kind::Fibre => (SLENDER * f64::from(grain.outer_radius) / f64::from(grain.inner_radius)).max(1.0),
@@ -39,9 +39,8 @@ pub(super) fn inertia(grain: &Grain, mass: f64) -> f64 {
     }
 }
 
-/// The vector between the nearest points of two axes, from that through the origin to that through `x`; each goes from
-/// its own middle to `p` or `q` on one side and as far on the other (C. Ericson, Real-Time Collision Detection, 2005,
-/// Sec. 5.1.9).
+/// Vector between the nearest points of two axes, from the one through the origin to the one through `x`. Each axis
+/// extends by `p` or `q` to both sides of its middle (C. Ericson, Real-Time Collision Detection, 2005, Sec. 5.1.9).
 pub(super) fn between_axes(p: V, q: V, x: V) -> V {
     let (pp, qq, pq) = (dot(p, p), dot(q, q), dot(p, q));
     let (px, qx) = (dot(p, x), dot(q, x));

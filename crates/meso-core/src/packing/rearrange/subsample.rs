@@ -1,9 +1,9 @@
-//! Fewer grains of the same grading.
+//! Subsampling: fewer grains of the same grading.
 
 use crate::aggregate::take::Grain;
 
-/// The numbers of those `moving` that stay when every class gives up this `share` of its volume: the first that were taken,
-/// which are those that a lower target takes.
+/// The numbers of those `moving` that stay when every class gives up this `share` of its volume: the first ones
+/// taken, which are those that a lower target takes.
 pub(super) fn thinned(grains: &[Grain], moving: &[u32], share: f64) -> Vec<u32> {
     let grain = |number: u32| &grains[number as usize];
     let mut taken = moving.to_vec();

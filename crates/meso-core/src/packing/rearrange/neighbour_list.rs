@@ -1,30 +1,31 @@
-//! Which bodies may touch: listed by both bodies of a pair, and kept up as these move.
+//! Neighbour list: which bodies may touch, listed by both bodies of a pair and kept up to date.
 
 use super::bodies::{Bodies, Fixed};
-use super::cells::{Cells, starts};
+use super::cell_list::{CellList, starts};
 use super::contact::{V, add_scaled, cross};
-use super::links::{BLOCK, Block, Gaps, Look, Scratch, Touch};
+use super::contact_cache::{BLOCK, Block, Gaps, Look, Scratch, Touch};
 use rayon::prelude::*;
 use std::ops::Range;
 
 /// The pairs: each stands with the body of the finer level of size, or of the lower number in one level, its *first*.
-pub(super) struct Pairs {
+pub(super) struct NeighbourList {
     /// By first body, [`BLOCK`] bodies in each.
     blocks: Vec<Block>,
     /// By second body, `stretch` bodies in each.
     firsts: Vec<Firsts>,
     stretch: usize,
-    /// Where pairs are looked for.
-    cells: Option<Cells>,
+    /// Where pairs are searched.
+    cells: Option<CellList>,
 }
 
-/// The list of a body's pairs is made to last about this many sweeps.
+/// A body's pairs are listed for about this many sweeps.
 const LIST_SWEEPS: f32 = 4.0;
 
-/// All pairs are listed anew when more than one body in so many has gone beyond its limit.
+/// The whole list is rebuilt when more than one body in this many is beyond its limit.
 const FEW: usize = 3;
 
-/// The bodies are indexed in so many stretches at the most, and no shorter ones than this: each looks through all blocks.
+/// The bodies are indexed in at most this many stretches, none shorter than `LEAST_STRETCH`: each searches all
+/// blocks.
 const STRETCHES: usize = 64;
 const LEAST_STRETCH: usize = 1024;
 
@@ -35,7 +36,7 @@ struct Firsts {
     bodies: Vec<u32>,
 }
 
-/// Sum of what the contacts of a body ask for.
+/// Sum of the displacements that a body's contacts ask for.
 #[derive(Default)]
 pub(super) struct Push {
     pub(super) shift: V,
@@ -43,13 +44,13 @@ pub(super) struct Push {
     pub(super) contacts: usize,
 }
 
-impl Pairs {
+impl NeighbourList {
     pub(super) fn none() -> Self {
         Self { blocks: Vec::new(), firsts: Vec::new(), stretch: LEAST_STRETCH, cells: None }
     }
 
-    /// Finds the pairs that may be contacts now and for some sweeps; a body may go at least `least` mm before its own are
-    /// looked for again. What is known of a pair that was listed before is kept.
+    /// Finds the pairs that may be contacts now and for some sweeps. A body may move at least `least` mm before its
+    /// own are searched again. What is known of a pair already listed is kept.
     pub(super) fn cover(&mut self, bodies: &mut Bodies, want: f32, least: f32) {
         let mut gone = bodies.beyond_limits();
         if gone.is_empty() && self.cells.is_some() {
@@ -62,7 +63,7 @@ impl Pairs {
         let paths = all.then(|| bodies.start_again());
         let cells = self.cells.take().filter(|cells| !all && !cells.stale(bodies)).unwrap_or_else(|| {
             bodies.wrap();
-            Cells::new(bodies, want)
+            CellList::new(bodies, want)
         });
         bodies.go_on(&gone, LIST_SWEEPS, least);
         match paths {
@@ -73,8 +74,8 @@ impl Pairs {
         self.index(bodies.len());
     }
 
-    /// Lists all pairs anew.
-    fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &Cells) {
+    /// Rebuilds the list.
+    fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &CellList) {
         self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
         self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
             block.renew((number * BLOCK) as u32, bodies, paths, cells, scratch);
@@ -82,7 +83,7 @@ impl Pairs {
     }
 
     /// Lists the pairs of the bodies `gone` beyond their limits.
-    fn add(&mut self, bodies: &Bodies, cells: &Cells, gone: &[u32], want: f32) {
+    fn add(&mut self, bodies: &Bodies, cells: &CellList, gone: &[u32], want: f32) {
         let mut pairs: Vec<(u32, u32)> = gone.par_iter().flat_map_iter(|&body| cells.pairs(bodies, body)).collect();
         pairs.par_sort_unstable();
         pairs.dedup();
@@ -97,7 +98,7 @@ impl Pairs {
     }
 
     fn index(&mut self, bodies: usize) {
-        // Not both the old and the new at once.
+        // The old index is freed before the new one is built.
         self.firsts = Vec::new();
         let Self { blocks, stretch, .. } = self;
         *stretch = bodies.div_ceil(STRETCHES).max(LEAST_STRETCH);
@@ -156,13 +157,13 @@ impl Firsts {
     fn of(these: Range<u32>, blocks: &[Block], ranges: &[Range<u32>]) -> Self {
         let near = |range: &Range<u32>| range.start < these.end && these.start < range.end;
         let near = || (0..).zip(blocks).zip(ranges).filter(|(_, range)| near(range)).map(|(block, _)| block);
-        let place = |b: u32| these.contains(&b).then(|| (b - these.start) as usize);
-        let seconds = near().flat_map(|(_, block)| &block.links).filter_map(|link| place(link.b));
+        let index = |b: u32| these.contains(&b).then(|| (b - these.start) as usize);
+        let seconds = near().flat_map(|(_, block)| &block.links).filter_map(|link| index(link.b));
         let mut starts = starts(these.len(), seconds.map(|k| k as u32));
         let mut bodies = vec![0; starts[these.len()] as usize];
         for (number, block) in near() {
             for k in 0..block.ends.len() {
-                for next in block.links[block.range(k)].iter().filter_map(|link| place(link.b)) {
+                for next in block.links[block.range(k)].iter().filter_map(|link| index(link.b)) {
                     bodies[starts[next] as usize] = (number * BLOCK + k) as u32;
                     starts[next] += 1;
                 }

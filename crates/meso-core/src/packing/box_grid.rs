@@ -1,39 +1,39 @@
 //! Broad phase: a grid of cells that each list the bodies whose box reaches into them.
 
-use super::raster::{Raster, cells, is_first_common};
+use super::cell_grid::{CellGrid, cells, is_first_common};
 use crate::math::Aabb;
 
 /// Bodies by the cells their boxes reach into. Bodies are only ever added.
 #[derive(Clone, Debug)]
-pub(super) struct Grid {
-    raster: Raster,
+pub(super) struct BoxGrid {
+    grid: CellGrid,
     /// By cell, each in one piece: links from body to body would each wait for memory.
     lists: Vec<Vec<u32>>,
     /// Lowest cell of every body, by body.
     lowest: Vec<[u16; 3]>,
 }
 
-impl Grid {
+impl BoxGrid {
     /// A grid over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
-        let raster = Raster::new(domain, cell);
-        Self { lists: vec![Vec::new(); raster.len()], raster, lowest: Vec::new() }
+        let grid = CellGrid::new(domain, cell);
+        Self { lists: vec![Vec::new(); grid.len()], grid, lowest: Vec::new() }
     }
 
     /// Adds the next body; bodies are numbered from 0 in the order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb) {
-        let (low, high) = self.raster.range(aabb);
+        let (low, high) = self.grid.range(aabb);
         for cell in cells(low, high) {
-            self.lists[self.raster.flat(cell)].push(self.lowest.len() as u32);
+            self.lists[self.grid.flat(cell)].push(self.lowest.len() as u32);
         }
         self.lowest.push(low.map(|i| i as u16));
     }
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
     pub(super) fn all_near(&self, aabb: &Aabb, mut visit: impl FnMut(u32) -> bool) -> bool {
-        let (low, high) = self.raster.range(aabb);
+        let (low, high) = self.grid.range(aabb);
         cells(low, high).all(|cell| {
-            self.lists[self.raster.flat(cell)]
+            self.lists[self.grid.flat(cell)]
                 .iter()
                 .rev()
                 .all(|&body| !is_first_common(cell, low, self.lowest[body as usize]) || visit(body))
@@ -57,7 +57,7 @@ mod tests {
                 Aabb { min, max: min + stream.point(&Vec3::zeros(), &Vec3::repeat(9.0)) }
             })
             .collect();
-        let mut grid = Grid::new(&domain, 4.0);
+        let mut grid = BoxGrid::new(&domain, 4.0);
         boxes.iter().for_each(|aabb| grid.insert(aabb));
         for aabb in &boxes {
             let mut seen = vec![0; boxes.len()];

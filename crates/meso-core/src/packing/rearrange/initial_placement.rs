@@ -1,6 +1,6 @@
-//! The start: grains are dropped, largest first, where they overlap least.
+//! Initial placement: grains are dropped, largest first, where they overlap least.
 
-use super::balls::{Balls, around};
+use super::clearance_grid::{ClearanceGrid, around};
 use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::Grain;
@@ -9,18 +9,17 @@ use crate::packing::place::Task;
 use crate::packing::{Pose, StopReason};
 use rayon::prelude::*;
 
-/// Random points looked at per dropped grain.
+/// Random positions tried per dropped grain.
 const LOOKS: usize = 12;
 /// The same for a fibre. With 12 a 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm jammed; with 60 it does not.
 const LOOKS_FOR_A_LINE: usize = 60;
 /// Draws per look until a point lies deep enough in a specimen that does not fill its box.
 const DRAWS: usize = 100;
-/// Grains that are dropped together, blind to each other, as a share of those that lie there.
+/// Grains dropped together, blind to each other, as a share of those already there.
 const TOGETHER: f64 = 1.0 / 32.0;
 
-/// For every grain that is wanted (by its number) and not too large for the specimen its number and, of the random positions
-/// looked at, the one that leaves it most room among those before it. Fibres come last: they look for a line that the others
-/// leave free.
+/// For every wanted grain that fits into the specimen: its number, and the one of its random positions with the
+/// largest clearance to those before it. Fibres come last: they look for a line that the others leave free.
 ///
 /// # Errors
 /// The reason to stop, where there is one before all are dropped.
@@ -28,7 +27,7 @@ pub(super) fn fill(task: &Task, wanted: impl Fn(usize) -> bool) -> Result<Vec<(u
     let grains = task.request.grains;
     let middle = grains.get(grains.len() / 2).map_or(1.0, |grain| 2.0 * f64::from(grain.outer_radius));
     let domain = task.domain();
-    let mut ground = Ground { task, domain, balls: Balls::new(&domain, middle) };
+    let mut ground = Ground { task, domain, balls: ClearanceGrid::new(&domain, middle) };
     let admitted = (0..grains.len()).filter(|&number| wanted(number) && task.admits(&grains[number]));
     let (long, short): (Vec<usize>, Vec<usize>) = admitted.partition(|&number| grains[number].kind == Kind::Fibre);
     let mut poses = Vec::with_capacity(grains.len());
@@ -77,11 +76,11 @@ impl Row {
     }
 }
 
-/// What lies there already, as balls of the same volume.
+/// The grains already there, as balls of the same volume.
 struct Ground<'a> {
     task: &'a Task<'a>,
     domain: Aabb,
-    balls: Balls,
+    balls: ClearanceGrid,
 }
 
 impl Ground<'_> {
@@ -91,31 +90,32 @@ impl Ground<'_> {
         }
     }
 
-    /// The grains of these numbers, and where each has most room.
+    /// The grains of these numbers, each with its best position.
     fn look_for(&self, numbers: &[usize]) -> Vec<(usize, Row, Vec3)> {
         let look = |&number: &usize| {
             let grain = &self.task.request.grains[number];
             let row = Row::of(grain);
-            let centre = self.roomiest(grain, &row);
+            let centre = self.best_position(grain, &row);
             (number, row, centre)
         };
         numbers.par_iter().map(look).collect()
     }
 
-    fn roomiest(&self, body: &Grain, row: &Row) -> Vec3 {
+    fn best_position(&self, body: &Grain, row: &Row) -> Vec3 {
         let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
         let mut best = (f32::NEG_INFINITY, reach.min);
         for _ in 0..row.looks() {
             let centre = self.inner_point(&mut stream, &reach, f64::from(body.inner_radius));
-            let clearance = self.room(row, &centre, best.0);
+            let clearance = self.clearance(row, &centre, best.0);
             best = if clearance > best.0 { (clearance, centre) } else { best };
         }
         best.1
     }
 
-    /// The clearance of a ball, as [`Balls::clearance`]; of a row of balls the sum of their overlaps, negative.
-    fn room(&self, row: &Row, centre: &Vec3, enough: f32) -> f32 {
+    /// The clearance of a ball, as [`ClearanceGrid::clearance`]; of a row of balls the sum of their overlaps,
+    /// negative.
+    fn clearance(&self, row: &Row, centre: &Vec3, enough: f32) -> f32 {
         match row.balls[..] {
             [_] => self.balls.clearance(centre, row.radius, enough),
             _ => {
@@ -130,7 +130,7 @@ impl Ground<'_> {
         let mut point = stream.point(&reach.min, &reach.max);
         let depth = depth + self.task.request.placement.wall_gap_mm;
         for _ in 0..DRAWS {
-            if self.task.room.is_box() || self.task.room.is_clear(&point, depth) {
+            if self.task.container.is_box() || self.task.container.is_clear(&point, depth) {
                 break;
             }
             point = stream.point(&reach.min, &reach.max);

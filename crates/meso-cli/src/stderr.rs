@@ -9,7 +9,7 @@ pub(crate) fn line(message: impl Display) {
 }
 
 /// A whole number with its thousands apart: 12,685.
-pub(crate) fn count(n: usize) -> String {
+pub(crate) fn thousands(n: usize) -> String {
     let digits = n.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
@@ -23,10 +23,10 @@ pub(crate) fn count(n: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::count;
+    use super::thousands;
 
     #[test]
     fn thousands_stand_apart() {
-        assert_eq!([0, 999, 1000, 1_234_567].map(count), ["0", "999", "1,000", "1,234,567"]);
+        assert_eq!([0, 999, 1000, 1_234_567].map(thousands), ["0", "999", "1,000", "1,234,567"]);
     }
 }

@@ -1,8 +1,8 @@
 //! Periodic packings are moved as a whole until no face of the box grazes an aggregate.
 //!
-//! What a face cuts off, or leaves between itself and an aggregate, is as thick as the aggregate's outermost point is far
-//! from it; and what it cuts has edges as short as a corner is near. An endless packing may be moved at will, so
-//! `wall_gap_mm` is kept across the faces that are no walls, too: as far as there is room.
+//! A slice that a face cuts off, or leaves between itself and an aggregate, is as thick as the aggregate's outermost
+//! point is far from the face. The cut's edges are as short as a corner is near. A periodic packing may be translated
+//! freely, so `wall_gap_mm` is kept across periodic faces, too, as far as there is space.
 
 use super::{Period, Specimen};
 use crate::aggregate::Aggregate;
@@ -13,16 +13,16 @@ use rayon::prelude::*;
 /// Corners keep this share of the gap that outermost points keep: there are ten times as many.
 const CORNER_SHARE: f64 = 0.02;
 
-/// Moves `bodies`, in a specimen that repeats itself, so that their outermost points keep `gap` mm from its periodic faces,
-/// or as much of it as there is room for. Where they do so already, nothing moves.
+/// Translates `bodies`, in a periodic specimen, so that their outermost points keep `gap` mm from its periodic faces,
+/// or as much of it as there is space for. Where they do already, nothing moves.
 pub(crate) fn keep_off_faces(bodies: &mut [&mut Aggregate], specimen: &Specimen, gap: f64) {
     let period = specimen.period();
     if gap == 0.0 || period.is_none() || bodies.is_empty() {
         return;
     }
-    let place = |axis| period.along(axis).map_or(0.0, |length| Marks::of(bodies, axis, length).best(gap));
-    let places = [0, 1, 2].map(place);
-    let shift = -snap(&Vec3::from(places));
+    let position = |axis| period.along(axis).map_or(0.0, |length| Marks::of(bodies, axis, length).best(gap));
+    let positions = [0, 1, 2].map(position);
+    let shift = -snap(&Vec3::from(positions));
     if shift != Vec3::zeros() {
         bodies.par_iter_mut().for_each(|body| body.body = body.body.translated(&wrapped(body, &shift, &period)));
     }
@@ -35,7 +35,7 @@ fn wrapped(body: &Aggregate, shift: &Vec3, period: &Period) -> Vec3 {
     Vec3::from_fn(|axis, _| shift[axis] - back(axis))
 }
 
-/// Where along an axis a face would graze something, ascending, within one period.
+/// Positions along an axis, within one period, at which a face would graze something; ascending.
 struct Marks {
     length: f64,
     /// Outermost points.
@@ -45,10 +45,10 @@ struct Marks {
 
 impl Marks {
     fn of(bodies: &[&mut Aggregate], axis: usize, length: f64) -> Self {
-        let sorted = |places: &mut dyn Iterator<Item = f64>| {
-            let mut places: Vec<f64> = places.map(|x| x - (x / length).floor() * length).collect();
-            places.sort_unstable_by(f64::total_cmp);
-            places
+        let sorted = |positions: &mut dyn Iterator<Item = f64>| {
+            let mut positions: Vec<f64> = positions.map(|x| x - (x / length).floor() * length).collect();
+            positions.sort_unstable_by(f64::total_cmp);
+            positions
         };
         let boxes = bodies.iter().map(|body| body.body.aabb());
         let ends = sorted(&mut boxes.flat_map(|aabb| [aabb.min[axis], aabb.max[axis]]));
@@ -56,11 +56,12 @@ impl Marks {
         Self { length, ends, corners }
     }
 
-    /// The place nearest to the origin that keeps `gap` best, in the middle between two corners; the origin where it keeps all.
+    /// The position nearest to the origin that keeps `gap` best, midway between two corners; the origin where it
+    /// keeps all.
     fn best(&self, gap: f64) -> f64 {
         let next = self.corners.iter().skip(1).copied().chain([self.corners[0] + self.length]);
         let middles = self.corners.iter().zip(next).map(|(corner, next)| (corner + next) / 2.0);
-        // The way back is the shorter one beyond half a period.
+        // Beyond half a period the opposite shift is the shorter one.
         let signed = middles.map(|x| if x > self.length / 2.0 { x - self.length } else { x });
         let rated = [0.0].into_iter().chain(signed).map(|x| (self.kept(x, gap), x));
         let better = |a: (f64, f64), b: (f64, f64)| {

@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// A mix design, `[mix]` in a spec, given instead of `fraction`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Mix {
+pub struct MixDesign {
     /// Cement, kg per m3 of concrete.
     pub cement_kg_per_m3: f64,
     /// Water, kg per m3 of concrete.
@@ -37,11 +37,11 @@ fn water_density() -> f64 {
 
 #[derive(Deserialize)]
 struct Table {
-    mix: Mix,
+    mix: MixDesign,
 }
 
 /// Takes `[mix]` out of a spec.
-pub(super) fn take(tree: &mut Node) -> Result<Option<Mix>, SpecError> {
+pub(super) fn take(tree: &mut Node) -> Result<Option<MixDesign>, SpecError> {
     let Some(entry) = tree.take("mix") else { return Ok(None) };
     let line = entry.1.line;
     if tree.child("fraction").is_some() {
@@ -54,7 +54,7 @@ pub(super) fn take(tree: &mut Node) -> Result<Option<Mix>, SpecError> {
     Ok(Some(mix))
 }
 
-impl Mix {
+impl MixDesign {
     fn validate(&self) -> Result<(), SpecError> {
         limits::within("mix.cement_kg_per_m3", self.cement_kg_per_m3, 0.0, 2000.0)?;
         limits::within("mix.water_kg_per_m3", self.water_kg_per_m3, 0.0, 1000.0)?;

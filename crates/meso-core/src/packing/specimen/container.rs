@@ -1,12 +1,12 @@
-//! What every specimen can say about itself.
+//! The interface of every specimen's geometry.
 
 use super::Largest;
 use crate::geometry::TriangleMesh;
 use crate::math::{Aabb, Vec3};
 use std::fmt::Debug;
 
-/// The room a specimen encloses, in the specimen's frame: a closed set.
-pub trait Room: Debug + Send + Sync {
+/// The closed region that a specimen encloses, in the specimen's frame.
+pub trait Container: Debug + Send + Sync {
     /// Bounding box, mm; it begins at the origin.
     fn aabb(&self) -> Aabb;
 
@@ -16,18 +16,20 @@ pub trait Room: Debug + Send + Sync {
     /// The narrowest distance between two parallel walls, or planes that enclose it, mm; infinite without walls.
     fn width(&self) -> f64;
 
-    /// True when the hull of the vertices `body`, moved by `centre`, lies in the room with `gap` mm to its surface.
+    /// True when the hull of the vertices `body`, moved by `centre`, lies in the container with `gap` mm to its
+    /// surface.
     ///
-    /// Never true for a body that lies outside: exact between planes without a gap, and where a gap or a curved wall
-    /// asks for rounding, that errs by at most 1e-12 of the specimen's size on the side of refusing.
+    /// Never true for a body that lies outside. Exact between planes without a gap. Gaps and curved walls need
+    /// rounding: it errs by at most 1e-12 of the specimen's size, on the side of refusing.
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool;
 
-    /// What no body in the room exceeds.
+    /// Upper bounds on a body in the container.
     fn largest(&self) -> Largest {
         Largest { ball_radius: self.width() / 2.0, length: self.aabb().size().norm(), volume: self.volume() }
     }
 
-    /// Share of the room that is more than `rim` mm inside its surface, roughly, where that of its box says too little.
+    /// Share of the volume that lies more than `rim` mm inside the surface, roughly; `None` where the bounding box
+    /// gives a good estimate.
     fn share_within(&self, rim: f64) -> Option<f64> {
         let _ = rim;
         None
@@ -37,23 +39,23 @@ pub trait Room: Debug + Send + Sync {
     /// is no surface.
     fn depth(&self, point: &Vec3) -> f64;
 
-    /// True when `point` is in the room and at least `distance` mm from its surface.
+    /// True when `point` is inside and at least `distance` mm from the surface.
     fn is_clear(&self, point: &Vec3, distance: f64) -> bool {
         self.depth(point) >= distance
     }
 
-    /// True when the closed room has `point`.
+    /// True when the closed container holds `point`.
     fn contains(&self, point: &Vec3) -> bool {
         self.depth(point) >= 0.0
     }
 
-    /// Convex bodies around the room that no grain in the room meets; those whose boxes meet `near`.
+    /// Convex bodies around the container whose boxes meet `near`; no grain inside meets them.
     fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
         let _ = near;
         Vec::new()
     }
 
-    /// True where the segment between any two points of the room lies in it.
+    /// True where the segment between any two points inside lies inside.
     fn is_convex(&self) -> bool {
         true
     }
@@ -63,8 +65,8 @@ pub trait Room: Debug + Send + Sync {
         false
     }
 
-    /// Where the centre of the hull of `body` (about its centre), inside the bounding box, goes in one step towards
-    /// `gap` mm inside the other walls; `centre` itself where it has that already.
+    /// One step of the centre of the hull of `body` (about its centre, inside the bounding box) towards `gap` mm
+    /// inside the other walls; `centre` itself where that is fulfilled.
     fn confine(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> Vec3 {
         let _ = (body, gap);
         *centre
@@ -74,15 +76,16 @@ pub trait Room: Debug + Send + Sync {
     fn surface(&self) -> Surface;
 }
 
-/// A convex body that no grain in the room meets.
+/// A convex body outside the container.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle<'a> {
     /// Its points, mm.
     pub points: &'a [Vec3],
-    /// Unit normals out of the room, its own first: grains are pushed against these alone. Empty where any way will do.
+    /// Unit normals out of the container, its own first: grains are pushed against these alone. Empty where any
+    /// direction is allowed.
     ///
-    /// The shortest way off a single triangle of a wall leads along the wall, onto the next triangle, and back: so only
-    /// its own normal counts, and those of the walls behind an edge that stands out into the room.
+    /// The shortest push off a single triangle of a wall leads along the wall, onto the next triangle, and back. So
+    /// only its own normal counts, and those of the walls behind a reentrant edge.
     pub outward: &'a [Vec3],
 }
 
@@ -129,7 +132,7 @@ pub(super) fn stack(rings: u32) -> Vec<Vec<u32>> {
     faces
 }
 
-/// Moves a body whose farthest vertex is more than `reach` from an axis or a centre by what is too much, towards it.
+/// Pulls in a body whose farthest vertex is more than `reach` from an axis or a centre, by the excess.
 pub(super) fn pull_in(body: &[Vec3], centre: &Vec3, reach: f64, arm: impl Fn(&Vec3) -> Vec3) -> Vec3 {
     let arms = body.iter().map(|v| arm(&(v + centre)));
     let (farthest, length2) = arms

@@ -6,7 +6,7 @@ use crate::math::{Aabb, Vec3};
 
 /// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NarrowPolyhedron {
+pub struct CompactPolyhedron {
     /// All lists in one piece: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with zeros.
     lists: Box<[u32]>,
     vertices: u32,
@@ -36,17 +36,17 @@ fn unpacked(triangle: u16) -> [u8; 3] {
 }
 
 /// Rounds the coordinates to f32; the volume stays that of the body as it was.
-impl From<Polyhedron> for NarrowPolyhedron {
+impl From<Polyhedron> for CompactPolyhedron {
     fn from(body: Polyhedron) -> Self {
         let (vertices, faces) = (body.vertices(), body.face_lists());
-        let mut narrow = Self {
+        let mut compact = Self {
             lists: Box::default(),
             vertices: vertices.len() as u32,
             corners: faces.corners as u32,
             volume: body.volume(),
         };
-        debug_assert_eq!(faces.iter().len(), narrow.face_count(), "a closed convex surface");
-        let packed: Vec<u16> = match narrow.width() {
+        debug_assert_eq!(faces.iter().len(), compact.face_count(), "a closed convex surface");
+        let packed: Vec<u16> = match compact.width() {
             Width::Five => faces.byte_triangles().into_iter().flatten().map(packed).collect(),
             _ => Vec::new(),
         };
@@ -63,12 +63,12 @@ impl From<Polyhedron> for NarrowPolyhedron {
         }
         lists.resize(3 * vertices.len() + words, 0);
         bytemuck::cast_slice_mut(&mut lists[3 * vertices.len()..])[..bytes.len()].copy_from_slice(bytes);
-        narrow.lists = lists.into_boxed_slice();
-        narrow
+        compact.lists = lists.into_boxed_slice();
+        compact
     }
 }
 
-impl NarrowPolyhedron {
+impl CompactPolyhedron {
     /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
         self.vertices as usize

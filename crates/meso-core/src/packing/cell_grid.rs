@@ -10,13 +10,13 @@ const MOST_ALONG: f64 = 65_535.0;
 
 /// A grid of cells.
 #[derive(Clone, Debug)]
-pub(super) struct Raster {
+pub(super) struct CellGrid {
     origin: Vec3,
     per_mm: f64,
     counts: [i32; 3],
 }
 
-impl Raster {
+impl CellGrid {
     /// Over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
         let size = domain.size();
@@ -37,8 +37,8 @@ impl Raster {
         [along(0), along(1), along(2)]
     }
 
-    /// The numbers of the cells at points whose coordinates are given by axis; of points beside a cell's side by less than single
-    /// precision tells, that on either side.
+    /// The cell numbers of points given by axis. A point within single precision of a cell's side counts to either
+    /// cell.
     #[inline(always)]
     pub(super) fn flat_about<const N: usize>(&self, points: &[[f32; N]; 3]) -> [u32; N] {
         let mut flat = [0; N];

@@ -3,10 +3,10 @@
 //! Both are exact: the certified collision test against every triangle near, each a body of three points, and the count
 //! of the triangles above a point by exact signs. To touch a triangle is to meet it.
 
+use super::box_minus_convex::{clear_of, within_box};
+use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
 use super::largest::{self, Largest};
-use super::room::{Obstacle, Room, Surface};
-use super::solid::{clear_of, within_box};
 use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
@@ -14,19 +14,19 @@ use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
 
-/// What a closed surface of triangles encloses, moved to the origin.
+/// The region that a closed surface of triangles encloses, moved to the origin.
 #[derive(Clone, Debug)]
-pub(super) struct Closed {
+pub(super) struct Triangulated {
     mesh: TriangleMesh,
     volume: f64,
     size: Vec3,
     facets: Facets,
-    /// Normal of every triangle, and those of the walls behind an edge or corner of it that stands out into the room.
+    /// Normal of every triangle, then those of the walls behind its reentrant edges and corners.
     outward: Vec<Vec<Vec3>>,
 }
 
-impl Closed {
-    /// The room within `mesh`, whose surface must be closed.
+impl Triangulated {
+    /// The container within `mesh`, whose surface must be closed.
     pub(super) fn new(mesh: TriangleMesh) -> Self {
         let corners: Vec<[Vec3; 3]> = mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect();
         let (size, outward) = (Aabb::around(&mesh.vertices).max, outward(&mesh, &corners));
@@ -53,8 +53,8 @@ impl Closed {
         Some(found.map(|t| *self.facets.of(t)))
     }
 
-    /// A corner of a piece that lies inside another where it should not: a surface around room lies in no other's room, one
-    /// around a hollow in one.
+    /// A corner of a component that is nested wrongly. An outer surface lies in no other's interior; the surface of a
+    /// hollow lies in one.
     pub(super) fn nested(&self) -> Option<Vec3> {
         let piece_of = self.mesh.piece_of();
         let of = |triangle: u32| piece_of[self.mesh.triangles[triangle as usize][0] as usize];
@@ -85,13 +85,13 @@ impl Closed {
         })
     }
 
-    /// Neighbours share their common corners or edge; what else they share is a crossing.
+    /// Neighbours share their common corners or edge; any other common point is a crossing.
     fn cross(&self, a: u32, b: u32) -> bool {
         let [p, q] = [a, b].map(|t| &self.mesh.triangles[t as usize]);
         let meets = |points: &[Vec3], t: u32| gjk::intersects(points, self.facets.of(t)).unwrap_or(true);
         match p.iter().filter(|i| q.contains(i)).count() {
             0 => meets(self.facets.of(a), b),
-            // The corner or edge opposite to what is shared, against the whole other triangle.
+            // The corner or edge opposite to the shared one, against the whole other triangle.
             1 | 2 => {
                 let (own, other) = (self.opposite(a, b), self.opposite(b, a));
                 let part = self.is_beside(&other, a) || self.is_beside(&own, b);
@@ -116,7 +116,7 @@ impl Closed {
     }
 }
 
-impl Room for Closed {
+impl Container for Triangulated {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: self.size }
     }
@@ -125,14 +125,14 @@ impl Room for Closed {
         self.volume
     }
 
-    /// That of its box: what is narrower inside is found by trying.
+    /// That of its box; narrower parts inside are found by trying.
     fn width(&self) -> f64 {
         self.size.min()
     }
 
     fn largest(&self) -> Largest {
         let ball_radius = largest::ball_radius(&self.aabb(), |point| self.depth(point));
-        // A piece that holds nothing is the surface of a hollow.
+        // A component without volume is the surface of a hollow.
         let pieces = self.mesh.pieces().into_iter().filter(|piece| piece.volume() > 0.0);
         let (length, volume) = pieces.fold((0.0, 0.0), |(length, volume): (f64, f64), piece| {
             (length.max(longest(&piece)), volume.max(piece.volume()))
@@ -181,14 +181,14 @@ impl Room for Closed {
         self.contains(point) && self.facets.meeting(around).all(clear)
     }
 
-    /// A centre that is outside goes back through the nearest point of the surface; the rest is for the triangles.
+    /// A centre outside goes back through the nearest point of the surface; the triangles do the rest.
     fn confine(&self, _: &[Vec3], centre: &Vec3, gap: f64) -> Vec3 {
         if self.contains(centre) {
             return *centre;
         }
-        let (place, distance) = self.nearest(centre);
-        let inwards = (place - centre) / distance.max(f64::MIN_POSITIVE);
-        place + inwards * (gap + BACK * self.size.max())
+        let (nearest, distance) = self.nearest(centre);
+        let inwards = (nearest - centre) / distance.max(f64::MIN_POSITIVE);
+        nearest + inwards * (gap + BACK * self.size.max())
     }
 
     fn is_convex(&self) -> bool {
@@ -213,15 +213,15 @@ fn longest(piece: &TriangleMesh) -> f64 {
     aabb.size().norm().min(2.0 * radius)
 }
 
-/// Points along each axis by which a share of the room is measured.
+/// Samples along each axis for [`Container::share_within`].
 const SAMPLES: usize = 24;
-/// How far inside a centre begins that was outside, as a share of the room's size.
+/// How far inside a returned centre starts, as a share of the container's size.
 const BACK: f64 = 2e-5;
-/// A corner is beyond a plane when it is so by this share of its distance: what is nearly flat does not stand out.
+/// A corner is beyond a plane when its height exceeds this share of its distance: nearly flat edges do not stand out.
 const BEYOND: f64 = 1e-3;
 
-/// For every triangle its normal, then the normals of those that share a corner with it and that it rises above: there
-/// the surface stands out into the room.
+/// For every triangle its normal, then the normals of those that share a corner with it and that it rises above: its
+/// reentrant neighbours.
 fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
     let normals: Vec<Vec3> = corners.iter().map(|[a, b, c]| (b - a).cross(&(c - a)).normalize()).collect();
     let mut around = vec![Vec::new(); mesh.vertices.len()];
@@ -264,32 +264,34 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
 mod tests {
     use super::*;
 
-    /// A box from the origin with a hollow inside, its faces turned the other way.
-    fn hollow() -> Closed {
+    /// A box from the origin with a hollow, whose faces are reversed.
+    fn hollow() -> Triangulated {
         let outer = Surface::cuboid(&Vec3::zeros(), &Vec3::repeat(10.0));
         let inner = Surface::cuboid(&Vec3::repeat(4.0), &Vec3::repeat(6.0));
         let corners = |surface: &Surface| -> Vec<[Vec3; 3]> {
             surface.triangles().map(|t| t.map(|i| surface.points[i as usize])).collect()
         };
         let turned = corners(&inner).into_iter().map(|[a, b, c]| [a, c, b]);
-        Closed::new(TriangleMesh::welded(&corners(&outer).into_iter().chain(turned).flatten().collect::<Vec<_>>()))
+        Triangulated::new(TriangleMesh::welded(
+            &corners(&outer).into_iter().chain(turned).flatten().collect::<Vec<_>>(),
+        ))
     }
 
     #[test]
     fn points_in_edges_corners_and_hollows_are_told_apart() {
-        let room = hollow();
-        assert!((room.volume() - 992.0).abs() < 1e-9);
-        // Right above and below edges and diagonals of the triangulation, too.
+        let container = hollow();
+        assert!((container.volume() - 992.0).abs() < 1e-9);
+        // Points exactly above and below edges and diagonals of the triangulation are among them.
         for inside in
             [[5.0, 5.0, 3.0], [1.0, 1.0, 1.0], [5.0, 5.0, 9.0], [4.0, 6.0, 1.0], [0.0, 0.0, 0.0], [5.0, 5.0, 6.0]]
         {
-            assert!(room.contains(&Vec3::from(inside)), "{inside:?}");
+            assert!(container.contains(&Vec3::from(inside)), "{inside:?}");
         }
         for outside in [[5.0, 5.0, 5.0], [4.5, 4.5, 5.0], [-1e-300, 5.0, 5.0], [11.0, 11.0, 1.0], [5.0, 5.0, 11.0]] {
-            assert!(!room.contains(&Vec3::from(outside)), "{outside:?}");
+            assert!(!container.contains(&Vec3::from(outside)), "{outside:?}");
         }
-        assert!((room.depth(&Vec3::new(5.0, 5.0, 2.5)) - 1.5).abs() < 1e-12);
-        assert!((room.depth(&Vec3::new(5.0, 5.0, 5.2)) + 0.8).abs() < 1e-12);
+        assert!((container.depth(&Vec3::new(5.0, 5.0, 2.5)) - 1.5).abs() < 1e-12);
+        assert!((container.depth(&Vec3::new(5.0, 5.0, 5.2)) + 0.8).abs() < 1e-12);
     }
 
     #[test]
@@ -299,6 +301,6 @@ mod tests {
             let surface = Surface::cuboid(&Vec3::repeat(from), &Vec3::repeat(to));
             surface.triangles().flat_map(|t| t.map(|i| surface.points[i as usize])).collect::<Vec<_>>()
         });
-        assert!(Closed::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
+        assert!(Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
     }
 }

@@ -1,20 +1,20 @@
-//! What is known of the pairs of some bodies.
+//! Contact cache: what is known of the pairs of some bodies.
 //!
-//! A pair costs 16 bytes while it is apart: how far, and along which axis, which is enough to tell for many sweeps that
-//! it still is. What a contact needs beyond that is kept as long as it lasts.
+//! A separated pair costs 16 bytes: a gap and its axis, which prove for many sweeps that it is still apart. A
+//! contact's further data is kept as long as the contact lasts.
 
 use super::bodies::Bodies;
-use super::cells::Cells;
+use super::cell_list::CellList;
 use super::contact::{Contact, V, cross, direction_or_up, dot, gap_along, scale};
 use crate::wide::{Wide, widest};
 use std::ops::Range;
 
-/// Bodies whose pairs are kept together, and made anew together.
+/// Bodies whose pairs are kept, and rebuilt, together.
 pub(super) const BLOCK: usize = 64;
 
 #[derive(Clone, Default)]
 pub(super) struct Block {
-    /// Where the links of every body end.
+    /// End of every body's links.
     pub(super) ends: Vec<u32>,
     pub(super) links: Vec<Link>,
     /// In the order of the links.
@@ -26,10 +26,10 @@ pub(super) struct Block {
 pub(super) struct Link {
     /// The second body.
     pub(super) b: u32,
-    /// Gap plus both path lengths when it was last computed: while this less the paths exceeds what counts as a contact,
-    /// the pair needs no look.
+    /// Gap plus both path lengths when last computed. While this minus the current paths exceeds the wanted gap, the
+    /// pair needs no query.
     clear: f32,
-    /// Where the gap was last seen.
+    /// Axis along which the gap was measured.
     axis: Axis,
     /// Number among those that touch, or [`APART`].
     slot: u16,
@@ -44,7 +44,7 @@ pub(super) struct Touch {
     pub(super) impulse: f32,
 }
 
-/// What one look at all pairs found.
+/// Result of one pass over all pairs.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Look {
     pub(super) energy: f64,
@@ -54,9 +54,9 @@ pub(super) struct Look {
 /// Gaps, mm.
 #[derive(Clone, Copy)]
 pub(super) struct Gaps {
-    /// What makes a pair no contact.
+    /// A pair with this gap is no contact.
     pub(super) want: f32,
-    /// What must be open when it ends.
+    /// Gap that must be open at the end.
     pub(super) enough: f32,
 }
 
@@ -66,7 +66,7 @@ struct Renew<'a> {
     first: u32,
     bodies: &'a Bodies<'a>,
     paths: &'a [f32],
-    cells: &'a Cells,
+    cells: &'a CellList,
     scratch: &'a mut Scratch,
 }
 
@@ -97,7 +97,7 @@ impl Wide for LookAt<'_> {
     }
 }
 
-/// What a thread makes blocks in.
+/// Scratch memory of a thread.
 #[derive(Default)]
 pub(super) struct Scratch {
     found: Vec<u32>,
@@ -119,13 +119,20 @@ impl Block {
         self.touching.get(usize::from(link.slot))
     }
 
-    /// Lists the pairs of the bodies from `first` on; what is known of those that were listed before is kept.
-    pub(super) fn renew(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &Cells, scratch: &mut Scratch) {
+    /// Rebuilds the pairs of the bodies from `first` on; what is known of pairs already listed is kept.
+    pub(super) fn renew(
+        &mut self,
+        first: u32,
+        bodies: &Bodies,
+        paths: &[f32],
+        cells: &CellList,
+        scratch: &mut Scratch,
+    ) {
         widest(Renew { block: self, first, bodies, paths, cells, scratch });
     }
 
     #[inline(always)]
-    fn list(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &Cells, scratch: &mut Scratch) {
+    fn list(&mut self, first: u32, bodies: &Bodies, paths: &[f32], cells: &CellList, scratch: &mut Scratch) {
         let (found, list) = (&mut scratch.found, &mut scratch.list);
         list.clear();
         for (k, a) in (first..bodies.len() as u32).take(BLOCK).enumerate() {
@@ -144,7 +151,7 @@ impl Block {
         *self = list.clone();
     }
 
-    /// Lists `pairs`, too, and drops those that have gone too far apart to matter.
+    /// Adds `pairs`, and drops those too far apart to matter.
     pub(super) fn add(
         &mut self,
         first: u32,
@@ -194,7 +201,7 @@ impl Block {
         self.touching.clear();
     }
 
-    /// Brings every contact up to date; a thread makes lists in `touching`.
+    /// Updates every contact; `touching` is a thread's scratch list.
     pub(super) fn look(&mut self, first: u32, bodies: &Bodies, gaps: Gaps, touching: &mut Vec<Touch>) -> Look {
         widest(LookAt { block: self, first, bodies, gaps, touching })
     }
@@ -211,31 +218,31 @@ impl Block {
                 let short = gaps.want - contact.gap;
                 look.energy += f64::from(short) * f64::from(short);
                 look.open_below += u32::from(contact.gap < gaps.enough);
-                // Contacts that the numbers do not reach, a thousand a body, wait until others have opened.
+                // Contacts beyond the range of the numbers, a thousand per body, wait until others have opened.
                 link.slot = u16::try_from(touching.len()).unwrap_or(APART);
                 touching.push(Touch { contact, impulse: short / ease(&contact, bodies, a, link.b) });
             }
         }
-        // A copy has no room to spare: the contacts of the first sweeps are the peak of memory.
+        // A copy has no spare capacity: the contacts of the first sweeps are the peak of memory.
         self.touching = touching.clone();
         look
     }
 }
 
 impl Link {
-    /// With a first guess of its axis, and due for a look.
+    /// With a first guess of its axis, due for a query.
     #[inline(always)]
     fn new(b: u32, offset: V) -> Self {
         Self { b, clear: f32::NEG_INFINITY, axis: Axis::new(direction_or_up(offset)), slot: APART }
     }
 
-    /// True when the pair can be no contact before one of them has gone beyond its limit.
+    /// True when the pair cannot become a contact before one body exceeds its limit.
     fn is_far(&self, a: u32, bodies: &Bodies, want: f32) -> bool {
         let gap = self.clear - bodies.path(a) - bodies.path(self.b);
         self.slot == APART && gap > want + bodies.margin(a) + bodies.margin(self.b)
     }
 
-    /// The contact, if the pair of `a` and this lacks any of the wanted gap; started from what is known of it.
+    /// The contact, if the pair of `a` and this lacks any of the wanted gap; starts from the known one.
     #[inline(always)]
     fn look(&mut self, a: u32, bodies: &Bodies, known: Option<Contact>, want: f32) -> Option<Contact> {
         let b = self.b;
@@ -260,7 +267,7 @@ impl Link {
             contact.gap = gap_along(&p, &q, x, contact.normal);
         }
         if contact.gap < want {
-            contact.refresh(&p, &q, x, bodies.way_apart(a, b, x));
+            contact.refresh(&p, &q, x, bodies.middle_offset(a, b, x));
             self.axis = Axis::new(contact.normal);
         }
         self.clear = contact.gap + paths;
@@ -268,8 +275,8 @@ impl Link {
     }
 }
 
-/// What the pair opens for an impulse of one. A body that a wall holds gives way the less, so that the other does its part:
-/// a small grain between a wall and a large one took the whole push, and stayed where it was for a hundred sweeps.
+/// Gap opened by a unit impulse. A body that a wall holds yields less, so that the other does its part: otherwise a
+/// small grain between a wall and a large one took the whole push, and stayed put for a hundred sweeps.
 #[inline(always)]
 fn ease(contact: &Contact, bodies: &Bodies, a: u32, b: u32) -> f32 {
     let normal = contact.normal;
@@ -281,10 +288,10 @@ fn ease(contact: &Contact, bodies: &Bodies, a: u32, b: u32) -> f32 {
     of(a, contact.on_a, scale(normal, -1.0)) + of(b, contact.on_b, normal)
 }
 
-/// Share of its movement that a body held by walls keeps: no impulse is without bound.
+/// Share of its movement that a body held by walls keeps, so that impulses stay bounded.
 const LEAST_FREE: f32 = 0.25;
 
-/// A direction, to a thousandth: the gap along any direction bounds that of the pair from below.
+/// A direction, to a thousandth. The gap along any direction is a lower bound of the pair's gap.
 #[derive(Clone, Copy)]
 struct Axis([i16; 3]);
 

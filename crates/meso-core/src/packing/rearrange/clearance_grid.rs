@@ -1,10 +1,10 @@
-//! Balls by the cells that they reach into, for looks at random places.
+//! Clearance grid: balls by the cells that they reach into, for tests of random positions.
 //!
-//! Every look waits for memory: so a cell and its first balls stand in one piece of 128 bytes, where a list of lists would
-//! be waited for twice.
+//! Every test waits for memory. So a cell and its first balls stand in one piece of 128 bytes; a list of lists would
+//! cost two cache misses.
 
 use crate::math::{Aabb, Vec3};
-use crate::packing::raster::{Raster, cells};
+use crate::packing::cell_grid::{CellGrid, cells};
 
 /// Balls in a piece: as many as most cells ever hold.
 const ROOM: usize = 7;
@@ -15,32 +15,32 @@ const COUNT: usize = 28;
 const NEXT: usize = 29;
 
 /// The balls that lie there already.
-pub(super) struct Balls {
-    raster: Raster,
+pub(super) struct ClearanceGrid {
+    grid: CellGrid,
     /// The first piece of every cell, then those that were added when one was full.
     pieces: Vec<Piece>,
 }
 
-impl Balls {
+impl ClearanceGrid {
     /// None yet, over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
-        let raster = Raster::new(domain, cell);
-        Self { pieces: vec![[0; 32]; raster.len()], raster }
+        let grid = CellGrid::new(domain, cell);
+        Self { pieces: vec![[0; 32]; grid.len()], grid }
     }
 
     /// Adds a ball (mm).
     pub(super) fn insert(&mut self, centre: &Vec3, radius: f64) {
         let ball = [centre.x, centre.y, centre.z, radius].map(|value| (value as f32).to_bits());
-        let (low, high) = self.raster.range(&around(centre, radius));
+        let (low, high) = self.grid.range(&around(centre, radius));
         for cell in cells(low, high) {
-            let piece = self.open_piece(self.raster.flat(cell));
+            let piece = self.open_piece(self.grid.flat(cell));
             let count = piece[COUNT] as usize;
             piece[4 * count..4 * count + 4].copy_from_slice(&ball);
             piece[COUNT] += 1;
         }
     }
 
-    /// The last piece of a cell, with room for one more.
+    /// The last piece of a cell, with space for one more.
     fn open_piece(&mut self, mut number: usize) -> &mut Piece {
         while self.pieces[number][NEXT] != 0 {
             number = self.pieces[number][NEXT] as usize;
@@ -56,12 +56,12 @@ impl Balls {
     /// Distance of a ball to the nearest other in the cells it reaches into, negative where it overlaps one, infinite where
     /// there is none; or of any other, no farther than `enough` (mm).
     pub(super) fn clearance(&self, centre: &Vec3, radius: f64, enough: f32) -> f32 {
-        let (low, high) = self.raster.range(&around(centre, radius));
+        let (low, high) = self.grid.range(&around(centre, radius));
         let own = [centre.x as f32, centre.y as f32, centre.z as f32];
         let mut least = f32::INFINITY;
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
-                let row = self.raster.flat([low[0], y, z])..=self.raster.flat([high[0], y, z]);
+                let row = self.grid.flat([low[0], y, z])..=self.grid.flat([high[0], y, z]);
                 for mut piece in &self.pieces[row] {
                     least = least.min(nearest(piece, own) - radius as f32);
                     while least > enough && piece[NEXT] != 0 {
@@ -107,7 +107,7 @@ mod tests {
         let mut stream = Stream::new(11, Purpose::Sample, 0, 0);
         let mut draw = || (stream.point(&domain.min, &domain.max), stream.uniform(0.5, 4.0));
         let lying: Vec<(Vec3, f64)> = (0..400).map(|_| draw()).collect();
-        let mut balls = Balls::new(&domain, 5.0);
+        let mut balls = ClearanceGrid::new(&domain, 5.0);
         lying.iter().for_each(|(centre, radius)| balls.insert(centre, *radius));
         let (mut full, mut overlapping) = (0, 0);
         for _ in 0..500 {
@@ -118,7 +118,7 @@ mod tests {
             assert!(if least < 0.0 { (found - least).abs() < 1e-4 } else { found > least - 1e-4 }, "{found} {least}");
             assert!(balls.clearance(&centre, radius, 0.0) <= 0.0 || least > -1e-4);
             overlapping += u32::from(least < 0.0);
-            full += u32::from(balls.pieces.len() > balls.raster.len());
+            full += u32::from(balls.pieces.len() > balls.grid.len());
         }
         assert!(overlapping > 100 && full > 0, "some overlap, and some cells hold more than a piece");
     }

@@ -1,9 +1,10 @@
-//! The proof: every pair of the final bodies, in double precision at their final coordinates, or one of them goes.
+//! Certification: every pair of the final bodies is proved apart in double precision at the final coordinates, or one
+//! of the two is left out.
 
 use crate::aggregate::take::{Grain, snap};
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
-use crate::packing::grid::Grid;
+use crate::packing::box_grid::BoxGrid;
 use crate::packing::place::Task;
 use crate::packing::{Placement, Pose, Work};
 use rayon::prelude::*;
@@ -11,12 +12,12 @@ use rayon::prelude::*;
 /// The final poses on the lattice, less the grains that are not proved inside and apart from all others.
 pub(super) struct Proved {
     pub(super) poses: Vec<Option<Pose>>,
-    /// Grains that had to go.
+    /// Grains left out.
     pub(super) left_out: usize,
 }
 
-/// Keeps of `reached` (grain and pose, neighbours near each other in the list) what is proved; of two grains in doubt the
-/// one with more doubts goes, then the smaller.
+/// Keeps the proved bodies of `reached` (grain and pose, neighbours near each other in the list). Of two grains not
+/// proved apart, the one with more such pairs is left out; of equals, the smaller.
 pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) -> Proved {
     let settle = |pose: &Pose| Pose { centre: task.period.wrap(&snap(&pose.centre)), ..*pose };
     let mut there: Vec<(u32, Pose)> = reached.iter().map(|(grain, pose)| (*grain, settle(pose))).collect();
@@ -26,10 +27,10 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     let scene = Scene::new(task, &settled);
     let number = |grain: u32| there.partition_point(|body| body.0 < grain) as u32;
     let near: Vec<u32> = reached.par_iter().map(|&(grain, _)| number(grain)).collect();
-    let looks: Vec<(Vec<Near>, Counters)> = near.par_chunks(CHUNK).map(|bodies| scene.doubts(bodies)).collect();
+    let looks: Vec<(Vec<Near>, Counters)> = near.par_chunks(CHUNK).map(|bodies| scene.unproved(bodies)).collect();
     looks.iter().for_each(|look| work.add(&look.1));
     let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
-    drop_doubtful(looks.iter().flat_map(|look| &look.0).map(|pair| (pair.other, pair.body)).collect(), &mut kept);
+    leave_out_unproved(looks.iter().flat_map(|look| &look.0).map(|pair| (pair.other, pair.body)).collect(), &mut kept);
     let mut poses = vec![None; task.request.grains.len()];
     for (&(grain, pose), _) in there.iter().zip(&kept).filter(|(_, kept)| **kept) {
         poses[grain as usize] = Some(pose);
@@ -37,8 +38,8 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     Proved { poses, left_out: kept.iter().filter(|kept| !**kept).count() }
 }
 
-/// Bodies a thread proves at once. Only they and their neighbours are then held in the form collision works on, which is
-/// as large as a grain: of all at once it was the peak of memory.
+/// Bodies a thread certifies at once. Only they and their neighbours are then held in collision's own form, which is
+/// as large as a grain: all at once were the peak of memory.
 const CHUNK: usize = 512;
 
 /// A grain at its final coordinates.
@@ -58,7 +59,7 @@ impl<'a> Settled<'a> {
             grain,
             pose,
             aabb: local.moved(&pose.centre).grown(*min_gap_mm),
-            inside: task.room.holds(&vertices, &pose.centre, *wall_gap_mm),
+            inside: task.container.holds(&vertices, &pose.centre, *wall_gap_mm),
         }
     }
 
@@ -86,7 +87,7 @@ struct Scene<'a> {
     settled: &'a [Settled<'a>],
     /// Number of the body and displacement of every item of the grid.
     images: Vec<(u32, Vec3)>,
-    grid: Grid,
+    grid: BoxGrid,
 }
 
 impl<'a> Scene<'a> {
@@ -96,7 +97,7 @@ impl<'a> Scene<'a> {
             task,
             settled,
             images: Vec::new(),
-            grid: Grid::new(&domain, 2.0 * f64::from(settled[settled.len() / 2].grain.outer_radius)),
+            grid: BoxGrid::new(&domain, 2.0 * f64::from(settled[settled.len() / 2].grain.outer_radius)),
         };
         for (number, body) in (0..).zip(settled) {
             for shift in task.period.shifts(&body.aabb, &domain) {
@@ -107,8 +108,8 @@ impl<'a> Scene<'a> {
         scene
     }
 
-    /// The pairs of `bodies` that are not proved apart, and what it took.
-    fn doubts(&self, bodies: &[u32]) -> (Vec<Near>, Counters) {
+    /// The pairs of `bodies` that are not proved apart, and the counters.
+    fn unproved(&self, bodies: &[u32]) -> (Vec<Near>, Counters) {
         let mut counters = Counters::default();
         let mut pairs: Vec<Near> = bodies.iter().flat_map(|&body| self.near(body)).collect();
         let mut numbers: Vec<u32> = pairs.iter().flat_map(|pair| [pair.body, pair.other]).collect();
@@ -141,9 +142,9 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Drops grains until no doubtful pair is left; grains come in descending volume.
-fn drop_doubtful(mut pairs: Vec<(u32, u32)>, kept: &mut [bool]) {
-    // Two bodies may be in doubt in several images.
+/// Leaves out grains until no unproved pair remains; grains come in descending volume.
+fn leave_out_unproved(mut pairs: Vec<(u32, u32)>, kept: &mut [bool]) {
+    // Two bodies may be unproved in several images.
     pairs.sort_unstable();
     pairs.dedup();
     loop {
@@ -153,7 +154,7 @@ fn drop_doubtful(mut pairs: Vec<(u32, u32)>, kept: &mut [bool]) {
             count[p as usize] += 1;
             count[q as usize] += 1;
         }
-        // Whoever has the most doubts among its own doubtful neighbours goes; of equals the smaller.
+        // The body with the most unproved pairs among its own neighbours is left out; of equals, the smaller.
         let goes: Vec<u32> =
             pairs.iter().map(|&(p, q)| if count[p as usize] > count[q as usize] { p } else { q }).collect();
         if goes.is_empty() {

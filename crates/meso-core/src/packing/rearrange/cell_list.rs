@@ -1,4 +1,4 @@
-//! Bodies by the cell of their centre: who may come near whom.
+//! Cell list: bodies by the cell of their centre, in levels of size.
 
 use super::bodies::{Bodies, MOST_MARGIN, widened};
 use super::contact::{LANES, V};
@@ -7,8 +7,8 @@ use crate::wide::{Wide, widest};
 use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
-/// Bodies in levels of size, from the coarsest, where they stood when this was made.
-pub(super) struct Cells {
+/// Bodies in levels of size, coarsest first, at their positions when this was built.
+pub(super) struct CellList {
     levels: Vec<Level>,
     /// Gap that makes a pair no contact, mm.
     want: f32,
@@ -26,22 +26,22 @@ struct Level {
     counts: [i64; 3],
     /// Radius of the largest body, mm.
     largest: f32,
-    /// How far any body may come to reach, mm.
+    /// Farthest reach of any body, mm.
     farthest: f32,
     starts: Vec<u32>,
-    /// Bodies by cell, and copies of what decides whether they may be near, so that a look reads memory in a row.
+    /// Bodies by cell, with copies of what decides whether they may be near, so that a search reads memory in a row.
     members: Vec<u32>,
     x: Vec<f32>,
     y: Vec<f32>,
     z: Vec<f32>,
-    /// With what the body may go.
+    /// Including the body's allowed displacement.
     radius: Vec<f32>,
 }
 
 /// A level holds bodies down to this share of its largest radius.
 const LEVEL_SPAN: f32 = 0.6;
 
-impl Cells {
+impl CellList {
     pub(super) fn new(bodies: &Bodies, want: f32) -> Self {
         let all = || (0..bodies.len() as u32).into_par_iter();
         let farthest = all().map(|body| far(bodies, body)).reduce(|| 0.0, f32::max);
@@ -60,15 +60,15 @@ impl Cells {
         Self { levels, want, paths: all().map(|body| bodies.path(body)).collect() }
     }
 
-    /// True when a body has gone too far from where it is noted.
+    /// True when a body has moved too far from its noted position.
     pub(super) fn stale(&self, bodies: &Bodies) -> bool {
         let drift = |body: u32| bodies.path(body) - self.paths[body as usize];
         let all = (0..bodies.len() as u32).into_par_iter();
         all.any(|body| drift(body) > MOST_DRIFT * bodies.fixed[body as usize].ball_radius)
     }
 
-    /// The bodies that may come within `want` of `a` while neither goes beyond its limit, and of which `a` is the first:
-    /// those of its own level after it, and of all coarser ones. In order, each once.
+    /// The bodies that may come within `want` of `a` while neither exceeds its limit, and of which `a` is the first:
+    /// those after it in its own level, and all of coarser levels. In order, each once.
     #[inline(always)]
     pub(super) fn seconds(&self, bodies: &Bodies, a: u32, found: &mut Vec<u32>) {
         found.clear();
@@ -91,7 +91,7 @@ impl Cells {
         found.dedup();
     }
 
-    /// All pairs of `body` that may come so near, first and second.
+    /// All such pairs of `body`, first and second.
     pub(super) fn pairs(&self, bodies: &Bodies, body: u32) -> Vec<(u32, u32)> {
         widest(PairsOf { cells: self, bodies, body })
     }
@@ -105,7 +105,7 @@ impl Cells {
 
 /// The pairs of a body, on wide registers.
 struct PairsOf<'a> {
-    cells: &'a Cells,
+    cells: &'a CellList,
     bodies: &'a Bodies<'a>,
     body: u32,
 }
@@ -151,7 +151,7 @@ impl Level {
     /// Sorts the bodies by cell.
     fn fill(&mut self, bodies: &Bodies, placed: &[(u32, V)]) {
         let order = self.sort(placed);
-        // With room at the end for a look at several.
+        // Padded, so that several can be read at the end.
         let padding = || rayon::iter::repeat_n(0.0, LANES);
         let placed = |item: &u32| &placed[*item as usize];
         let coordinates = |axis: usize| order.par_iter().map(move |item| placed(item).1[axis]).chain(padding());
@@ -160,7 +160,7 @@ impl Level {
         self.radius = self.members.par_iter().map(|&body| far(bodies, body)).chain(padding()).collect();
     }
 
-    /// The numbers of the `placed` by cell, and where those of each cell start.
+    /// The numbers of the `placed` by cell; also sets where those of each cell start.
     fn sort(&mut self, placed: &[(u32, V)]) -> Vec<u32> {
         let key = |(_, centre): &(u32, V)| self.flat(self.cell_of(&widened(*centre)));
         let keys: Vec<u32> = placed.par_iter().map(key).collect();
@@ -238,7 +238,7 @@ impl Level {
     }
 }
 
-/// How far a body may come to reach from where it is noted, mm.
+/// Farthest reach of a body from its noted position, mm.
 fn far(bodies: &Bodies, body: u32) -> f32 {
     let fixed = &bodies.fixed[body as usize];
     fixed.outer_radius + (MOST_DRIFT + MOST_MARGIN) * fixed.ball_radius

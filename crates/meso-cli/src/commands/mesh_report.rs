@@ -1,6 +1,6 @@
 //! What is told of a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
-use crate::say;
+use crate::stderr;
 use meso_core::Model;
 use meso_core::materials::Materials;
 use meso_core::mesh::quality::{BAD_DEG, QualityReport};
@@ -10,7 +10,7 @@ use std::io::{self, Write};
 
 /// The figures of a mesh.
 #[derive(Serialize)]
-pub(super) struct Told {
+pub(super) struct MeshReport {
     version: &'static str,
     elements: usize,
     cohesive_elements: usize,
@@ -33,7 +33,7 @@ const FIBRES_OFF: f64 = 0.05;
 /// The first few bad elements are named on stderr.
 const NAMED: usize = 5;
 
-impl Told {
+impl MeshReport {
     pub(super) fn of(mesh: &Mesh, model: &Model, options: MeshOptions, materials: &Materials) -> Self {
         let specimen = &model.spec.specimen;
         let quality = QualityReport::of(mesh, &model.bodies(), specimen, materials);
@@ -58,29 +58,29 @@ impl Told {
     }
 
     /// Says the most of it on stderr.
-    pub(super) fn tell(&self) {
+    pub(super) fn print(&self) {
         let cohesive = match self.cohesive_elements {
             0 => String::new(),
-            elements => format!(" and {} cohesive ones", say::count(elements)),
+            elements => format!(" and {} cohesive ones", stderr::thousands(elements)),
         };
-        let (elements, nodes) = (say::count(self.elements), say::count(self.nodes));
+        let (elements, nodes) = (stderr::thousands(self.elements), stderr::thousands(self.nodes));
         let how = format!("{:?}, {} mm", self.options.method, self.options.element_size_mm).to_lowercase();
-        say::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
+        stderr::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
         self.volumes();
         self.thick_shells();
         self.lost_fibres();
         let distance = &self.quality.interface_distance;
-        say::line(format!(
+        stderr::line(format!(
             "of {} interface nodes {} lie off the aggregates' surfaces: {:.4} mm rms of all, {:.4} mm at most",
-            say::count(distance.nodes),
-            say::count(distance.off),
+            stderr::thousands(distance.nodes),
+            stderr::thousands(distance.off),
             distance.rms_mm,
             distance.max_mm
         ));
         if distance.joined > 0 {
-            say::line(format!(
+            stderr::line(format!(
                 "at {} of them a gap is closed: what is beyond it lies {:.4} mm rms off, {:.4} mm at most",
-                say::count(distance.joined),
+                stderr::thousands(distance.joined),
                 distance.joined_rms_mm,
                 distance.joined_max_mm
             ));
@@ -92,7 +92,7 @@ impl Told {
     /// A row for each phase that is there or should be.
     fn volumes(&self) {
         let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.specimen_volume_mm3;
-        say::line("        phase  of specimen       exact     error");
+        stderr::line("        phase  of specimen       exact     error");
         for phase in Phase::ALL {
             let (meshed, exact) = (&self.quality.volumes_mm3, self.quality.exact_volumes_mm3.as_ref());
             let share = of_specimen(meshed, phase);
@@ -100,7 +100,7 @@ impl Told {
             if share > 0.0 || wanted > 0.0 {
                 // Rounding is no error.
                 let error = (1e5 * (share / wanted - 1.0)).round() / 1e3 + 0.0;
-                say::line(format!(
+                stderr::line(format!(
                     "  {:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%",
                     phase.name().to_lowercase()
                 ));
@@ -112,7 +112,7 @@ impl Told {
     fn thick_shells(&self) {
         let Some(exact) = self.quality.exact_volumes_mm3 else { return };
         if self.voxels && exact.itz > 0.0 && self.quality.volumes_mm3.itz > FAR_TOO_MUCH * exact.itz {
-            say::line(
+            stderr::line(
                 "the ITZ is at least one voxel thick here, at the aggregates' expense: take --method lattice, --itz \
                  cohesive or none, or --thin-itz",
             );
@@ -123,7 +123,7 @@ impl Told {
     fn lost_fibres(&self) {
         let Some(exact) = self.quality.exact_volumes_mm3 else { return };
         if (self.quality.volumes_mm3.fibre - exact.fibre).abs() > FIBRES_OFF * exact.fibre {
-            say::line(
+            stderr::line(
                 "the elements are too coarse for the fibres: take an --element-size-mm of at most half their diameter, or \
                  --method conforming, which keeps them exactly",
             );
@@ -133,68 +133,68 @@ impl Told {
     fn worst(&self) {
         let quality = &self.quality;
         let (altitude, cell) = quality.shortest_altitude_mm;
-        say::line(format!(
+        stderr::line(format!(
             "shortest altitude {altitude:.4} mm (element {}): a stable time step of {:.1e} s",
             cell + 1,
             quality.stable_time_step_s
         ));
         if let Some(step) = quality.cohesive_time_step_s {
-            say::line(format!("the cohesive elements allow {step:.1e} s, by their stiffness"));
+            stderr::line(format!("the cohesive elements allow {step:.1e} s, by their stiffness"));
         }
         if self.voxels {
             return;
         }
         let ((angle, sharpest), (ratio, flattest)) = (quality.min_dihedral_deg, quality.min_radius_ratio);
         let (sharpest, flattest) = (sharpest + 1, flattest + 1);
-        say::line(format!(
+        stderr::line(format!(
             "smallest dihedral angle {angle:.2} degrees (element {sharpest}), radius ratio {ratio:.4} (element {flattest})"
         ));
         let bad = &self.bad_elements;
         let named: Vec<String> = bad.iter().take(NAMED).map(usize::to_string).collect();
         let more = if bad.len() > NAMED { ", ...; --summary-json of `mesocrete mesh` names all" } else { "" };
         let which = if bad.is_empty() { String::new() } else { format!(" (elements {}{more})", named.join(", ")) };
-        say::line(format!("{} elements with an angle below {BAD_DEG} degrees{which}", say::count(bad.len())));
+        stderr::line(format!("{} elements with an angle below {BAD_DEG} degrees{which}", stderr::thousands(bad.len())));
     }
 }
 
 /// What the builder had to decide: gaps closed, layers thinned.
 fn notes(notes: &Notes) {
     if notes.closed_gaps > 0 {
-        say::line(format!(
+        stderr::line(format!(
             "at {} nodes {} pairs of aggregates are joined, since the elements cannot show the gaps between them (widest {:.2} mm); \
              a smaller --element-size-mm or a larger min_gap_mm keeps mortar there",
-            say::count(notes.closed_gaps),
-            say::count(notes.closed_gap_pairs),
+            stderr::thousands(notes.closed_gaps),
+            stderr::thousands(notes.closed_gap_pairs),
             notes.widest_closed_gap_mm
         ));
     }
     if notes.closed_side_gaps > 0 {
-        say::line(format!(
+        stderr::line(format!(
             "at {} nodes {} aggregates reach the specimen's sides, since the elements cannot show the gaps to these (widest {:.4} mm); \
              wall_gap_mm keeps mortar there",
-            say::count(notes.closed_side_gaps),
-            say::count(notes.closed_side_gap_aggregates),
+            stderr::thousands(notes.closed_side_gaps),
+            stderr::thousands(notes.closed_side_gap_aggregates),
             notes.widest_closed_side_gap_mm
         ));
     }
     if notes.off_surface_nodes > 0 {
-        let nodes = say::count(notes.off_surface_nodes);
-        say::line(format!(
+        let nodes = stderr::thousands(notes.off_surface_nodes);
+        stderr::line(format!(
             "{nodes} nodes could not be put on the surfaces with angles of 8 degrees, mostly in gaps to the specimen's sides or on \
              faces that match opposite ones"
         ));
     }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
-        say::line(format!(
+        stderr::line(format!(
             "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of them it has no thickness",
-            say::count(notes.thinned_itz_aggregates),
-            say::count(notes.thinned_itz_nodes),
-            say::count(notes.pinched_itz_nodes)
+            stderr::thousands(notes.thinned_itz_aggregates),
+            stderr::thousands(notes.thinned_itz_nodes),
+            stderr::thousands(notes.pinched_itz_nodes)
         ));
     }
     if notes.shifted_itz_nodes > 0 {
-        let nodes = say::count(notes.shifted_itz_nodes);
-        say::line(format!(
+        let nodes = stderr::thousands(notes.shifted_itz_nodes);
+        stderr::line(format!(
             "{nodes} inner nodes of the ITZ had to leave its exact thickness to keep angles from getting too sharp"
         ));
     }

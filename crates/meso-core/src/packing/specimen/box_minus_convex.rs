@@ -1,17 +1,17 @@
-//! Boxes less convex pieces: notched prisms and dog-bones. Nothing but planes, so that all of it is exact.
+//! Boxes minus convex pieces: notched prisms and dog-bones. All faces are plane, so all answers are exact.
 //!
 //! A body is inside when it is inside the box and, by the certified collision test, shares no point with a piece; to
 //! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
 
+use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
-use super::room::{Obstacle, Room, Surface};
 use crate::geometry::{HullError, Plane, convex_hull};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 
 /// A box from the origin with pieces taken out.
 #[derive(Clone, Debug)]
-pub(super) struct Solid {
+pub(super) struct BoxMinusConvex {
     size: Vec3,
     volume: f64,
     width: f64,
@@ -28,8 +28,9 @@ struct Piece {
     facets: Facets,
 }
 
-impl Solid {
-    /// What the closed `surface` bounds: its bounding box less the hulls of `pieces`; `width` as of a room, mm.
+impl BoxMinusConvex {
+    /// The region that the closed `surface` bounds: its bounding box minus the hulls of `pieces`; `width` as in
+    /// [`Container::width`], mm.
     pub(super) fn new(surface: Surface, width: f64, pieces: &[Vec<Vec3>]) -> Result<Self, HullError> {
         let pieces = pieces.iter().map(|points| Piece::new(points)).collect::<Result<_, _>>()?;
         Ok(Self { size: Aabb::around(&surface.points).max, volume: surface.volume(), width, surface, pieces })
@@ -60,7 +61,7 @@ impl Piece {
     }
 }
 
-impl Room for Solid {
+impl Container for BoxMinusConvex {
     fn aabb(&self) -> Aabb {
         Aabb { min: Vec3::zeros(), max: self.size }
     }
@@ -108,7 +109,7 @@ pub(super) fn within_box(size: &Vec3, body: &[Vec3], centre: &Vec3, gap: f64) ->
     (0..3).all(|i| aabb.min[i] >= gap && aabb.max[i] <= size[i] - gap).then_some((points, aabb))
 }
 
-/// True when two bodies share no point and are at least `gap` mm apart; what cannot be asked is not proved clear.
+/// True when two bodies share no point and are at least `gap` mm apart; false where the query fails.
 pub(super) fn clear_of(a: &[Vec3], b: &[Vec3], gap: f64) -> bool {
     if gap > 0.0 {
         return gjk::distance(a, b).is_ok_and(|distance| distance >= gap);

@@ -1,0 +1,365 @@
+//! Concrete damaged plasticity: Lubliner et al. 1989 (Int. J. Solids Struct. 25:299), Lee and Fenves 1998 (J. Eng. Mech.
+//! 124:892), as Abaqus documents it and as the decks of `meso-core` ask for it.
+//!
+//! In effective stress s (q Mises, p mean, s1 the largest principal one), with c and f_t the effective strengths:
+//!
+//! ```text
+//!     F = (q + 3 alpha p + beta <s1> - gamma <-s1>) / (1 - alpha) - c(kc) <= 0
+//!     alpha = (fb - 1) / (2 fb - 1),  beta = (1 - alpha) c / f_t - (1 + alpha),  gamma = 3 (1 - Kc) / (2 Kc - 1)
+//!     G = sqrt((ecc f_t tan psi)^2 + q^2) + p tan psi
+//!     d kt = r max(d ep_1, 0),  d kc = (1 - r) max(-d ep_3, 0),  r = sum <s_i> / sum |s_i|
+//!     stress = (1 - dc) (1 - r dt) s         (stiffness recovery w_c = 1, w_t = 0)
+//! ```
+//!
+//! The decks' damage is d = 1 - stress / strength. So effective strength rises to the peak and stays there, and damage does
+//! all the softening: plasticity and damage part just so in Abaqus on these decks. dt follows the decks' bilinear crack
+//! law, dc their exponential one, both over inelastic strain, which is plastic strain and what damage gave up of elastic.
+//!
+//! Differences to Abaqus with the same deck:
+//! - The rising branch is one polynomial through the deck's polygon, within 2.5 % of the strength (peak and its strain agree).
+//! - A crack's plastic opening is its opening less d f_t h / E; Abaqus takes a unit length in place of h. So here the whole
+//!   stress-opening curve spends the fracture energy on any width, there f_t^2 (h - 1 mm) / 2E more.
+//! - Tensile damage goes on to 0.9999, where Abaqus keeps the deck's last 0.99.
+//! - A step's direction of flow and Lode angle are the trial stress's: explicit steps are small.
+//! - No viscosity, which Abaqus/Explicit has not either.
+
+use super::elastic::energy;
+use super::invariants::Invariants;
+use super::limits::{self, ELASTIC_LIMIT, LawError, require};
+use super::{Elastic, Law, Response, State, Tensor, softening};
+use crate::real::Real;
+use meso_core::materials::{self, Materials, Plasticity, Strength};
+
+/// Parameters, as registers.
+#[derive(Clone, Copy, Debug)]
+pub struct Cdp<R> {
+    elastic: Elastic<R>,
+    /// 1 / (3 K), 1 / (2 G), both per MPa.
+    per_volume: R,
+    per_shear: R,
+    /// 3 K, 3 G over tan psi and 1: how fast mean and Mises stress fall along the flow.
+    mean_fall: R,
+    three_shear: R,
+    /// tan(psi) / 3 and the square of the potential's rounding.
+    dilation: R,
+    rounding: R,
+    three_alpha: R,
+    one_less_alpha: R,
+    one_more_alpha: R,
+    gamma: R,
+    /// (1 - alpha) / f_t
+    beta_slope: R,
+    compressive: R,
+    /// What hardening adds to the compressive strength, 1 / (plastic strain at the peak), and its shape.
+    hardening: R,
+    per_peak: R,
+    peak: R,
+    bend: R,
+    /// Elastic strains of the strengths.
+    tensile_strain: R,
+    compressive_strain: R,
+    /// Energy over strength: the width of the softening curves, mm.
+    tensile_opening: R,
+    crushing_opening: R,
+    /// Widest crack band, mm.
+    widest: R,
+    widest_mm: f64,
+}
+
+/// How far damage of a crack goes.
+const LEAST_INTEGRITY: f64 = 1e-4;
+/// A crack band's share of the width at which it would snap back: at 1 the stress would drop at no strain.
+const SNAP_BACK: f64 = 0.98;
+/// Newton's steps; the equation is convex, so each ends on the safe side of the surface.
+const STEPS: usize = 3;
+
+/// Finds out whether the law can have these values.
+///
+/// # Errors
+/// Names the first one that it cannot have.
+pub fn validate(materials: &Materials) -> Result<(), LawError> {
+    limits::elastic(materials)?;
+    limits::strength(materials)?;
+    let Plasticity { dilation_angle_deg: angle, eccentricity, biaxial_ratio, meridian_ratio, .. } =
+        materials.plasticity;
+    let accepted = "it must lie above 0 and below 60; 15 to 40 is usual";
+    require("plasticity.dilation_angle_deg", angle, angle > 0.0 && angle < 60.0, accepted)?;
+    let accepted = "it must be 0 to 1; 0.1 is usual";
+    require("plasticity.eccentricity", eccentricity, (0.0..=1.0).contains(&eccentricity), accepted)?;
+    let accepted = "it must be 1 to 2; 1.16 is usual";
+    require("plasticity.biaxial_ratio", biaxial_ratio, (1.0..=2.0).contains(&biaxial_ratio), accepted)?;
+    let accepted = "it must lie above 0.5 and at most at 1; 2/3 to 0.8 is usual";
+    require("plasticity.meridian_ratio", meridian_ratio, meridian_ratio > 0.5 && meridian_ratio <= 1.0, accepted)?;
+    let (alpha, given) = (alpha(&materials.plasticity), &materials.mortar_strength);
+    let most = ELASTIC_LIMIT * given.compressive_mpa * (1.0 - alpha) / (1.0 + alpha);
+    let accepted = format!("it must be at most {most:.4}: the surface has no beta below 0 where hardening begins");
+    require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, &accepted)
+}
+
+fn alpha(plasticity: &Plasticity) -> f64 {
+    let biaxial = plasticity.biaxial_ratio;
+    (biaxial - 1.0) / (2.0 * biaxial - 1.0)
+}
+
+impl<R: Real> Cdp<R> {
+    /// The law of a phase with these values, which [`validate`] has seen.
+    pub fn new(elastic: &materials::Elastic, strength: &Strength, plasticity: &Plasticity) -> Self {
+        let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
+        let (bulk, shear) = (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+        let (fc, ft, kc) = (strength.compressive_mpa, strength.tensile_mpa, plasticity.meridian_ratio);
+        let tan = libm::tan(plasticity.dilation_angle_deg.to_radians());
+        let alpha = alpha(plasticity);
+        let peak = strength.peak_strain - fc / e;
+        let openings = [strength.fracture_energy_n_per_mm / ft, strength.crushing_energy_n_per_mm / fc];
+        let widest_mm = SNAP_BACK * (openings[0] / (BRANCHES[0].1 * ft / e)).min(openings[1] / (fc / e));
+        let splat = R::splat;
+        Self {
+            elastic: Elastic::new(elastic),
+            per_volume: splat(1.0 / (3.0 * bulk)),
+            per_shear: splat(1.0 / (2.0 * shear)),
+            mean_fall: splat(bulk * tan),
+            three_shear: splat(3.0 * shear),
+            dilation: splat(tan / 3.0),
+            rounding: splat((plasticity.eccentricity * ft * tan).powi(2)),
+            three_alpha: splat(3.0 * alpha),
+            one_less_alpha: splat(1.0 - alpha),
+            one_more_alpha: splat(1.0 + alpha),
+            gamma: splat(3.0 * (1.0 - kc) / (2.0 * kc - 1.0)),
+            beta_slope: splat((1.0 - alpha) / ft),
+            compressive: splat(fc),
+            hardening: splat((1.0 - ELASTIC_LIMIT) * fc),
+            per_peak: splat(1.0 / peak),
+            peak: splat(peak),
+            bend: splat(bend(e * strength.peak_strain / fc)),
+            tensile_strain: splat(ft / e),
+            compressive_strain: splat(fc / e),
+            tensile_opening: splat(openings[0]),
+            crushing_opening: splat(openings[1]),
+            widest: splat(widest_mm),
+            widest_mm,
+        }
+    }
+}
+
+/// The a of c = 1 - 0.6 (1 - x)^2 (1 + a x), x from 0 to 1, closest to the deck's rising branch; k = E e_peak / f.
+///
+/// The branch is fib Model Code 2010, eq. 5.1-26, over plastic strain: with s = stress / f at plastic strain
+/// x (1 - 1/k) e_peak it solves ((k - 1) / k)^2 s^2 + B X s - X (k - X) = 0, X = x (1 - 1/k), B = (k^2 - 2 k + 2) / k.
+fn bend(k: f64) -> f64 {
+    let (square, linear) = (((k - 1.0) / k).powi(2), (k * k - 2.0 * k + 2.0) / k);
+    let (mut above, mut below) = (0.0, 0.0);
+    for step in 1..100 {
+        let x = f64::from(step) / 100.0;
+        let strain = x * (1.0 - 1.0 / k);
+        let half = linear * strain / (2.0 * square);
+        let stress = (half * half + strain * (k - strain) / square).sqrt() - half;
+        let weight = (1.0 - ELASTIC_LIMIT) * (1.0 - x).powi(2);
+        above += weight * x * (1.0 - weight - stress.max(ELASTIC_LIMIT));
+        below += (weight * x).powi(2);
+    }
+    // Within these the branch rises all the way.
+    (above / below).clamp(-1.0, 2.0)
+}
+
+/// Straight pieces of the crack law of fib Model Code 2010, 5.1.8.2: the share a - b w of f_t at the opening w, in G_f / f_t.
+const BRANCHES: [(f64, f64); 2] = [(1.0, 0.8), (0.25, 0.05)];
+
+/// What a step of plasticity is made of.
+#[derive(Clone, Copy)]
+struct Trial<R> {
+    invariants: Invariants<R>,
+    /// Hardening of compression per step of flow.
+    harden: R,
+    /// How fast Mises and the largest principal stress fall.
+    mises_fall: R,
+    largest_fall: R,
+    largest: R,
+    crushed: R,
+}
+
+impl<R: Real> Cdp<R> {
+    /// Effective compressive strength and its slope at the crushing strain `crushed`.
+    #[inline(always)]
+    fn strength(&self, crushed: R) -> (R, R) {
+        let one = R::splat(1.0);
+        let x = (crushed * self.per_peak).min(one);
+        let rest = one - x;
+        let bent = self.bend.mul_add(x, one);
+        let fall = self.hardening * rest;
+        let slope = (bent + bent - self.bend * rest) * fall * self.per_peak;
+        ((-fall).mul_add(rest * bent, self.compressive), slope)
+    }
+
+    /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
+    #[inline(always)]
+    fn excess(&self, trial: &Trial<R>, flow: R) -> (R, R) {
+        let zero = R::splat(0.0);
+        let (strength, hardening) = self.strength(trial.harden.mul_add(flow, trial.crushed));
+        let mises = (-trial.mises_fall).mul_add(flow, trial.invariants.mises);
+        let mean = (-self.mean_fall).mul_add(flow, trial.invariants.mean);
+        let largest = (-trial.largest_fall).mul_add(flow, trial.largest);
+        let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
+        let tensile = zero.lt(largest);
+        let weight = R::select(tensile, beta, self.gamma);
+        let pressed = self.three_alpha.mul_add(mean, mises);
+        let excess = weight.mul_add(largest, pressed) - self.one_less_alpha * strength;
+        let lift = R::select(tensile, self.beta_slope * largest, zero) - self.one_less_alpha;
+        let fall = self.three_alpha.mul_add(self.mean_fall, trial.mises_fall);
+        let fall = weight.mul_add(trial.largest_fall, fall) - lift * hardening * trial.harden;
+        (excess, fall)
+    }
+
+    /// Whether no point can yield and none is damaged: an upper bound, since the largest principal stress is at most
+    /// p + 2 q / 3, and gamma takes away only.
+    #[inline(always)]
+    fn at_rest(&self, of: &Invariants<R>, cracked: R, crushed: R) -> bool {
+        let zero = R::splat(0.0);
+        let (strength, _) = self.strength(crushed);
+        let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
+        let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean).positive();
+        let pressed = self.three_alpha.mul_add(of.mean, of.mises);
+        let bound = beta.mul_add(largest, pressed) - self.one_less_alpha * strength;
+        !R::any(zero.lt(bound) | zero.lt(cracked) | self.peak.lt(crushed))
+    }
+
+    /// The trial stress's directions.
+    #[inline(always)]
+    fn trial(&self, invariants: Invariants<R>, shape: &[R; 3], tension: R, crushed: R) -> Trial<R> {
+        let q = invariants.mises;
+        let two_thirds = R::splat(2.0 / 3.0);
+        // dG/dq
+        let along = q / q.mul_add(q, self.rounding).sqrt().max(R::splat(1e-8));
+        let least = along.mul_add(shape[2], self.dilation);
+        let mises_fall = self.three_shear * along;
+        Trial {
+            harden: (R::splat(1.0) - tension) * (-least).positive(),
+            mises_fall,
+            largest_fall: two_thirds.mul_add(mises_fall * shape[0], self.mean_fall),
+            largest: (two_thirds * q).mul_add(shape[0], invariants.mean),
+            crushed,
+            invariants,
+        }
+    }
+
+    /// Mean stress at the surface's tip, on the side of tension.
+    #[inline(always)]
+    fn tip(&self, crushed: R) -> R {
+        let strength = self.strength(crushed).0;
+        let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
+        self.one_less_alpha * strength / (self.three_alpha + beta)
+    }
+
+    /// Share of the Mises stress that the return leaves, and the mean stress after it.
+    #[inline(always)]
+    fn back(&self, trial: &Trial<R>) -> (R, R) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let mut flow = zero;
+        for _ in 0..STEPS {
+            let (excess, fall) = self.excess(trial, flow);
+            flow = (flow + excess / fall).positive();
+        }
+        let Invariants { mean, mises, .. } = trial.invariants;
+        let left = one - trial.mises_fall * flow / mises.max(R::splat(1e-8));
+        let beyond = left.lt(zero) & zero.lt(flow);
+        let returned = (-self.mean_fall).mul_add(flow, mean);
+        let tip = self.tip(trial.harden.mul_add(flow, trial.crushed)).min(mean);
+        (R::select(beyond, zero, left.min(one)), R::select(beyond, tip, returned))
+    }
+
+    /// Integrities of tension and compression, and the width that they are of.
+    #[inline(always)]
+    fn integrity(&self, cracked: R, crushed: R, width: R) -> [R; 2] {
+        let width = width.min(self.widest);
+        let [steep, flat] = BRANCHES.map(|(from, slope)| {
+            let (from, slope) = (R::splat(from), R::splat(slope));
+            // The share is from - slope w, with the opening w = h (cracked + (1 - share) f_t / E).
+            let held = (R::splat(1.0) - from).mul_add(self.tensile_strain, cracked);
+            let run = (self.tensile_opening / width) - slope * self.tensile_strain;
+            from - slope * held / run
+        });
+        let crack = steep.max(flat).between(LEAST_INTEGRITY, 1.0);
+        let per_scale = width / self.crushing_opening;
+        let x = (crushed - self.peak).positive() * per_scale;
+        let crush = softening::integrity(x, self.compressive_strain * per_scale).min(R::splat(1.0));
+        [crack, R::select(self.peak.lt(crushed), crush, R::splat(1.0))]
+    }
+}
+
+/// Share of tension among the principal stresses, 0 to 1.
+#[inline(always)]
+fn tension<R: Real>(mean: R, mises: R, shape: &[R; 3]) -> R {
+    let scale = R::splat(2.0 / 3.0) * mises;
+    let principal = shape.map(|y| scale.mul_add(y, mean));
+    let pulled = principal[0].positive() + principal[1].positive() + principal[2].positive();
+    let all = principal[0].abs() + principal[1].abs() + principal[2].abs();
+    pulled / all.max(R::splat(1e-8))
+}
+
+/// Where plastic strain ends and the two hardening strains stand in a history.
+const CRACKED: usize = 6;
+const CRUSHED: usize = 7;
+
+#[inline(always)]
+fn elastic_strain<R: Real>(strain: &Tensor<R>, history: &[R; 8]) -> Tensor<R> {
+    std::array::from_fn(|i| strain[i] - history[i])
+}
+
+impl<R: Real> Law<R> for Cdp<R> {
+    /// Plastic strain, then the plastic strains of cracking and of crushing.
+    type History = [R; 8];
+
+    fn virgin() -> [R; 8] {
+        [R::splat(0.0); 8]
+    }
+
+    #[inline(always)]
+    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> Response<R> {
+        let one = R::splat(1.0);
+        let stress = self.elastic.of(&elastic_strain(strain, history));
+        let invariants = Invariants::of(&stress);
+        if self.at_rest(&invariants, history[CRACKED], history[CRUSHED]) {
+            return Response { stress, integrity: one };
+        }
+        let shape = invariants.shape();
+        let Invariants { mean, deviator, mises } = invariants;
+        let crushed = history[CRUSHED];
+        let (left, new_mean) = self.back(&self.trial(invariants, &shape, tension(mean, mises, &shape), crushed));
+
+        let volumetric = (mean - new_mean) * self.per_volume;
+        let lost = (one - left) * self.per_shear;
+        for i in 0..3 {
+            history[i] = lost.mul_add(deviator[i], history[i] + volumetric);
+            history[i + 3] = (lost + lost).mul_add(deviator[i + 3], history[i + 3]);
+        }
+        let scale = R::splat(2.0 / 3.0) * mises * lost;
+        let largest = scale.mul_add(shape[0], volumetric).positive();
+        let least = (-scale.mul_add(shape[2], volumetric)).positive();
+        let pulled = tension(new_mean, left * mises, &shape);
+        history[CRACKED] = pulled.mul_add(largest, history[CRACKED]);
+        history[CRUSHED] = (one - pulled).mul_add(least, history[CRUSHED]);
+
+        let [crack, crush] = self.integrity(history[CRACKED], history[CRUSHED], width);
+        let integrity = crush * (-pulled).mul_add(one - crack, one);
+        let (kept, pressed) = (integrity * left, integrity * new_mean);
+        let normal = |i: usize| kept.mul_add(deviator[i], pressed);
+        let shear = |i: usize| kept * deviator[i];
+        let stress = [normal(0), normal(1), normal(2), shear(3), shear(4), shear(5)];
+        Response { stress, integrity }
+    }
+
+    fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
+        let one = R::splat(1.0);
+        let [crack, crush] = self.integrity(history[CRACKED], history[CRUSHED], width);
+        let stress = self.stress(strain, &mut { *history }, width).stress;
+        State {
+            tension: one - crack,
+            compression: one - crush,
+            opening: width.min(self.widest) * (one - crack).mul_add(self.tensile_strain, history[CRACKED]),
+            stored: energy(&stress, &elastic_strain(strain, history)),
+        }
+    }
+
+    fn widest_mm(&self) -> f64 {
+        self.widest_mm
+    }
+}

@@ -1,0 +1,70 @@
+//! Isotropic linear elasticity.
+
+use super::{Law, Response, State, Tensor};
+use crate::real::Real;
+
+/// Lame's two constants, MPa.
+#[derive(Clone, Copy, Debug)]
+pub struct Elastic<R> {
+    /// lambda.
+    pub(super) lambda: R,
+    /// G.
+    pub(super) shear: R,
+}
+
+impl<R: Real> Elastic<R> {
+    /// From Young's modulus and Poisson's ratio.
+    pub fn new(values: &meso_core::materials::Elastic) -> Self {
+        let (e, nu) = (values.youngs_modulus_mpa, values.poisson_ratio);
+        let shear = e / (2.0 * (1.0 + nu));
+        Self { lambda: R::splat(2.0 * shear * nu / (1.0 - 2.0 * nu)), shear: R::splat(shear) }
+    }
+
+    /// Stress of an elastic strain, MPa.
+    #[inline(always)]
+    pub fn of(&self, strain: &Tensor<R>) -> Tensor<R> {
+        let [xx, yy, zz, xy, yz, zx] = *strain;
+        let pressure = self.lambda * (xx + yy + zz);
+        let twice = self.shear + self.shear;
+        [
+            twice.mul_add(xx, pressure),
+            twice.mul_add(yy, pressure),
+            twice.mul_add(zz, pressure),
+            self.shear * xy,
+            self.shear * yz,
+            self.shear * zx,
+        ]
+    }
+}
+
+/// Half of stress times strain, N/mm2.
+#[inline(always)]
+pub(super) fn energy<R: Real>(stress: &Tensor<R>, strain: &Tensor<R>) -> R {
+    let mut sum = stress[0] * strain[0];
+    for i in 1..6 {
+        sum = stress[i].mul_add(strain[i], sum);
+    }
+    R::splat(0.5) * sum
+}
+
+impl<R: Real> Law<R> for Elastic<R> {
+    type History = [R; 0];
+
+    fn virgin() -> [R; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn stress(&self, strain: &Tensor<R>, _: &mut [R; 0], _: R) -> Response<R> {
+        Response { stress: self.of(strain), integrity: R::splat(1.0) }
+    }
+
+    fn state(&self, strain: &Tensor<R>, _: &[R; 0], _: R) -> State<R> {
+        let none = R::splat(0.0);
+        State { tension: none, compression: none, opening: none, stored: energy(&self.of(strain), strain) }
+    }
+
+    fn widest_mm(&self) -> f64 {
+        f64::INFINITY
+    }
+}

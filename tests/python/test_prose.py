@@ -1,0 +1,76 @@
+"""The documents read easily: sentences are short, and lines fit a screen."""
+
+import re
+import statistics
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+
+MEAN_WORDS = 20
+NINETIETH_PERCENTILE = 35
+WIDEST_LINE = 120
+
+# A full stop after these ends no sentence.
+ABBREVIATION = re.compile(r"\b(Sec|Fig|Eq|eq|No|e\.g|i\.e|vs|Dr)\.$")
+
+
+def blocks(text: str) -> list[str]:
+    """Split a document into paragraphs and list items; code, tables, headings and pictures are left out."""
+    found, block, fenced = [], [], False
+    for line in [*text.splitlines(), ""]:
+        fenced ^= line.lstrip().startswith("```")
+        item = re.match(r"\s*([-*]|\d+\.)\s+", line)
+        code = line.startswith("    ") and not block
+        outside = fenced or code or not line.strip() or re.match(r"\s*(```|\||#|!\[)", line)
+        if outside or item:
+            found.append(" ".join(block))
+            block = []
+        if not outside:
+            block.append(line[item.end() :] if item else line.strip())
+    return [block for block in found if block]
+
+
+def sentences(block: str) -> list[str]:
+    """Split a paragraph at the marks that end a sentence; what is quoted as code counts as one word."""
+    plain = re.sub(r"`[^`]*`", "code", block)
+    plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", plain)
+    found = [""]
+    for part in re.split(r"(?<=[.!?])[*)\"]*\s+", plain):
+        found[-1] = f"{found[-1]} {part}".strip()
+        if not ABBREVIATION.search(part):
+            found.append("")
+    return [sentence for sentence in found if sentence]
+
+
+def words(sentence: str) -> int:
+    """Count the words: whatever holds a letter or a digit."""
+    return sum(any(letter.isalnum() for letter in word) for word in sentence.split())
+
+
+def lengths(text: str) -> list[int]:
+    """Count the words of every sentence of a document."""
+    return [words(sentence) for block in blocks(text) for sentence in sentences(block)]
+
+
+def test_the_counter_sees_sentences_and_skips_what_is_none():
+    text = "# A heading\n\nOne two three. Four `five six` (Sec. 2.1)\nseven!\n\n- An item\n  of four.\n\n| a | table |\n\n    code\n"
+    assert lengths(text) == [3, 5, 4]
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_sentences_are_short(document):
+    counts = sorted(lengths(document.read_text(encoding="utf-8")))
+    longest = counts[int(0.9 * (len(counts) - 1))]
+    assert statistics.mean(counts) <= MEAN_WORDS
+    assert longest <= NINETIETH_PERCENTILE
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_lines_fit_a_screen(document):
+    text = document.read_text(encoding="utf-8").splitlines()
+    # A row of a table cannot be broken.
+    wide = [number for number, line in enumerate(text, 1) if len(line) > WIDEST_LINE and not line.startswith("|")]
+    assert not wide, f"lines wider than {WIDEST_LINE}: {wide}"
