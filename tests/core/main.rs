@@ -17,6 +17,7 @@ mod gjk;
 mod grading;
 mod hull;
 mod inclusions;
+mod lies;
 mod mesh;
 mod mesh_distance;
 mod mesh_itz;

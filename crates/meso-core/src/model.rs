@@ -3,7 +3,7 @@
 use crate::aggregate::take::{Grain, Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
-use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Strategy};
+use crate::packing::{self, Largest, Outcome, Pose, Progress, Report, Request, Seconds, Silent, Strategy};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -36,7 +36,7 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
-    let largest = spec.specimen.container().largest().less(spec.placement.wall_gap_mm);
+    let largest = largest(spec);
     if let Some(error) = spec.fits_nowhere(&grains, &largest) {
         return Err(error);
     }
@@ -62,6 +62,23 @@ impl Model {
         }
         Cow::Owned([&self.aggregates[..], &self.inclusions].concat())
     }
+}
+
+/// All grains that `spec` takes, for whoever wants to know whether a model holds them.
+pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
+    Ok(take_grains(spec, &Silent, 0.0)?.0)
+}
+
+/// Upper bounds on a body in the specimen, its distance to the walls kept.
+pub(crate) fn largest(spec: &Spec) -> Largest {
+    spec.specimen.container().largest().less(spec.placement.wall_gap_mm)
+}
+
+/// What a run reports that ended like this with the bodies of `model`.
+pub(crate) fn report_on(model: &Model, outcome: &Outcome) -> Report {
+    // Of the bounds on bodies a report says nothing.
+    let request = request(&model.spec, &[], Largest::default(), &Silent, 0.0);
+    packing::report(&request, &model.aggregates, &model.inclusions, outcome)
 }
 
 fn request<'a>(

@@ -128,3 +128,16 @@ impl Buckets {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_that_cannot_be_asked_is_not_proved_apart() {
+        let at = |x: f64| [0.0, 1.0, 2.0, 3.0].map(|k| Vec3::new(x, k, k * k)).to_vec();
+        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)) };
+        assert_eq!(verdict(&placed(0, 0.0), &placed(1, 1.0), 0.0), None);
+        assert_eq!(verdict(&placed(0, 0.0), &placed(1, f64::NAN), 0.0), Some(Finding::Overlap { a: 0, b: 1 }));
+    }
+}

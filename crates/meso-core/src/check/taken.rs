@@ -1,0 +1,131 @@
+//! Are these the grains that the spec and the seed give? The take is repeated and every body looked up in it: by its class,
+//! by its ITZ to the last bit, and by its volume.
+
+use super::Finding;
+use crate::aggregate::take::Grain;
+use crate::aggregate::{Aggregate, Kind};
+use crate::model::{self, Model};
+use crate::packing::{Outcome, StopReason, Strategy, Work};
+use std::cmp::Ordering;
+
+/// Where the spec makes more grains than this many times those that the report accounts for, they are not made.
+const MOST_MADE: f64 = 4.0;
+/// And so many more: estimates of a few grains are rough.
+const FEW: f64 = 1000.0;
+
+/// What a run of the model's spec takes, and what the report may therefore say; what is found in the bodies.
+///
+/// No outcome where making the grains would take far longer than the file is long.
+pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Outcome>, Vec<Finding>) {
+    let accounted = model.aggregates.len().saturating_add(model.report.discarded);
+    let made = model.spec.estimated_aggregates();
+    if made > MOST_MADE * accounted as f64 + FEW {
+        let reason = format!("the spec makes about {made:.0} aggregates, the report accounts for {accounted}");
+        let finding = (!was_stopped(model)).then_some(Finding::Report { reason });
+        return (None, finding.into_iter().collect());
+    }
+    let grains = match model::taken(&model.spec) {
+        Ok(grains) => grains,
+        Err(error) => return (None, vec![Finding::Report { reason: error.to_string() }]),
+    };
+    let mut outcome = outcome(model, &grains);
+    let mut drafts = Drafts::new(&grains);
+    let mut findings = Vec::new();
+    for body in bodies {
+        match drafts.claim(body) {
+            Some(limited) => outcome.itz_limited.extend(limited.then_some(body.id)),
+            None => findings.push(Finding::NotTaken { body: body.id }),
+        }
+    }
+    (Some(outcome), findings)
+}
+
+/// A time limit or the user ended the run: what was made and tried depends on the clock.
+pub(super) fn was_stopped(model: &Model) -> bool {
+    matches!(model.report.stop_reason, StopReason::TimeLimit | StopReason::Interrupted)
+}
+
+fn outcome(model: &Model, grains: &[Grain]) -> Outcome {
+    let (strategy, dead_end) = match model.spec.placement.chosen() {
+        Strategy::TakeAndPlace => ("take-and-place", StopReason::AttemptsExhausted),
+        _ => ("rearrange", StopReason::Jammed),
+    };
+    let largest = model::largest(&model.spec);
+    let mut outcome = Outcome {
+        poses: vec![None; grains.len()],
+        work: Work::default(),
+        stop: was_stopped(model).then_some(model.report.stop_reason),
+        dead_end,
+        strategy,
+        itz_limited: Vec::new(),
+        largest_mm3: Vec::new(),
+        aggregates_taken: 0,
+        too_large: grains.iter().filter(|grain| !largest.admits(grain)).count(),
+        cut_short: false,
+    };
+    outcome.note(grains, model.spec.grading.classes().len());
+    outcome
+}
+
+/// What is known of a grain wherever it lies.
+struct Draft {
+    class: u16,
+    itz_bits: u64,
+    volume: f64,
+    limited: bool,
+}
+
+/// The grains in order, each to be claimed once.
+struct Drafts {
+    sorted: Vec<Draft>,
+    /// The next grain from here on that may be free; one past the last where there is none.
+    free: Vec<usize>,
+}
+
+impl Drafts {
+    fn new(grains: &[Grain]) -> Self {
+        let draft = |grain: &Grain| Draft {
+            class: grain.class,
+            itz_bits: grain.itz_thickness_mm.to_bits(),
+            volume: grain.volume(),
+            limited: grain.itz_limited,
+        };
+        let mut sorted: Vec<Draft> = grains.iter().map(draft).collect();
+        sorted.sort_unstable_by(|a, b| a.cmp(b.class, b.itz_bits, b.volume));
+        Self { free: (0..=sorted.len()).collect(), sorted }
+    }
+
+    /// Whether the ITZ of the grain that this body is was limited; `None` where it is none that is left.
+    fn claim(&mut self, body: &Aggregate) -> Option<bool> {
+        let itz_bits = if body.kind == Kind::Aggregate { body.itz_thickness_mm.to_bits() } else { 0 };
+        let volume = body.body.volume();
+        let rounding = rounding(volume);
+        let first = self.sorted.partition_point(|d| d.cmp(body.class, itz_bits, volume - rounding).is_lt());
+        let found = self.next_free(first);
+        let draft = self.sorted.get(found)?;
+        if draft.cmp(body.class, itz_bits, volume + rounding).is_gt() {
+            return None;
+        }
+        self.free[found] = found + 1;
+        Some(draft.limited)
+    }
+
+    fn next_free(&mut self, mut at: usize) -> usize {
+        while self.free[at] != at {
+            self.free[at] = self.free[self.free[at]];
+            at = self.free[at];
+        }
+        at
+    }
+}
+
+impl Draft {
+    fn cmp(&self, class: u16, itz_bits: u64, volume: f64) -> Ordering {
+        (self.class, self.itz_bits).cmp(&(class, itz_bits)).then(self.volume.total_cmp(&volume))
+    }
+}
+
+/// A body that was turned has its corners on a lattice of 2^-30 mm: its volume, mm3, errs by half a step on every face.
+fn rounding(volume: f64) -> f64 {
+    1e-12 * volume + 4e-8 * libm::cbrt(volume * volume)
+}
