@@ -149,12 +149,14 @@ fn a_spec_without_end_is_not_read_to_its_end() {
 
 #[test]
 #[cfg(unix)]
-fn a_pipe_without_a_writer_is_not_waited_for() {
+fn a_pipe_that_a_spec_names_is_not_waited_for() {
     let folder = Folder::new();
-    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe.toml")).status();
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe.stl")).status();
     assert!(made.expect("mkfifo runs").success());
+    folder.write("pipe.toml", "specimen = { kind = 'mesh', file = 'pipe.stl' }");
     let run = folder.run(&["pack", "pipe.toml"]);
-    assert_refused(&folder, &["pipe.toml".into()], &run, 2, "pipe.toml is no regular file", "a FIFO");
+    let names = ["pipe.stl".into(), "pipe.toml".into()];
+    assert_refused(&folder, &names, &run, 2, "pipe.stl is no regular file", "a FIFO that a spec names");
 }
 
 #[test]

@@ -16,5 +16,6 @@ mod interrupt;
 #[path = "../layer_errors.rs"]
 mod layer_errors;
 mod meshing;
+mod outputs;
 mod report;
 mod same_bytes;

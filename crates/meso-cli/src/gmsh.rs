@@ -77,8 +77,8 @@ impl Gmsh {
     /// # Errors
     /// As those of [`run`](Self::run), and the stop.
     pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
-        let folder = tempfile::Builder::new().prefix("mesocrete-").tempdir().map_err(files)?;
-        interrupt::remember(folder.path());
+        let make = || tempfile::Builder::new().prefix("mesocrete-").tempdir();
+        let folder = interrupt::hidden(make, tempfile::TempDir::path).map_err(files)?;
         let output = self.fill(surfaces, folder.path(), stop);
         interrupt::forget(folder.path());
         output

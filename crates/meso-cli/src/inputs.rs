@@ -11,6 +11,10 @@ use std::path::Path;
 const LONGEST_INPUT: u64 = 256 << 20;
 /// Longest spec that is read, bytes; a sieve table of a million rows is shorter.
 const LONGEST_SPEC: u64 = 32 << 20;
+/// Longest saved model, bytes: ten million aggregates, the most that a spec may ask for, take 30 GB.
+const LONGEST_MODEL: u64 = 32 << 30;
+/// A model begins within so many bytes.
+const HEAD: u64 = 4096;
 
 /// Reads a SPEC.toml, `-` for standard input. Values that cannot be are named with their line.
 pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
@@ -36,7 +40,11 @@ pub struct Beside<'a>(pub &'a Path);
 
 impl Files for Beside<'_> {
     fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
-        read(&self.0.join(name), LONGEST_INPUT).map_err(|failure| io::Error::other(failure.message().to_owned()))
+        let path = self.0.join(name);
+        // A pipe that a spec names and nobody fills would be waited for without end.
+        is_file(&path)
+            .and_then(|()| read(&path, LONGEST_INPUT))
+            .map_err(|failure| io::Error::other(failure.message().to_owned()))
     }
 
     fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
@@ -47,9 +55,15 @@ impl Files for Beside<'_> {
     }
 }
 
-/// Reads a saved model, `-` for standard input.
+/// Reads a saved model, `-` for standard input. What does not begin like one is not read to its end.
 pub(crate) fn model(path: &Path) -> Result<Model, Failure> {
-    let bytes = read(path, u64::MAX)?;
+    let fail = |error: io::Error| Failure::file(path, &error);
+    let mut source = source(path)?;
+    let mut bytes = Vec::new();
+    source.by_ref().take(HEAD).read_to_end(&mut bytes).map_err(fail)?;
+    if bytes.trim_ascii_start().starts_with(b"{") {
+        read_rest(path, source, &mut bytes, LONGEST_MODEL, "no saved model")?;
+    }
     saved::read(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
 }
 
@@ -58,22 +72,35 @@ fn name(path: &Path) -> String {
 }
 
 fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
-    let fail = |error: io::Error| Failure::file(path, &error);
-    let source: Box<dyn Read> = if path == Path::new("-") { Box::new(io::stdin()) } else { Box::new(open(path)?) };
     let mut bytes = Vec::new();
-    source.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(fail)?;
-    if bytes.len() as u64 > limit {
-        return Err(Failure::Usage(format!("{} is longer than {} MB; that is no spec", name(path), limit >> 20)));
-    }
+    read_rest(path, source(path)?, &mut bytes, limit, "no spec")?;
     Ok(bytes)
 }
 
-/// Opens a regular file: a directory cannot be read, and a pipe without a writer would be waited for without end.
-fn open(path: &Path) -> Result<File, Failure> {
-    let kind = std::fs::metadata(path).map_err(|error| Failure::file(path, &error))?;
-    if !kind.is_file() {
-        let what = if kind.is_dir() { "a directory" } else { "no regular file" };
-        return Err(Failure::Usage(format!("{} is {what}; name a file, or - for standard input", path.display())));
+/// Appends what is left of `source`, up to a limit of all bytes; what is longer is `no` file of its kind.
+fn read_rest(path: &Path, source: impl Read, bytes: &mut Vec<u8>, limit: u64, no: &str) -> Result<(), Failure> {
+    let left = limit.saturating_sub(bytes.len() as u64).saturating_add(1);
+    source.take(left).read_to_end(bytes).map_err(|error| Failure::file(path, &error))?;
+    if bytes.len() as u64 > limit {
+        return Err(Failure::Usage(format!("{} is longer than {} MB; that is {no}", name(path), limit >> 20)));
     }
-    File::open(path).map_err(|error| Failure::file(path, &error))
+    Ok(())
+}
+
+/// A file, a pipe, or standard input.
+fn source(path: &Path) -> Result<Box<dyn Read>, Failure> {
+    if path == Path::new("-") {
+        return Ok(Box::new(io::stdin()));
+    }
+    let fail = |error: io::Error| Failure::file(path, &error);
+    if std::fs::metadata(path).map_err(fail)?.is_dir() {
+        return Err(Failure::Usage(format!("{} is a directory; name a file, or - for standard input", path.display())));
+    }
+    Ok(Box::new(File::open(path).map_err(fail)?))
+}
+
+fn is_file(path: &Path) -> Result<(), Failure> {
+    let kind = std::fs::metadata(path).map_err(|error| Failure::file(path, &error))?;
+    let what = if kind.is_dir() { "a directory" } else { "no regular file" };
+    if kind.is_file() { Ok(()) } else { Err(Failure::Usage(format!("{} is {what}; name a file", path.display()))) }
 }

@@ -2,17 +2,21 @@
 //! at any other time, everything stops.
 //!
 //! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
-//! `.mesocrete-*.tmp`, or a folder of gmsh's.
+//! `.mesocrete-*.tmp`, or a folder of gmsh's. Hidden files come and go, and outputs get their names, only while
+//! [`hold`] is held. The handler waits for it and never gives it back: it finds all that was made, and nothing is made after it.
 
 use crate::failure::INTERRUPTED;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Child;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 static POLLED: AtomicBool = AtomicBool::new(false);
-static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+/// The process ends as soon as [`hold`] is free.
+static ENDING: AtomicBool = AtomicBool::new(false);
+static HIDDEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 static RUNNING: Mutex<Vec<Arc<Mutex<Child>>>> = Mutex::new(Vec::new());
 
 /// Handles the signals from now on.
@@ -21,8 +25,10 @@ pub(crate) fn install() {
     let _ = ctrlc::set_handler(|| {
         let first = !ASKED.swap(true, Ordering::SeqCst);
         if !(first && POLLED.load(Ordering::SeqCst)) {
+            ENDING.store(true, Ordering::SeqCst);
             end_programs();
-            remove_temporary_files();
+            let hidden = hold();
+            remove(&hidden);
             std::process::exit(INTERRUPTED.into());
         }
     });
@@ -69,18 +75,56 @@ impl Drop for Running {
     }
 }
 
-/// Remembers a temporary file or folder to be removed when the process is told to end.
-pub(crate) fn remember(path: &Path) {
-    if let Ok(mut paths) = TEMPORARY.lock() {
-        paths.push(path.to_owned());
+/// The hidden files and folders there are. While this is held no signal ends the process.
+pub(crate) fn hold() -> MutexGuard<'static, Vec<PathBuf>> {
+    HIDDEN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Makes a hidden file or folder, which a signal will remove.
+pub(crate) fn hidden<T>(make: impl FnOnce() -> io::Result<T>, path: impl FnOnce(&T) -> &Path) -> io::Result<T> {
+    let mut paths = hold();
+    let made = make()?;
+    paths.push(path(&made).to_owned());
+    Ok(made)
+}
+
+/// Waits for the end where a signal came while this thread held [`hold`]: the exit code tells of it.
+pub(crate) fn end_if_told() {
+    while ENDING.load(Ordering::SeqCst) {
+        std::thread::park();
     }
 }
 
-/// It got its name, or is gone.
+/// It is gone.
 pub(crate) fn forget(path: &Path) {
-    if let Ok(mut paths) = TEMPORARY.lock() {
-        paths.retain(|other| other != path);
+    hold().retain(|other| other != path);
+}
+
+/// Passes from one step of writing files to the next. Tests of debug builds let it fail, or let a signal come, at the step
+/// whose number the environment names: between any two steps, without waiting for the right moment.
+#[cfg(debug_assertions)]
+pub(crate) fn step() -> io::Result<()> {
+    use std::sync::atomic::AtomicUsize;
+    static STEPS: AtomicUsize = AtomicUsize::new(0);
+    let number = STEPS.fetch_add(1, Ordering::SeqCst).to_string();
+    let is_now = |name: &str| std::env::var(name).is_ok_and(|at| at == number);
+    if is_now("MESOCRETE_FAIL_AT") {
+        return Err(io::Error::other("a test lets this step fail"));
     }
+    if is_now("MESOCRETE_SIGNAL_AT") {
+        std::process::Command::new("kill").args(["-INT", &std::process::id().to_string()]).status()?;
+        while !ENDING.load(Ordering::SeqCst) {
+            std::thread::yield_now();
+        }
+    }
+    Ok(())
+}
+
+/// Nothing, in what users run.
+#[cfg(not(debug_assertions))]
+#[expect(clippy::unnecessary_wraps, reason = "steps fail in tests")]
+pub(crate) fn step() -> io::Result<()> {
+    Ok(())
 }
 
 fn end_programs() {
@@ -92,10 +136,8 @@ fn end_programs() {
     }
 }
 
-fn remove_temporary_files() {
-    if let Ok(paths) = TEMPORARY.lock() {
-        for path in paths.iter() {
-            let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-        }
+fn remove(paths: &[PathBuf]) {
+    for path in paths {
+        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
 }
