@@ -1,6 +1,6 @@
 //! A specimen of triangles that is not convex, for the tests of the core and of the command.
 
-use meso_core::packing::Specimen;
+use meso_core::packing::{Built, Specimen};
 
 /// An L as triangles: two arms of length `long`, `thick` across and `high`, each corner moved by `place`.
 pub(crate) fn angle_piece([long, thick, high]: [f64; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Specimen {
@@ -13,5 +13,5 @@ pub(crate) fn angle_piece([long, thick, high]: [f64; 3], place: impl Fn([f64; 3]
         let j = (i + 1) % 6;
         triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
     }
-    Specimen::Mesh { vertices_mm: [at(0.0), at(high)].concat(), triangles }
+    Specimen::Mesh { vertices_mm: [at(0.0), at(high)].concat(), triangles, built: Built::default() }
 }

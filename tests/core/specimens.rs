@@ -5,7 +5,7 @@ use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Fit, MeshOptions, Method};
-use meso_core::packing::{Silent, Specimen, StopReason, Strategy};
+use meso_core::packing::{Built, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, pack};
 use std::f64::consts::PI;
 
@@ -216,7 +216,7 @@ fn cubes(edge: f64) -> Specimen {
         triangles.extend(surface.triangles().map(|t| t.map(|corner| corner + vertices_mm.len() as u32)));
         vertices_mm.extend(surface.points.into_iter().map(<[f64; 3]>::from));
     }
-    Specimen::Mesh { vertices_mm, triangles }
+    Specimen::Mesh { vertices_mm, triangles, built: Built::default() }
 }
 
 /// A cube of 20 mm with one of 6 mm in its middle, or beside it, whose triangles are turned round where it is a hollow.
@@ -226,7 +226,7 @@ fn nested(at: f64, hollow: bool) -> Specimen {
     let inner_triangles = inner.triangles().map(|[a, b, c]| if hollow { [a, c, b] } else { [a, b, c] });
     let triangles = outer.triangles().chain(inner_triangles.map(|t| t.map(|corner| corner + 8))).collect();
     let vertices_mm = outer.points.into_iter().chain(inner.points).map(<[f64; 3]>::from).collect();
-    Specimen::Mesh { vertices_mm, triangles }
+    Specimen::Mesh { vertices_mm, triangles, built: Built::default() }
 }
 
 #[test]

@@ -15,8 +15,9 @@ pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub use place::place;
+pub(crate) use report::NOT_RECORDED;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
+pub use specimen::{Built, Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
 
 use crate::aggregate::take::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};

@@ -8,12 +8,13 @@ use crate::aggregate::Kind;
 use crate::aggregate::take::Grain;
 use crate::math::Aabb;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// A request, and the quantities that every strategy derives from it.
 pub(super) struct Task<'a> {
     pub(super) request: Request<'a>,
     /// The specimen's container, its volume in mm3, and its periods.
-    pub(super) container: Box<dyn Container>,
+    pub(super) container: Arc<dyn Container>,
     pub(super) volume: f64,
     pub(super) period: Period,
     /// Volume each class may take, mm3. A grain that would exceed it by more than half of itself is left out.

@@ -29,6 +29,8 @@ use cylinder::Cylinder;
 use dogbone::Dogbone;
 use serde::{Deserialize, Serialize};
 use sphere::Sphere;
+use std::fmt;
+use std::sync::{Arc, OnceLock};
 use triangulated::Triangulated;
 
 /// A specimen; its frame has the origin at the lowest corner of its bounding box.
@@ -113,7 +115,30 @@ pub enum Specimen {
         vertices_mm: Vec<[f64; 3]>,
         /// Indices of corners, counter-clockwise seen from outside.
         triangles: Vec<[u32; 3]>,
+        /// What was built from them.
+        #[serde(skip)]
+        built: Built,
     },
+}
+
+/// What a large surface takes seconds to build: once, however often it is asked for. Copies of a specimen share it.
+#[derive(Clone, Default)]
+pub struct Built {
+    container: Arc<OnceLock<Arc<dyn Container>>>,
+    volume: Arc<OnceLock<f64>>,
+}
+
+impl fmt::Debug for Built {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.container.get().is_some() { "Built" } else { "NotBuilt" })
+    }
+}
+
+/// It follows from the corners and triangles, which are compared.
+impl PartialEq for Built {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Why lengths or points enclose no volume.
@@ -221,7 +246,7 @@ impl Specimen {
             }
             Self::Dogbone { .. } => Box::new(self.dogbone().container()?),
             Self::Polyhedron { vertices_mm } => Box::new(Convex::hull(vertices_mm)?),
-            Self::Mesh { vertices_mm, triangles } => convex_or(Triangulated::new(surface(vertices_mm, triangles)?)),
+            Self::Mesh { vertices_mm, triangles, .. } => convex_or(Triangulated::new(surface(vertices_mm, triangles)?)),
         })
     }
 
@@ -229,15 +254,16 @@ impl Specimen {
     ///
     /// # Errors
     /// See [`ContainerError`].
-    pub fn check(&self) -> Result<Box<dyn Container>, ContainerError> {
-        let Self::Mesh { vertices_mm, triangles } = self else { return self.build() };
+    pub fn check(&self) -> Result<Arc<dyn Container>, ContainerError> {
+        let Self::Mesh { vertices_mm, triangles, built } = self else { return Ok(self.build()?.into()) };
         let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing() {
             return Err(ContainerError::Crossing { at: triangle[0].into() });
         }
-        closed
-            .nested()
-            .map_or_else(|| Ok(convex_or(closed)), |corner| Err(ContainerError::Nested { at: corner.into() }))
+        if let Some(corner) = closed.nested() {
+            return Err(ContainerError::Nested { at: corner.into() });
+        }
+        Ok(Arc::clone(built.container.get_or_init(|| convex_or(closed).into())))
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -264,14 +290,18 @@ impl Specimen {
     ///
     /// # Panics
     /// Where [`Specimen::build`] fails.
-    pub fn container(&self) -> Box<dyn Container> {
-        self.build().expect("an accepted specimen encloses a room")
+    pub fn container(&self) -> Arc<dyn Container> {
+        let build = || self.build().expect("an accepted specimen encloses a room").into();
+        match self {
+            Self::Mesh { built, .. } => Arc::clone(built.container.get_or_init(build)),
+            _ => build(),
+        }
     }
 
     /// Bounding box, mm.
     pub fn aabb(&self) -> Aabb {
         match self {
-            // The container of a large surface takes long to build.
+            // The container of a large surface takes long to build, where it is not yet there.
             Self::Mesh { vertices_mm, .. } => Aabb::around(&at_origin(vertices_mm)),
             _ => self.container().aabb(),
         }
@@ -280,7 +310,9 @@ impl Specimen {
     /// Volume, mm3.
     pub fn volume(&self) -> f64 {
         match self {
-            Self::Mesh { vertices_mm, triangles } => unchecked(vertices_mm, triangles).volume(),
+            Self::Mesh { vertices_mm, triangles, built } => {
+                *built.volume.get_or_init(|| unchecked(vertices_mm, triangles).volume())
+            }
             _ => self.container().volume(),
         }
     }
