@@ -15,10 +15,10 @@ mod rows;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_cli::gmsh::Gmsh;
-use meso_core::mesh::{self, ItzForm, MeshOptions, Method, quality};
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Order, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec, pack};
+use meso_gmsh::Gmsh;
 use rows::{enter, number};
 use std::process::Command;
 
@@ -59,15 +59,10 @@ fn case(slabs: Option<u32>, side_mm: f64, element_size_mm: f64) {
     let mut spec = Spec { seed: 1, specimen: Specimen::cube(side_mm), ..Spec::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     let model = pack(&spec, &Silent).expect("the spec is valid");
-    let options = MeshOptions {
-        method: Method::Conforming,
-        element_size_mm,
-        itz: ItzForm::None,
-        slabs,
-        ..MeshOptions::default()
-    };
+    let options =
+        MeshOptions { method: Method::Conforming { order: Order::Linear, slabs }, element_size_mm, itz: ItzForm::None };
     let before = cpu_seconds();
-    let mesh = mesh::build_with(&model, &options, &|surfaces| Gmsh::program("gmsh").run(surfaces)).expect("a mesh");
+    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh")).expect("a mesh");
     let [own, gmsh] = [0, 1].map(|i| cpu_seconds()[i] - before[i]);
     let cells = quality::cells(&mesh);
     let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);

@@ -14,10 +14,10 @@ mod rows;
 mod table;
 
 use layer_errors::LayerErrors;
-use meso_cli::gmsh::Gmsh;
 use meso_core::mesh::{self, MeshOptions, Method, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec, pack};
+use meso_gmsh::Gmsh;
 use rows::{enter, number};
 
 const HEADER: &str = "side_mm,element_size_mm,fraction,seed,aggregates,elements,error_rms_mm,area_mm2,volume_error_percent,\
@@ -30,8 +30,8 @@ fn main() {
     let mut spec = Spec { seed: seed as u64, fraction, specimen: Specimen::cube(side), ..Spec::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     let model = pack(&spec, &Silent).expect("the spec is valid");
-    let options = MeshOptions { method: Method::Conforming, element_size_mm, ..MeshOptions::default() };
-    let mesh = mesh::build_with(&model, &options, &|surfaces| Gmsh::program("gmsh").run(surfaces)).expect("a mesh");
+    let options = MeshOptions { method: Method::CONFORMING, element_size_mm, ..MeshOptions::default() };
+    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh")).expect("a mesh");
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).expect("cores");
     let volume = 100.0 * (PhaseVolumes::of_mesh(&mesh).itz / exact.itz - 1.0);
     let layer = LayerErrors::of(&mesh, &model);

@@ -15,10 +15,12 @@ mod plot;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_cli::gmsh::Gmsh;
 use meso_core::export::abaqus::{self, DeckOptions};
-use meso_core::mesh::{self, Fit, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality};
+use meso_core::mesh::{
+    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, VolumeMesher, quality,
+};
 use meso_core::{Model, Silent, Spec, pack, saved};
+use meso_gmsh::Gmsh;
 use plot::{Line, Plot};
 use std::path::Path;
 use std::process::Command;
@@ -149,17 +151,17 @@ fn case(method: &str, element_size_mm: f64, path: &Path) {
 /// The mesh, and where gmsh has run, the wall-clock seconds of its runs, one after the other or at once, and the largest
 /// one's peak memory, MB.
 fn build(model: &Model, method: &str, element_size_mm: f64) -> (Mesh, Option<(f64, f64)>) {
-    let (method, fit) = match method {
-        "voxel" => (Method::Voxel, Fit::Plain),
-        "lattice-plain" => (Method::Lattice, Fit::Plain),
-        "lattice-fitted" => (Method::Lattice, Fit::Fitted),
-        _ => (Method::Conforming, Fit::Plain),
+    let method = match method {
+        "voxel" => Method::VOXEL,
+        "lattice-plain" => Method::PLAIN,
+        "lattice-fitted" => Method::FITTED,
+        _ => Method::CONFORMING,
     };
-    let options = MeshOptions { method, fit, element_size_mm, itz: ItzForm::None, ..MeshOptions::default() };
+    let options = MeshOptions { method, element_size_mm, itz: ItzForm::None };
     let outside = Mutex::new(None);
     let gmsh = |surfaces: &mesh::conforming::Surfaces| {
         let start = Instant::now();
-        let (output, peak) = watched(|| Gmsh::program("gmsh").run(surfaces));
+        let (output, peak) = watched(|| Gmsh::program("gmsh").fill(surfaces));
         let mut outside = outside.lock().expect("no run has panicked");
         let (seconds, peak_before) = outside.unwrap_or((0.0, 0.0));
         *outside = Some((seconds + start.elapsed().as_secs_f64(), peak.max(peak_before)));

@@ -2,13 +2,14 @@
 
 use crate::command::Folder;
 use crate::layer_errors::LayerErrors;
-use meso_cli::gmsh::Gmsh;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::geometry::inward_offset;
-use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
+use meso_core::mesh::conforming::Surfaces;
+use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
+use meso_gmsh::Gmsh;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A dense packing of 30 mm with room to mesh between its grains.
@@ -36,9 +37,11 @@ pub(crate) fn with_options(model: &Model, options: MeshOptions) -> Option<Mesh> 
     if !has_gmsh() {
         return None;
     }
-    let options = MeshOptions { method: Method::Conforming, ..options };
-    let gmsh = Gmsh::program("gmsh");
-    Some(mesh::build_with(model, &options, &|surfaces| gmsh.run(surfaces)).unwrap())
+    let method = match options.method {
+        conforming @ Method::Conforming { .. } => conforming,
+        _ => Method::CONFORMING,
+    };
+    Some(mesh::build_with(model, &MeshOptions { method, ..options }, &Gmsh::program("gmsh")).unwrap())
 }
 
 #[test]
@@ -79,8 +82,11 @@ fn core_area(aggregate: &Aggregate) -> f64 {
 #[test]
 fn a_second_order_conforming_mesh_has_the_same_shape_with_one_node_in_the_middle_of_every_edge() {
     let model = packed(0.05);
-    let of_order = |order| with_options(&model, MeshOptions { order, element_size_mm: 3.0, ..Default::default() });
-    let (Some(first), Some(second)) = (of_order(1), of_order(2)) else { return };
+    let of_order = |order| {
+        let method = Method::Conforming { order, slabs: None };
+        with_options(&model, MeshOptions { method, element_size_mm: 3.0, ..Default::default() })
+    };
+    let (Some(first), Some(second)) = (of_order(Order::Linear), of_order(Order::Quadratic)) else { return };
     assert_eq!(second.kind, CellKind::QuadraticTetrahedron);
     assert_eq!((&first.phase, &first.aggregate), (&second.phase, &second.aggregate));
     let mut middles = BTreeMap::new();
@@ -126,8 +132,9 @@ fn elements_as_coarse_as_the_aggregates_end() {
 
 #[test]
 fn aggregates_that_nearly_touch_are_named_at_once_with_the_remedy() {
-    let (model, options) = (packed(0.0), MeshOptions { method: Method::Conforming, ..Default::default() });
-    let error = mesh::build_with(&model, &options, &|_| panic!("gmsh must not be asked")).unwrap_err().to_string();
+    let (model, options) = (packed(0.0), MeshOptions { method: Method::CONFORMING, ..Default::default() });
+    let error =
+        mesh::build_with(&model, &options, &|_: &Surfaces| panic!("gmsh must not be asked")).unwrap_err().to_string();
     assert!(error.starts_with("aggregate ") && error.contains("too close for a conforming mesh"), "{error}");
     assert!(error.contains("min_gap_mm = 0.05 and wall_gap_mm = 0.05 or more under [placement]"), "{error}");
 }

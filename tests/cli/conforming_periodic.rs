@@ -2,11 +2,13 @@
 
 use crate::command::Folder;
 use crate::conforming::{has_gmsh, with_options};
-use meso_cli::gmsh::Gmsh;
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{
+    self, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, VolumeMesher, quality,
+};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
+use meso_gmsh::Gmsh;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 const SIDE_MM: f64 = 30.0;
@@ -109,10 +111,10 @@ fn the_solid_itz_leaves_the_surfaces_of_a_periodic_box_as_they_are_and_matches_a
 fn with_lone_nodes(spoilt: usize) -> (Result<Mesh, String>, usize) {
     let model = packed([true; 3], 1);
     let options =
-        MeshOptions { method: Method::Conforming, itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
+        MeshOptions { method: Method::CONFORMING, itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
     let runs = AtomicUsize::new(0);
     let moved = |surfaces: &Surfaces| {
-        let mut output = Gmsh::program("gmsh").run(surfaces)?;
+        let mut output = Gmsh::program("gmsh").fill(surfaces)?;
         if runs.fetch_add(1, Ordering::Relaxed) >= spoilt {
             return Ok(output);
         }

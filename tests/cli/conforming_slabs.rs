@@ -2,7 +2,7 @@
 
 use crate::conforming::with_options;
 use meso_core::math::Vec3;
-use meso_core::mesh::{ItzForm, Mesh, MeshOptions, NO_AGGREGATE, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Order, Phase, PhaseVolumes, quality};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 
@@ -17,7 +17,8 @@ fn packed(specimen: &str, others: &str) -> Model {
 }
 
 fn in_slabs(model: &Model, itz: ItzForm, slabs: u32) -> Option<Mesh> {
-    with_options(model, MeshOptions { itz, element_size_mm: 3.0, slabs: Some(slabs), ..Default::default() })
+    let method = Method::Conforming { order: Order::Linear, slabs: Some(slabs) };
+    with_options(model, MeshOptions { itz, element_size_mm: 3.0, method })
 }
 
 /// Every face lies between two cells or on a side of the box.

@@ -63,8 +63,8 @@ fn a_command_that_has_nothing_to_keep_ends_at_once() {
 const ENDLESS: &str =
     "#!/bin/sh\ncase \"$*\" in *--version*) exit 0;; esac\necho $$ > \"$(dirname \"$0\")/running\"\nexec sleep 100\n";
 
-#[test]
-fn an_interrupt_during_gmsh_ends_gmsh_and_leaves_nothing() {
+/// A folder with `model.json` and `gaps.toml`, whose gaps gmsh can mesh, and the program `./endless`.
+fn with_endless_gmsh() -> Folder {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new();
     let gaps = "placement = { min_gap_mm = 0.1, wall_gap_mm = 0.1 }\n";
@@ -73,20 +73,51 @@ fn an_interrupt_during_gmsh_ends_gmsh_and_leaves_nothing() {
     folder.write("endless", ENDLESS);
     std::fs::set_permissions(folder.path("endless"), PermissionsExt::from_mode(0o755)).unwrap();
     std::fs::create_dir(folder.path("temporary")).unwrap();
+    folder
+}
+
+/// Starts `command` with that gmsh, and waits until it runs.
+fn until_gmsh_runs(folder: &Folder, command: &[&str]) -> Child {
+    let args = [command, &["-o", "m.inp", "--method", "conforming", "--gmsh", "./endless"]].concat();
+    let mut child = folder.command(&args).env("TMPDIR", folder.path("temporary")).spawn().unwrap();
+    let begun = Instant::now();
+    while !std::fs::read(folder.path("running")).is_ok_and(|number| number.ends_with(b"\n")) {
+        assert!(child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(60), "no gmsh");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child
+}
+
+/// Whether the gmsh that noted its number still runs.
+fn gmsh_runs(folder: &Folder) -> bool {
+    let number = String::from_utf8(folder.read("running")).unwrap();
+    Command::new("kill").args(["-0", number.trim()]).stderr(Stdio::null()).status().unwrap().success()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_kill_that_nobody_can_catch_ends_gmsh_too() {
+    let folder = with_endless_gmsh();
+    let mut child = until_gmsh_runs(&folder, &["mesh", "model.json"]);
+    signal(&child, "-KILL");
+    assert_eq!(child.wait().unwrap().code(), None);
+    let killed = Instant::now();
+    // Whoever takes over its children has to look after the dead one first.
+    while gmsh_runs(&folder) {
+        assert!(killed.elapsed() < Duration::from_secs(20), "gmsh goes on without us");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn an_interrupt_during_gmsh_ends_gmsh_and_leaves_nothing() {
+    let folder = with_endless_gmsh();
     // After the packing, too, the first one counts.
     for command in [["mesh", "model.json"], ["pack", "gaps.toml"]] {
-        let args = [&command[..], &["-o", "m.inp", "--method", "conforming", "--gmsh", "./endless"]].concat();
-        let mut child = folder.command(&args).env("TMPDIR", folder.path("temporary")).spawn().unwrap();
-        let begun = Instant::now();
-        while !std::fs::read(folder.path("running")).is_ok_and(|number| number.ends_with(b"\n")) {
-            assert!(child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(60), "no gmsh");
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        let mut child = until_gmsh_runs(&folder, &command);
         signal(&child, "-INT");
         assert_eq!(child.wait().unwrap().code(), Some(130));
-        let number = String::from_utf8(folder.read("running")).unwrap();
-        let is_there = Command::new("kill").args(["-0", number.trim()]).stderr(Stdio::null()).status().unwrap();
-        assert!(!is_there.success(), "gmsh goes on without us");
+        assert!(!gmsh_runs(&folder), "gmsh goes on without us");
         assert_eq!(std::fs::read_dir(folder.path("temporary")).unwrap().count(), 0, "its folder is left");
         assert!(!folder.names().iter().any(|name| name == "m.inp" || name.ends_with(".tmp")), "{:?}", folder.names());
         std::fs::remove_file(folder.path("running")).unwrap();

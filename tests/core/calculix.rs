@@ -95,10 +95,9 @@ pub(crate) fn packed() -> Model {
 fn calculix_finds_moduli_between_the_hashin_shtrikman_bounds_that_agree() {
     let model = packed();
     let mut moduli = Vec::new();
-    for method in [Method::Voxel, Method::Lattice, Method::Conforming] {
+    for method in [Method::Voxel { thin_itz: false, subsamples: 4 }, Method::FITTED, Method::CONFORMING] {
         // Voxels by the majority of their points: by their centres they were 3.3 % stiffer than the fitted lattice.
-        let options =
-            MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, subsamples: 4, ..Default::default() };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0 };
         let Ok(mesh) = mesh::build_with(&model, &options, &gmsh) else {
             eprintln!("{method:?} skipped: no `gmsh` here (Debian: gmsh)");
             continue;
@@ -159,9 +158,9 @@ fn calculix_knows_all_of_the_explicit_decks_but_the_documented_keywords() {
     let model = packed();
     let (mut unknown, mut refused) = (BTreeSet::new(), BTreeSet::new());
     for (analysis, itz, method) in [
-        (Analysis::Compression, ItzForm::None, Method::Voxel),
-        (Analysis::Tension, ItzForm::Cohesive, Method::Voxel),
-        (Analysis::Compression, ItzForm::Cohesive, Method::Lattice),
+        (Analysis::Compression, ItzForm::None, Method::VOXEL),
+        (Analysis::Tension, ItzForm::Cohesive, Method::VOXEL),
+        (Analysis::Compression, ItzForm::Cohesive, Method::FITTED),
     ] {
         let options = MeshOptions { method, itz, element_size_mm: 5.0, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();

@@ -5,7 +5,7 @@ use crate::calculix::{elastic, modulus, modulus_of, packed};
 use crate::mesh::deck;
 use crate::periodic_decks::{self, modulus as periodic_modulus, solve_deck, tied};
 use meso_core::export::abaqus::Analysis;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use std::collections::BTreeSet;
 
 /// `text` with a spring of `stiffness` N/mm in every direction between every two nodes that a cohesive element joins.
@@ -47,7 +47,7 @@ fn spring_sections(stiffness: f64) -> String {
 #[test]
 fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_when_stiff_and_a_lower_one_when_soft() {
     let model = packed();
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::FITTED] {
         let meshed = |itz| {
             let options = MeshOptions { method, itz, element_size_mm: 4.0, ..Default::default() };
             mesh::build(&model, &options).unwrap()
@@ -65,9 +65,9 @@ fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_when_stiff_and_
 #[test]
 fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_of_a_periodic_box_too() {
     let model = periodic_decks::packed([true; 3]);
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::PLAIN] {
         let text = |itz| {
-            let options = MeshOptions { method, fit: Fit::Plain, itz, element_size_mm: 3.0, ..Default::default() };
+            let options = MeshOptions { method, itz, element_size_mm: 3.0 };
             let mesh = mesh::build(&model, &options).unwrap();
             let text = deck(&mesh, &tied(Analysis::Elastic));
             if itz == ItzForm::Cohesive { with_springs(&mesh, &text, 1e10) } else { text }

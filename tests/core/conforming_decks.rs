@@ -25,11 +25,11 @@ fn packed(axes: [bool; 3]) -> Model {
 /// `None` without gmsh.
 fn meshed(model: &Model, options: MeshOptions) -> Option<Mesh> {
     let no_gmsh = |error: MeshError| eprintln!("skipped: no `gmsh` here (Debian: gmsh): {error}");
-    mesh::build_with(model, &options, &|surfaces| gmsh(surfaces)).map_err(no_gmsh).ok()
+    mesh::build_with(model, &options, &gmsh).map_err(no_gmsh).ok()
 }
 
 fn conforming(model: &Model, itz: ItzForm, element_size_mm: f64) -> Option<Mesh> {
-    meshed(model, MeshOptions { method: Method::Conforming, itz, element_size_mm, ..Default::default() })
+    meshed(model, MeshOptions { method: Method::CONFORMING, itz, element_size_mm, ..Default::default() })
 }
 
 #[test]
@@ -58,10 +58,9 @@ fn every_node_on_an_upper_face_of_a_conforming_mesh_is_tied_to_its_image() {
 fn calculix_finds_the_modulus_of_the_other_meshes_in_a_conforming_one_of_a_periodic_box() {
     let model = packed([true; 3]);
     let mut moduli = Vec::new();
-    for method in [Method::Conforming, Method::Voxel, Method::Lattice] {
+    for method in [Method::CONFORMING, Method::Voxel { thin_itz: false, subsamples: 4 }, Method::FITTED] {
         // As without periods: voxels by the majority of their points.
-        let options =
-            MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, subsamples: 4, ..Default::default() };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0 };
         let Some(mesh) = meshed(&model, options) else { return };
         let Some(solved) = solve_deck(&deck(&mesh, &tied(Analysis::Elastic))) else { return };
         moduli.push(modulus(&solved));

@@ -5,7 +5,7 @@ use crate::mesh_specimens::rooms;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Phase};
+use meso_core::mesh::{self, CellKind, Fit, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Order, Phase};
 use meso_core::packing::{Periodic, Specimen};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -189,12 +189,13 @@ fn consistent(text: &str) {
 fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
     let (grains, specimen) = turned_blocks();
     let mut seen = BTreeSet::new();
-    for (method, order) in [(Method::Voxel, 1), (Method::Lattice, 1), (Method::Lattice, 2)] {
+    let quadratic = Method::Lattice { fit: Fit::Fitted, order: Order::Quadratic };
+    for method in [Method::VOXEL, Method::FITTED, quadratic] {
         for itz in [ItzForm::None, ItzForm::Solid, ItzForm::Cohesive] {
-            if (order, itz) == (2, ItzForm::Cohesive) {
+            if (method, itz) == (quadratic, ItzForm::Cohesive) {
                 continue;
             }
-            let options = MeshOptions { method, order, itz, element_size_mm: 4.0, ..Default::default() };
+            let options = MeshOptions { method, itz, element_size_mm: 4.0 };
             let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
             for analysis in [Analysis::None, Analysis::Elastic, Analysis::Compression, Analysis::Tension] {
                 for reduced_integration in [false, true] {
@@ -219,7 +220,7 @@ fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
 #[test]
 fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
     for specimen in rooms() {
-        for method in [Method::Voxel, Method::Lattice] {
+        for method in [Method::VOXEL, Method::FITTED] {
             let options = MeshOptions { method, element_size_mm: 4.0, ..Default::default() };
             let mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
             let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });

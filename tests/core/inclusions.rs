@@ -332,7 +332,7 @@ fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
     let exact = PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, |_| 0.0).unwrap();
     let holes = model.report.phases[0].fraction * model.spec.specimen.volume();
     assert!((exact.total() - (model.spec.specimen.volume() - holes)).abs() < 1e-6);
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::FITTED] {
         let mesh = meshed(&model, method, ItzForm::None);
         let volumes = PhaseVolumes::of_mesh(&mesh);
         let off = |own: f64, exact: f64| (own / exact - 1.0).abs();
@@ -350,7 +350,7 @@ fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
 #[test]
 fn a_deck_gives_fibres_a_set_and_a_material_and_voids_none() {
     let model = packed(BOTH);
-    let mesh = meshed(&model, Method::Voxel, ItzForm::Solid);
+    let mesh = meshed(&model, Method::VOXEL, ItzForm::Solid);
     let mut out = Vec::new();
     abaqus::write(&mesh, &Default::default(), &mut out).unwrap();
     let deck = String::from_utf8(out).unwrap();
@@ -366,7 +366,7 @@ fn a_deck_gives_fibres_a_set_and_a_material_and_voids_none() {
 #[test]
 fn fibres_are_bonded_where_aggregates_get_cohesive_elements() {
     let model = packed(BOTH);
-    let mesh = meshed(&model, Method::Voxel, ItzForm::Cohesive);
+    let mesh = meshed(&model, Method::VOXEL, ItzForm::Cohesive);
     assert!(mesh.phase.contains(&Phase::Fibre) && mesh.cohesive().len() > 1000);
     assert!(mesh.cohesive_aggregate.iter().all(|&id| (id as usize) < model.aggregates.len()));
     for element in mesh.cohesive() {

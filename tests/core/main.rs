@@ -8,6 +8,7 @@ mod calculix;
 mod check;
 mod cohesive_decks;
 mod conforming_decks;
+mod conforming_retries;
 mod decks;
 mod erosion;
 mod exact;

@@ -30,6 +30,14 @@ pub(crate) fn turned_blocks() -> (Vec<Aggregate>, Specimen) {
     ((0..64).map(at).collect(), Specimen::cube(40.0))
 }
 
+fn sampled(subsamples: u32) -> Method {
+    Method::Voxel { thin_itz: false, subsamples }
+}
+
+fn thin(subsamples: u32) -> Method {
+    Method::Voxel { thin_itz: true, subsamples }
+}
+
 fn voxels(aggregates: &[Aggregate], specimen: &Specimen, options: MeshOptions) -> Mesh {
     mesh::build_parts(aggregates, specimen, &options).unwrap()
 }
@@ -52,7 +60,7 @@ fn an_aligned_block_is_meshed_exactly() {
 #[test]
 fn every_voxel_has_the_phase_of_its_centre() {
     let (grains, specimen) = turned_blocks();
-    let options = MeshOptions { element_size_mm: 0.8, thin_itz: true, ..Default::default() };
+    let options = MeshOptions { element_size_mm: 0.8, method: thin(1), ..Default::default() };
     let mesh = voxels(&grains, &specimen, options);
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 8.0;
@@ -87,7 +95,7 @@ fn sub_samples_outvote_the_centre() {
     // The block holds the voxel's centre but only 5 of 8 samples along x and along y: 25 of 64 columns.
     let grains = [aggregate(0, block([0.0; 3], [0.6, 0.6, 1.0]), 0.0)];
     let phase = |subsamples| {
-        let options = MeshOptions { element_size_mm: 1.0, subsamples, ..Default::default() };
+        let options = MeshOptions { element_size_mm: 1.0, method: sampled(subsamples), ..Default::default() };
         voxels(&grains, &Specimen::cube(1.0), options).phase
     };
     assert_eq!(phase(1), [Phase::Aggregate]);
@@ -98,7 +106,7 @@ fn sub_samples_outvote_the_centre() {
 fn a_thin_shell_takes_no_votes_from_its_aggregate() {
     // Of 7 samples along x 2 lie in the core, 2 in the shell, 3 in the mortar.
     let grains = [aggregate(0, block([-9.0; 3], [0.55, 9.0, 9.0]), 0.25)];
-    let options = MeshOptions { element_size_mm: 1.0, subsamples: 7, thin_itz: true, ..Default::default() };
+    let options = MeshOptions { element_size_mm: 1.0, method: thin(7), ..Default::default() };
     assert_eq!(voxels(&grains, &Specimen::cube(1.0), options).phase, [Phase::Aggregate]);
 }
 
@@ -107,7 +115,7 @@ fn meshes_are_identical_at_one_and_eight_threads() {
     let (grains, specimen) = turned_blocks();
     let mesh = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| voxels(&grains, &specimen, MeshOptions { subsamples: 2, ..Default::default() }))
+        pool.install(|| voxels(&grains, &specimen, MeshOptions { method: sampled(2), ..Default::default() }))
     };
     assert_eq!(mesh(1), mesh(8));
 }
@@ -171,16 +179,15 @@ fn a_vtu_declares_where_every_array_starts() {
     assert_eq!(size(*offsets.last().unwrap()), 8);
 }
 
-fn lattice(element_size_mm: f64, fit: mesh::Fit) -> Mesh {
+fn lattice(element_size_mm: f64, method: Method) -> Mesh {
     let (grains, specimen) = turned_blocks();
-    let options =
-        MeshOptions { method: Method::Lattice, element_size_mm, fit, itz: ItzForm::None, ..Default::default() };
+    let options = MeshOptions { method, element_size_mm, itz: ItzForm::None };
     voxels(&grains, &specimen, options)
 }
 
 #[test]
 fn a_fitted_lattice_fills_the_specimen_without_inverted_cells() {
-    let mesh = lattice(1.0, mesh::Fit::Fitted);
+    let mesh = lattice(1.0, Method::FITTED);
     assert!((PhaseVolumes::of_mesh(&mesh).total() / 64_000.0 - 1.0).abs() < 1e-9);
     assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
 }
@@ -188,7 +195,7 @@ fn a_fitted_lattice_fills_the_specimen_without_inverted_cells() {
 #[test]
 fn the_faces_of_a_fitted_lattice_match_in_pairs() {
     // A diagonal that two neighbours chose differently would leave its four triangles alone inside the cube.
-    let mesh = lattice(2.0, mesh::Fit::Fitted);
+    let mesh = lattice(2.0, Method::FITTED);
     let mut faces: Vec<[u32; 3]> = mesh
         .cells()
         .flat_map(|cell| mesh.kind.faces().iter().map(|face| [0, 1, 2].map(|i| cell[face[i]])))
@@ -208,7 +215,7 @@ fn the_faces_of_a_fitted_lattice_match_in_pairs() {
 #[test]
 fn a_plain_lattice_has_the_phase_of_every_centroid() {
     let (grains, _) = turned_blocks();
-    let mesh = lattice(1.5, mesh::Fit::Plain);
+    let mesh = lattice(1.5, Method::PLAIN);
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 4.0;
         let inside = |a: &&Aggregate| a.body.planes().all(|p| p.normal.dot(&centre) <= p.offset);

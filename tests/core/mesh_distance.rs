@@ -2,12 +2,12 @@
 
 use crate::mesh::{aggregate, block, turned_blocks};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, Fit, InterfaceDistance, ItzForm, MeshOptions, Method};
+use meso_core::mesh::{self, Fit, InterfaceDistance, ItzForm, MeshOptions, Method, Order};
 use meso_core::packing::{Periodic, Specimen};
 
 fn distance(block_mm: f64, specimen: &Specimen, itz: ItzForm) -> InterfaceDistance {
     let grains = [aggregate(0, block([2.0; 3], [block_mm; 3]), 0.5)];
-    let options = MeshOptions { element_size_mm: 1.0, itz, thin_itz: true, ..Default::default() };
+    let options = MeshOptions { element_size_mm: 1.0, itz, method: Method::Voxel { thin_itz: true, subsamples: 1 } };
     InterfaceDistance::of(&mesh::build_parts(&grains, specimen, &options).unwrap(), &grains, specimen)
 }
 
@@ -40,12 +40,11 @@ fn an_aggregate_that_comes_in_again_is_measured_by_its_nearest_image() {
 #[test]
 fn a_fitted_lattice_lies_nearer_than_a_plain_one_and_both_halve_with_the_elements() {
     let (grains, specimen) = turned_blocks();
-    let of = |fit, element_size_mm| {
-        let options =
-            MeshOptions { method: Method::Lattice, fit, itz: ItzForm::None, element_size_mm, ..Default::default() };
+    let of = |method, element_size_mm| {
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm };
         InterfaceDistance::of(&mesh::build_parts(&grains, &specimen, &options).unwrap(), &grains, &specimen).rms_mm
     };
-    let (plain, finer, fitted) = (of(Fit::Plain, 2.0), of(Fit::Plain, 1.0), of(Fit::Fitted, 2.0));
+    let (plain, finer, fitted) = (of(Method::PLAIN, 2.0), of(Method::PLAIN, 1.0), of(Method::FITTED, 2.0));
     assert!(plain > 0.2 && finer < 0.6 * plain && fitted < 0.1 * plain, "{plain} {finer} {fitted}");
 }
 
@@ -53,9 +52,9 @@ fn a_fitted_lattice_lies_nearer_than_a_plain_one_and_both_halve_with_the_element
 fn second_order_is_measured_at_its_corners() {
     let (grains, specimen) = turned_blocks();
     let of = |order| {
-        let method = Method::Lattice;
-        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.5, order, ..Default::default() };
+        let method = Method::Lattice { fit: Fit::Fitted, order };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.5 };
         InterfaceDistance::of(&mesh::build_parts(&grains, &specimen, &options).unwrap(), &grains, &specimen)
     };
-    assert_eq!(of(2), of(1));
+    assert_eq!(of(Order::Quadratic), of(Order::Linear));
 }

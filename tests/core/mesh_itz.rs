@@ -9,7 +9,7 @@ use meso_core::{Silent, Spec};
 
 fn lattice(itz: ItzForm) -> Mesh {
     let (grains, specimen) = turned_blocks();
-    let options = MeshOptions { method: Method::Lattice, element_size_mm: 1.25, itz, ..Default::default() };
+    let options = MeshOptions { method: Method::FITTED, element_size_mm: 1.25, itz, ..Default::default() };
     mesh::build_parts(&grains, &specimen, &options).unwrap()
 }
 
@@ -26,7 +26,7 @@ fn a_solid_layer_in_a_dense_packing_turns_no_cell_over() {
     let spec = Spec { fraction: 0.5, specimen: Specimen::cube(40.0), ..Default::default() };
     let model = meso_core::pack(&spec, &Silent).unwrap();
     for (element_size_mm, volume_error) in [(3.0, 0.1), (2.0, 0.005)] {
-        let options = MeshOptions { method: Method::Lattice, element_size_mm, ..Default::default() };
+        let options = MeshOptions { method: Method::FITTED, element_size_mm, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         assert!(mesh.notes.closed_gaps > 100, "gaps that close are what turned cells over");
         let cells = quality::cells(&mesh);
@@ -43,7 +43,7 @@ fn a_solid_layer_in_a_dense_packing_turns_no_cell_over() {
 
 #[test]
 fn cohesive_elements_close_every_interface_with_their_normal_out_of_the_aggregate() {
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, Method::FITTED] {
         let (grains, specimen) = turned_blocks();
         let options = MeshOptions { method, element_size_mm: 1.25, itz: ItzForm::Cohesive, ..Default::default() };
         let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
@@ -55,7 +55,7 @@ fn cohesive_elements_close_every_interface_with_their_normal_out_of_the_aggregat
             let normal = (at(&bottom[1]) - at(&bottom[0])).cross(&(at(&bottom[2]) - at(&bottom[0])));
             let centre = bottom.iter().map(at).sum::<Vec3>() / bottom.len() as f64;
             // To the voxel's centre, or a little way into the tetrahedron.
-            let back = centre - normal.normalize() * if method == Method::Voxel { 0.6 } else { 0.1 };
+            let back = centre - normal.normalize() * if method == Method::VOXEL { 0.6 } else { 0.1 };
             let height =
                 grains[*id as usize].body.planes().map(|p| p.normal.dot(&back) - p.offset).fold(-9.0, f64::max);
             assert!(height < 0.05, "{method:?} {id} {height}");

@@ -4,7 +4,7 @@ use crate::mesh::{aggregate, block};
 use meso_core::aggregate::Aggregate;
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{
-    self, Fit, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, PhaseVolumes, quality,
+    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, PhaseVolumes, quality,
 };
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
@@ -15,7 +15,7 @@ fn packed(specimen: Specimen, fraction: f64, seed: u64) -> Model {
 }
 
 fn fitted(model: &Model, element_size_mm: f64) -> Mesh {
-    let options = MeshOptions { method: Method::Lattice, itz: ItzForm::None, element_size_mm, ..Default::default() };
+    let options = MeshOptions { method: Method::FITTED, itz: ItzForm::None, element_size_mm, ..Default::default() };
     mesh::build(model, &options).unwrap()
 }
 
@@ -80,7 +80,7 @@ fn the_distance_of_interfaces_tells_nodes_that_are_off_from_nodes_that_close_gap
     let nodes = off(&fitted(&model, 2.0), &model);
     let joined = nodes.iter().filter(|(_, bodies)| *bodies > 1).count();
     for itz in [ItzForm::None, ItzForm::Cohesive] {
-        let options = MeshOptions { method: Method::Lattice, itz, ..Default::default() };
+        let options = MeshOptions { method: Method::FITTED, itz, ..Default::default() };
         let parted = mesh::build(&model, &options).unwrap();
         let found = InterfaceDistance::of(&parted, &model.aggregates, &model.spec.specimen);
         assert_eq!((found.nodes, found.joined, found.off), (nodes.len(), joined, 0), "{itz:?}");
@@ -95,7 +95,7 @@ fn where_a_face_hardly_rises_from_the_specimens_side_nodes_become_one_with_other
     let body = block([-6.0; 3], [6.0; 3]).rotated(&Rotation::from_euler_angles(0.01, 0.013, 0.4));
     let place = Vec3::new(12.0, 12.0, 0.02 - body.aabb().min.z);
     let (blocks, specimen) = ([aggregate(0, body.translated(&place), 0.5)], Specimen::cube(24.0));
-    let options = MeshOptions { method: Method::Lattice, itz: ItzForm::None, ..Default::default() };
+    let options = MeshOptions { method: Method::FITTED, itz: ItzForm::None, ..Default::default() };
     let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
     let distance = InterfaceDistance::of(&mesh, &blocks, &specimen);
     assert!(distance.nodes > 200 && distance.off == 0, "{distance:?}");
@@ -105,21 +105,19 @@ fn where_a_face_hardly_rises_from_the_specimens_side_nodes_become_one_with_other
 
 #[test]
 fn a_gap_to_a_side_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one_is_not() {
-    for fit in [None, Some(Fit::Plain), Some(Fit::Fitted)] {
+    for method in [Method::VOXEL, Method::PLAIN, Method::FITTED] {
         for (gap, repeats) in [(0.2, false), (0.2, true), (3.0, false)] {
             let blocks = [aggregate(5, block([gap, 6.0, 6.0], [9.0, 14.0, 14.0]), 0.5)];
             let specimen = Specimen::Cube { side_mm: 20.0, periodic: Periodic([repeats; 3]) };
-            let method = if fit.is_some() { Method::Lattice } else { Method::Voxel };
-            let fit = fit.unwrap_or(Fit::Plain);
-            let options = MeshOptions { method, fit, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
+            let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
             let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
             let there =
                 around(&mesh).iter().zip(&mesh.points).filter(|(ids, p)| ids.contains(&5) && p.x == 0.0).count();
-            let closed = fit == Fit::Plain && gap < 1.0;
-            assert_eq!(there > 0, closed, "{method:?} {fit:?} {gap}");
+            let closed = method != Method::FITTED && gap < 1.0;
+            assert_eq!(there > 0, closed, "{method:?} {gap}");
             // Across a face that is another's image the mesh goes on.
             let counted = if repeats { 0 } else { there };
-            assert_eq!(mesh.notes.closed_side_gaps, counted, "{method:?} {fit:?} {gap}");
+            assert_eq!(mesh.notes.closed_side_gaps, counted, "{method:?} {gap}");
             assert_eq!(mesh.notes.closed_side_gap_aggregates, usize::from(counted > 0));
             let widest = if counted > 0 { gap } else { 0.0 };
             assert!((mesh.notes.widest_closed_side_gap_mm - widest).abs() < 1e-12, "{:?}", mesh.notes);
@@ -149,10 +147,10 @@ fn neighbours(gap: f64) -> ([Aggregate; 2], Specimen) {
 
 #[test]
 fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one_is_not() {
-    for (method, fit) in [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain), (Method::Lattice, Fit::Fitted)] {
+    for method in [Method::VOXEL, Method::PLAIN, Method::FITTED] {
         for (gap, joined) in [(0.2, true), (5.0, false)] {
             let (blocks, specimen) = neighbours(gap);
-            let options = MeshOptions { method, fit, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
+            let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
             let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
             let nodes = |id: u32| -> BTreeSet<u32> {
                 let cells = mesh.cells().zip(&mesh.aggregate).filter(|(_, of)| **of == id);
@@ -160,14 +158,10 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
             };
             let shared = nodes(0).intersection(&nodes(1)).count();
             let notes = &mesh.notes;
-            assert_eq!(
-                (notes.closed_gaps, notes.closed_gap_pairs),
-                (shared, usize::from(joined)),
-                "{method:?} {fit:?}"
-            );
-            assert_eq!(shared > 0, joined, "{method:?} {fit:?}");
+            assert_eq!((notes.closed_gaps, notes.closed_gap_pairs), (shared, usize::from(joined)), "{method:?}");
+            assert_eq!(shared > 0, joined, "{method:?}");
             let widest = if joined { gap } else { 0.0 };
-            assert!((notes.widest_closed_gap_mm - widest).abs() < 1e-9, "{method:?} {fit:?} {notes:?}");
+            assert!((notes.widest_closed_gap_mm - widest).abs() < 1e-9, "{method:?} {notes:?}");
         }
     }
 }
@@ -192,16 +186,16 @@ pub(crate) fn face(mesh: &Mesh, axis: usize, place: f64) -> Vec<Vec<[i64; 2]>> {
 fn opposite_faces_of_a_periodic_box_match_node_for_node() {
     const SIDE: f64 = 30.0;
     let model = packed(Specimen::Cube { side_mm: SIDE, periodic: Periodic::ALL }, 0.45, 4);
-    for (method, fit) in [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain), (Method::Lattice, Fit::Fitted)] {
+    for method in [Method::VOXEL, Method::PLAIN, Method::FITTED] {
         for itz in [ItzForm::None, ItzForm::Cohesive] {
-            let options = MeshOptions { method, fit, itz, element_size_mm: 2.0, ..Default::default() };
+            let options = MeshOptions { method, itz, element_size_mm: 2.0, ..Default::default() };
             let mesh = mesh::build(&model, &options).unwrap();
             for axis in 0..3 {
                 let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
                 assert!(low.len() >= 225);
                 let only = |a: &[Vec<[i64; 2]>], b: &[Vec<[i64; 2]>]| a.iter().filter(|f| !b.contains(f)).count();
                 let lone = only(&low, &high) + only(&high, &low);
-                assert_eq!(lone, 0, "{method:?} {fit:?} {itz:?}, axis {axis}: of {}", low.len());
+                assert_eq!(lone, 0, "{method:?} {itz:?}, axis {axis}: of {}", low.len());
             }
         }
     }

@@ -7,19 +7,20 @@ use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{
-    self, Fit, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality,
+    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality,
 };
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 
 const AXES: [[bool; 3]; 4] = [[true; 3], [false, true, true], [true, false, false], [false, false, true]];
-const METHODS: [(Method, Fit); 3] =
-    [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain), (Method::Lattice, Fit::Fitted)];
+/// The solid ITZ has its own thickness.
+const THIN_VOXELS: Method = Method::Voxel { thin_itz: true, subsamples: 1 };
+const METHODS: [Method; 3] = [THIN_VOXELS, Method::PLAIN, Method::FITTED];
 
-fn meshed(model: &Model, (method, fit): (Method, Fit), itz: ItzForm) -> Mesh {
-    let element_size_mm = if method == Method::Voxel { 1.0 } else { 2.0 };
-    let options = MeshOptions { method, fit, itz, element_size_mm, thin_itz: true, ..Default::default() };
+fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
+    let element_size_mm = if method == THIN_VOXELS { 1.0 } else { 2.0 };
+    let options = MeshOptions { method, itz, element_size_mm };
     mesh::build(model, &options).unwrap()
 }
 
@@ -46,15 +47,15 @@ fn every_mesh_of_a_periodic_box_fills_it_with_cells_of_positive_volume_and_match
 }
 
 /// Chords at 2 mm take 1 to 3 % of grains of 6 to 12 mm, in boxes with walls, too.
-fn check_volumes(model: &Model, mesh: &Mesh, method: (Method, Fit), itz: ItzForm, what: &str) {
+fn check_volumes(model: &Model, mesh: &Mesh, method: Method, itz: ItzForm, what: &str) {
     let shell = |a: &Aggregate| if itz == ItzForm::Solid { a.itz_thickness_mm } else { 0.0 };
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, shell).unwrap();
     let volumes = PhaseVolumes::of_mesh(mesh);
     assert!((volumes.total() / exact.total() - 1.0).abs() < 1e-9, "{what}");
-    let (grains, error) = (|v: &PhaseVolumes| v.aggregate + v.itz, if method.1 == Fit::Fitted { 0.035 } else { 0.01 });
+    let (grains, error) = (|v: &PhaseVolumes| v.aggregate + v.itz, if method == Method::FITTED { 0.035 } else { 0.01 });
     assert!((grains(&volumes) / grains(&exact) - 1.0).abs() < error, "{what}: {volumes:?} {exact:?}");
     // Shells of 0.1 to 0.5 mm among centres that are 1 mm apart.
-    let error = if method.0 == Method::Voxel { 0.1 } else { 0.06 };
+    let error = if method == THIN_VOXELS { 0.1 } else { 0.06 };
     let shells = if exact.itz > 0.0 { volumes.itz / exact.itz } else { 1.0 + volumes.itz };
     assert!((shells - 1.0).abs() < error, "{what}: {volumes:?} {exact:?}");
 }
@@ -84,7 +85,7 @@ fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_
     const SIDE: f64 = 40.0;
     let specimen = Specimen::Cube { side_mm: SIDE, periodic: Periodic([true; 3]) };
     let model = meso_core::pack(&Spec { fraction: 0.5, specimen, ..Default::default() }, &Silent).unwrap();
-    let options = MeshOptions { method: Method::Lattice, ..Default::default() };
+    let options = MeshOptions { method: Method::FITTED, ..Default::default() };
     let [mesh, other] = [1, 4].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| mesh::build(&model, &options).unwrap())
@@ -109,7 +110,7 @@ fn nodes_on_periodic_faces_go_onto_their_aggregates_and_those_that_do_not_are_in
     for (axes, seed, most) in [([true; 3], 1, 15), ([false, true, true], 2, 5)] {
         let specimen = Specimen::Cube { side_mm: 40.0, periodic: Periodic(axes) };
         let model = meso_core::pack(&Spec { fraction: 0.5, specimen, seed, ..Default::default() }, &Silent).unwrap();
-        let mesh = meshed(&model, (Method::Lattice, Fit::Fitted), ItzForm::None);
+        let mesh = meshed(&model, Method::FITTED, ItzForm::None);
         let distance = InterfaceDistance::of(&mesh, &model.aggregates, &model.spec.specimen);
         assert_eq!(mesh.notes.off_surface_nodes, distance.off, "{distance:?}");
         assert!(distance.off < most, "{distance:?}");
@@ -125,7 +126,7 @@ fn nodes_on_periodic_faces_go_onto_their_aggregates_and_those_that_do_not_are_in
 fn block_across() -> Mesh {
     let turn = Rotation::from_euler_angles(0.3, 0.0, 0.0);
     let body = block([-4.0; 3], [4.0; 3]).rotated(&turn).translated(&Vec3::new(0.0, 8.0, 8.0));
-    let options = MeshOptions { method: Method::Lattice, element_size_mm: 1.0, ..Default::default() };
+    let options = MeshOptions { method: Method::FITTED, element_size_mm: 1.0, ..Default::default() };
     let specimen = Specimen::Cube { side_mm: 16.0, periodic: Periodic([true; 3]) };
     mesh::build_parts(&[aggregate(0, body, 0.5)], &specimen, &options).unwrap()
 }

@@ -5,15 +5,15 @@ use crate::mesh::deck;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::math::Vec3;
 use meso_core::mesh::sides::Sides;
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec};
 use std::f64::consts::PI;
 
-fn lattice(specimen: &Specimen, fit: Fit, itz: ItzForm) -> Mesh {
+fn lattice(specimen: &Specimen, method: Method, itz: ItzForm) -> Mesh {
     let spec = Spec { fraction: 0.4, specimen: specimen.clone(), ..Default::default() };
     let model = meso_core::pack(&spec, &Silent).unwrap();
-    let options = MeshOptions { method: Method::Lattice, fit, itz, element_size_mm: 2.5, ..Default::default() };
+    let options = MeshOptions { method, itz, element_size_mm: 2.5 };
     mesh::build(&model, &options).unwrap()
 }
 
@@ -70,7 +70,7 @@ fn outside(mesh: &Mesh) -> Vec<([u32; 3], Phase)> {
 #[test]
 fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
     for specimen in rooms() {
-        let mesh = lattice(&specimen, Fit::Fitted, ItzForm::None);
+        let mesh = lattice(&specimen, Method::FITTED, ItzForm::None);
         let kind = specimen.kind();
         let volume = PhaseVolumes::of_mesh(&mesh).total();
         assert!((volume / specimen.volume() - 1.0).abs() < 0.005, "{kind}: {volume} of {}", specimen.volume());
@@ -88,7 +88,7 @@ fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
 #[test]
 fn the_sides_of_plain_lattices_are_staircases() {
     let specimen = cylinder();
-    let mesh = lattice(&specimen, Fit::Plain, ItzForm::None);
+    let mesh = lattice(&specimen, Method::PLAIN, ItzForm::None);
     let room = specimen.container();
     let worst =
         outside(&mesh).into_iter().flat_map(|(nodes, _)| nodes.map(|n| room.depth(&mesh.points[n as usize]).abs()));
@@ -97,7 +97,7 @@ fn the_sides_of_plain_lattices_are_staircases() {
 
 #[test]
 fn a_cylinders_sets_are_its_ends_and_the_quarters_of_its_mantle() {
-    let mesh = lattice(&cylinder(), Fit::Fitted, ItzForm::Cohesive);
+    let mesh = lattice(&cylinder(), Method::FITTED, ItzForm::Cohesive);
     let sides = Sides::of(&mesh);
     let at = |&(cell, face): &(u32, usize)| {
         let nodes = &mesh.cells[cell as usize * 4..][..4];
@@ -122,7 +122,7 @@ fn a_cylinders_sets_are_its_ends_and_the_quarters_of_its_mantle() {
 #[test]
 fn a_solid_layer_in_a_cylinder_turns_no_cell_over_and_leaves_its_sides_alone() {
     let specimen = cylinder();
-    let [without, with] = [ItzForm::None, ItzForm::Solid].map(|itz| lattice(&specimen, Fit::Fitted, itz));
+    let [without, with] = [ItzForm::None, ItzForm::Solid].map(|itz| lattice(&specimen, Method::FITTED, itz));
     assert!(quality::cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
     let volume = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).total();
     assert!(PhaseVolumes::of_mesh(&with).itz > 0.0 && (volume(&with) / volume(&without) - 1.0).abs() < 1e-12);

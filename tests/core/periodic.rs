@@ -6,7 +6,7 @@ use meso_core::check::{Finding, check};
 use meso_core::formats::{Format, Surfaces};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, Fit, MeshOptions, Method};
+use meso_core::mesh::{self, MeshOptions, Method};
 use meso_core::packing::{Images, Period, Periodic, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, gjk, pack, saved};
 
@@ -189,8 +189,8 @@ fn surfaces_are_written_with_images_and_models_without() {
 #[test]
 fn meshes_of_a_periodic_box_have_matching_faces() {
     let model = packed(periodic(40.0, [true; 3]), Strategy::Rearrange, 0.45);
-    for (method, fit) in [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain)] {
-        let options = MeshOptions { method, fit, element_size_mm: 1.6, ..Default::default() };
+    for method in [Method::VOXEL, Method::PLAIN] {
+        let options = MeshOptions { method, element_size_mm: 1.6, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         let mut phases = [Vec::new(), Vec::new()];
         for (cell, phase) in mesh.cells().zip(&mesh.phase) {
@@ -215,7 +215,11 @@ fn meshes_of_a_periodic_box_have_matching_faces() {
         assert_eq!(nodes(&low), nodes(&high), "{method:?}: the faces have the same nodes and elements");
     }
     let exact = mesh::PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
-    let options = MeshOptions { element_size_mm: 1.0, thin_itz: true, ..Default::default() };
+    let options = MeshOptions {
+        element_size_mm: 1.0,
+        method: Method::Voxel { thin_itz: true, subsamples: 1 },
+        ..Default::default()
+    };
     let mesh = mesh::build(&model, &options).unwrap();
     let volumes = mesh::PhaseVolumes::of_mesh(&mesh);
     assert!(((volumes.aggregate + volumes.itz) / (exact.aggregate + exact.itz) - 1.0).abs() < 0.01);

@@ -6,7 +6,7 @@ use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality};
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, Order, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,11 +22,12 @@ pub(crate) fn packed(axes: [bool; 3]) -> Model {
     meso_core::pack(&spec, &Silent).unwrap()
 }
 
+/// First-order elements of 2 mm would be stiffer than the upper bound.
+const QUADRATIC: Method = Method::Lattice { fit: Fit::Plain, order: Order::Quadratic };
+
 fn meshed(axes: [bool; 3], method: Method) -> Mesh {
-    // First-order elements of 2 mm would be stiffer than the upper bound.
-    let (element_size_mm, order) = if method == Method::Voxel { (1.5, 1) } else { (4.0, 2) };
-    let options =
-        MeshOptions { method, fit: Fit::Plain, itz: ItzForm::None, element_size_mm, order, ..Default::default() };
+    let element_size_mm = if method == Method::VOXEL { 1.5 } else { 4.0 };
+    let options = MeshOptions { method, itz: ItzForm::None, element_size_mm };
     mesh::build(&packed(axes), &options).unwrap()
 }
 
@@ -60,7 +61,7 @@ pub(crate) fn equations(text: &str) -> Vec<Equation> {
 #[test]
 fn every_node_on_an_upper_face_is_eliminated_once_and_by_nodes_that_stay() {
     for axes in [[true; 3], [true, false, true]] {
-        for method in [Method::Voxel, Method::Lattice] {
+        for method in [Method::VOXEL, QUADRATIC] {
             let mesh = meshed(axes, method);
             let equations = equations(&deck(&mesh, &tied(Analysis::None)));
             let upper = |p: &Vec3| (0..3).filter(|&axis| axes[axis] && p[axis] == SIDE_MM).collect::<Vec<_>>();
@@ -87,7 +88,7 @@ fn every_node_on_an_upper_face_is_eliminated_once_and_by_nodes_that_stay() {
 #[test]
 pub(crate) fn equations_that_cannot_be_are_named_with_the_way_out() {
     let error = |mesh: &Mesh, options: &DeckOptions| options.validate(mesh).unwrap_err().to_string();
-    let mut mesh = meshed([true; 3], Method::Voxel);
+    let mut mesh = meshed([true; 3], Method::VOXEL);
     assert_eq!(tied(Analysis::Elastic).validate(&mesh), Ok(()));
     assert!(error(&mesh, &tied(Analysis::Compression)).contains("plates need free faces"));
     mesh.periodic = [true, true, false];
@@ -119,7 +120,7 @@ fn materials_that_meet_across_a_face_of_voxels_are_joined_there() {
 fn copies_for_cohesive_elements_match_on_opposite_faces_material_by_material() {
     let specimen = Specimen::Cube { side_mm: 30.0, periodic: Periodic::ALL };
     let model = meso_core::pack(&Spec { fraction: 0.45, specimen, seed: 4, ..Default::default() }, &Silent).unwrap();
-    for (method, element_size_mm) in [(Method::Voxel, 1.5), (Method::Lattice, 2.0)] {
+    for (method, element_size_mm) in [(Method::VOXEL, 1.5), (Method::FITTED, 2.0)] {
         let options = MeshOptions { method, element_size_mm, itz: ItzForm::Cohesive, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         let mut owners = vec![None; mesh.points.len()];
@@ -223,7 +224,7 @@ pub(crate) fn modulus(solved: &Solved) -> f64 {
 
 #[test]
 fn one_material_has_its_own_modulus_and_the_strain_is_the_same_all_over() {
-    let mesh = meshed([true; 3], Method::Voxel);
+    let mesh = meshed([true; 3], Method::VOXEL);
     let mortar = Materials::default().mortar;
     let Some(solved) = solve(&mesh, Materials { aggregate: mortar, itz: mortar, ..Materials::default() }) else {
         return;
@@ -241,7 +242,7 @@ fn one_material_has_its_own_modulus_and_the_strain_is_the_same_all_over() {
 #[test]
 fn matched_nodes_differ_by_the_prescribed_jump_and_the_modulus_lies_between_the_bounds() {
     let mut moduli = Vec::new();
-    for method in [Method::Voxel, Method::Lattice] {
+    for method in [Method::VOXEL, QUADRATIC] {
         let mesh = meshed([true; 3], method);
         let Some(solved) = solve(&mesh, Materials::default()) else { return };
         let volumes = PhaseVolumes::of_mesh(&mesh);
@@ -279,8 +280,8 @@ fn mean_stress(mesh: &Mesh, solved: &Solved) -> [f64; 6] {
 fn a_solid_itz_in_a_fitted_periodic_lattice_is_in_balance_and_as_stiff_as_in_voxels_of_the_same_packing() {
     let model = packed([true; 3]);
     let mut moduli = Vec::new();
-    for (method, element_size_mm) in [(Method::Voxel, 1.5), (Method::Lattice, 2.0)] {
-        let options = MeshOptions { method, element_size_mm, thin_itz: true, ..Default::default() };
+    for (method, element_size_mm) in [(Method::Voxel { thin_itz: true, subsamples: 1 }, 1.5), (Method::FITTED, 2.0)] {
+        let options = MeshOptions { method, element_size_mm, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         let text = deck(&mesh, &tied(Analysis::Elastic));
         let Some(solved) = solve_for(&text, "TOTALS=YES\nELSE, S\n") else { return };

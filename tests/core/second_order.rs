@@ -6,7 +6,10 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::sides::Sides;
-use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Phase, PhaseVolumes};
+use meso_core::mesh::{
+    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, NO_AGGREGATE, Notes, Order, Phase,
+    PhaseVolumes,
+};
 
 /// Two tetrahedra that share a face, the first of them aggregate.
 fn two_tetrahedra() -> Mesh {
@@ -42,16 +45,16 @@ fn explicit_decks_take_the_second_order_tetrahedron_made_for_contact() {
     assert!(text.contains("*ELEMENT, TYPE=C3D10M, ELSET=MORTAR\n") && !text.contains("C3D10,"));
 }
 
-fn lattice(order: u32) -> Mesh {
+fn lattice(order: Order) -> Mesh {
     let (grains, specimen) = turned_blocks();
-    let options =
-        MeshOptions { method: Method::Lattice, element_size_mm: 2.5, itz: ItzForm::None, order, ..Default::default() };
+    let method = Method::Lattice { fit: Fit::Fitted, order };
+    let options = MeshOptions { method, element_size_mm: 2.5, itz: ItzForm::None };
     mesh::build_parts(&grains, &specimen, &options).unwrap()
 }
 
 #[test]
 fn every_edge_has_one_node_in_its_middle() {
-    let (linear, quadratic) = (lattice(1), lattice(2));
+    let (linear, quadratic) = (lattice(Order::Linear), lattice(Order::Quadratic));
     let corners = linear.points.len();
     assert_eq!(quadratic.points[..corners], linear.points);
     let edges = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
@@ -71,7 +74,7 @@ fn every_edge_has_one_node_in_its_middle() {
 
 #[test]
 fn the_sides_hold_their_middle_nodes() {
-    let mesh = lattice(2);
+    let mesh = lattice(Order::Quadratic);
     let sides = Sides::of(&mesh);
     let on_top: std::collections::BTreeSet<u32> = sides.members(5).collect();
     let faces = &sides.faces()[5];
@@ -84,14 +87,51 @@ fn the_sides_hold_their_middle_nodes() {
 }
 
 #[test]
+fn an_option_of_another_method_is_refused_and_every_table_is_its_options_again() {
+    let table = |method| MeshTable { method, ..Default::default() };
+    for (wrong, said) in [
+        (
+            MeshTable { fit: Fit::Plain, ..table(MethodName::Voxel) },
+            "mesh.fit is plain; only the method lattice takes it",
+        ),
+        (
+            MeshTable { thin_itz: true, ..table(MethodName::Lattice) },
+            "mesh.thin_itz is true; only the method voxel takes it",
+        ),
+        (
+            MeshTable { subsamples: 3, ..table(MethodName::Conforming) },
+            "mesh.subsamples is 3; only the method voxel takes it",
+        ),
+        (
+            MeshTable { slabs: Some(2), ..table(MethodName::Lattice) },
+            "mesh.slabs is 2; only the method conforming takes it",
+        ),
+    ] {
+        assert_eq!(MeshOptions::try_from(wrong.clone()).unwrap_err().to_string(), said);
+        assert_eq!(wrong.clone().without_foreign(), table(wrong.method));
+    }
+    let quadratic = Order::Quadratic;
+    for method in [
+        Method::Voxel { thin_itz: true, subsamples: 3 },
+        Method::Lattice { fit: Fit::Plain, order: quadratic },
+        Method::Conforming { order: quadratic, slabs: Some(2) },
+    ] {
+        let options = MeshOptions { method, ..Default::default() };
+        assert_eq!(MeshOptions::try_from(MeshTable::from(options.clone())).unwrap(), options);
+    }
+}
+
+#[test]
 fn orders_that_no_element_has_are_named() {
     let (grains, specimen) = turned_blocks();
     let error = |options: MeshOptions| mesh::build_parts(&grains, &specimen, &options).unwrap_err().to_string();
-    let lattice = MeshOptions { method: Method::Lattice, order: 2, ..Default::default() };
-    assert_eq!(error(MeshOptions { order: 3, ..lattice.clone() }), "mesh.order is 3; it must be 1 or 2");
-    let voxels = error(MeshOptions { method: Method::Voxel, ..lattice.clone() });
+    let table = |method, order| MeshTable { method, order, ..Default::default() };
+    let refused = |table: MeshTable| MeshOptions::try_from(table).unwrap_err().to_string();
+    assert_eq!(refused(table(MethodName::Lattice, 3)), "mesh.order is 3; it must be 1 or 2");
+    let voxels = refused(table(MethodName::Voxel, 2));
     assert_eq!(voxels, "mesh.order is 2; voxels take 1; the methods lattice and conforming take 2");
-    let cohesive = error(MeshOptions { itz: ItzForm::Cohesive, ..lattice });
+    let quadratic = MeshOptions::try_from(table(MethodName::Lattice, 2)).unwrap();
+    let cohesive = error(MeshOptions { itz: ItzForm::Cohesive, ..quadratic });
     assert_eq!(cohesive, "mesh.order is 2; with a cohesive itz it must be 1; itz solid or none take 2");
 }
 
@@ -99,17 +139,12 @@ fn orders_that_no_element_has_are_named() {
 fn calculix_finds_second_order_softer_than_first_and_above_the_lower_bound() {
     let model = packed();
     let solve = |order| {
-        let options = MeshOptions {
-            method: Method::Lattice,
-            itz: ItzForm::None,
-            element_size_mm: 5.0,
-            order,
-            ..Default::default()
-        };
+        let method = Method::Lattice { fit: Fit::Fitted, order };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 5.0 };
         let mesh = mesh::build(&model, &options).unwrap();
         modulus(&mesh, 1600.0).map(|modulus| (modulus, PhaseVolumes::of_mesh(&mesh)))
     };
-    let (Some((first, _)), Some((second, volumes))) = (solve(1), solve(2)) else { return };
+    let (Some((first, _)), Some((second, volumes))) = (solve(Order::Linear), solve(Order::Quadratic)) else { return };
     let [low, high] = hashin_shtrikman(&volumes, &Materials::default());
     assert!(low < second && second < high, "{low} < {second} < {high}");
     // The same geometry with more ways to deform.

@@ -4,7 +4,7 @@ use crate::angle_piece::angle_piece;
 use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, Fit, MeshOptions, Method};
+use meso_core::mesh::{self, MeshOptions, Method};
 use meso_core::packing::{Built, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, pack};
 use std::f64::consts::PI;
@@ -190,11 +190,11 @@ fn a_vertex_outside_a_curved_or_leaning_wall_is_found() {
 #[test]
 fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
     let model = packed(Specimen::Cylinder { diameter_mm: 60.0, height_mm: 40.0 }, Strategy::Rearrange, 0.0);
-    for (method, fit) in [(Method::Voxel, Fit::Plain), (Method::Lattice, Fit::Plain), (Method::Lattice, Fit::Fitted)] {
-        let mesh = mesh::build(&model, &MeshOptions { method, fit, ..Default::default() }).unwrap();
+    for method in [Method::VOXEL, Method::PLAIN, Method::FITTED] {
+        let mesh = mesh::build(&model, &MeshOptions { method, ..Default::default() }).unwrap();
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
         let exact = model.spec.specimen.volume();
-        assert!((volume / exact - 1.0).abs() < 0.02, "{method:?} {fit:?}: {volume} of {exact}");
+        assert!((volume / exact - 1.0).abs() < 0.02, "{method:?}: {volume} of {exact}");
         for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == mesh::NO_AGGREGATE).map(|(cell, _)| cell)
         {
             let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / cell.len() as f64;

@@ -2,22 +2,20 @@
 //! at any other time, everything stops.
 //!
 //! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
-//! `.mesocrete-*.tmp`, or a folder of gmsh's. Hidden files come and go, and outputs get their names, only while
+//! `.mesocrete-*.tmp`, or gmsh's folder. Hidden files come and go, and outputs get their names, only while
 //! [`hold`] is held. The handler waits for it and never gives it back: it finds all that was made, and nothing is made after it.
 
 use crate::failure::INTERRUPTED;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::Child;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 static POLLED: AtomicBool = AtomicBool::new(false);
 /// The process ends as soon as [`hold`] is free.
 static ENDING: AtomicBool = AtomicBool::new(false);
 static HIDDEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-static RUNNING: Mutex<Vec<Arc<Mutex<Child>>>> = Mutex::new(Vec::new());
 
 /// Handles the signals from now on.
 pub(crate) fn install() {
@@ -26,7 +24,7 @@ pub(crate) fn install() {
         let first = !ASKED.swap(true, Ordering::SeqCst);
         if !(first && POLLED.load(Ordering::SeqCst)) {
             ENDING.store(true, Ordering::SeqCst);
-            end_programs();
+            meso_gmsh::end_all();
             let hidden = hold();
             remove(&hidden);
             std::process::exit(INTERRUPTED.into());
@@ -55,32 +53,12 @@ impl Drop for Polling {
     }
 }
 
-/// While this lives, another program ends with this process.
-pub(crate) struct Running(Arc<Mutex<Child>>);
-
-impl Running {
-    pub(crate) fn new(child: &Arc<Mutex<Child>>) -> Self {
-        if let Ok(mut running) = RUNNING.lock() {
-            running.push(Arc::clone(child));
-        }
-        Self(Arc::clone(child))
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        if let Ok(mut running) = RUNNING.lock() {
-            running.retain(|other| !Arc::ptr_eq(other, &self.0));
-        }
-    }
-}
-
-/// The hidden files and folders there are. While this is held no signal ends the process.
+/// The hidden files there are. While this is held no signal ends the process.
 pub(crate) fn hold() -> MutexGuard<'static, Vec<PathBuf>> {
     HIDDEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Makes a hidden file or folder, which a signal will remove.
+/// Makes a hidden file, which a signal will remove.
 pub(crate) fn hidden<T>(make: impl FnOnce() -> io::Result<T>, path: impl FnOnce(&T) -> &Path) -> io::Result<T> {
     let mut paths = hold();
     let made = make()?;
@@ -93,11 +71,6 @@ pub(crate) fn end_if_told() {
     while ENDING.load(Ordering::SeqCst) {
         std::thread::park();
     }
-}
-
-/// It is gone.
-pub(crate) fn forget(path: &Path) {
-    hold().retain(|other| other != path);
 }
 
 /// Passes from one step of writing files to the next. Tests of debug builds let it fail, or let a signal come, at the step
@@ -127,17 +100,8 @@ pub(crate) fn step() -> io::Result<()> {
     Ok(())
 }
 
-fn end_programs() {
-    if let Ok(running) = RUNNING.lock() {
-        for child in running.iter() {
-            // One that has ended by itself is no news.
-            let _ = child.lock().map(|mut child| child.kill().and_then(|()| child.wait()));
-        }
-    }
-}
-
 fn remove(paths: &[PathBuf]) {
     for path in paths {
-        let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        let _ = std::fs::remove_file(path);
     }
 }

@@ -5,7 +5,6 @@
 
 mod commands;
 mod failure;
-pub mod gmsh;
 mod inputs;
 mod interrupt;
 mod outputs;

@@ -1,20 +1,21 @@
 //! `Mesh`: points, cells and the phase of every cell.
 
 use crate::arrays;
-use crate::boundary::guard;
+use crate::boundary::{file_error, guard};
 use crate::files;
 use crate::packing::{call_view, plain};
 use crate::run::{Watch, beside_python};
 use crate::spec::options;
-use meso_cli::gmsh::Gmsh;
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, CellKind, Mesh, MeshError, MeshOptions, NO_AGGREGATE, PhaseVolumes,
+    self, CellKind, Mesh, MeshError, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
+    conforming::Surfaces,
     quality::{self, QualityReport},
 };
+use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -35,21 +36,31 @@ impl PartialEq for PyMesh {
 
 /// Meshes `model` with the options that Python's keywords name.
 pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDict>) -> PyResult<PyMesh> {
-    let options: MeshOptions = options(Some(keywords))?;
+    let table: MeshTable = options(Some(keywords))?;
+    let options = MeshOptions::try_from(table).map_err(exception)?;
     let gmsh = gmsh(py)?;
     let of = Arc::clone(&model);
     let built = beside_python(py, None, move |watch| {
-        mesh::build_with(&model, &options, &|surfaces| {
+        mesh::build_with(&model, &options, &|surfaces: &Surfaces| {
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         })
     })?;
-    built.map(|mesh| PyMesh(Arc::new(mesh), of)).map_err(|error| match error {
-        MeshError::MissingGmsh(_) | MeshError::Gmsh(_) | MeshError::Flat { .. } => {
+    built.map(|mesh| PyMesh(Arc::new(mesh), of)).map_err(exception)
+}
+
+/// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
+fn exception(error: MeshError) -> PyErr {
+    match error {
+        MeshError::Files { folder, error } => file_error(&folder, error),
+        MeshError::MissingGmsh { .. } => {
+            PyRuntimeError::new_err(format!("{error} for this Python or on the PATH, or mesh with method=\"lattice\""))
+        }
+        MeshError::Gmsh(_) | MeshError::Seam { .. } | MeshError::Stopped | MeshError::Flat { .. } => {
             PyRuntimeError::new_err(error.to_string())
         }
         _ => PyValueError::new_err(error.to_string()),
-    })
+    }
 }
 
 /// gmsh for conforming meshes: this Python's module, else the program. It runs in a process of its own either way.

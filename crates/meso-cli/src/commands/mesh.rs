@@ -63,9 +63,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         let mut outputs = plan.iter();
         outputs.try_for_each(|(target, format)| fill(&mut unit, target, args.force, *format, &mesh, &deck, encoding))
     };
+    let options = args.meshing.options()?;
     let tell = || {
         let asked = !args.quiet || summary.is_some();
-        asked.then(|| MeshReport::of(&mesh, &model, args.meshing.options(), &deck.materials))
+        asked.then(|| MeshReport::of(&mesh, &model, options, &deck.materials))
     };
     // The disk is waited for, and the figures are counted meanwhile.
     let (filled, told) = rayon::join(fill_all, tell);

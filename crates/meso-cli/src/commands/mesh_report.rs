@@ -64,7 +64,7 @@ impl MeshReport {
             elements => format!(" and {} cohesive ones", stderr::thousands(elements)),
         };
         let (elements, nodes) = (stderr::thousands(self.elements), stderr::thousands(self.nodes));
-        let how = format!("{:?}, {} mm", self.options.method, self.options.element_size_mm).to_lowercase();
+        let how = format!("{:?}, {} mm", self.options.method.name(), self.options.element_size_mm).to_lowercase();
         stderr::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
         self.volumes();
         self.thick_shells();

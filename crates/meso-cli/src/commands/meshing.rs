@@ -2,23 +2,23 @@
 
 use super::{names, values};
 use crate::failure::Failure;
-use crate::gmsh::Gmsh;
 use crate::{inputs, stderr};
 use meso_core::Model;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ROOM_MM, Surfaces};
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, Method};
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshError, MeshOptions, MeshTable, MethodName, VolumeMesher};
 use meso_core::packing::{Placement, Specimen};
 use meso_core::spec::options_from_toml;
+use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Meshes and decks")]
 pub(super) struct Meshing {
-    #[arg(long, default_value = "voxel", value_parser = names::parse::<Method>)]
-    #[arg(help = format!("How the specimen is divided: {}", names::list::<Method>()))]
-    method: Method,
+    #[arg(long, default_value = "voxel", value_parser = names::parse::<MethodName>)]
+    #[arg(help = format!("How the specimen is divided: {}", names::list::<MethodName>()))]
+    method: MethodName,
     /// Edge length of the elements, mm
     #[arg(long, value_name = "H", default_value_t = MeshOptions::default().element_size_mm, value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
@@ -75,8 +75,9 @@ pub(super) struct Meshing {
 }
 
 impl Meshing {
-    pub(super) fn options(&self) -> MeshOptions {
-        MeshOptions {
+    /// What was typed, whatever method it belongs to.
+    fn table(&self) -> MeshTable {
+        MeshTable {
             method: self.method,
             element_size_mm: self.element_size_mm,
             itz: self.itz,
@@ -86,6 +87,13 @@ impl Meshing {
             order: self.order,
             slabs: self.slabs,
         }
+    }
+
+    /// What is meant: flags of other methods were named by [`tell_unused`](Self::tell_unused), and do nothing.
+    pub(super) fn options(&self) -> Result<MeshOptions, Failure> {
+        let table = self.table();
+        let options = table.validate_ranges().and_then(|()| table.without_foreign().try_into());
+        options.map_err(|error| wrong_mesh(&error))
     }
 
     /// What a deck holds; what it cannot hold of a mesh of `specimen` is wrong usage.
@@ -119,15 +127,15 @@ impl Meshing {
         for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
             stderr::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
         }
-        let voxels = self.method == Method::Voxel;
+        for (key, _, of) in self.table().foreign() {
+            let of = format!("{of:?}").to_lowercase();
+            does_nothing(&flag(key), &format!("the method {of}"));
+        }
+        let voxels = self.method == MethodName::Voxel;
         let analysis = if self.geometry_only { Analysis::None } else { self.analysis };
         let explicit = matches!(analysis, Analysis::Compression | Analysis::Tension);
-        let (usual, lattice) = (Loading::default(), self.method == Method::Lattice);
+        let usual = Loading::default();
         for (flag, given, used, of) in [
-            ("--fit", self.fit != Fit::Fitted, lattice, "the method lattice"),
-            ("--thin-itz", self.thin_itz, voxels, "the method voxel"),
-            ("--subsamples", self.subsamples != 1, voxels, "the method voxel"),
-            ("--slabs", self.slabs.is_some(), self.method == Method::Conforming, "the method conforming"),
             ("--reduced-integration", self.reduced_integration, voxels || !writes_deck, "the method voxel"),
             (
                 "--analysis",
@@ -145,7 +153,7 @@ impl Meshing {
             ("--frames", self.frames != usual.frames, explicit, "--analysis compression and tension"),
         ] {
             if given && !used {
-                stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+                does_nothing(flag, of);
             }
         }
     }
@@ -157,9 +165,9 @@ impl Meshing {
 
     /// Refuses what `specimen` cannot be meshed with, and a gmsh that is not there, before the specimen is packed.
     pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
-        self.options().validate(specimen).map_err(|error| self.wrong_mesh(&error))?;
-        if self.method == Method::Conforming {
-            Gmsh::program(&self.gmsh).check().map_err(|error| self.wrong_mesh(&error))?;
+        self.options()?.validate(specimen).map_err(|error| wrong_mesh(&error))?;
+        if self.method == MethodName::Conforming {
+            Gmsh::program(&self.gmsh).check().map_err(|error| wrong_mesh(&error))?;
         }
         Ok(())
     }
@@ -168,7 +176,7 @@ impl Meshing {
     pub(super) fn leave_room(&self, placement: &mut Placement) -> bool {
         let mut wanted = false;
         for gap in [&mut placement.min_gap_mm, &mut placement.wall_gap_mm] {
-            if self.method == Method::Conforming && *gap == 0.0 {
+            if self.method == MethodName::Conforming && *gap == 0.0 {
                 (*gap, wanted) = (ROOM_MM, true);
             }
         }
@@ -182,35 +190,37 @@ impl Meshing {
             if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
                 stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
             }
-            gmsh.run(surfaces)
+            gmsh.fill(surfaces)
         };
-        mesh::build_with(model, &self.options(), &run).map_err(|error| self.wrong_mesh(&error))
+        mesh::build_with(model, &self.options()?, &run).map_err(|error| wrong_mesh(&error))
     }
+}
 
-    fn wrong_mesh(&self, error: &MeshError) -> Failure {
-        match error {
-            MeshError::Option { .. } => Failure::Usage(flag_names(&error.to_string())),
-            MeshError::NearTouching { .. } => {
-                Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
-            }
-            _ => Failure::Run(error.to_string()),
+fn wrong_mesh(error: &MeshError) -> Failure {
+    match error {
+        MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
+        MeshError::MissingGmsh { .. } => {
+            Failure::Run(format!("{error} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
+        MeshError::NearTouching { .. } => {
+            Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
+        }
+        _ => Failure::Run(error.to_string()),
     }
 }
 
 /// What a deck cannot hold is wrong usage.
 pub(super) fn wrong_deck(error: &DeckError) -> Failure {
-    Failure::Usage(flag_names(&error.to_string()))
+    Failure::Usage(format!("{} {}", flag(error.key()), error.fault()))
 }
 
-/// The core speaks of `mesh.element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag.
-fn flag_names(message: &str) -> String {
-    let rest = message.strip_prefix("mesh.").or(message.strip_prefix("deck."));
-    match rest.and_then(|rest| rest.split_once(' ')) {
-        Some((key, rest)) if !key.contains('.') => format!("--{} {rest}", key.replace('_', "-")),
-        Some((key, rest)) => format!("{key} {rest}"),
-        None => message.to_owned(),
-    }
+/// The core speaks of `element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag.
+fn flag(key: &str) -> String {
+    if key.contains('.') { key.to_owned() } else { format!("--{}", key.replace('_', "-")) }
+}
+
+fn does_nothing(flag: &str, of: &str) {
+    stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
 }
 
 /// A file that holds material values.

@@ -99,7 +99,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         print(&model.report);
-        mesh.iter().for_each(|mesh| MeshReport::of(mesh, &model, args.meshing.options(), &deck.materials).print());
+        if let Some(mesh) = &mesh {
+            MeshReport::of(mesh, &model, args.meshing.options()?, &deck.materials).print();
+        }
         plan.files().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
     Ok(exit_code(&model.report, args.strict))

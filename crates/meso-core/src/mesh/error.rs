@@ -1,9 +1,12 @@
-//! What a mesh cannot be made of.
+//! Why a mesh cannot be made.
 
 use super::conforming::ROOM_MM;
+use crate::math::Vec3;
+use std::io;
+use std::path::PathBuf;
 
 /// Why there is no mesh: what, where, and the way out.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum MeshError {
     /// An option is out of its range.
     #[error("mesh.{key} is {value}; {accepted}")]
@@ -15,7 +18,7 @@ pub enum MeshError {
         /// What is accepted.
         accepted: String,
     },
-    /// Cells came out flat or turned over: there the grains' gaps and corners are too fine for the elements.
+    /// Cells came out flat or turned over: there the aggregates' gaps and corners are too fine for the elements.
     #[error(
         "the mesh would have {cells} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
          element_size_mm or method",
@@ -30,12 +33,48 @@ pub enum MeshError {
     /// A conforming mesh was asked for where gmsh cannot run.
     #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
     NeedsGmsh,
-    /// gmsh is not there.
-    #[error("{0}")]
-    MissingGmsh(String),
-    /// gmsh did not do what it was asked.
+    /// gmsh cannot be started.
+    #[error(
+        "{program} {why}; conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: pip install gmsh)"
+    )]
+    MissingGmsh {
+        /// What was to be run.
+        program: String,
+        /// Why it cannot be.
+        why: String,
+    },
+    /// gmsh failed: it broke off, made no mesh, or wrote one that cannot be read.
     #[error("{0}")]
     Gmsh(String),
+    /// The caller asked to stop while gmsh ran.
+    #[error("gmsh was stopped")]
+    Stopped,
+    /// The files that gmsh reads and writes.
+    #[error("the files for gmsh in {}: {}; TMPDIR names another folder for them", folder.display(), plain(error))]
+    Files {
+        /// Where they are.
+        folder: PathBuf,
+        /// What the system said.
+        #[source]
+        error: io::Error,
+    },
+    /// A facet, a face of the box or a plane between slabs cannot be triangulated.
+    #[error("{what} at {:.6}, {:.6}, {:.6} mm", at[0], at[1], at[2])]
+    Triangulation {
+        /// What is wrong.
+        what: &'static str,
+        /// Where, mm.
+        at: [f64; 3],
+    },
+    /// gmsh's meshes of two slabs have different triangles on the plane between them.
+    #[error(
+        "gmsh's meshes of two slabs do not meet at {:.6}, {:.6}, {:.6} mm; choose another element_size_mm or fewer slabs",
+        at[0], at[1], at[2]
+    )]
+    Seam {
+        /// Where, mm.
+        at: [f64; 3],
+    },
     /// Two aggregates, or one and the specimen's surface, are too close for a conforming mesh.
     #[error(
         "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with min_gap_mm = {ROOM_MM} \
@@ -78,4 +117,27 @@ impl MeshError {
     pub(crate) fn option(key: &'static str, value: impl ToString, accepted: impl Into<String>) -> Self {
         Self::Option { key, value: value.to_string(), accepted: accepted.into() }
     }
+
+    pub(super) fn triangulation(what: &'static str, at: &Vec3) -> Self {
+        Self::Triangulation { what, at: (*at).into() }
+    }
+
+    /// The name of the option at fault, if one is.
+    pub fn key(&self) -> Option<&'static str> {
+        match self {
+            Self::Option { key, .. } => Some(key),
+            _ => None,
+        }
+    }
+
+    /// Whether gmsh may do better when it is asked for other elements: its own failures, never a stop or a full disk.
+    pub(super) fn is_worth_another_try(&self) -> bool {
+        matches!(self, Self::Unmatched { .. } | Self::Flat { .. } | Self::Seam { .. } | Self::Gmsh(_))
+    }
+}
+
+/// The system's message without Rust's "(os error 28)".
+fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
 }

@@ -25,9 +25,10 @@ mod volumes;
 mod voxel;
 mod web;
 
+pub use conforming::VolumeMesher;
 pub use distance::InterfaceDistance;
 pub use error::MeshError;
-pub use options::{Fit, ItzForm, MeshOptions, Method};
+pub use options::{Fit, ItzForm, MeshOptions, MeshTable, Method, MethodName, Order};
 pub use volumes::PhaseVolumes;
 
 use crate::aggregate::{Aggregate, Kind};
@@ -210,10 +211,6 @@ impl Mesh {
     }
 }
 
-/// What runs gmsh: its output, MSH 4.1 in binary, for the input that [`conforming::Surfaces::write`] gives.
-/// Runs for the parts of a large specimen are asked for at the same time.
-pub type Gmsh<'a> = &'a (dyn Fn(&conforming::Surfaces) -> Result<Vec<u8>, MeshError> + Sync);
-
 /// Meshes a packed specimen by a method of our own.
 ///
 /// # Errors
@@ -222,11 +219,11 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
     build_parts(&model.bodies(), &model.spec.specimen, options)
 }
 
-/// Meshes a packed specimen; `gmsh` runs gmsh where the method is conforming.
+/// Meshes a packed specimen; `gmsh` is asked where the method is conforming.
 ///
 /// # Errors
 /// As [`build`], and those of `gmsh`.
-pub fn build_with(model: &Model, options: &MeshOptions, gmsh: Gmsh) -> Result<Mesh, MeshError> {
+pub fn build_with(model: &Model, options: &MeshOptions, gmsh: &dyn VolumeMesher) -> Result<Mesh, MeshError> {
     assemble(&model.bodies(), &model.spec.specimen, options, gmsh)
 }
 
@@ -235,14 +232,14 @@ pub fn build_with(model: &Model, options: &MeshOptions, gmsh: Gmsh) -> Result<Me
 /// # Errors
 /// As [`build`].
 pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Mesh, MeshError> {
-    assemble(aggregates, specimen, options, &|_| Err(MeshError::NeedsGmsh))
+    assemble(aggregates, specimen, options, &|_: &conforming::Surfaces| Err(MeshError::NeedsGmsh))
 }
 
 fn assemble(
     aggregates: &[Aggregate],
     specimen: &Specimen,
     options: &MeshOptions,
-    gmsh: Gmsh,
+    gmsh: &dyn VolumeMesher,
 ) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
     let room = specimen.container();
@@ -250,20 +247,21 @@ fn assemble(
     let mut images = images_near(aggregates, specimen, 0.0);
     images.sort_by(before);
     let (placed, aggregates) = (aggregates, images.as_slice());
-    let mut mesh = match (options.method, options.fit) {
-        (Method::Voxel, _) => voxel::build(aggregates, specimen, options),
-        (Method::Lattice, Fit::Plain) => lattice::plain(aggregates, specimen, options),
-        (Method::Lattice, Fit::Fitted) => {
-            let (tetrahedra, notes) =
-                lattice::fitted(aggregates, &*room, specimen.periodic().0, options.element_size_mm);
+    let size = options.element_size_mm;
+    let mut mesh = match options.method {
+        Method::Voxel { thin_itz, subsamples } => voxel::build(aggregates, specimen, options, thin_itz, subsamples),
+        Method::Lattice { fit: Fit::Plain, .. } => lattice::plain(aggregates, specimen, options),
+        Method::Lattice { fit: Fit::Fitted, .. } => {
+            let (tetrahedra, notes) = lattice::fitted(aggregates, &*room, specimen.periodic().0, size);
             with_layer(of_tetrahedra(tetrahedra, aggregates, notes), aggregates, specimen, options)
         }
-        (Method::Conforming, _) => {
-            with_layer(conforming::mesh(placed, aggregates, specimen, options, gmsh)?, aggregates, specimen, options)
+        Method::Conforming { slabs, .. } => {
+            let mesh = conforming::mesh(placed, aggregates, specimen, size, slabs, gmsh)?;
+            with_layer(mesh, aggregates, specimen, options)
         }
     };
     mesh.periodic = specimen.periodic().0;
-    let whole_cells = matches!((options.method, options.fit), (Method::Voxel, _) | (Method::Lattice, Fit::Plain));
+    let whole_cells = matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     if whole_cells {
         clip::clip(&mut mesh, &*room);
     }
@@ -276,7 +274,7 @@ fn assemble(
         }
     }
     volumes::all_positive(&mesh)?;
-    if options.order == 2 {
+    if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
     Ok(mesh)
@@ -297,7 +295,7 @@ fn with_layer(mut mesh: Mesh, aggregates: &[Aggregate], specimen: &Specimen, opt
         mesh.notes.thinned_itz_aggregates = thinned.aggregates;
         mesh.notes.thinned_itz_nodes = thinned.nodes;
         mesh.notes.pinched_itz_nodes = thinned.pinched;
-        if options.method == Method::Lattice {
+        if options.method.name() == MethodName::Lattice {
             let blunted = layer::blunt(&mut mesh, &thinned, options.element_size_mm);
             mesh.notes.shifted_itz_nodes = blunted.shifted;
             mesh.notes.pinched_itz_nodes += blunted.collapsed;

@@ -1,12 +1,12 @@
-//! What is asked of a mesh: the serde view of `mesocrete mesh` and `packing.mesh(...)`.
+//! What is asked of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
 
 use super::MeshError;
 use crate::packing::Specimen;
 use serde::{Deserialize, Serialize};
 
-/// Everything that decides a mesh of a given packing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+/// Everything that decides a mesh of a given packing; it serializes as a [`MeshTable`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(into = "MeshTable")]
 pub struct MeshOptions {
     /// How the specimen is divided.
     pub method: Method,
@@ -14,33 +14,76 @@ pub struct MeshOptions {
     pub element_size_mm: f64,
     /// How the interfacial transition zone enters the mesh.
     pub itz: ItzForm,
-    /// Let the solid ITZ of a voxel mesh have its own thickness, even where that is less than a voxel (and the layer
-    /// has holes); otherwise it is at least one voxel thick.
-    pub thin_itz: bool,
-    /// Sub-samples per voxel and axis: 1 takes the phase of the centre, n the majority of n^3 points.
-    pub subsamples: u32,
-    /// What a lattice does at the grains' surfaces.
-    pub fit: Fit,
-    /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10), 1 does not (C3D4).
-    pub order: u32,
-    /// Parts of a specimen, other than a sphere, that gmsh fills apart in a conforming mesh, 1 to 100; as many as its memory
-    /// needs when absent.
-    pub slabs: Option<u32>,
 }
 
-/// The meshing methods, siblings behind one interface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// The meshing methods, siblings behind one interface, each with the options that it alone has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// A regular grid of hexahedra, each of the phase of its centre.
-    Voxel,
-    /// Body-centred cubic tetrahedra, fitted to the grains or plain.
-    Lattice,
+    Voxel {
+        /// Let the solid ITZ have its own thickness, even where that is less than a voxel (and the layer has holes);
+        /// otherwise it is at least one voxel thick.
+        thin_itz: bool,
+        /// Sub-samples per voxel and axis, 1 to 8: 1 takes the phase of the centre, n the majority of n^3 points.
+        subsamples: u32,
+    },
+    /// Body-centred cubic tetrahedra.
+    Lattice {
+        /// What the lattice does at the aggregates' surfaces.
+        fit: Fit,
+        /// Nodes of a tetrahedron.
+        order: Order,
+    },
     /// Tetrahedra between the exact facets, by gmsh.
+    Conforming {
+        /// Nodes of a tetrahedron.
+        order: Order,
+        /// Parts of a specimen, other than a sphere, that gmsh fills apart, 1 to 100; `None`: as its memory needs.
+        slabs: Option<u32>,
+    },
+}
+
+impl Method {
+    /// Voxels of the phase of their centre, the solid ITZ at least one voxel thick.
+    pub const VOXEL: Self = Self::Voxel { thin_itz: false, subsamples: 1 };
+    /// A lattice fitted to the surfaces, C3D4.
+    pub const FITTED: Self = Self::Lattice { fit: Fit::Fitted, order: Order::Linear };
+    /// A plain lattice, C3D4.
+    pub const PLAIN: Self = Self::Lattice { fit: Fit::Plain, order: Order::Linear };
+    /// A conforming mesh, C3D4, in as many slabs as gmsh's memory needs.
+    pub const CONFORMING: Self = Self::Conforming { order: Order::Linear, slabs: None };
+
+    /// The method without its options.
+    pub fn name(self) -> MethodName {
+        match self {
+            Self::Voxel { .. } => MethodName::Voxel,
+            Self::Lattice { .. } => MethodName::Lattice,
+            Self::Conforming { .. } => MethodName::Conforming,
+        }
+    }
+
+    /// Nodes of a tetrahedron; voxels are linear.
+    pub fn order(self) -> Order {
+        match self {
+            Self::Voxel { .. } => Order::Linear,
+            Self::Lattice { order, .. } | Self::Conforming { order, .. } => order,
+        }
+    }
+}
+
+/// A [`Method`] by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MethodName {
+    /// [`Method::Voxel`].
+    Voxel,
+    /// [`Method::Lattice`].
+    Lattice,
+    /// [`Method::Conforming`].
     Conforming,
 }
 
-/// What a lattice does at the grains' surfaces.
+/// What a lattice does at the aggregates' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fit {
@@ -48,6 +91,15 @@ pub enum Fit {
     Fitted,
     /// Every tetrahedron has the phase of its centroid.
     Plain,
+}
+
+/// The order of a tetrahedron's shape functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Four nodes, C3D4.
+    Linear,
+    /// A node in the middle of every edge, too, C3D10.
+    Quadratic,
 }
 
 /// The ITZ in the mesh.
@@ -64,16 +116,7 @@ pub enum ItzForm {
 
 impl Default for MeshOptions {
     fn default() -> Self {
-        Self {
-            method: Method::Voxel,
-            element_size_mm: 2.0,
-            itz: ItzForm::Solid,
-            thin_itz: false,
-            subsamples: 1,
-            fit: Fit::Fitted,
-            order: 1,
-            slabs: None,
-        }
+        Self { method: Method::VOXEL, element_size_mm: 2.0, itz: ItzForm::Solid }
     }
 }
 
@@ -81,6 +124,10 @@ impl Default for MeshOptions {
 const MAX_COUNT: f64 = 1500.0;
 /// The same for second-order elements: a lattice has 16 nodes a cube, two of them corners.
 const MAX_COUNT_QUADRATIC: f64 = 600.0;
+/// Most sub-samples per voxel and axis.
+const MAX_SUBSAMPLES: u32 = 8;
+/// Most slabs of a conforming mesh.
+const MAX_SLABS: u32 = 100;
 
 impl MeshOptions {
     /// Checks every option against its range and the specimen.
@@ -89,38 +136,163 @@ impl MeshOptions {
     /// Names the option, its value and what is accepted.
     pub fn validate(&self, specimen: &Specimen) -> Result<(), MeshError> {
         let size = specimen.aabb().size();
-        let most = if self.order == 2 { MAX_COUNT_QUADRATIC } else { MAX_COUNT };
+        let most = if self.method.order() == Order::Quadratic { MAX_COUNT_QUADRATIC } else { MAX_COUNT };
         let (low, high) = (size.max() / most, size.min());
         if !(self.element_size_mm >= low && self.element_size_mm <= high) {
             let accepted = format!("it must lie within {low} and {high} mm for this specimen");
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
         }
-        if !(1..=8).contains(&self.subsamples) {
-            return Err(MeshError::option("subsamples", self.subsamples, "it must be 1 to 8"));
+        match self.method {
+            Method::Voxel { subsamples, .. } => validate_subsamples(subsamples)?,
+            Method::Lattice { .. } | Method::Conforming { slabs: None, .. } => {}
+            Method::Conforming { slabs: Some(slabs), .. } => {
+                validate_slabs(slabs)?;
+                if slabs > 1 && matches!(specimen, Specimen::Sphere { .. }) {
+                    return Err(MeshError::option("slabs", slabs, "a sphere takes 1"));
+                }
+            }
         }
-        self.validate_order()?;
-        self.validate_slabs(specimen)
-    }
-
-    fn validate_slabs(&self, specimen: &Specimen) -> Result<(), MeshError> {
-        let accepted = match self.slabs {
-            None | Some(1) => return Ok(()),
-            Some(2..=100) if !matches!(specimen, Specimen::Sphere { .. }) => return Ok(()),
-            Some(2..=100) => "a sphere takes 1",
-            Some(_) => "it must be 1 to 100",
-        };
-        Err(MeshError::option("slabs", self.slabs.unwrap_or_default(), accepted))
+        self.validate_order()
     }
 
     fn validate_order(&self) -> Result<(), MeshError> {
-        let accepted = match (self.order, self.method, self.itz) {
-            (1, ..) => return Ok(()),
-            (2, Method::Voxel, _) => "voxels take 1; the methods lattice and conforming take 2",
-            // There is no cohesive element over faces of six nodes.
-            (2, _, ItzForm::Cohesive) => "with a cohesive itz it must be 1; itz solid or none take 2",
-            (2, ..) => return Ok(()),
-            _ => "it must be 1 or 2",
+        // There is no cohesive element over faces of six nodes.
+        if self.method.order() == Order::Quadratic && self.itz == ItzForm::Cohesive {
+            return Err(MeshError::option("order", 2, "with a cohesive itz it must be 1; itz solid or none take 2"));
+        }
+        Ok(())
+    }
+}
+
+fn validate_subsamples(subsamples: u32) -> Result<(), MeshError> {
+    if (1..=MAX_SUBSAMPLES).contains(&subsamples) {
+        return Ok(());
+    }
+    Err(MeshError::option("subsamples", subsamples, format!("it must be 1 to {MAX_SUBSAMPLES}")))
+}
+
+fn validate_slabs(slabs: u32) -> Result<(), MeshError> {
+    if (1..=MAX_SLABS).contains(&slabs) {
+        return Ok(());
+    }
+    Err(MeshError::option("slabs", slabs, format!("it must be 1 to {MAX_SLABS}")))
+}
+
+/// [`MeshOptions`] as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must
+/// keep its default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MeshTable {
+    /// As [`MeshOptions::method`].
+    pub method: MethodName,
+    /// As [`MeshOptions::element_size_mm`].
+    pub element_size_mm: f64,
+    /// As [`MeshOptions::itz`].
+    pub itz: ItzForm,
+    /// Voxels alone.
+    pub thin_itz: bool,
+    /// Voxels alone.
+    pub subsamples: u32,
+    /// Lattices alone.
+    pub fit: Fit,
+    /// 1 or 2; voxels take 1.
+    pub order: u32,
+    /// Conforming meshes alone.
+    pub slabs: Option<u32>,
+}
+
+impl Default for MeshTable {
+    fn default() -> Self {
+        MeshOptions::default().into()
+    }
+}
+
+impl From<MeshOptions> for MeshTable {
+    fn from(MeshOptions { method, element_size_mm, itz }: MeshOptions) -> Self {
+        let order = if method.order() == Order::Quadratic { 2 } else { 1 };
+        let (mut thin_itz, mut subsamples, mut fit, mut slabs) = (false, 1, Fit::Fitted, None);
+        match method {
+            Method::Voxel { thin_itz: thin, subsamples: samples } => (thin_itz, subsamples) = (thin, samples),
+            Method::Lattice { fit: own, .. } => fit = own,
+            Method::Conforming { slabs: own, .. } => slabs = own,
+        }
+        Self { method: method.name(), element_size_mm, itz, thin_itz, subsamples, fit, order, slabs }
+    }
+}
+
+impl TryFrom<MeshTable> for MeshOptions {
+    type Error = MeshError;
+
+    /// # Errors
+    /// Names an option that belongs to another method, and an order that no element has.
+    fn try_from(table: MeshTable) -> Result<Self, MeshError> {
+        table.refuse_foreign()?;
+        let order = table.order()?;
+        let MeshTable { element_size_mm, itz, thin_itz, subsamples, fit, slabs, .. } = table;
+        let method = match table.method {
+            MethodName::Voxel => Method::Voxel { thin_itz, subsamples },
+            MethodName::Lattice => Method::Lattice { fit, order },
+            MethodName::Conforming => Method::Conforming { order, slabs },
         };
-        Err(MeshError::option("order", self.order, accepted))
+        Ok(Self { method, element_size_mm, itz })
+    }
+}
+
+impl MeshTable {
+    /// The options that this table gives to a method which does not have them: name, value and that method.
+    pub fn foreign(&self) -> impl Iterator<Item = (&'static str, String, MethodName)> {
+        let slabs = self.slabs.map_or_else(String::new, |slabs| slabs.to_string());
+        let fit = format!("{:?}", self.fit).to_lowercase();
+        let all = [
+            ("fit", self.fit != Fit::Fitted, fit, MethodName::Lattice),
+            ("thin_itz", self.thin_itz, self.thin_itz.to_string(), MethodName::Voxel),
+            ("subsamples", self.subsamples != 1, self.subsamples.to_string(), MethodName::Voxel),
+            ("slabs", self.slabs.is_some(), slabs, MethodName::Conforming),
+        ];
+        let method = self.method;
+        let foreign = all.into_iter().filter(move |(_, given, _, of)| *given && *of != method);
+        foreign.map(|(key, _, value, of)| (key, value, of))
+    }
+
+    /// Checks the ranges of the options that only one method has, whether or not it is this one.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is accepted.
+    pub fn validate_ranges(&self) -> Result<(), MeshError> {
+        validate_subsamples(self.subsamples)?;
+        self.slabs.map_or(Ok(()), validate_slabs)
+    }
+
+    /// The same table without the options of other methods.
+    #[must_use]
+    pub fn without_foreign(mut self) -> Self {
+        let usual = Self::default();
+        if self.method != MethodName::Voxel {
+            (self.thin_itz, self.subsamples) = (usual.thin_itz, usual.subsamples);
+        }
+        if self.method != MethodName::Lattice {
+            self.fit = usual.fit;
+        }
+        if self.method != MethodName::Conforming {
+            self.slabs = usual.slabs;
+        }
+        self
+    }
+
+    fn refuse_foreign(&self) -> Result<(), MeshError> {
+        let Some((key, value, of)) = self.foreign().next() else { return Ok(()) };
+        let accepted = format!("only the method {} takes it", format!("{of:?}").to_lowercase());
+        Err(MeshError::option(key, value, accepted))
+    }
+
+    fn order(&self) -> Result<Order, MeshError> {
+        match (self.order, self.method) {
+            (1, _) => Ok(Order::Linear),
+            (2, MethodName::Voxel) => {
+                Err(MeshError::option("order", 2, "voxels take 1; the methods lattice and conforming take 2"))
+            }
+            (2, _) => Ok(Order::Quadratic),
+            _ => Err(MeshError::option("order", self.order, "it must be 1 or 2")),
+        }
     }
 }

@@ -13,21 +13,28 @@ use crate::packing::Specimen;
 use rayon::prelude::*;
 
 /// The voxel mesh of `aggregates` in `specimen`.
-pub(super) fn build(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
+pub(super) fn build(
+    aggregates: &[Aggregate],
+    specimen: &Specimen,
+    options: &MeshOptions,
+    thin_itz: bool,
+    subsamples: u32,
+) -> Mesh {
     let voxels = Voxels::of(specimen, options.element_size_mm);
-    let grains = Grain::all(aggregates, |a| shell_thickness(a, voxels.spacing.max(), options));
-    let labels = voxels.labels(&grains, options.subsamples as usize);
+    let grains =
+        Grain::all(aggregates, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
+    let labels = voxels.labels(&grains, subsamples as usize);
     let phase = labels.par_iter().map(|&label| phase_of(label, &grains)).collect();
     let aggregate =
         labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
     Mesh::of(CellKind::Hexahedron, voxels.points(), voxels.cells(), phase, aggregate)
 }
 
-/// The thickness an aggregate's shell has in a voxel mesh, mm; 0 for none.
-fn shell_thickness(aggregate: &Aggregate, voxel_mm: f64, options: &MeshOptions) -> f64 {
+/// The thickness an aggregate's shell has in a voxel mesh, `least` mm or more; 0 for none.
+fn shell_thickness(aggregate: &Aggregate, least: f64, options: &MeshOptions) -> f64 {
     match super::shell_thickness(aggregate, options) {
-        t if t == 0.0 || options.thin_itz => t,
-        t => t.max(voxel_mm),
+        0.0 => 0.0,
+        thickness => thickness.max(least),
     }
 }
 

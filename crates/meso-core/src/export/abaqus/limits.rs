@@ -20,6 +20,16 @@ impl DeckError {
     pub(super) fn new(key: impl Into<String>, value: impl ToString, accepted: impl Into<String>) -> Self {
         Self { key: key.into(), value: value.to_string(), accepted: accepted.into() }
     }
+
+    /// The option's name; dotted where it stands in a table, as in `materials.mortar.poisson_ratio`.
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// How the sentence goes on that the name begins: the value and what is accepted.
+    pub fn fault(&self) -> String {
+        format!("is {}; {}", self.value, self.accepted)
+    }
 }
 
 /// Every value against its range; NaN lies in none.

@@ -32,11 +32,10 @@ pub(super) fn shells(
     let pieces = pieces(aggregates, period, domain, slabs)?;
     let lower = |(pieces, aabb): (&Vec<Piece>, &Aabb)| {
         let faces = (0..3).into_par_iter().map(|axis| faces::lower(axis, aabb, pieces, limit));
-        faces.collect::<Result<Vec<Face>, String>>()
+        faces.collect::<Result<Vec<Face>, MeshError>>()
     };
     let boxes = slabs.boxes(domain);
-    let faces: Vec<Vec<Face>> =
-        pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, String>>().map_err(MeshError::Gmsh)?;
+    let faces: Vec<Vec<Face>> = pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, MeshError>>()?;
     let of_slab = |slab: usize| {
         sheets::shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
             for (axis, lower) in faces[slab].iter().enumerate() {
@@ -49,7 +48,7 @@ pub(super) fn shells(
             }
         })
     };
-    (0..boxes.len()).into_par_iter().map(of_slab).collect::<Result<_, String>>().map_err(MeshError::Gmsh)
+    (0..boxes.len()).into_par_iter().map(of_slab).collect()
 }
 
 /// Refuses nodes on a face of `domain` across which the box repeats itself that have none opposite to them.

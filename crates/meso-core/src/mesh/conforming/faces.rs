@@ -7,6 +7,7 @@ use super::facets::halved;
 use super::pieces::Piece;
 use super::plane::{Frame, Plane};
 use crate::math::{Aabb, Vec3};
+use crate::mesh::MeshError;
 use std::collections::BTreeMap;
 
 /// A lower face: its triangles counter-clockwise seen from above, each with the piece whose cap it is part of.
@@ -19,7 +20,7 @@ pub(super) struct Face {
 ///
 /// # Errors
 /// Says which rims cross: of disjoint grains none do.
-pub(super) fn lower(axis: usize, domain: &Aabb, pieces: &[Piece], limit: f64) -> Result<Face, String> {
+pub(super) fn lower(axis: usize, domain: &Aabb, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
     let caps: Vec<(usize, Vec<Vec3>)> = caps(axis, pieces).collect();
     let rims = Sides { axis, domain }.rims(&caps, limit);
     let mut plane = Plane::new(Frame::across(axis, domain.min[axis]), &rims, limit)?;

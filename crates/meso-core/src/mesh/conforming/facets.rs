@@ -10,6 +10,7 @@ use super::pieces::snap;
 use super::plane::{Frame, region};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
+use crate::mesh::MeshError;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 
@@ -30,7 +31,7 @@ pub(super) struct Triangles {
 ///
 /// # Errors
 /// As [`facets`].
-pub(super) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, String> {
+pub(super) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, MeshError> {
     facets(body.vertices(), body.faces().map(|face| face.to_vec()), LONGEST * size)
 }
 
@@ -42,14 +43,13 @@ pub(super) fn facets(
     points: &[Vec3],
     polygons: impl IntoIterator<Item = Vec<u32>>,
     limit: f64,
-) -> Result<Triangles, String> {
+) -> Result<Triangles, MeshError> {
     let (mut nodes, mut triangles) = (Nodes::default(), Vec::new());
     for polygon in polygons {
         let corners: Vec<Vec3> = polygon.iter().map(|&corner| points[corner as usize]).collect();
         let frame = Frame::of(&corners);
         if !frame.is_plane() {
-            let at = corners[0];
-            return Err(format!("a facet at {:.6}, {:.6}, {:.6} mm has no area", at.x, at.y, at.z));
+            return Err(MeshError::triangulation("a facet has no area", &corners[0]));
         }
         let facet = region(frame, &[corners], limit)?;
         let numbers: Vec<u32> = facet.points.iter().map(|point| nodes.at(*point)).collect();
@@ -237,8 +237,8 @@ mod tests {
     #[test]
     fn a_facet_without_area_is_named() {
         let corners = [0.0, 1.0, 3.0].map(|x| Vec3::new(x, 0.0, 2.0));
-        let error = facets(&corners, [vec![0, 1, 2]], 1.0).unwrap_err();
-        assert_eq!(error, "a facet at 0.000000, 0.000000, 2.000000 mm has no area");
+        let error = facets(&corners, [vec![0, 1, 2]], 1.0).unwrap_err().to_string();
+        assert_eq!(error, "a facet has no area at 0.000000, 0.000000, 2.000000 mm");
     }
 
     #[test]

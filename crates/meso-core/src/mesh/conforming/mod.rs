@@ -30,7 +30,7 @@ pub use gaps::ROOM_MM;
 
 use super::lattice::Tetrahedra;
 use super::volumes::all_positive;
-use super::{Mesh, MeshError, MeshOptions, NO_AGGREGATE, Notes};
+use super::{Mesh, MeshError, NO_AGGREGATE, Notes};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
 use crate::packing::{Container, Period, Specimen};
@@ -52,30 +52,49 @@ pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41",
 /// alone, leaves a cell without volume or breaks off: with other nodes on the surfaces it does none of these, mostly.
 const TRIES: [f64; 3] = [1.0, 0.97, 0.94];
 
-/// The mesh of `aggregates` and mortar by `gmsh`; `images` as of [`Surfaces::new`].
+/// Fills closed surfaces with tetrahedra: gmsh, or what stands in for it.
+pub trait VolumeMesher: Sync {
+    /// gmsh's output, MSH 4.1 in binary, for the input that [`Surfaces::write`] gives. The parts of a large specimen are asked
+    /// for at the same time.
+    ///
+    /// # Errors
+    /// [`MeshError::Gmsh`] where another element size may help; it is asked again then, and after no other error.
+    fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError>;
+}
+
+impl<F: Fn(&Surfaces) -> Result<Vec<u8>, MeshError> + Sync> VolumeMesher for F {
+    fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
+        self(surfaces)
+    }
+}
+
+/// The mesh of `aggregates` and mortar by `gmsh`; `images` as of [`Division::new`].
 ///
 /// # Errors
-/// As [`Surfaces::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
+/// As [`Division::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
 pub(super) fn mesh(
     aggregates: &[Aggregate],
     images: &[Aggregate],
     specimen: &Specimen,
-    options: &MeshOptions,
-    gmsh: super::Gmsh,
+    element_size_mm: f64,
+    slabs: Option<u32>,
+    gmsh: &dyn VolumeMesher,
 ) -> Result<Mesh, MeshError> {
     let meshed = |share: f64| {
-        let options = MeshOptions { element_size_mm: share * options.element_size_mm, ..options.clone() };
-        let mut division = Division::new(aggregates, images, specimen, &options)?;
+        let mut division = Division::new(aggregates, images, specimen, share * element_size_mm, slabs)?;
         division.runs[0].again = share != TRIES[0];
         let mesh = division.mesh(aggregates, gmsh)?;
         all_positive(&mesh).map(|()| mesh)
     };
-    let [first, others @ ..] = TRIES;
-    others.into_iter().fold(meshed(first), |last, share| match last {
-        // What went wrong with the size that was asked for is what is told.
-        Err(MeshError::Unmatched { .. } | MeshError::Flat { .. } | MeshError::Gmsh(_)) => meshed(share).or(last),
-        done => done,
-    })
+    // The error reported is that of the size asked for.
+    let mut first = None;
+    for share in TRIES {
+        match meshed(share) {
+            Err(error) if error.is_worth_another_try() => first = first.or(Some(error)),
+            done => return done,
+        }
+    }
+    Err(first.unwrap_or(MeshError::NeedsGmsh))
 }
 
 /// What is asked of gmsh.
@@ -98,9 +117,10 @@ impl Division {
         aggregates: &[Aggregate],
         images: &[Aggregate],
         specimen: &Specimen,
-        options: &MeshOptions,
+        size: f64,
+        slabs: Option<u32>,
     ) -> Result<Self, MeshError> {
-        let (room, size) = (specimen.container(), options.element_size_mm);
+        let room = specimen.container();
         let (period, domain) = (specimen.period(), room.aabb());
         gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
         gaps::refuse_grazed(aggregates, &period)?;
@@ -108,11 +128,11 @@ impl Division {
         let corners = walls.as_ref().map_or(&[][..], |walls| &walls.points);
         let slabs = match specimen {
             Specimen::Sphere { .. } => Slabs::one(),
-            _ => Slabs::new(images, corners, &domain, size, options.slabs),
+            _ => Slabs::new(images, corners, &domain, size, slabs),
         };
         let shells = match walls {
             _ if period.is_none() && slabs.places.is_empty() => {
-                vec![walled(aggregates, specimen, &*room, size).map_err(MeshError::Gmsh)?]
+                vec![walled(aggregates, specimen, &*room, size)?]
             }
             Some(walls) => rooms::shells(aggregates, walls, &period, &domain, &slabs, size)?,
             None => boxes::shells(aggregates, &period, &domain, &slabs, size)?,
@@ -125,8 +145,8 @@ impl Division {
     ///
     /// # Errors
     /// Those of `gmsh`; says what is wrong with its output; a node on a periodic face that has none opposite to it.
-    fn mesh(self, aggregates: &[Aggregate], gmsh: super::Gmsh) -> Result<Mesh, MeshError> {
-        let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh(surfaces)?));
+    fn mesh(self, aggregates: &[Aggregate], gmsh: &dyn VolumeMesher) -> Result<Mesh, MeshError> {
+        let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh.fill(surfaces)?));
         let mut mesh = seams::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
         flat::open(&mut mesh, &self.period, &self.domain);
         boxes::all_matched(&mesh.points, &self.period, &self.domain)?;
@@ -187,9 +207,9 @@ impl Surfaces {
 ///
 /// # Errors
 /// As [`facets::facets`].
-fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Shells, String> {
+fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Shells, MeshError> {
     let bodies: Vec<Triangles> =
-        aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, String>>()?;
+        aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, MeshError>>()?;
     let mut shells = Shells::default();
     let mut holes = Vec::new();
     for (grain, (aggregate, surface)) in (0..).zip(aggregates.iter().zip(&bodies)) {

@@ -1,6 +1,7 @@
 //! The connected parts of the surface that bounds mortar in a periodic box.
 
 use crate::math::{Aabb, Vec3};
+use crate::mesh::MeshError;
 use std::collections::BTreeMap;
 
 /// A closed surface.
@@ -18,7 +19,7 @@ pub(super) struct Part {
 pub(super) fn parts(
     sheets: impl Iterator<Item = (Option<usize>, Vec<[u32; 3]>)>,
     points: &[Vec3],
-) -> Result<Vec<Part>, String> {
+) -> Result<Vec<Part>, MeshError> {
     let of_sheet = |(sheet, triangles): (Option<usize>, Vec<[u32; 3]>)| triangles.into_iter().map(move |t| (sheet, t));
     let triangles: Vec<(Option<usize>, [u32; 3])> = sheets.flat_map(of_sheet).collect();
     let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
@@ -29,8 +30,7 @@ pub(super) fn parts(
     let mut root: Vec<u32> = (0..triangles.len() as u32).collect();
     for pair in sides.chunk_by(|a, b| a.0 == b.0) {
         let [(_, a), (_, b)] = *pair else {
-            let at = points[pair[0].0[0] as usize];
-            return Err(format!("the surface for gmsh is open at {:.6}, {:.6}, {:.6} mm", at.x, at.y, at.z));
+            return Err(MeshError::triangulation("the surface for gmsh is open", &points[pair[0].0[0] as usize]));
         };
         let (a, b) = (find(&mut root, a), find(&mut root, b));
         root[a.max(b) as usize] = a.min(b);

@@ -6,6 +6,7 @@
 use super::facets::{Triangles, halved};
 use super::pieces::snap;
 use crate::math::Vec3;
+use crate::mesh::MeshError;
 use spade::handles::{FixedVertexHandle, InnerTag};
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 
@@ -75,16 +76,16 @@ impl Plane {
     ///
     /// # Errors
     /// Says where rims cross.
-    pub(super) fn new(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, String> {
+    pub(super) fn new(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, MeshError> {
         Self::refined(frame, rims, refinement(limit))
     }
 
     /// The same between rims that go around it and its holes: rounding puts some nodes of the outer ones off the hull.
-    fn inside(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, String> {
+    fn inside(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, MeshError> {
         Self::refined(frame, rims, refinement(limit).exclude_outer_faces(true))
     }
 
-    fn refined(frame: Frame, rims: &[Vec<Vec3>], parameters: RefinementParameters<f64>) -> Result<Self, String> {
+    fn refined(frame: Frame, rims: &[Vec<Vec3>], parameters: RefinementParameters<f64>) -> Result<Self, MeshError> {
         let mut plane = Self::between(frame, rims)?;
         plane.cdt.refine(parameters);
         let inner = smoothed(&plane.cdt, plane.points.len());
@@ -98,7 +99,7 @@ impl Plane {
         Ok(plane)
     }
 
-    fn between(frame: Frame, rims: &[Vec<Vec3>]) -> Result<Self, String> {
+    fn between(frame: Frame, rims: &[Vec<Vec3>]) -> Result<Self, MeshError> {
         let mut plane = Self { frame, cdt: ConstrainedDelaunayTriangulation::new(), points: Vec::new() };
         rims.iter().try_for_each(|nodes| plane.keep(nodes))?;
         Ok(plane)
@@ -113,12 +114,11 @@ impl Plane {
     }
 
     /// Makes the edges between consecutive nodes part of the triangulation.
-    fn keep(&mut self, nodes: &[Vec3]) -> Result<(), String> {
+    fn keep(&mut self, nodes: &[Vec3]) -> Result<(), MeshError> {
         let vertices: Vec<FixedVertexHandle> = nodes.iter().map(|node| self.vertex(*node)).collect();
         for pair in vertices.windows(2) {
             if !self.cdt.can_add_constraint(pair[0], pair[1]) {
-                let at = self.points[pair[0].index()];
-                return Err(format!("rims of aggregates cross at {:.6}, {:.6}, {:.6} mm", at.x, at.y, at.z));
+                return Err(MeshError::triangulation("rims of aggregates cross", &self.points[pair[0].index()]));
             }
             self.cdt.add_constraint(pair[0], pair[1]);
         }
@@ -130,9 +130,10 @@ impl Plane {
     ///
     /// # Errors
     /// Where there is no such edge.
-    pub(super) fn within(&mut self, from: Vec3, to: Vec3) -> Result<Vec<usize>, String> {
+    pub(super) fn within(&mut self, from: Vec3, to: Vec3) -> Result<Vec<usize>, MeshError> {
         let [a, b] = [from, to].map(|node| self.vertex(node));
-        let edge = self.cdt.get_edge_from_neighbors(a, b).ok_or("an edge of a rim is lost")?;
+        let edge = self.cdt.get_edge_from_neighbors(a, b);
+        let edge = edge.ok_or_else(|| MeshError::triangulation("an edge of a rim is lost", &from))?;
         let (mut open, mut seen) = (vec![edge.face().fix()], vec![false; self.cdt.num_all_faces()]);
         let mut found = Vec::new();
         while let Some(face) = open.pop() {
@@ -165,7 +166,7 @@ impl Plane {
 ///
 /// # Errors
 /// Says where loops cross.
-pub(super) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Triangles, String> {
+pub(super) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Triangles, MeshError> {
     let edges = |corners: &Vec<Vec3>| {
         let next = |k: usize| corners[(k + 1) % corners.len()];
         (0..corners.len()).map(|k| halved(corners[k], next(k), limit)).collect::<Vec<_>>()

@@ -32,7 +32,7 @@ pub(super) fn shells(
     let walls = pieces::walls(walls, slabs, period);
     let of_plane = |(above, place): (usize, &f64)| section(slabs.axis, *place, &walls[above], &pieces[above], limit);
     let planes = (1..walls.len()).into_par_iter().zip(&slabs.places).map(of_plane);
-    let planes: Vec<Face> = planes.collect::<Result<_, String>>().map_err(MeshError::Gmsh)?;
+    let planes: Vec<Face> = planes.collect::<Result<_, MeshError>>()?;
     let of_slab = |slab: usize| {
         let walls = surface(&walls[slab], limit)?;
         sheets::shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
@@ -47,11 +47,11 @@ pub(super) fn shells(
             }
         })
     };
-    (0..walls.len()).into_par_iter().map(of_slab).collect::<Result<_, String>>().map_err(MeshError::Gmsh)
+    (0..walls.len()).into_par_iter().map(of_slab).collect()
 }
 
 /// The plane at `place` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.
-fn section(axis: usize, place: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, String> {
+fn section(axis: usize, place: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
     let frame = Frame::across(axis, place);
     let upward = |loops: Vec<Vec3>| loops.into_iter().rev().collect::<Vec<Vec3>>();
     let outlines = walls.loops(axis, false).map(upward);

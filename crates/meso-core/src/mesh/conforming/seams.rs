@@ -124,10 +124,7 @@ impl<'a> Seam<'a> {
         let [below, above] = [0, 1].map(|side| self.triangles(side));
         let lone = [without(&below, &above), without(&above, &below)].concat();
         let at = lone.first().map_or(Vec3::zeros(), |corners| self.mesh.points[corners[0] as usize]);
-        MeshError::Gmsh(format!(
-            "gmsh's meshes of two slabs do not meet at {:.6}, {:.6}, {:.6} mm; choose another element_size_mm or fewer slabs",
-            at.x, at.y, at.z
-        ))
+        MeshError::Seam { at: at.into() }
     }
 
     fn on(&self, node: u32) -> bool {
@@ -331,6 +328,6 @@ mod tests {
     fn sides_that_cover_different_places_are_told() {
         let slabs = Slabs { axis: 2, places: vec![1.0] };
         let parts = vec![part(&SQUARE, &[[0, 1, 2]], 0.0), part(&SQUARE, &[[0, 2, 3]], 2.0)];
-        assert!(matches!(joined(parts, &slabs), Err(MeshError::Gmsh(_))));
+        assert!(matches!(joined(parts, &slabs), Err(MeshError::Seam { .. })));
     }
 }

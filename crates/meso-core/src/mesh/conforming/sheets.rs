@@ -9,6 +9,7 @@ use super::pieces::Piece;
 use super::shells::{Filled, Shells};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
+use crate::mesh::MeshError;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -21,9 +22,9 @@ pub(super) fn shells(
     aggregates: &[Aggregate],
     limit: f64,
     add: impl FnOnce(&mut Sheets, &mut Nodes),
-) -> Result<Shells, String> {
+) -> Result<Shells, MeshError> {
     let surfaces = pieces.par_iter().map(|piece| surface(piece, limit));
-    let surfaces: Vec<Triangles> = surfaces.collect::<Result<_, String>>()?;
+    let surfaces: Vec<Triangles> = surfaces.collect::<Result<_, MeshError>>()?;
     let mut nodes = Nodes::default();
     let mut sheets = Sheets::new(pieces, &surfaces, &mut nodes);
     add(&mut sheets, &mut nodes);
@@ -32,7 +33,7 @@ pub(super) fn shells(
 }
 
 /// A piece's own facets in triangles, its rims cut as the faces on the other side have them.
-pub(super) fn surface(piece: &Piece, limit: f64) -> Result<Triangles, String> {
+pub(super) fn surface(piece: &Piece, limit: f64) -> Result<Triangles, MeshError> {
     facets(&piece.points, piece.facets.iter().cloned(), limit)
 }
 
@@ -113,7 +114,7 @@ impl Sheets {
     }
 
     /// The shells of the pieces and of the mortar, with the volumes in them.
-    fn shells(mut self, pieces: &[Piece], aggregates: &[Aggregate], shells: &mut Shells) -> Result<(), String> {
+    fn shells(mut self, pieces: &[Piece], aggregates: &[Aggregate], shells: &mut Shells) -> Result<(), MeshError> {
         let is_cut = |piece: &usize| !pieces[*piece].caps.is_empty();
         let outside = (0..pieces.len()).filter(is_cut).map(|piece| {
             // Counter-clockwise from outside the mortar.

@@ -3,6 +3,7 @@
 use super::facets::{LONGEST, Triangles, facets};
 use super::round;
 use crate::math::{Aabb, Vec3};
+use crate::mesh::MeshError;
 use crate::packing::{Container, Specimen, Surface};
 use std::collections::BTreeMap;
 
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 ///
 /// # Errors
 /// As [`facets`].
-pub(super) fn walls(specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Triangles, String> {
+pub(super) fn walls(specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Triangles, MeshError> {
     match (specimen, polygons(specimen, room, size)) {
         (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),
         (Specimen::Sphere { diameter_mm }, None) => Ok(round::sphere(*diameter_mm, size)),

@@ -1,0 +1,190 @@
+//! gmsh, run as a program of its own in a folder of its own, for conforming meshes.
+//!
+//! gmsh is under the GPL and is neither linked nor shipped; whoever wants conforming meshes installs it. It ends with this
+//! process: [`end_all`] is for signal handlers, and on Linux the kernel sees to it where this process is killed outright
+//! (elsewhere gmsh then runs to its end, and everywhere its folder `mesocrete-*` stays in TMPDIR).
+
+mod ends_with_us;
+mod running;
+
+pub use running::end_all;
+
+use meso_core::mesh::conforming::{GMSH_OPTIONS, Surfaces};
+use meso_core::mesh::{MeshError, VolumeMesher};
+use running::Running;
+use std::ffi::{OsStr, OsString};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::process::{Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::Duration;
+
+/// How often the runner looks whether gmsh is done, or is to stop.
+const POLL: Duration = Duration::from_millis(20);
+/// How gmsh's output ends when it is whole.
+const END: &[u8] = b"$EndElements\n";
+/// Bytes written to find out whether the disk is full: more than a file system keeps in reserve for small files.
+const PROBE: usize = 1 << 16;
+
+/// How gmsh is called.
+pub struct Gmsh {
+    program: OsString,
+    /// Come before gmsh's own arguments.
+    first: Vec<OsString>,
+}
+
+impl Gmsh {
+    /// The program `path`, looked for on the PATH where it is a bare name.
+    pub fn program(path: impl AsRef<OsStr>) -> Self {
+        Self { program: path.as_ref().to_owned(), first: Vec::new() }
+    }
+
+    /// The module `gmsh` of the Python interpreter `python`.
+    pub fn python_module(python: impl AsRef<OsStr>) -> Self {
+        let script = "import sys, gmsh; gmsh.initialize(sys.argv, run=True); gmsh.finalize()";
+        Self { program: python.as_ref().to_owned(), first: vec!["-c".into(), script.into()] }
+    }
+
+    /// The program, wherever it is to run, with what comes before its own arguments.
+    fn command(&self) -> Command {
+        let path = Path::new(&self.program);
+        let is_bare = path.parent().is_none_or(|folder| folder.as_os_str().is_empty());
+        let from_anywhere = if is_bare { None } else { std::path::absolute(path).ok() };
+        let mut command = Command::new(from_anywhere.as_deref().unwrap_or(path));
+        command.args(&self.first);
+        command
+    }
+
+    /// Finds out whether gmsh is there and runs.
+    ///
+    /// # Errors
+    /// [`MeshError::MissingGmsh`], with what it said where it does not run.
+    pub fn check(&self) -> Result<(), MeshError> {
+        let asked = self.command().arg("--version").output().map_err(|error| self.missing(&error))?;
+        if asked.status.success() {
+            return Ok(());
+        }
+        let said = String::from_utf8_lossy(&asked.stderr);
+        Err(self.missing_since(format!("--version failed ({}), saying {:?}", asked.status, said.trim())))
+    }
+
+    /// Fills `surfaces` with tetrahedra until `stop` says so; the bytes of gmsh's output.
+    ///
+    /// # Errors
+    /// [`MeshError::MissingGmsh`], [`MeshError::Stopped`], [`MeshError::Files`] (a full disk, too), and [`MeshError::Gmsh`]
+    /// with what gmsh had to say where it failed.
+    pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
+        let folder = tempfile::Builder::new().prefix("mesocrete-").tempdir();
+        let folder = folder.map_err(|error| files(&std::env::temp_dir(), error))?;
+        let running = Running::in_folder(folder.path());
+        self.run(&Task { surfaces, folder: folder.path(), running: &running, stop })
+    }
+
+    fn run(&self, task: &Task) -> Result<Vec<u8>, MeshError> {
+        let in_folder = |error| files(task.folder, error);
+        write_input(task.surfaces, task.folder).map_err(in_folder)?;
+        let outcome = self.call(task)?;
+        let output = std::fs::read(task.folder.join("volumes.msh")).unwrap_or_default();
+        if outcome.status.success() && output.ends_with(END) {
+            return Ok(output);
+        }
+        // A full disk ends gmsh in many ways, and another element size does not help.
+        probe_disk(task.folder).map_err(in_folder)?;
+        let what = match (outcome.status.success(), output.is_empty()) {
+            (false, _) => format!("gmsh failed ({})", outcome.status),
+            (true, true) => "gmsh made no mesh".to_owned(),
+            (true, false) => "gmsh's mesh is cut off".to_owned(),
+        };
+        Err(MeshError::Gmsh(format!("{what}; it said:\n{}", outcome.said)))
+    }
+
+    fn call(&self, task: &Task) -> Result<Outcome, MeshError> {
+        let in_folder = |error| files(task.folder, error);
+        // Not through pipes: nobody would empty them meanwhile.
+        let mut saying = File::options()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(task.folder.join("said.txt"))
+            .map_err(in_folder)?;
+        let mut command = self.command();
+        command.current_dir(task.folder).arg("volumes.geo").args(GMSH_OPTIONS);
+        command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
+        command.stdin(Stdio::null());
+        command.stderr(saying.try_clone().map_err(in_folder)?).stdout(saying.try_clone().map_err(in_folder)?);
+        ends_with_us::arrange(&mut command);
+        let child = command.spawn().map_err(|error| self.missing(&error))?;
+        let status = task.wait(child)?;
+        let mut said = Vec::new();
+        saying.seek(SeekFrom::Start(0)).and_then(|_| saying.read_to_end(&mut said)).map_err(in_folder)?;
+        Ok(Outcome { status, said: String::from_utf8_lossy(&said).trim().to_owned() })
+    }
+
+    fn missing(&self, error: &io::Error) -> MeshError {
+        let why = match error.kind() {
+            io::ErrorKind::NotFound => "there is no such program".to_owned(),
+            io::ErrorKind::PermissionDenied => "it is no program, or may not be run".to_owned(),
+            _ => error.to_string(),
+        };
+        self.missing_since(format!("cannot be run ({why})"))
+    }
+
+    fn missing_since(&self, why: String) -> MeshError {
+        MeshError::MissingGmsh { program: Path::new(&self.program).display().to_string(), why }
+    }
+}
+
+impl VolumeMesher for Gmsh {
+    fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
+        self.run_until(surfaces, &|| false)
+    }
+}
+
+/// One run of gmsh.
+struct Task<'a> {
+    surfaces: &'a Surfaces,
+    folder: &'a Path,
+    running: &'a Running,
+    stop: &'a dyn Fn() -> bool,
+}
+
+/// How gmsh ended.
+struct Outcome {
+    status: ExitStatus,
+    said: String,
+}
+
+impl Task<'_> {
+    /// Waits for `child`, or ends it when the caller or the user says so.
+    fn wait(&self, child: std::process::Child) -> Result<ExitStatus, MeshError> {
+        self.running.begin(child);
+        loop {
+            if let Some(status) = self.running.status().map_err(|error| files(self.folder, error))? {
+                return Ok(status);
+            }
+            if (self.stop)() {
+                self.running.end();
+                return Err(MeshError::Stopped);
+            }
+            thread::sleep(POLL);
+        }
+    }
+}
+
+fn write_input(surfaces: &Surfaces, folder: &Path) -> io::Result<()> {
+    surfaces.write(File::create(folder.join("surfaces.msh"))?)?;
+    std::fs::write(folder.join("volumes.geo"), surfaces.script("surfaces.msh"))
+}
+
+/// Fails where the disk has no room left.
+fn probe_disk(folder: &Path) -> io::Result<()> {
+    let mut file = File::create(folder.join("probe"))?;
+    file.write_all(&[0xA5; PROBE])?;
+    file.sync_all()
+}
+
+fn files(folder: &Path, error: io::Error) -> MeshError {
+    MeshError::Files { folder: folder.to_owned(), error }
+}
