@@ -38,3 +38,4 @@ mod solids;
 mod spec;
 mod specimens;
 mod statistics;
+mod stop;

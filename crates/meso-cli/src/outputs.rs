@@ -293,7 +293,7 @@ mod tests {
     #[test]
     fn whichever_write_fails_of_several_files_the_old_ones_stay() {
         for force in [false, true] {
-            for fails in 0..30 {
+            for fails in 0..30_usize {
                 let folder = tempfile::tempdir().unwrap();
                 let paths = ["a", "b", "c"].map(|name| folder.path().join(name));
                 if force {

@@ -15,6 +15,7 @@ use crate::geometry::{Polyhedron, sieve_size};
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
 use crate::packing::Container;
+use crate::stop;
 use pairs::Placed;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -136,6 +137,14 @@ impl fmt::Display for Finding {
 }
 
 impl Finding {
+    /// The body that the take does not know.
+    fn body(&self) -> Option<u32> {
+        match *self {
+            Self::NotTaken { body } => Some(body),
+            _ => None,
+        }
+    }
+
     /// The two aggregates that it is about.
     fn pair(&self) -> Option<(u32, u32)> {
         match *self {
@@ -202,6 +211,7 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
 
 /// What concerns one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
+    stop::point();
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
     // The offset of what is no convex solid means nothing.

@@ -25,6 +25,7 @@ pub mod recipes;
 pub mod saved;
 pub mod spec;
 pub mod statistics;
+pub mod stop;
 mod wide;
 
 pub use model::{Model, pack};

@@ -100,7 +100,7 @@ impl PyPolyhedron {
     /// ValueError
     ///     For a thickness that is negative or not finite.
     /// ArithmeticError
-    ///     Where the body is so ill-shaped that the answer cannot be trusted.
+    ///     Where what is left is too thin, or too small, for float64 vertices to show its shape.
     fn offset(&self, py: Python<'_>, thickness: f64) -> PyResult<Option<Self>> {
         guard(|| {
             let inner = py.detach(|| inward_offset(&self.0, thickness)).map_err(|error| offset_error(&error))?;

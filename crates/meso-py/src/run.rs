@@ -1,7 +1,7 @@
 //! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
 
 use crate::boundary::bug;
-use meso_core::Progress;
+use meso_core::{Progress, stop};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,6 +21,8 @@ const FILES_GRACE: Duration = Duration::from_secs(3);
 /// What the worker and the waiting thread share.
 pub(crate) struct Watch {
     go_on: AtomicBool,
+    /// Nobody waits for the result any more.
+    abandoned: Arc<AtomicBool>,
     fraction: AtomicU64,
     target: AtomicU64,
     has_files: AtomicBool,
@@ -54,7 +56,7 @@ impl Progress for Watch {
 /// Runs `work` on a thread of its own, with a rayon pool of its own, while this one waits for it and for signals.
 ///
 /// The core looks at the flag only between its own steps, which may be long; so on Ctrl-C the caller goes back to
-/// Python at once and the worker, which shares nothing with Python, ends when it next looks. The pool lives only as
+/// Python at once and the worker, which shares nothing with Python, unwinds when it next looks ([`stop`]). The pool lives only as
 /// long as the work: a process forked in between inherits no dead threads.
 pub(crate) fn beside_python<T: Send + 'static>(
     py: Python<'_>,
@@ -63,12 +65,15 @@ pub(crate) fn beside_python<T: Send + 'static>(
 ) -> PyResult<T> {
     let watch = Arc::new(Watch {
         go_on: AtomicBool::new(true),
+        abandoned: Arc::new(AtomicBool::new(false)),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
         has_files: AtomicBool::new(false),
         start: Instant::now(),
     });
-    let pool = rayon::ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let abandoned = Arc::clone(&watch.abandoned);
+    let pool = rayon::ThreadPoolBuilder::new().start_handler(move |_| stop::listen(Arc::clone(&abandoned)));
+    let pool = pool.build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();
     let shared = Arc::clone(&watch);
     thread::Builder::new().name("mesocrete".into()).spawn(move || {
@@ -88,6 +93,7 @@ pub(crate) fn beside_python<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
+                    watch.abandoned.store(true, Relaxed);
                     let _ = wait(if watch.has_files.load(Relaxed) { FILES_GRACE } else { GRACE });
                     return Err(error);
                 }

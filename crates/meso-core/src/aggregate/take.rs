@@ -4,6 +4,7 @@ use super::random::{Purpose, Stream};
 use super::{Grading, Inclusions, Itz, Kind, Shape, SizeClass, SizeDefinition, inclusions};
 use crate::geometry::{CompactPolyhedron, HullError, convex_hull, sieve_size};
 use crate::math::{Mat3, Rotation, Vec3};
+use crate::stop;
 use crate::wide::{Wide, widest};
 use rayon::prelude::*;
 
@@ -173,6 +174,7 @@ pub(super) fn fill(
 }
 
 fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
+    stop::point();
     let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
     let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
     let mut vertices = recipe.shape.outline(size, limits.d_min_mm, stream);

@@ -3,6 +3,7 @@
 use super::Finding;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use crate::stop;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -28,6 +29,7 @@ pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Findin
 }
 
 fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f64) -> (u64, Vec<Finding>) {
+    stop::point();
     let is_due = |b: usize| b > a && all[b].body as usize >= a && boxes[a].intersects(&boxes[b]);
     let mut others: Vec<usize> = buckets.near(&boxes[a]).filter(|&b| is_due(b)).collect();
     others.sort_unstable();

@@ -7,6 +7,7 @@ pub use report::{BAD_DEG, DIHEDRAL_BINS, QualityReport};
 use super::volumes::cell_volume;
 use super::{CellKind, Mesh};
 use crate::math::Vec3;
+use crate::stop;
 use rayon::prelude::*;
 
 /// One cell's measures.
@@ -30,6 +31,7 @@ pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
 }
 
 fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
+    stop::point();
     match mesh.kind {
         CellKind::Hexahedron => voxel(cell, mesh),
         _ => tetrahedron([0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize])),

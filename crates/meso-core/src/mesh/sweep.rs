@@ -6,6 +6,7 @@
 use super::grains::Grain;
 use crate::geometry::Plane;
 use crate::math::Vec3;
+use crate::stop;
 
 /// Points `origin + (i, j, k) * spacing`, i fastest.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +81,7 @@ impl<'a> Sweep<'a> {
 
     /// Labels of layer `k`, into `labels` of length [`PointGrid::layer_len`].
     pub(crate) fn label_layer(&self, k: usize, labels: &mut [Label]) {
+        stop::point();
         labels.fill(Label::MORTAR);
         let z = self.grid.coordinate(2, k);
         for &index in &self.by_layer[k] {

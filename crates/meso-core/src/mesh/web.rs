@@ -3,6 +3,7 @@
 use crate::math::Vec3;
 use crate::mesh::lattice::{Tetrahedra, sharpness};
 use crate::mesh::quality::shortest_altitude;
+use crate::stop;
 use rayon::prelude::*;
 
 /// A cell that is no more.
@@ -83,6 +84,7 @@ impl<'a> Web<'a> {
     }
 
     pub(super) fn sharpness(&self, cell: [u32; 4]) -> f64 {
+        stop::point();
         sharpness(cell.map(|node| self.point(node)))
     }
 

@@ -16,6 +16,7 @@ use super::twins::{self, Twins};
 use super::{Tetrahedra, slide, smooth};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::grains::Locator;
+use crate::stop;
 use rayon::prelude::*;
 
 /// The smallest dihedral angle a move may leave, degrees.
@@ -88,6 +89,7 @@ const SMOOTH: usize = 1;
 
 impl Fit<'_> {
     fn slide(&self, node: u32) {
+        stop::point();
         let role = self.roles[node as usize];
         if matches!(role, Role::Fixed | Role::Free) || !self.places.take_turn(node, SLIDE) {
             return;
@@ -99,6 +101,7 @@ impl Fit<'_> {
     }
 
     fn smooth(&self, node: u32, round: usize) {
+        stop::point();
         let role = self.roles[node as usize];
         if role == Role::Fixed || !self.places.take_turn(node, SMOOTH) {
             return;
@@ -133,6 +136,7 @@ impl Fit<'_> {
 
     /// Of a tetrahedron as it stands.
     pub(super) fn sharpness(&self, cell: u32) -> f64 {
+        stop::point();
         sharpness(self.mesh.cells[cell as usize].map(|node| self.places.get(node)))
     }
 

@@ -32,6 +32,7 @@ use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Notes, Phase};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
+use crate::stop;
 use bcc::Bcc;
 pub(in crate::mesh) use mend::ways;
 use outline::Outline;
@@ -71,6 +72,7 @@ pub(super) fn plain(aggregates: &[Aggregate], specimen: &Specimen, options: &Mes
 }
 
 fn locate(grains: &[Grain], locator: &Locator, x: &Vec3) -> (Phase, u32) {
+    stop::point();
     match locator.find(x) {
         None => (Phase::Mortar, NO_AGGREGATE),
         Some((g, height)) if height > -grains[g].shell => (Phase::Itz, grains[g].id),

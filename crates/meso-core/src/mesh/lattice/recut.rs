@@ -18,6 +18,7 @@ use super::twins::Twins;
 use crate::math::Vec3;
 use crate::mesh::swaps::swapped;
 use crate::mesh::web::Web;
+use crate::stop;
 
 /// The nodes that move lie in so many rings less one around the node.
 const RINGS: usize = 4;
@@ -115,6 +116,7 @@ impl Patch {
     }
 
     fn sharpness(&self, cell: u32) -> f64 {
+        stop::point();
         sharpness(self.mesh.cells[cell as usize].map(|node| self.mesh.points[node as usize]))
     }
 

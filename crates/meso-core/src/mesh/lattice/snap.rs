@@ -8,6 +8,7 @@ use super::outline::Outline;
 use crate::math::Vec3;
 use crate::mesh::grains::Grain;
 use crate::mesh::sweep::{Label, PointGrid, Sweep};
+use crate::stop;
 use rayon::prelude::*;
 
 /// "In no grain", as a label, and an empty place in a node's list of surfaces.
@@ -184,6 +185,7 @@ impl<'a> Field<'a> {
 
     /// The edges from a moved node into other grains: close the gap, move the other node, or leave the edge to be cut.
     fn second_look(&self, node: u32) -> Vec<Change> {
+        stop::point();
         let mut changes = Vec::new();
         self.bcc.neighbours(node, |other| {
             if self.compatible(node, other) {
