@@ -111,7 +111,7 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
     let said: Vec<&str> = run.stderr.lines().collect();
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_eq!(said.len(), 2, "{}", run.stderr);
-    assert_eq!(said[0], "warning: --analysis says what a deck holds, and no .inp is written");
+    assert_eq!(said[0], "warning: --analysis has no effect: no .inp is written");
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp"][..], &flags].concat());
     let said = "warning: --analysis is only for decks that hold more than geometry, and does nothing here\n";
     assert_eq!((run.code, run.stderr.as_str()), (0, said));

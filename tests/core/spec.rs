@@ -121,8 +121,8 @@ fn a_target_beyond_reach_is_doubted_before_the_work() {
     assert_eq!(doubt(0.50, paper, "min_gap_mm = 0.5"), None);
     assert_eq!(doubt(0.72, "kind = 'cube', side_mm = 60, periodic = ['x', 'y', 'z']", ""), None);
     for (fraction, specimen, placement, part) in [
-        (0.85, paper, "", "0.85 is more than this strategy has been seen to reach, 0.70"),
-        (0.65, "kind = 'cube', side_mm = 40", "", "0.65 is more than this strategy has been seen to reach, 0.61"),
+        (0.85, paper, "", "0.85 is more than this strategy was measured to reach, 0.70"),
+        (0.65, "kind = 'cube', side_mm = 40", "", "0.65 is more than this strategy was measured to reach, 0.61"),
         (0.60, paper, "min_gap_mm = 1", "0.6 with its gaps is as dense as 0.89 without"),
         (0.45, paper, "attempts = 100", "give more attempts, or take the strategy rearrange"),
         (0.45, paper, "strategy = 'rearrange'\nattempts = 100", "attempts count for the strategy take-and-place alone"),

@@ -240,7 +240,7 @@ fn pieces_of_a_surface_on_the_wrong_side_of_others_are_refused() {
 }
 
 #[test]
-fn a_class_that_fits_into_no_piece_of_a_room_is_named_before_the_work() {
+fn a_class_that_fits_into_no_component_of_a_surface_is_named_before_the_work() {
     for (edge, class) in [(5.0, "10-15 mm"), (8.0, "15-20 mm")] {
         let spec = Spec { fraction: 0.3, specimen: cubes(edge), ..Spec::default() };
         let error = pack(&spec, &Silent).unwrap_err();
@@ -248,7 +248,7 @@ fn a_class_that_fits_into_no_piece_of_a_room_is_named_before_the_work() {
         assert!(error.message.contains(class) && error.message.contains("fits into the specimen"), "{error}");
         // Cubes hold no ball wider than they are, nor a line longer than their diagonal.
         assert!(error.message.contains(&format!("longer than {:.2}", edge * 3f64.sqrt() + 0.005)), "{error}");
-        assert!(spec.doubts()[0].contains("more than this strategy has been seen to reach"), "{:?}", spec.doubts());
+        assert!(spec.doubts()[0].contains("more than this strategy was measured to reach"), "{:?}", spec.doubts());
     }
 }
 

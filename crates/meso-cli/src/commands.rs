@@ -1,4 +1,4 @@
-//! What can be typed: one file per subcommand, each with its arguments and what it does.
+//! The command line: one file per subcommand, each with its arguments and its action.
 
 pub(crate) mod check;
 pub(crate) mod convert;

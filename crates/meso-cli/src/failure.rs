@@ -12,7 +12,7 @@ pub(crate) const SHORT: u8 = 3;
 /// Exit code after Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Why a command could not do what it was asked; each message names what is wrong and the way out.
+/// Why a command failed; each message names the fault and the way out.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Wrong usage or a wrong spec.
@@ -29,7 +29,7 @@ impl Failure {
         Self::Run(format!("{}: {}", path.display(), plain(error)))
     }
 
-    /// What is wrong, and the way out.
+    /// The fault, and the way out.
     pub(crate) fn message(&self) -> &str {
         match self {
             Self::Usage(message) | Self::Run(message) => message,
@@ -56,7 +56,7 @@ fn plain(error: &std::io::Error) -> String {
     }
 }
 
-/// A panic says one line; [`Failure::Bug`] adds what to do about it.
+/// A panic prints one line; [`Failure::Bug`] adds what to do about it.
 pub(crate) fn hush_panics() {
     std::panic::set_hook(Box::new(|panic| stderr::line(format!("internal error: {panic}").replace('\n', " "))));
 }

@@ -1,5 +1,5 @@
-//! Ctrl-C, and being told to end: while a specimen is packed, the first time the best packing is kept; the second time, and
-//! at any other time, everything stops.
+//! Ctrl-C and termination. While a specimen is packed, the first signal keeps the best packing; the second one, and
+//! any signal at another time, stops everything.
 //!
 //! Temporary files are removed and other programs ended either way; only a kill that cannot be caught leaves a file behind,
 //! `.mesocrete-*.tmp`, or gmsh's folder. Hidden files come and go, and outputs get their names, only while
@@ -19,7 +19,7 @@ static HIDDEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// Handles the signals from now on.
 pub(crate) fn install() {
-    // The one way this fails is that it was done before, by an earlier run in the same process.
+    // This fails only if an earlier run in the same process has set it.
     let _ = ctrlc::set_handler(|| {
         let first = !ASKED.swap(true, Ordering::SeqCst);
         if !(first && POLLED.load(Ordering::SeqCst)) {
@@ -37,7 +37,7 @@ pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// While this lives, the first Ctrl-C only sets what [`asked`] tells.
+/// While this lives, the first Ctrl-C only sets the flag that [`asked`] reads.
 pub(crate) struct Polling;
 
 impl Polling {

@@ -1,7 +1,7 @@
 //! The `mesocrete` command as a function, so that the binary and the Python package run the same code.
 //!
-//! stdout carries data only; progress and messages go to stderr. What was typed ([`commands`]) becomes what is meant
-//! (a spec, options, [`outputs`]), then the core works, then files appear whole or not at all.
+//! stdout carries data only; progress and messages go to stderr. Arguments ([`commands`]) become a spec, options and
+//! [`outputs`]; then the core works; then files appear whole or not at all.
 
 mod commands;
 mod failure;
@@ -44,7 +44,7 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
     }
 }
 
-/// Help and version go to stdout and are no failure; everything else is wrong usage.
+/// Help and version go to stdout and are no failure; any other error is wrong usage.
 fn usage(error: &clap::Error) -> u8 {
     let _ = error.print();
     u8::from(error.use_stderr()) * failure::USAGE

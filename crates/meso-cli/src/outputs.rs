@@ -1,8 +1,8 @@
 //! Files that appear whole or not at all, several of them as one unit.
 //!
 //! Every file is written beside its place under a temporary name, forced to disk, and renamed when all of them are
-//! complete. Signals wait until all have their names; where one fails, those before it get their old contents back. What is
-//! there already is kept unless the user says `--force`; standard output and devices are streamed to.
+//! complete. Signals wait until all have their names; where one fails, those before it get their old contents back. Existing
+//! files are kept unless the user gives `--force`; standard output and devices are streamed.
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -11,14 +11,14 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{NamedTempFile, TempPath};
 
-/// Where an output goes.
+/// Destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     /// Standard output, `-`.
     Stdout,
     /// A device or pipe that is there already.
     Stream(PathBuf),
-    /// A file that is made anew.
+    /// A file, written beside its name and renamed.
     File {
         /// As the user typed it.
         shown: PathBuf,
@@ -28,7 +28,7 @@ pub(crate) enum Target {
 }
 
 impl Target {
-    /// Looks at what `path` is, and refuses what would be lost or cannot be made, before any work is done.
+    /// Inspects `path`, and refuses destinations that would be lost or cannot be created, before any work is done.
     pub(crate) fn new(path: &Path, force: bool) -> Result<Self, Failure> {
         if path == Path::new("-") {
             return if stdout_is_closed() { Err(Failure::Run(CLOSED.to_owned())) } else { Ok(Self::Stdout) };
@@ -52,7 +52,7 @@ impl Target {
         }
     }
 
-    /// The name to tell the user, where it is a file.
+    /// The name to print, where it is a file.
     pub(crate) fn file(&self) -> Option<&Path> {
         match self {
             Self::Stdout => None,
@@ -126,7 +126,7 @@ pub(crate) fn distinct(targets: &[&Target], inputs: &[&Path]) -> Result<(), Fail
     Ok(())
 }
 
-/// The files of one command on their way.
+/// The files of one command while they are written.
 #[derive(Default)]
 pub(crate) struct Unit {
     complete: Vec<Complete>,
@@ -140,7 +140,7 @@ struct Complete {
 }
 
 impl Unit {
-    /// Lets `write` fill one output. What fails takes every file of the unit with it.
+    /// Lets `write` fill one output. A failure discards every file of the unit.
     pub(crate) fn fill(
         &mut self,
         target: &Target,
@@ -229,7 +229,7 @@ fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>)
     out.flush()
 }
 
-/// A reader that has seen enough, like `head`, is no failure.
+/// A reader that closes early, like `head`, is no failure.
 fn quiet_if_closed(result: io::Result<()>) -> io::Result<()> {
     match result {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),

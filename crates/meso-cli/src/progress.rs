@@ -61,7 +61,7 @@ fn line(fraction: f64, target: f64, seconds: f64) -> String {
     format!("packing [{bar:BAR$}] {fraction:.4} of {target} ({seconds:.0} s, Ctrl-C keeps the best)")
 }
 
-/// A terminal that is gone is no reason to stop.
+/// A closed terminal does not stop the run.
 fn show(text: &str) {
     let mut stderr = io::stderr().lock();
     let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());

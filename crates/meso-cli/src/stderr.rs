@@ -1,4 +1,4 @@
-//! Messages on stderr, which may be closed: a message that nobody hears is no failure.
+//! Messages on stderr. It may be closed: a message that nobody reads is no failure.
 
 use std::fmt::Display;
 use std::io::Write;

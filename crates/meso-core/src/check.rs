@@ -22,8 +22,8 @@ use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;
 
-/// What a check looked at and found. Voids and fibres are meant, too, where a finding speaks of an aggregate: their ids
-/// count on from the last aggregate's.
+/// Scope and findings of a check. Where a finding speaks of an aggregate, voids and fibres are included: their ids
+/// follow those of the aggregates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
     /// Aggregates looked at.
@@ -100,14 +100,14 @@ pub enum Finding {
         /// Id.
         body: u32,
     },
-    /// A void or fibre is not as large as the spec says.
+    /// A void or fibre does not have the size in the spec.
     Shape {
         /// Id.
         body: u32,
         /// What is wrong.
         reason: String,
     },
-    /// The report does not say what the aggregates say.
+    /// The report contradicts the aggregates.
     Report {
         /// What differs.
         reason: String,
@@ -171,10 +171,10 @@ pub fn check(model: &Model) -> Check {
     // Summed in the order of the aggregates, whatever the threads.
     let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
     let fraction = volumes.iter().sum::<f64>() / container.volume();
-    let (outcome, not_taken) = taken::check(model, &bodies);
+    let (taken, not_taken) = taken::check(model, &bodies);
     findings.extend(not_taken);
-    findings.extend(report::check(model, outcome.as_ref()));
-    let not_checked = not_checked(model, outcome.is_some());
+    findings.extend(report::check(model, taken.as_ref()));
+    let not_checked = not_checked(model, taken.is_some());
     Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings, not_checked }
 }
 
@@ -214,7 +214,7 @@ fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Ve
     stop::point();
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
-    // The offset of what is no convex solid means nothing.
+    // The offset of a body that is not convex means nothing.
     let has_itz = aggregate.kind == Kind::Aggregate;
     let itz = if convex.is_none() && has_itz { itz(aggregate) } else { None };
     let range = if has_itz { itz_range(model, aggregate) } else { None };

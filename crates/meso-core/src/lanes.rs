@@ -1,7 +1,6 @@
 //! Eight numbers side by side, and which of them is the least.
 //!
-//! Every step is one for all eight, turned round among themselves: of steps that halve them the compiler makes narrow ones, up
-//! to where the eight come from.
+//! Rotates all eight lanes instead of halving: LLVM would narrow a halving reduction back to the loads.
 
 /// Numbers side by side.
 pub(crate) const LANES: usize = 8;
@@ -21,8 +20,8 @@ pub(crate) fn least(eight: &Eight) -> f32 {
     low[0]
 }
 
-/// The least of eight finite numbers and its lane, without a branch, since no guess of it would be right. Their last three bits
-/// are not looked at.
+/// The least of eight finite numbers and its lane, without a branch, since no guess of it would be right. Their last
+/// three bits are not looked at.
 #[inline(always)]
 pub(crate) fn least_lane(eight: &Eight) -> (f32, usize) {
     let mut keys = [0.0; LANES];

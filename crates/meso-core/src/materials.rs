@@ -1,7 +1,8 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
-//! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not available.
-//! docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's range (Sec. 3.1).
+//! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not
+//! available. docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
+//! range (Sec. 3.1).
 
 use crate::mesh::Phase;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -98,8 +99,8 @@ impl Default for Materials {
 
 impl Default for Strength {
     /// 40 MPa in the mean: the strain 0.7 f^0.31 per mille and the tensile strength 0.3 (f - 8)^(2/3) of EN 1992-1-1,
-    /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for grains of
-    /// 8 mm, rounded down; the crushing energy a hundred times that.
+    /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for
+    /// grains of 8 mm, rounded down; the crushing energy a hundred times that.
     fn default() -> Self {
         Self {
             compressive_mpa: 40.0,
@@ -133,7 +134,7 @@ struct Given {
     density_t_per_mm3: Option<f64>,
 }
 
-/// What is given, and for the rest what is usual.
+/// Given values, and defaults for the rest.
 fn over<'de, D: Deserializer<'de>>(usual: Elastic, deserializer: D) -> Result<Elastic, D::Error> {
     let given = Given::deserialize(deserializer)?;
     Ok(Elastic {
@@ -181,8 +182,8 @@ impl Materials {
         (normal, normal / (2.0 * (1.0 + self.itz.poisson_ratio)))
     }
 
-    /// Longest stable time step of cohesive elements in explicit dynamics, s: the root of their mass per area over their
-    /// stiffness (Abaqus' own estimate), t sqrt(rho / E) here.
+    /// Longest stable time step of cohesive elements in explicit dynamics, s: the root of their mass per area over
+    /// their stiffness (Abaqus' own estimate), t sqrt(rho / E) here.
     pub fn cohesive_time_step_s(&self) -> f64 {
         self.cohesive_thickness_mm * (self.itz.density_t_per_mm3 / self.itz.youngs_modulus_mpa).sqrt()
     }

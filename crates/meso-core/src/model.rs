@@ -3,7 +3,7 @@
 use crate::aggregate::take::{Grain, Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
-use crate::packing::{self, Largest, Outcome, Pose, Progress, Report, Request, Seconds, Silent, Strategy};
+use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -16,7 +16,8 @@ pub struct Model {
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
-    /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of them.
+    /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of
+    /// them.
     pub inclusions: Vec<Aggregate>,
     /// The result's figures.
     pub report: Report,
@@ -31,26 +32,20 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.has_room()?;
     let start = progress.seconds();
     let (grains, complete) = take_grains(spec, progress, start)?;
-    let aggregates = grains.iter().filter(|grain| grain.kind == Kind::Aggregate);
-    let longest = aggregates.map(|grain| 2.0 * f64::from(grain.outer_radius)).fold(0.0, f64::max);
-    if let Some(error) = spec.meets_own_image(longest) {
-        return Err(error);
-    }
-    let largest = largest(spec);
-    if let Some(error) = spec.fits_nowhere(&grains, &largest) {
-        return Err(error);
-    }
+    let largest = largest_body(spec, &grains)?;
     let taken = progress.seconds();
-    let mut outcome = packing::place(&request(spec, &grains, largest, progress, start));
-    outcome.note(&grains, spec.grading.classes().len());
-    outcome.cut_short = !complete;
+    let Spec { specimen, grading, placement, .. } = spec;
+    let target = target(spec);
+    let request = Request { target, largest, grains: &grains, placement, progress, started: start };
+    let mut outcome = packing::place(&request);
+    let tally = Tally::of(&grains, &outcome.poses, grading.classes().len(), complete);
     // Every grain is freed as it settles, so that the two lists never coexist in full.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
-    packing::keep_off_faces(&mut bodies, &spec.specimen, spec.placement.wall_gap_mm);
+    packing::keep_off_faces(&mut bodies, specimen, placement.wall_gap_mm);
     let placed = progress.seconds();
-    let mut report = packing::report(&request(spec, &[], largest, progress, start), &aggregates, &inclusions, &outcome);
-    report.seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
+    let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
+    let report = packing::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
 }
 
@@ -64,9 +59,18 @@ impl Model {
     }
 }
 
-/// All grains that `spec` takes, for whoever wants to know whether a model holds them.
+/// All grains that `spec` takes, to compare a model's bodies with.
+///
+/// # Errors
+/// Shapes without volume.
 pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
     Ok(take_grains(spec, &Silent, 0.0)?.0)
+}
+
+/// What a packing of `spec` is to reach.
+pub(crate) fn target(spec: &Spec) -> Target<'_> {
+    let Spec { specimen, fraction, grading, seed, .. } = spec;
+    Target { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed }
 }
 
 /// Upper bounds on a body in the specimen, its distance to the walls kept.
@@ -74,32 +78,18 @@ pub(crate) fn largest(spec: &Spec) -> Largest {
     spec.specimen.container().largest().less(spec.placement.wall_gap_mm)
 }
 
-/// What a run reports that ended like this with the bodies of `model`.
-pub(crate) fn report_on(model: &Model, outcome: &Outcome) -> Report {
-    // Of the bounds on bodies a report says nothing.
-    let request = request(&model.spec, &[], Largest::default(), &Silent, 0.0);
-    packing::report(&request, &model.aggregates, &model.inclusions, outcome)
-}
-
-fn request<'a>(
-    spec: &'a Spec,
-    grains: &'a [Grain],
-    largest: Largest,
-    progress: &'a dyn Progress,
-    started: f64,
-) -> Request<'a> {
-    Request {
-        specimen: &spec.specimen,
-        fraction: spec.fraction,
-        grading: &spec.grading,
-        inclusions: spec.inclusions(),
-        largest,
-        grains,
-        seed: spec.seed,
-        placement: &spec.placement,
-        progress,
-        started,
+/// Upper bounds on a body in the specimen.
+///
+/// # Errors
+/// Grains that meet their own image, and a class of which no grain fits.
+fn largest_body(spec: &Spec, grains: &[Grain]) -> Result<Largest, SpecError> {
+    let aggregates = grains.iter().filter(|grain| grain.kind == Kind::Aggregate);
+    let longest = aggregates.map(|grain| 2.0 * f64::from(grain.outer_radius)).fold(0.0, f64::max);
+    if let Some(error) = spec.meets_own_image(longest) {
+        return Err(error);
     }
+    let largest = largest(spec);
+    spec.fits_nowhere(grains, &largest).map_or(Ok(largest), Err)
 }
 
 /// The grains that the time allows, and whether these are all.

@@ -1,4 +1,4 @@
-//! Asks for memory before it is needed: what lies anywhere in it is then waited for together.
+//! Software prefetch: lets several cache misses overlap.
 #![allow(unsafe_code)]
 
 /// Bytes that come at once.

@@ -5,7 +5,7 @@
 pub struct Recipe {
     /// What `init` calls it.
     pub name: &'static str,
-    /// The spec; its first line is a comment that says what it is.
+    /// The spec; its first line is a comment that describes it.
     pub text: &'static str,
 }
 

@@ -4,7 +4,8 @@
 //! "vertices": [[x, y, z], ...], "faces": [[i, j, k, ...], ...]}, ...]}`. One line per aggregate; coordinates in the
 //! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
 //! counter-clockwise from outside. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
-//! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so that the same spec and seed give the same bytes.
+//! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so
+//! that the same spec and seed give the same bytes.
 
 mod read;
 
@@ -48,8 +49,8 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// One line per body; some of them are made at a time, on the threads of the pool that this is called in. Outside of any it
-/// starts none: a process that was forked from one with a pool would wait for threads that it does not have.
+/// One line per body; some of them are made at a time, on the threads of the pool that this is called in. Outside of
+/// any it starts none: a process that was forked from one with a pool would wait for threads that it does not have.
 fn list(
     out: &mut impl Write,
     key: &str,
@@ -121,7 +122,8 @@ fn write_body(body: &Polyhedron, out: &mut Vec<u8>) -> io::Result<()> {
 
 /// Characters of the longest number.
 const NUMBER: usize = 24;
-/// Most numbers have as many characters, and no more than twice as many: two copies of a constant length are one of any other.
+/// Most numbers have as many characters, and no more than twice as many: two copies of a constant length are one of
+/// any other.
 const HALF: usize = 16;
 
 /// The serializer's numbers, put together as the faces are.

@@ -1,7 +1,7 @@
-//! The serde view of every option: what a SPEC.toml may say.
+//! The serde view of every option of a SPEC.toml.
 //!
-//! Reading goes text -> [`tree`] (values with line numbers) -> [`read`] (serde, with the path of whatever is wrong) ->
-//! [`limits`] (values that cannot be). Every error names the key, the value and the way out.
+//! Reading goes text -> [`tree`] (values with line numbers) -> [`read`] (serde, with the path of whatever is wrong)
+//! -> [`limits`] (invalid values). Every error names the key, the value and the way out.
 
 mod crowding;
 mod error;
@@ -68,10 +68,10 @@ impl Default for Spec {
 }
 
 impl Spec {
-    /// Reads and validates a SPEC.toml; what it leaves out keeps its default.
+    /// Reads and validates a SPEC.toml; omitted options keep their defaults.
     ///
     /// # Errors
-    /// Names the key, the line and the way out: syntax, unknown keys, wrong types, values that cannot be.
+    /// Names the key, the line and the way out: syntax, unknown keys, wrong types, invalid values.
     pub fn from_toml(text: &str) -> Result<Self, SpecError> {
         Self::from_toml_with(text, &mut NoFiles)
     }
@@ -128,7 +128,7 @@ impl Spec {
     }
 }
 
-/// Reads options that are no part of a spec (a mesh's, a deck's) from a tree of values, with a spec's errors.
+/// Reads options outside a spec (a mesh's, a deck's) from a tree of values, with a spec's errors.
 ///
 /// # Errors
 /// Names the key and the way out: unknown keys and wrong types; values are for the options' own `validate`.

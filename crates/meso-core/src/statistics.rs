@@ -52,10 +52,10 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Names the first value that cannot be.
+    /// Names the first invalid value.
     ///
     /// # Errors
-    /// A step or layer that is no positive length; more lags than a curve needs.
+    /// A step or layer that is not a positive length; more lags than a curve needs.
     pub fn validate(&self) -> Result<(), SpecError> {
         for (key, value) in [("lag_mm", self.lag_mm), ("layer_mm", self.layer_mm)] {
             if !(value > 0.0 && value.is_finite()) {
@@ -87,8 +87,8 @@ pub struct Statistics {
     pub orientation: Orientation,
     /// Fraction against depth.
     pub wall_effect: WallEffect,
-    /// Distance from each aggregate to the nearest other one, mm; absent for fewer than two. In a specimen that repeats
-    /// itself images are others, too, an aggregate's own among them.
+    /// Distance from each aggregate to the nearest other one, mm; absent for fewer than two. In a periodic specimen
+    /// images count as others, an aggregate's own among them.
     pub nearest_distance_mm: Option<Distribution>,
     /// Two-point correlation and lineal path.
     pub correlation: Correlation,
@@ -152,7 +152,7 @@ fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sy
     aggregates.par_iter().map(figure).collect::<Vec<_>>().iter().sum()
 }
 
-/// Joins the figures of numbered batches in their order; only so many are held at a time.
+/// Joins the figures of numbered batches in their order; only a bounded number is held at a time.
 fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut join: impl FnMut(T)) {
     const HELD: u32 = 512;
     for first in (0..batches).step_by(HELD as usize) {

@@ -4,8 +4,8 @@
 //! instruction set; it only gets faster.
 #![allow(unsafe_code)]
 
-/// Work that gains from wide registers. A trait and not a closure, since only of a named function can it be said that it
-/// must be inlined, and what is not inlined is compiled for narrow ones.
+/// Work that gains from wide registers. A trait and not a closure: only a named function can be marked
+/// `inline(always)`, and code that is not inlined is compiled for narrow registers.
 pub(crate) trait Wide {
     /// What comes of it.
     type Output;

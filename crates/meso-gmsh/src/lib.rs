@@ -1,8 +1,8 @@
 //! gmsh, run as a program of its own in a folder of its own, for conforming meshes.
 //!
-//! gmsh is under the GPL and is neither linked nor shipped; whoever wants conforming meshes installs it. It ends with this
-//! process: [`end_all`] is for signal handlers, and on Linux the kernel sees to it where this process is killed outright
-//! (elsewhere gmsh then runs to its end, and everywhere its folder `mesocrete-*` stays in TMPDIR).
+//! gmsh is under the GPL and is neither linked nor shipped; users who want conforming meshes install it. It ends with
+//! this process: [`end_all`] is for signal handlers, and on Linux the kernel sees to it where this process is killed
+//! outright (elsewhere gmsh then runs to its end, and everywhere its folder `mesocrete-*` stays in TMPDIR).
 
 mod ends_with_us;
 mod running;
@@ -20,17 +20,17 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::Duration;
 
-/// How often the runner looks whether gmsh is done, or is to stop.
+/// Interval at which the runner checks whether gmsh is done, or is to stop.
 const POLL: Duration = Duration::from_millis(20);
-/// How gmsh's output ends when it is whole.
+/// End of gmsh's output when it is complete.
 const END: &[u8] = b"$EndElements\n";
-/// Bytes written to find out whether the disk is full: more than a file system keeps in reserve for small files.
+/// Bytes written to test whether the disk is full: more than a file system reserves for small files.
 const PROBE: usize = 1 << 16;
 
-/// How gmsh is called.
+/// How to call gmsh.
 pub struct Gmsh {
     program: OsString,
-    /// Come before gmsh's own arguments.
+    /// Arguments before gmsh's own.
     first: Vec<OsString>,
 }
 
@@ -46,7 +46,7 @@ impl Gmsh {
         Self { program: python.as_ref().to_owned(), first: vec!["-c".into(), script.into()] }
     }
 
-    /// The program, wherever it is to run, with what comes before its own arguments.
+    /// The program, with the arguments before its own.
     fn command(&self) -> Command {
         let path = Path::new(&self.program);
         let is_bare = path.parent().is_none_or(|folder| folder.as_os_str().is_empty());
@@ -56,7 +56,7 @@ impl Gmsh {
         command
     }
 
-    /// Finds out whether gmsh is there and runs.
+    /// Tests whether gmsh is there and runs.
     ///
     /// # Errors
     /// [`MeshError::MissingGmsh`], with what it said where it does not run.
@@ -101,7 +101,7 @@ impl Gmsh {
 
     fn call(&self, task: &Task) -> Result<Outcome, MeshError> {
         let in_folder = |error| files(task.folder, error);
-        // Not through pipes: nobody would empty them meanwhile.
+        // Not through pipes: nobody would empty them in the meantime.
         let mut saying = File::options()
             .read(true)
             .write(true)
@@ -178,7 +178,7 @@ fn write_input(surfaces: &Surfaces, folder: &Path) -> io::Result<()> {
     std::fs::write(folder.join("volumes.geo"), surfaces.script("surfaces.msh"))
 }
 
-/// Fails where the disk has no room left.
+/// Fails where the disk is full.
 fn probe_disk(folder: &Path) -> io::Result<()> {
     let mut file = File::create(folder.join("probe"))?;
     file.write_all(&[0xA5; PROBE])?;

@@ -17,7 +17,7 @@ impl Run {
     /// Ends the process, if it still runs.
     fn end(&self) {
         if let Some(child) = lock(&self.child).as_mut() {
-            // One that has ended by itself is no news.
+            // A process that has already ended is no error.
             let _ = child.kill().and_then(|()| child.wait());
         }
     }

@@ -1,4 +1,4 @@
-//! Points from Python and back: what counts as an (n, 3) array, and what is said about the rest.
+//! Points from Python and back: accepted (n, 3) arrays, and the errors for the rest.
 
 use meso_core::math::Vec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::type_object::PyTypeInfo;
 use pyo3::types::PyDict;
 
-/// From here on, 2^53, f64 cannot tell neighbouring integers apart.
+/// From 2^53 on, f64 cannot represent neighbouring integers apart.
 const FIRST_DOUBTFUL_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Copies `object` (the argument called `name`) into points, while the GIL keeps others from changing it.
@@ -34,8 +34,8 @@ pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3
     }
 }
 
-/// Fetches numpy's function tables, which are otherwise fetched when the first array is made and first read: what goes
-/// wrong then, a Ctrl-C too, is a panic.
+/// Loads numpy's function tables before the first array. Loaded lazily, any error there, even Ctrl-C, would be a
+/// panic.
 ///
 /// # Errors
 /// Where numpy cannot be imported.
@@ -47,10 +47,10 @@ pub(crate) fn load_numpy(py: Python<'_>) -> PyResult<()> {
         .map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// The short way: a plain, aligned, C-ordered float64 array of three columns.
+/// The fast path: a plain, aligned, C-ordered float64 array of three columns.
 fn plain(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec3>>> {
-    // `cast` looks at dtype, byte order and dimensions, and lets subclasses (masked arrays) pass; `cast_exact` is the
-    // other way round.
+    // `cast` checks dtype, byte order and dimensions, and lets subclasses (masked arrays) pass; `cast_exact` does the
+    // reverse.
     let Ok(array) = object.cast::<PyArray2<f64>>() else { return Ok(None) };
     if !object.get_type().is(PyArray2::<f64>::type_object(object.py())) {
         return Ok(None);
@@ -63,7 +63,7 @@ fn plain(object: &Bound<'_, PyAny>) -> PyResult<Option<Vec<Vec3>>> {
     Ok(Some(rows(array.readonly().as_slice()?)))
 }
 
-/// The long way: through numpy, with every refusal explained.
+/// The slow path: through numpy, with every refusal explained.
 fn converted(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
     let numpy = object.py().import("numpy")?;
     let array = numpy.call_method1("asanyarray", (object,)).map_err(|error| not_an_array(name, object, error))?;
@@ -95,7 +95,7 @@ fn check_kind(name: &str, array: &Bound<'_, PyAny>) -> PyResult<()> {
     if matches!(kind.as_str(), "f" | "i" | "u") {
         return Ok(());
     }
-    // numpy types an empty list float64, so what is left here holds something that is no number.
+    // numpy types an empty list float64, so any other dtype here holds something that is no number.
     Err(PyTypeError::new_err(format!("{name} has dtype {dtype}; it must hold real numbers (float or int)")))
 }
 
@@ -111,7 +111,7 @@ fn check_integers(name: &str, array: &Bound<'_, PyAny>, points: &[Vec3]) -> PyRe
     }
 }
 
-/// A ragged list is a wrong value; what numpy cannot take at all keeps numpy's own exception.
+/// A ragged list is a wrong value; objects that numpy cannot convert keep numpy's own exception.
 fn not_an_array(name: &str, object: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
     if error.is_instance_of::<PyValueError>(object.py()) {
         return PyValueError::new_err(format!("{name} is no (n, 3) array: {}", error.value(object.py())));

@@ -11,7 +11,7 @@ pub(crate) fn run_command(py: Python<'_>, args: Vec<OsString>) -> PyResult<u8> {
     guard(|| {
         py.detach(|| {
             let code = meso_cli::run(args);
-            // Python ends the process without Rust's own clean-up, which would flush this. A closed pipe is no news.
+            // Python ends the process without Rust's own clean-up, which would flush this. A closed pipe is no error.
             let _ = std::io::stdout().flush();
             Ok(code)
         })

@@ -119,8 +119,8 @@ impl PyMesh {
         })
     }
 
-    /// Zero-thickness cohesive elements, the aggregate side's face and then the nodes over it, counter-clockwise seen from
-    /// outside the aggregate: ndarray, shape (k, 6 or 8), int64; a copy. Empty unless `itz="cohesive"`.
+    /// Zero-thickness cohesive elements, the aggregate side's face and then the nodes over it, counter-clockwise seen
+    /// from outside the aggregate: ndarray, shape (k, 6 or 8), int64; a copy. Empty unless `itz="cohesive"`.
     #[getter]
     fn cohesive<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
         arrays::from_indices(py, self.0.cohesive.iter().copied(), 2 * self.0.kind.faces()[0].len())
@@ -132,14 +132,14 @@ impl PyMesh {
         plain(py, &self.0.notes)
     }
 
-    /// The worst cells, a histogram of smallest dihedral angles, the cells below 8 degrees (`bad_cells`), the stable time
-    /// step that the default materials allow, the phases' volumes (`volumes_mm3`) against the exact ones
+    /// The worst cells, a histogram of smallest dihedral angles, the cells below 8 degrees (`bad_cells`), the stable
+    /// time step that the default materials allow, the phases' volumes (`volumes_mm3`) against the exact ones
     /// (`exact_volumes_mm3`), and how far the interface nodes lie from the aggregates' surfaces: a dict.
     ///
-    /// Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other materials how many
-    /// there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how far from the nearest one
-    /// (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond it as `joined_rms_mm` and
-    /// `joined_max_mm` say.
+    /// Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other
+    /// materials how many there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how
+    /// far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond
+    /// it as `joined_rms_mm` and `joined_max_mm` say.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (mesh, model) = (Arc::clone(&self.0), Arc::clone(&self.1));

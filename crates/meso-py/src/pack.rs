@@ -1,4 +1,4 @@
-//! `pack`: what Python gives is checked, then packed beside Python.
+//! `pack`: Python's arguments are checked, then packed beside Python.
 
 use crate::boundary::guard;
 use crate::packing::PyPacking;
@@ -11,7 +11,7 @@ use pyo3::types::PyBool;
 use std::ffi::CString;
 use std::sync::Arc;
 
-/// Takes and places the aggregates that a spec asks for.
+/// Generates and places the aggregates that a spec asks for.
 ///
 /// Parameters
 /// ----------
@@ -42,8 +42,8 @@ use std::sync::Arc;
 /// Warns
 /// -----
 /// UserWarning
-///     Before the work, where the target is more than the strategy has been seen to reach, or a class is too small for a
-///     single aggregate.
+///     Before the work, where the target exceeds the fraction that the strategy was measured to reach, or a class is
+///     too small for a single aggregate.
 #[pyfunction]
 #[pyo3(signature = (spec=None, *, seed=None, fraction=None, progress=None))]
 pub(crate) fn pack(
@@ -69,7 +69,7 @@ pub(crate) fn pack(
     })
 }
 
-/// A target that was never seen to be reached, and the like, are `UserWarning`s at the caller's line, before the work.
+/// Hopeless targets and the like are `UserWarning`s at the caller's line, before the work.
 fn warn_of(py: Python<'_>, spec: &Spec) -> PyResult<()> {
     let category = py.get_type::<PyUserWarning>();
     spec.doubts().into_iter().try_for_each(|doubt| PyErr::warn(py, &category, &CString::new(doubt)?, 1))

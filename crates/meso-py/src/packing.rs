@@ -1,4 +1,4 @@
-//! `Packing`: what `pack` returns, and `load` and `pickle` bring back.
+//! `Packing`: the result of `pack`, `load` and `pickle`.
 
 use crate::aggregate::{PyAggregate, PyAggregates, inclusions};
 use crate::boundary::guard;
@@ -20,7 +20,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What `mesocrete check --json` prints, too.
+/// The output of `mesocrete check --json`.
 #[derive(Serialize)]
 struct Checked {
     sound: bool,
@@ -110,7 +110,7 @@ impl PyPacking {
         (aabb.min.into(), aabb.max.into())
     }
 
-    /// What was reached, and what it cost: a dict with the keys of `--summary-json`.
+    /// The result and its cost: a dict with the keys of `--summary-json`.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         plain(py, &self.0.report)
     }

@@ -11,11 +11,11 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often the calling thread looks for signals; well below the 0.2 s in which Ctrl-C is to be heard.
+/// How often the calling thread checks for signals; well below the promised 0.2 s for Ctrl-C.
 const POLL: Duration = Duration::from_millis(40);
 /// How long a cancelled worker is waited for; after that it ends by itself at its next look at the flag.
 const GRACE: Duration = Duration::from_millis(80);
-/// The same where it has files on their way, which it takes away itself: the caller may be about to end the process.
+/// The same where files are being written, which the work removes itself: the caller may be about to end the process.
 const FILES_GRACE: Duration = Duration::from_secs(3);
 
 /// What the worker and the waiting thread share.
@@ -55,9 +55,9 @@ impl Progress for Watch {
 
 /// Runs `work` on a thread of its own, with a rayon pool of its own, while this one waits for it and for signals.
 ///
-/// The core looks at the flag only between its own steps, which may be long; so on Ctrl-C the caller goes back to
-/// Python at once and the worker, which shares nothing with Python, unwinds when it next looks ([`stop`]). The pool lives only as
-/// long as the work: a process forked in between inherits no dead threads.
+/// The core checks the flag only between its own steps, which may be long. So on Ctrl-C the caller returns to Python
+/// at once, and the worker, which shares nothing with Python, unwinds at its next check ([`stop`]). The pool lives only as long as
+/// the work: a process forked in between inherits no dead threads.
 pub(crate) fn beside_python<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

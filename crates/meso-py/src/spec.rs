@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
-/// Everything that decides a model; what is left out keeps its default, the paper's specimen.
+/// Everything that determines a model; omitted options keep their defaults, the paper's specimen.
 ///
 /// Parameters
 /// ----------
@@ -42,7 +42,7 @@ pub(crate) fn spec_error(error: &SpecError) -> PyErr {
     }
 }
 
-/// Options that are no part of a spec, from Python's keywords; what they leave out keeps its default.
+/// Options outside a spec, from Python's keywords; omitted ones keep their defaults.
 pub(crate) fn options<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<T> {
     let value = keywords.map_or(Ok(Value::Object(Map::new())), |dict| tree::from_python("", dict.as_any()))?;
     spec::options_from_value(&value).map_err(|error| spec_error(&error))
@@ -73,7 +73,7 @@ pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
     Err(PyTypeError::new_err(format!("spec is of type {given}; it must be None, a dict, a path or a mesocrete.Spec")))
 }
 
-/// `str` and `os.PathLike`; a number is no path.
+/// `str` and `os.PathLike`; a number is not a path.
 fn as_path(object: &Bound<'_, PyAny>) -> Option<PathBuf> {
     object.extract().ok()
 }

@@ -12,7 +12,7 @@ const DEEPEST: usize = 16;
 /// `object` (found at the dotted path `key`) as a tree; numpy scalars and arrays count as numbers and lists.
 ///
 /// # Errors
-/// Names the key: `TypeError` for what has no place in a spec, `ValueError` for NaN and integers beyond 64 bits.
+/// Names the key: `TypeError` for objects that a spec cannot hold, `ValueError` for NaN and integers beyond 64 bits.
 pub(crate) fn from_python(key: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     from_level(key, object, 0)
 }

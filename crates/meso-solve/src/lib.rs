@@ -1,7 +1,54 @@
 //! Crushes a mesh: explicit dynamics of mesoscale concrete between rigid plates.
 //!
 //! Units as everywhere: mm, N, MPa, tonne, s; energies in mJ (N mm).
+//!
+//! [`Run::new`] checks a [`Test`] of a [`Sample`] and prepares it, [`Run::to_end`] runs it under the eyes of an
+//! [`Observer`], and the [`Response`] holds the curve and its figures. [`solve`] is all three in one.
 
+mod assembly;
+mod block;
+mod checkpoint;
+mod curve;
+mod element;
+mod error;
+mod frame;
+mod lanes;
 pub mod law;
+mod mass;
+mod matter;
+mod nodes;
+mod observer;
+mod order;
+mod phases;
+mod plates;
 pub mod point;
 pub mod real;
+mod response;
+mod run;
+mod sample;
+mod test;
+
+pub use curve::{Figures, Row};
+pub use error::SolveError;
+pub use frame::{Frame, Point};
+pub use lanes::InstructionSet;
+pub use observer::{Observer, Progress, Silent, Wish};
+pub use response::{Ended, Energies, PhaseResult, Response, Summary};
+pub use run::Run;
+pub use sample::{Sample, band_factor, gross_section_mm2, regular_edge};
+pub use test::{Interface, Itz, Joined, Kind, LawName, Test};
+
+use meso_core::materials::Materials;
+
+/// Tests `sample`.
+///
+/// # Errors
+/// As [`Run::new`]: whatever cannot be tested is refused before the first step.
+pub fn solve(
+    sample: Sample,
+    materials: &Materials,
+    test: &Test,
+    observer: &dyn Observer,
+) -> Result<Response, SolveError> {
+    Ok(Run::new(sample, materials, test)?.to_end(observer))
+}

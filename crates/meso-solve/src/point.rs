@@ -62,8 +62,8 @@ struct Point<'a, R: Real, L: Law<R>> {
     held: Held,
 }
 
-/// Halvings of the bracket about the free strain: down to the last digit of f64.
-const HALVINGS: usize = 60;
+/// Halvings of the bracket about the free strain: of 1e-7, down to the last digit of a strain of 1e-3 in f64.
+const HALVINGS: usize = 40;
 
 impl<R: Real + Into<f64>, L: Law<R>> Point<'_, R, L> {
     fn strains(&self, axial: f64, free: f64) -> Tensor<R> {

@@ -17,7 +17,7 @@ const LISTED: usize = 20;
 pub(crate) struct Args {
     /// A saved model (.json); `-` is standard input
     model: PathBuf,
-    /// Write what was found as JSON instead of a table
+    /// Write the findings as JSON instead of a table
     #[arg(long)]
     json: bool,
     /// Number of threads; all cores when absent

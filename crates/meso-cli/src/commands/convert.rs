@@ -17,10 +17,10 @@ pub(crate) struct Args {
     /// File to write, its format by the extension: .json, .vtu, .stl, .csv; `-` is standard output. May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
-    /// Format of what goes to standard output: json, vtu, stl, csv
+    /// Format on standard output: json, vtu, stl, csv
     #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_name)]
     format: Format,
-    /// Compress what a .vtu holds (zlib)
+    /// Compress the data of a .vtu (zlib)
     #[arg(long)]
     compress: bool,
     #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print only errors
     #[arg(short, long)]
     quiet: bool,
 }

@@ -17,19 +17,20 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A saved model (.json); `-` is standard input
     model: PathBuf,
-    /// File to write, its format by the extension: .inp, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output (.inp). May be repeated
+    /// File to write, its format by the extension: .inp, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output
+    /// (.inp). May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
     /// Number of threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
-    /// Compress what a .vtu holds (zlib)
+    /// Compress the data of a .vtu (zlib)
     #[arg(long)]
     compress: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print only errors
     #[arg(short, long)]
     quiet: bool,
     /// Write the figures of the mesh as JSON, every bad element by its number; `-` is standard output
@@ -95,10 +96,10 @@ fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
     Ok((target(path, format, force)?, format))
 }
 
-/// Where a mesh goes, looked at before any work is done.
+/// Destination of a mesh, inspected before any work is done.
 pub(super) fn target(path: &Path, format: MeshFormat, force: bool) -> Result<Target, Failure> {
     if format == MeshFormat::Pvtu {
-        // The number of pieces is not known yet, but that a first one would be in the way is.
+        // The number of pieces is not known yet, but an existing first one would be in the way.
         Target::new(&piece_path(path, 0), force)?;
     }
     Target::new(path, force)

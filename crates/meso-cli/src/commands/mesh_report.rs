@@ -1,4 +1,4 @@
-//! What is told of a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
+//! Report on a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
 use crate::stderr;
 use meso_core::Model;
@@ -25,9 +25,9 @@ pub(super) struct MeshReport {
     voxels: bool,
 }
 
-/// An ITZ of more than this of its exact volume is worth a word.
+/// An ITZ beyond this multiple of its exact volume is worth a warning.
 const FAR_TOO_MUCH: f64 = 1.2;
-/// A share of their volume that fibres may be off without a word; at half their diameter lattices were 2 % off.
+/// Error of the fibres' volume without a warning, as a share; at half their diameter lattices were 2 % off.
 const FIBRES_OFF: f64 = 0.05;
 
 /// The first few bad elements are named on stderr.
@@ -57,7 +57,7 @@ impl MeshReport {
         writeln!(out)
     }
 
-    /// Says the most of it on stderr.
+    /// Prints most of it on stderr.
     pub(super) fn print(&self) {
         let cohesive = match self.cohesive_elements {
             0 => String::new(),
@@ -71,7 +71,7 @@ impl MeshReport {
         self.lost_fibres();
         let distance = &self.quality.interface_distance;
         stderr::line(format!(
-            "of {} interface nodes {} lie off the aggregates' surfaces: {:.4} mm rms of all, {:.4} mm at most",
+            "of {} interface nodes, {} lie off the aggregates' surfaces: {:.4} mm rms over all, {:.4} mm at most",
             stderr::thousands(distance.nodes),
             stderr::thousands(distance.off),
             distance.rms_mm,
@@ -79,7 +79,7 @@ impl MeshReport {
         ));
         if distance.joined > 0 {
             stderr::line(format!(
-                "at {} of them a gap is closed: what is beyond it lies {:.4} mm rms off, {:.4} mm at most",
+                "of these, {} bridge a closed gap: {:.4} mm rms, {:.4} mm at most",
                 stderr::thousands(distance.joined),
                 distance.joined_rms_mm,
                 distance.joined_max_mm
@@ -89,7 +89,7 @@ impl MeshReport {
         self.worst();
     }
 
-    /// A row for each phase that is there or should be.
+    /// A row for each phase that exists or should.
     fn volumes(&self) {
         let of_specimen = |volumes: &PhaseVolumes, phase| volumes.of(phase) / self.specimen_volume_mm3;
         stderr::line("        phase  of specimen       exact     error");
@@ -108,23 +108,23 @@ impl MeshReport {
         }
     }
 
-    /// Says where the shells are far from their own thickness, which voxels of at least a layer make them.
+    /// Warns where the shells are far from their own thickness, as voxels at least a layer thick make them.
     fn thick_shells(&self) {
         let Some(exact) = self.quality.exact_volumes_mm3 else { return };
         if self.voxels && exact.itz > 0.0 && self.quality.volumes_mm3.itz > FAR_TOO_MUCH * exact.itz {
             stderr::line(
-                "the ITZ is at least one voxel thick here, at the aggregates' expense: take --method lattice, --itz \
-                 cohesive or none, or --thin-itz",
+                "the ITZ is at least one voxel thick here, at the aggregates' expense: use --method lattice, --itz cohesive \
+                 or none, or --thin-itz",
             );
         }
     }
 
-    /// Says where the elements are too coarse for the fibres.
+    /// Warns where the elements are too coarse for the fibres.
     fn lost_fibres(&self) {
         let Some(exact) = self.quality.exact_volumes_mm3 else { return };
         if (self.quality.volumes_mm3.fibre - exact.fibre).abs() > FIBRES_OFF * exact.fibre {
             stderr::line(
-                "the elements are too coarse for the fibres: take an --element-size-mm of at most half their diameter, or \
+                "the elements are too coarse for the fibres: use an --element-size-mm of at most half their diameter, or \
                  --method conforming, which keeps them exactly",
             );
         }
@@ -157,12 +157,12 @@ impl MeshReport {
     }
 }
 
-/// What the builder had to decide: gaps closed, layers thinned.
+/// Decisions of the builder: gaps closed, layers thinned.
 fn notes(notes: &Notes) {
     if notes.closed_gaps > 0 {
         stderr::line(format!(
-            "at {} nodes {} pairs of aggregates are joined, since the elements cannot show the gaps between them (widest {:.2} mm); \
-             a smaller --element-size-mm or a larger min_gap_mm keeps mortar there",
+            "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
+             a smaller --element-size-mm or a larger min_gap_mm",
             stderr::thousands(notes.closed_gaps),
             stderr::thousands(notes.closed_gap_pairs),
             notes.widest_closed_gap_mm
@@ -170,8 +170,8 @@ fn notes(notes: &Notes) {
     }
     if notes.closed_side_gaps > 0 {
         stderr::line(format!(
-            "at {} nodes {} aggregates reach the specimen's sides, since the elements cannot show the gaps to these (widest {:.4} mm); \
-             wall_gap_mm keeps mortar there",
+            "gaps that the elements cannot show: {} nodes join {} aggregates to the specimen's sides (widest {:.4} mm); to keep \
+             mortar there, use a larger wall_gap_mm",
             stderr::thousands(notes.closed_side_gaps),
             stderr::thousands(notes.closed_side_gap_aggregates),
             notes.widest_closed_side_gap_mm
@@ -180,13 +180,13 @@ fn notes(notes: &Notes) {
     if notes.off_surface_nodes > 0 {
         let nodes = stderr::thousands(notes.off_surface_nodes);
         stderr::line(format!(
-            "{nodes} nodes could not be put on the surfaces with angles of 8 degrees, mostly in gaps to the specimen's sides or on \
-             faces that match opposite ones"
+            "{nodes} nodes could not be projected onto their surface with angles of 8 degrees, mostly in gaps to the specimen's \
+             sides or on periodic faces"
         ));
     }
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
         stderr::line(format!(
-            "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of them it has no thickness",
+            "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of these it has no thickness",
             stderr::thousands(notes.thinned_itz_aggregates),
             stderr::thousands(notes.thinned_itz_nodes),
             stderr::thousands(notes.pinched_itz_nodes)
@@ -194,8 +194,6 @@ fn notes(notes: &Notes) {
     }
     if notes.shifted_itz_nodes > 0 {
         let nodes = stderr::thousands(notes.shifted_itz_nodes);
-        stderr::line(format!(
-            "{nodes} inner nodes of the ITZ had to leave its exact thickness to keep angles from getting too sharp"
-        ));
+        stderr::line(format!("{nodes} inner nodes of the ITZ left its exact thickness to avoid sharp angles"));
     }
 }

@@ -89,14 +89,14 @@ impl Meshing {
         }
     }
 
-    /// What is meant: flags of other methods were named by [`tell_unused`](Self::tell_unused), and do nothing.
+    /// The options; flags of other methods were named by [`warn_unused`](Self::warn_unused), and do nothing.
     pub(super) fn options(&self) -> Result<MeshOptions, Failure> {
         let table = self.table();
         let options = table.validate_ranges().and_then(|()| table.without_foreign().try_into());
         options.map_err(|error| wrong_mesh(&error))
     }
 
-    /// What a deck holds; what it cannot hold of a mesh of `specimen` is wrong usage.
+    /// Contents of a deck; options that a mesh of `specimen` cannot carry are wrong usage.
     pub(super) fn deck(&self, specimen: &Specimen) -> Result<DeckOptions, Failure> {
         let deck = DeckOptions {
             analysis: self.analysis,
@@ -115,7 +115,7 @@ impl Meshing {
         Ok(deck)
     }
 
-    /// Says which flags were given for nothing: those of decks where none is written, those of another method or analysis.
+    /// Warns of flags without effect: those of decks where none is written, those of another method or analysis.
     pub(super) fn warn_unused(&self, writes_deck: bool) {
         let deck = [
             ("--analysis", self.analysis != Analysis::None),
@@ -125,7 +125,7 @@ impl Meshing {
             ("--reduced-integration", self.reduced_integration),
         ];
         for (flag, _) in deck.into_iter().filter(|(_, given)| *given && !writes_deck) {
-            stderr::line(format!("warning: {flag} says what a deck holds, and no .inp is written"));
+            stderr::line(format!("warning: {flag} has no effect: no .inp is written"));
         }
         for (key, _, of) in self.table().foreign() {
             let of = format!("{of:?}").to_lowercase();
@@ -163,7 +163,7 @@ impl Meshing {
         self.materials.iter().map(PathBuf::as_path)
     }
 
-    /// Refuses what `specimen` cannot be meshed with, and a gmsh that is not there, before the specimen is packed.
+    /// Refuses options that `specimen` cannot be meshed with, and a missing gmsh, before the specimen is packed.
     pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
         self.options()?.validate(specimen).map_err(|error| wrong_mesh(&error))?;
         if self.method == MethodName::Conforming {

@@ -12,7 +12,7 @@ pub(super) fn parse<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, Strin
 /// All names of `T`, with commas.
 pub(super) fn list<T: for<'de> Deserialize<'de>>() -> String {
     let mut names: &[&str] = &[];
-    // It always fails, after it was told the names.
+    // It always fails, after it has received the names.
     let _ = T::deserialize(Ask(&mut names));
     names.join(", ")
 }

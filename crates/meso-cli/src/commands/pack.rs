@@ -12,7 +12,7 @@ use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
 use meso_core::mesh::conforming::ROOM_MM;
-use meso_core::packing::{Images, Placement, Report, StopReason, Strategy};
+use meso_core::packing::{Images, Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; meshes: .inp, .msh, .pvtu; `-` writes the .json
-    /// to standard output. May be repeated; absent: model.json, model.vtu, model.inp
+    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; meshes: .inp, .msh, .pvtu; `-` writes the
+    /// .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Seed of all randomness; the same seed gives the same bytes
@@ -36,10 +36,12 @@ pub(crate) struct Args {
     /// Random positions tried per aggregate
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     attempts: Option<u32>,
-    /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is asked for
+    /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is
+    /// asked for
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     min_gap_mm: Option<f64>,
-    /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an aggregate
+    /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an
+    /// aggregate
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     wall_gap_mm: Option<f64>,
     /// Stop after S seconds with the best packing found; where little is in place by then, it is given a second more
@@ -54,13 +56,13 @@ pub(crate) struct Args {
     /// Exit with 3 when the target is not reached
     #[arg(long)]
     strict: bool,
-    /// Compress what a .vtu holds (zlib)
+    /// Compress the data of a .vtu (zlib)
     #[arg(long)]
     compress: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     quiet: bool,
     /// Write the figures of the run as JSON; `-` is standard output
@@ -70,7 +72,7 @@ pub(crate) struct Args {
     meshing: Meshing,
 }
 
-/// What one output holds.
+/// Content of one output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     Packing(Format),
@@ -89,14 +91,14 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         args.meshing.check(&spec.specimen)?;
     }
     args.meshing.warn_unused(plan.has_deck());
-    // Before the work: a hopeless target is named while nothing is lost.
+    // Before the work: a hopeless target is reported while nothing is lost.
     spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     let mut watch = Watch::start(args.quiet);
     let model = meso_core::pack(&spec, &watch);
     watch.finish();
-    let mut model = model.map_err(|error| args.name_flag(error))?;
+    let model = model.map_err(|error| args.name_flag(error))?;
     let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet)).transpose()?;
-    plan.write(&mut model, mesh.as_ref(), &deck, &watch)?;
+    plan.write(&model, mesh.as_ref(), &deck, &watch)?;
     if !args.quiet {
         print(&model.report);
         if let Some(mesh) = &mesh {
@@ -108,7 +110,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
-    /// The spec's file, then what the flags change.
+    /// The spec's file, with the changes of the flags.
     fn spec(&self) -> Result<Spec, Failure> {
         let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), inputs::spec)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
@@ -126,7 +128,7 @@ impl Args {
         Ok(spec)
     }
 
-    /// A wrong value that came from a flag is called by the flag's name.
+    /// A wrong value from a flag is called by the flag's name.
     fn name_flag(&self, error: SpecError) -> Failure {
         let flag = match error.key.as_str() {
             "fraction" if self.fraction.is_some() => "--fraction",
@@ -139,7 +141,7 @@ impl Args {
         Failure::Usage(format!("{flag} {}", error.message))
     }
 
-    /// Where everything goes; refuses what cannot be written before anything is packed.
+    /// Destinations of all outputs; refuses those that cannot be written before anything is packed.
     fn plan(&self) -> Result<Plan, Failure> {
         let default = ["model.json", "model.vtu", "model.inp"].map(PathBuf::from);
         let paths = if self.output.is_empty() { &default[..] } else { &self.output };
@@ -170,7 +172,7 @@ fn content(path: &Path) -> Result<Content, Failure> {
     })
 }
 
-/// Where everything goes.
+/// Destinations of all outputs.
 struct Plan {
     outputs: Vec<(Target, Content)>,
     summary: Option<Target>,
@@ -191,8 +193,8 @@ impl Plan {
         self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
     }
 
-    /// Writes all files; the summary last, since it tells how long the others took.
-    fn write(&self, model: &mut Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
+    /// Writes all files; the summary last, because it states how long the others took.
+    fn write(&self, model: &Model, mesh: Option<&Mesh>, deck: &DeckOptions, watch: &Watch) -> Result<(), Failure> {
         let mut unit = Unit::default();
         let start = watch.elapsed();
         for (target, content) in &self.outputs {
@@ -207,11 +209,12 @@ impl Plan {
                 (Content::Mesh(_), None) => {}
             }
         }
-        model.report.seconds.write = watch.elapsed() - start;
-        model.report.seconds.total = watch.elapsed();
         if let Some(target) = &self.summary {
+            let total = watch.elapsed();
+            let seconds = Seconds { write: total - start, total, ..model.report.seconds };
+            let summary = Report { seconds, ..model.report.clone() };
             unit.fill(target, self.force, |out| {
-                serde_json::to_writer_pretty(&mut *out, &model.report)?;
+                serde_json::to_writer_pretty(&mut *out, &summary)?;
                 writeln!(out)
             })?;
         }
@@ -219,7 +222,7 @@ impl Plan {
     }
 }
 
-/// What was reached, as a table.
+/// The result as a table.
 fn print(report: &Report) {
     // A raw curve places less than the target; a mix design's has many decimals.
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
@@ -248,7 +251,7 @@ fn print(report: &Report) {
     }
 }
 
-/// The code of a run that wrote its files; says why where it stopped short.
+/// Exit code of a run that wrote its files; prints why it stopped short.
 fn exit_code(report: &Report, strict: bool) -> u8 {
     if report.stop_reason == StopReason::TargetReached {
         return 0;

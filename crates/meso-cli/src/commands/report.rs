@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// Replace a file that is there already
     #[arg(short, long)]
     force: bool,
-    /// Say nothing but errors
+    /// Print only errors
     #[arg(short, long)]
     quiet: bool,
 }

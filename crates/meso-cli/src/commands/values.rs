@@ -1,4 +1,4 @@
-//! Numbers as they are typed; each parser names what it accepts.
+//! Parsers of numbers on the command line; each names what it accepts.
 
 use std::fmt::Display;
 use std::str::FromStr;

@@ -34,9 +34,10 @@ pub struct Grading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// (P(d) - P(d_min)) / (P(d_max) - P(d_min)): the whole target is placed. Fuller's: (d^n - d_min^n) / (d_max^n - d_min^n).
+    /// (P(d) - P(d_min)) / (P(d_max) - P(d_min)): the whole target is placed. Fuller's: (d^n - d_min^n) / (d_max^n -
+    /// d_min^n).
     Normalised,
-    /// P(d): what lies below `d_min` or above `d_max` is not placed.
+    /// P(d): volume below `d_min` or above `d_max` is not placed.
     Raw,
 }
 
@@ -56,7 +57,8 @@ pub enum SizeDefinition {
 pub enum SizeLaw {
     /// Every size is drawn equally often (the paper's).
     Uniform,
-    /// Number density ~ d^-4: volume is uniform in log d, so that a curve drawn straight on a logarithmic axis stays so.
+    /// Number density ~ d^-4: volume is uniform in log d, so that a curve drawn straight on a logarithmic axis stays
+    /// so.
     VolumeUniform,
 }
 
@@ -110,8 +112,8 @@ impl Grading {
             .collect()
     }
 
-    /// The limits a spec gets that names none: every 5 mm as in the paper where both ends are multiples of 5 (up to
-    /// 100 mm), else the curve's own sieves, else those of EN 12620.
+    /// The limits of a spec that names none: every 5 mm as in the paper where both ends are multiples of 5 (up to 100
+    /// mm), else the curve's own sieves, else those of EN 12620.
     pub fn usual_classes(&self) -> Vec<f64> {
         let (low, high) = (self.d_min_mm, self.d_max_mm);
         let sieves = match self.curve.sieves() {

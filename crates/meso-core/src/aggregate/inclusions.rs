@@ -1,8 +1,8 @@
 //! Further phases: spherical voids and straight fibres, polyhedra that are placed together with the aggregates.
 //!
-//! A void is the hull of the 12 corners of an icosahedron and the 20 of its dual on one sphere (a pentakis dodecahedron):
-//! 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both have exactly the
-//! volume of the sphere or the cylinder they stand for. They have no ITZ.
+//! A void is the hull of the 12 corners of an icosahedron and the 20 of its dual on one sphere (a pentakis
+//! dodecahedron): 60 triangles, and 32 corners, which collision takes at once. A fibre is a prism of eight sides. Both
+//! have exactly the volume of the sphere or the cylinder they stand for. They have no ITZ.
 
 use super::SizeLaw;
 use super::random::{Purpose, Stream};
@@ -46,8 +46,8 @@ pub struct Fibres {
     pub diameter_mm: f64,
     /// Length, mm.
     pub length_mm: f64,
-    /// Where they point before they are placed; all directions are equally likely where it is absent. Rearrangement turns
-    /// them on: the statistics tell by how much.
+    /// Directions before placement; all are equally likely where it is absent. Rearrangement rotates the fibres
+    /// further: the statistics report by how much.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Cone>,
 }

@@ -91,7 +91,8 @@ const ROUNDED_DRAWS: usize = 12;
 const LEAST_DEPTH: f64 = 0.75;
 
 impl Shape {
-    /// Draws the vertices (mm) of a grain whose longest axis 2a is `length` mm: along its own axes, about a point inside of it.
+    /// Draws the vertices (mm) of a grain whose longest axis 2a is `length` mm: along its own axes, about a point
+    /// inside of it.
     ///
     /// `class_limit / vertex count` (mm) is the least spacing of the paper's random vertices.
     pub fn outline(&self, length: f64, class_limit: f64, stream: &mut Stream) -> Vec<Vec3> {

@@ -8,7 +8,7 @@ use crate::stop;
 use crate::wide::{Wide, widest};
 use rayon::prelude::*;
 
-/// A grain that has a shape and an orientation, but no place yet.
+/// A grain has a shape and an orientation, but no position yet.
 #[derive(Clone, Debug)]
 pub struct Grain {
     /// What it is.
@@ -19,7 +19,7 @@ pub struct Grain {
     pub index: u32,
     /// Thickness of its ITZ, mm.
     pub itz_thickness_mm: f64,
-    /// True when the drawn thickness was too much for the grain and was limited.
+    /// True when the drawn thickness was too large for the grain and was limited.
     pub itz_limited: bool,
     /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
     pub body: CompactPolyhedron,
@@ -53,7 +53,7 @@ impl Grain {
 pub const ITZ_LIMIT: f64 = 0.5;
 
 /// Coordinates of grains and of their centres are multiples of 2^-30 mm: their sums are then exact in f64 up to 8 km,
-/// so that moving a grain to its place changes no shape, no volume and no face by rounding.
+/// so that translating a grain changes no shape, no volume and no face by rounding.
 pub const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Rounds to the lattice of [`LATTICE_MM`].
@@ -73,7 +73,7 @@ pub(crate) fn turned(vertices: impl ExactSizeIterator<Item = Vec3>, rotation: &M
     widest(Turned { vertices, rotation })
 }
 
-/// [`turned`] on registers that round by themselves.
+/// [`turned`] in vector registers that round in hardware.
 struct Turned<'a, I> {
     vertices: I,
     rotation: &'a Mat3,
@@ -92,13 +92,13 @@ impl<I: ExactSizeIterator<Item = Vec3>> Wide for Turned<'_, I> {
     }
 }
 
-/// To what a [`CompactPolyhedron`] keeps. A point of the lattice stays on it: single precision is finer only where all of
-/// the lattice's digits fit into it.
+/// Rounds to the single precision of a [`CompactPolyhedron`]. A point of the lattice stays on it: single precision is
+/// finer only where all of the lattice's digits fit into it.
 fn narrowed(v: &Vec3) -> Vec3 {
     v.map(|x| f64::from(x as f32))
 }
 
-/// What the take needs of a spec.
+/// The parts of a spec that the take needs.
 #[derive(Clone, Copy)]
 pub struct Recipe<'a> {
     /// Sizes.
@@ -111,20 +111,20 @@ pub struct Recipe<'a> {
     pub inclusions: &'a Inclusions,
     /// Seed of all streams.
     pub seed: u64,
-    /// Asked now and then; `false` ends the take with the grains it has.
+    /// Called now and then; `false` ends the take with the grains it has.
     pub go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
-/// Makes grains of every class until each class holds `fraction * volume * share * (1 + surplus)` mm3, as nearly as whole
-/// grains allow, and the further phases likewise; the specimen's `volume` is in mm3. Fibres come first, since nothing
-/// else is as long, then all else in descending volume.
+/// Generates grains of every class until each class holds `fraction * volume * share * (1 + surplus)` mm3, as nearly
+/// as whole grains allow, and the further phases likewise; the specimen's `volume` is in mm3. Fibres come first,
+/// because nothing else is as long, then everything else in descending volume.
 ///
 /// # Errors
 /// A shape without volume.
 pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
     let (classes, beyond) = (recipe.grading.classes(), 1.0 + surplus);
     let mut grains = Vec::new();
-    // The coarse ones first: if it is to end early, they are what a packing begins with.
+    // Coarse classes first: if it ends early, they are what a packing begins with.
     for (class, limits) in (0..classes.len() as u16).zip(&classes).rev() {
         let target = fraction * volume * limits.share * beyond;
         fill(&mut grains, target, recipe.go_on, |index| make(recipe, class, limits, index))?;
@@ -140,12 +140,12 @@ pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result
     Ok(grains)
 }
 
-/// Grains made at once at most: enough to share among threads.
+/// Most grains generated at once: enough to share among threads.
 const CHUNK: u32 = 256;
-/// Near the target, no more than so many beyond what the mean of those made lets expect.
+/// Grains generated beyond the number predicted from the mean volume so far.
 const SPARE: u32 = 8;
 
-/// Makes grains by their numbers until they hold `target` mm3, and adds them to the `grains`.
+/// Generates grains by number until they hold `target` mm3, and adds them to the `grains`.
 pub(super) fn fill(
     grains: &mut Vec<Grain>,
     target: f64,
@@ -157,12 +157,12 @@ pub(super) fn fill(
         if !go_on() {
             return Ok(());
         }
-        // Of none yet the quotient is no number, which is no smaller than anything.
+        // With no grain yet this is NaN, and NaN.min(CHUNK) is CHUNK.
         let expected = (target - volume) / volume * f64::from(made);
         let count = CHUNK.min((expected.min(f64::from(CHUNK)) as u32).saturating_add(SPARE));
         let chunk: Vec<Grain> = (made..made + count).into_par_iter().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
-            // The last grain goes in when that brings the class nearer to its target.
+            // The last grain is included when that brings the class nearer to its target.
             if volume + grain.volume() / 2.0 >= target {
                 return Ok(());
             }

@@ -1,4 +1,4 @@
-//! Voids and fibres: as large as the spec says.
+//! Voids and fibres: sizes as in the spec.
 
 use super::{Finding, rounding};
 use crate::aggregate::{Aggregate, Inclusions, Kind};
@@ -20,7 +20,7 @@ pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
         (Kind::Fibre, _, Some(fibres)) => {
             let longest = longest_distance(body.body.vertices());
             let diameter = (volume / fibres.length_mm * 4.0 / PI).sqrt();
-            // Ends far from the centre are rounded across, too.
+            // Ends far from the centre are rounded sideways, too.
             let rounding = rounding(longest);
             let fits =
                 (longest - fibres.longest()).abs() <= rounding && (diameter - fibres.diameter_mm).abs() <= rounding;

@@ -18,7 +18,7 @@ pub(super) struct Placed<'a> {
 /// `all` begins with the bodies themselves, in their order; images follow. Every body meets those after it and their
 /// images, and images of its own.
 pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Finding>) {
-    // A little more than half the gap each, for what rounding takes.
+    // A little more than half the gap each, to cover rounding.
     let margin = gap / 2.0 * (1.0 + 1e-9);
     let boxes: Vec<Aabb> = all.par_iter().map(|it| Aabb::around(&*it.vertices).grown(margin)).collect();
     let buckets = Buckets::new(&boxes);
@@ -57,7 +57,7 @@ fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
 struct Buckets {
     origin: Vec3,
     cell: f64,
-    /// Edge of the largest box, and a little more for what rounding takes.
+    /// Edge of the largest box, and a little more to cover rounding.
     largest: f64,
     counts: [usize; 3],
     /// `starts[c]..starts[c + 1]` are the places of cell c in `members`.

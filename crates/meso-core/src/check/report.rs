@@ -1,17 +1,17 @@
 //! Does the report say what the spec and the bodies say? It is written again from them, and every key compared.
 
 use super::Finding;
-use super::taken::was_stopped;
-use crate::model::{Model, report_on};
-use crate::packing::{Outcome, Report};
+use super::taken::{Taken, was_stopped};
+use crate::model::{Model, target};
+use crate::packing::{self, Report, StopReason};
 use crate::saved::VERSION;
 use serde_json::Value;
 
 /// Figures that are sums over bodies are right to this share; their order is the file's.
 const SUMMED: f64 = 1e-12;
 
-/// Every figure that differs from what a run with this `outcome` reports.
-pub(super) fn check(model: &Model, outcome: Option<&Outcome>) -> Vec<Finding> {
+/// Every figure that differs from what a run reports that took these grains.
+pub(super) fn check(model: &Model, taken: Option<&Taken>) -> Vec<Finding> {
     let report = &model.report;
     if !report.is_recorded() {
         return vec![wrong("the file has none, so that nothing says what was asked and what was reached".to_owned())];
@@ -20,10 +20,10 @@ pub(super) fn check(model: &Model, outcome: Option<&Outcome>) -> Vec<Finding> {
     if !is_known(&report.version) {
         reasons.push(format!("its version is {}; this is {VERSION}", report.version));
     }
-    if let Some(outcome) = outcome {
-        let right = expected(model, outcome);
+    if let Some(taken) = taken {
+        let right = expected(model, taken);
         differences("", &plain(report), &plain(&right), &mut reasons);
-        reasons.extend(stopped(model, outcome, &right));
+        reasons.extend(stopped(model, taken, &right));
     }
     reasons.into_iter().map(wrong).collect()
 }
@@ -33,10 +33,11 @@ fn wrong(reason: String) -> Finding {
 }
 
 /// The report as it must be; what depends on the clock, or counts work, is taken as it is.
-fn expected(model: &Model, outcome: &Outcome) -> Report {
+fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
     let said = &model.report;
-    let right = report_on(model, outcome);
-    let right = Report { version: said.version.clone(), seconds: said.seconds, work: said.work, ..right };
+    let bodies = (&model.aggregates[..], &model.inclusions[..]);
+    let right = packing::report(&target(&model.spec), tally, outcome, bodies, said.seconds);
+    let right = Report { version: said.version.clone(), work: said.work, ..right };
     if !was_stopped(model) {
         return right;
     }
@@ -45,17 +46,17 @@ fn expected(model: &Model, outcome: &Outcome) -> Report {
 }
 
 /// What can be said of a run that was stopped.
-fn stopped(model: &Model, outcome: &Outcome, right: &Report) -> Vec<String> {
+fn stopped(model: &Model, taken: &Taken, right: &Report) -> Vec<String> {
     let said = &model.report;
     if !was_stopped(model) {
         return Vec::new();
     }
     let mut reasons = Vec::new();
-    let most = outcome.aggregates_taken.saturating_sub(model.aggregates.len());
+    let most = taken.tally.aggregates - model.aggregates.len();
     if said.discarded > most {
         reasons.push(format!("discarded is {}; the spec leaves at most {most}", said.discarded));
     }
-    if said.stop_reason == crate::packing::StopReason::TimeLimit && model.spec.placement.time_limit_s.is_none() {
+    if said.stop_reason == StopReason::TimeLimit && model.spec.placement.time_limit_s.is_none() {
         reasons.push("stop_reason is time-limit; the spec has none".to_owned());
     }
     if !["rearrange", "take-and-place"].contains(&said.strategy.as_str()) {

@@ -4,7 +4,7 @@ use crate::geometry::{Face, Polyhedron};
 use crate::math::Vec3;
 use robust::{Coord3D, orient3d};
 
-/// Says what is wrong with the faces of `body`.
+/// Describes what is wrong with the faces of `body`.
 pub(super) fn check(body: &Polyhedron) -> Result<(), String> {
     closed(body)?;
     let mut solid = false;

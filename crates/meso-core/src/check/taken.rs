@@ -5,7 +5,7 @@ use super::Finding;
 use crate::aggregate::take::Grain;
 use crate::aggregate::{Aggregate, Kind};
 use crate::model::{self, Model};
-use crate::packing::{Outcome, StopReason, Strategy, Work};
+use crate::packing::{Outcome, StopReason, Strategy, Tally, Work};
 use std::cmp::Ordering;
 
 /// Where the spec makes more grains than this many times those that the report accounts for, they are not made: estimates are
@@ -14,10 +14,16 @@ const MOST_MADE: f64 = 20.0;
 /// And so many more, which take seconds.
 const FEW: f64 = 100_000.0;
 
-/// What a run of the model's spec takes, and what the report may therefore say; what is found in the bodies.
+/// What a run of the model's spec takes, and how it ended if the report is right.
+pub(super) struct Taken {
+    pub(super) tally: Tally,
+    pub(super) outcome: Outcome,
+}
+
+/// What the spec takes, and what is found in the bodies.
 ///
-/// No outcome where making the grains would take far longer than the file is long.
-pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Outcome>, Vec<Finding>) {
+/// Nothing taken where making the grains would take far longer than the file is long.
+pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Taken>, Vec<Finding>) {
     let accounted = model.aggregates.len().saturating_add(model.report.discarded);
     let made = model.spec.estimated_aggregates();
     if made > MOST_MADE * accounted as f64 + FEW {
@@ -29,7 +35,7 @@ pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Outcome>, Ve
         Ok(grains) => grains,
         Err(error) => return (None, vec![Finding::Report { reason: error.to_string() }]),
     };
-    let mut outcome = outcome(model, &grains);
+    let Taken { mut tally, outcome } = as_reported(model, &grains);
     let mut drafts = Drafts::new(&grains);
     let mut findings = Vec::new();
     // The smallest first, each with the smallest grain that it may be: so no other is left without one.
@@ -37,13 +43,13 @@ pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Outcome>, Ve
     order.sort_by(|a, b| a.body.volume().total_cmp(&b.body.volume()).then(a.id.cmp(&b.id)));
     for body in order {
         match drafts.claim(body) {
-            Some(limited) => outcome.itz_limited.extend(limited.then_some(body.id)),
+            Some(limited) => tally.itz_limited.extend(limited.then_some(body.id)),
             None => findings.push(Finding::NotTaken { body: body.id }),
         }
     }
-    outcome.itz_limited.sort_unstable();
+    tally.itz_limited.sort_unstable();
     findings.sort_by_key(Finding::body);
-    (Some(outcome), findings)
+    (Some(Taken { tally, outcome }), findings)
 }
 
 /// A time limit or the user ended the run: what was made and tried depends on the clock.
@@ -51,26 +57,24 @@ pub(super) fn was_stopped(model: &Model) -> bool {
     matches!(model.report.stop_reason, StopReason::TimeLimit | StopReason::Interrupted)
 }
 
-fn outcome(model: &Model, grains: &[Grain]) -> Outcome {
+fn as_reported(model: &Model, grains: &[Grain]) -> Taken {
     let (strategy, dead_end) = match model.spec.placement.chosen() {
         Strategy::TakeAndPlace => ("take-and-place", StopReason::AttemptsExhausted),
         _ => ("rearrange", StopReason::Jammed),
     };
     let largest = model::largest(&model.spec);
-    let mut outcome = Outcome {
+    let outcome = Outcome {
         poses: vec![None; grains.len()],
         work: Work::default(),
         stop: was_stopped(model).then_some(model.report.stop_reason),
         dead_end,
         strategy,
-        itz_limited: Vec::new(),
-        largest_mm3: Vec::new(),
-        aggregates_taken: 0,
         too_large: grains.iter().filter(|grain| !largest.admits(grain)).count(),
-        cut_short: false,
     };
-    outcome.note(grains, model.spec.grading.classes().len());
-    outcome
+    let mut tally = Tally::of(grains, &outcome.poses, model.spec.grading.classes().len(), true);
+    // A file with more bodies than were taken has a finding for each of them.
+    tally.aggregates = tally.aggregates.max(model.aggregates.len());
+    Taken { tally, outcome }
 }
 
 /// What is known of a grain wherever it lies.

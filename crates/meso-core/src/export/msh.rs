@@ -1,8 +1,8 @@
 //! Meshes as gmsh's `.msh` 4.1, binary: gmsh itself, FEniCSx, MOOSE, meshio.
 //!
-//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical surfaces XMIN to
-//! ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or hexahedra without
-//! volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
+//! Physical volumes AGGREGATE, ITZ, MORTAR and FIBRE, numbered like the phases of a `.vtu` plus 1; the physical
+//! surfaces XMIN to ZMAX hold the faces on the bounding planes. gmsh knows no cohesive elements: they are prisms or
+//! hexahedra without volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
 //! on a bounding plane has that of its cell (meshio reads a view only where it names all elements in their order).
 
 use crate::math::Aabb;
@@ -70,7 +70,7 @@ fn side(mesh: &Mesh, tag: i32, faces: &[(u32, usize)]) -> Block {
 }
 
 fn volume(mesh: &Mesh, phase: Phase) -> Block {
-    // Of second-order tetrahedra gmsh has the middles of the last two edges the other way round.
+    // gmsh swaps the middles of the last two edges of second-order tetrahedra.
     let (kind, order): (_, &[usize]) = match mesh.kind {
         CellKind::Tetrahedron => (4, &[0, 1, 2, 3]),
         CellKind::QuadraticTetrahedron => (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),

@@ -1,7 +1,7 @@
 //! Aggregate surfaces as binary STL: triangles without ids, for CAD programs and 3D printers.
 //!
-//! Coordinates are rounded to f32, as the format has it: at most 8e-6 mm in a 150 mm specimen. What needs the exact
-//! polyhedra reads the `.json`.
+//! Coordinates are rounded to f32, as the format requires: at most 8e-6 mm in a 150 mm specimen. For the exact
+//! polyhedra read the `.json`.
 
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;

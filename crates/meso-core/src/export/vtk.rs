@@ -1,8 +1,8 @@
 //! The frame of every `.vtu`: arrays declared first, then their bytes appended, raw or compressed.
 //!
 //! Little-endian, sizes counted in 64 bits. VTK, PyVista and meshio all read appended data; meshio wants the offsets
-//! unpadded and in the order of the arrays, and one line break after the last. Raw arrays are streamed; compressed ones
-//! are made before the first byte goes out, since the declarations say where each begins.
+//! unpadded and in the order of the arrays, and one line break after the last. Raw arrays are streamed; compressed
+//! ones are built before the first byte is written, because the declarations state where each begins.
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -104,7 +104,7 @@ pub(super) struct Grid<'a> {
     pub(super) positions: Array<'a>,
     /// Connectivity, offsets and types.
     pub(super) topology: [Array<'a>; 3],
-    /// The first is what a viewer shows.
+    /// A viewer shows the first.
     pub(super) cell_data: Vec<Array<'a>>,
 }
 

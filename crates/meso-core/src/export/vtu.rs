@@ -1,4 +1,4 @@
-//! Aggregate surfaces as polygons in a VTK unstructured grid (`.vtu`), what ParaView, PyVista and meshio read.
+//! Aggregate surfaces as polygons in a VTK unstructured grid (`.vtu`), for ParaView, PyVista and meshio.
 //!
 //! Cell data: `aggregate` (id), `class`, `phase` (2 aggregate, 3 void, 4 fibre), `itz_thickness_mm`.
 

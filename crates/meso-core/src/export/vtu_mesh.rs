@@ -1,4 +1,4 @@
-//! Volume meshes as VTK unstructured grids (`.vtu`): what ParaView, PyVista and meshio read.
+//! Volume meshes as VTK unstructured grids (`.vtu`), for ParaView, PyVista and meshio.
 //!
 //! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
 //! `radius_ratio` and `min_dihedral_deg`.

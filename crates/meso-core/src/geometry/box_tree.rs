@@ -1,8 +1,8 @@
 //! A tree of boxes: which of many bodies are near a box, which is nearest to a point.
 //!
 //! Halved at the middle centre along the longest axis, down to a few items a leaf, and laid out in the order it is
-//! walked: what does not meet is skipped by one number. It grows with the number of items alone, where cells of a grid
-//! hold many in one corner of a room and none in the next.
+//! walked: a subtree that does not meet is skipped by one number. It grows with the number of items alone, where the
+//! cells of a grid may hold many in one corner and none in the next.
 
 use crate::math::{Aabb, Vec3};
 
@@ -56,8 +56,8 @@ impl BoxTree {
         leaves.flatten().copied()
     }
 
-    /// The item at the least `distance` and this, of equally near ones the first; an item's is at least that of `point` to
-    /// its box. Nothing where all are infinitely far.
+    /// The item at the least `distance`, and that distance; of equally near ones the first. An item's distance is at
+    /// least that of `point` to its box. `None` where all are infinitely far.
     pub(crate) fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let mut best = (f64::INFINITY, u32::MAX);
         let mut open = vec![(0.0, 0)];

@@ -1,4 +1,4 @@
-//! A polyhedron in half the memory: a million grains live at once while they are placed.
+//! Compact polyhedra in half the memory: a million grains live at once while they are placed.
 
 use super::Polyhedron;
 use super::faces::{FaceList, Faces, Indices};
@@ -7,15 +7,16 @@ use crate::math::{Aabb, Vec3};
 /// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompactPolyhedron {
-    /// All lists in one piece: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with zeros.
+    /// All lists, contiguous: x of all vertices, then y, then z, mm, as f32; then those of the faces, padded with
+    /// zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Of all faces. What else there is to know of the lists follows from these two.
+    /// Of all faces; with the number of vertices it determines the lists' layout.
     corners: u32,
     volume: f64,
 }
 
-/// What the lists of the faces are stored as.
+/// Storage of the lists of faces.
 enum Width {
     /// A triangle's three indices as five bits each of a `u16`.
     Five,
@@ -35,7 +36,7 @@ fn unpacked(triangle: u16) -> [u8; 3] {
     [0, 1, 2].map(|corner| (triangle >> (corner * FIVE)) as u8 & ((1 << FIVE) - 1))
 }
 
-/// Rounds the coordinates to f32; the volume stays that of the body as it was.
+/// Rounds the coordinates to f32; the volume stays that of the original body.
 impl From<Polyhedron> for CompactPolyhedron {
     fn from(body: Polyhedron) -> Self {
         let (vertices, faces) = (body.vertices(), body.face_lists());
@@ -81,13 +82,13 @@ impl CompactPolyhedron {
         [&all[..n], &all[n..2 * n], &all[2 * n..]]
     }
 
-    /// All coordinates in one piece, as they lie in memory.
+    /// All coordinates, contiguous, in memory order.
     #[inline(always)]
     pub(crate) fn all_coordinates(&self) -> &[u32] {
         &self.lists[..3 * self.vertex_count()]
     }
 
-    /// The coordinates along an axis, with whatever lies behind them in memory: so many numbers, if there are so many.
+    /// The coordinates along an axis, extended to the wanted length by the memory behind them where there is enough.
     #[inline(always)]
     pub(crate) fn window<const N: usize>(&self, axis: usize) -> Option<&[f32; N]> {
         let all: &[f32] = bytemuck::cast_slice(&self.lists);

@@ -1,5 +1,4 @@
-//! The triangles of a body, eight at a time: what is asked of each is then asked of all on wide registers, with the bits
-//! that one by one would give.
+//! Plane and volume kernels over eight triangles at a time; bit-identical to the scalar loop.
 
 use super::integrals::Sum;
 use super::polyhedron::{Facet, Plane};

@@ -18,7 +18,7 @@ use std::cell::RefCell;
 use surface::Surface;
 use wrap::Wrap;
 
-/// Up to so many points each thread keeps the memory of its last hull.
+/// Up to this many points each thread keeps the memory of its last hull.
 const KEPT_POINTS: usize = 256;
 
 /// Why points have no solid hull.
@@ -58,7 +58,7 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
     thread_local! {
         static BUILDER: RefCell<HullBuilder> = RefCell::default();
     }
-    // A fifth of a grain's hull would be spent on fresh memory; that of a large hull is better given back.
+    // Fresh memory would cost a fifth of a grain's hull; that of a large hull is better given back.
     if points.len() <= KEPT_POINTS {
         BUILDER.with_borrow_mut(|builder| builder.build(points))
     } else {
@@ -97,7 +97,7 @@ impl HullBuilder {
         check(points)?;
         // A few points in general position, as nearly all grains have them: in half the time.
         let triangles = self.wrap.triangles(points);
-        // Of these corners there are so many where every point is one.
+        // This many corners mean that every point is one.
         if let Some(corners) = triangles.filter(|corners| corners.len() == 3 * (2 * points.len() - 4)) {
             return Ok(Polyhedron::of_triangles(points.into(), corners));
         }

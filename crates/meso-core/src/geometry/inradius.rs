@@ -162,7 +162,8 @@ impl ExactPlanes {
         planes
     }
 
-    /// Four planes far outside a body whose coordinates have so many bits: the basis that everything can start from.
+    /// Four planes far outside a body whose coordinates have this many bits: the basis that every search can start
+    /// from.
     fn push_walls(&mut self, coordinate_bits: u64) {
         for normal in [[-1, 0, 0], [0, -1, 0], [0, 0, -1], [1, 1, 1]] {
             self.normals.push(normal.map(BigInt::from));
@@ -183,7 +184,7 @@ impl ExactPlanes {
         self.normals.iter().enumerate().map(root).collect()
     }
 
-    /// The precision beyond which radius and thickness are either told apart or equal.
+    /// The precision beyond which radius and thickness are either separated or equal.
     ///
     /// Their difference times sum w_i |n_i| is S = sum w_i d_i - t sum w_i |n_i|: an integer and four square roots of
     /// integers, so an algebraic integer with at most 16 conjugates of at most K. If S is not 0 its norm is at least 1,
@@ -217,7 +218,7 @@ impl ExactPlanes {
         solved.determinant.is_positive() && solved.inverse[3].iter().all(|weight| !weight.is_negative())
     }
 
-    /// What the erosion leaves, or `None` where this precision cannot tell.
+    /// The result of the erosion, or `None` where this precision cannot decide.
     ///
     /// Norms rounded down make the radius too large, by less than a factor 1 + 2^-precision.
     fn decide(&self, roots: &[BigInt], basis: &mut Basis, precision: u64, corners: &[[Vec3; 3]]) -> Option<Erosion> {

@@ -1,9 +1,9 @@
 //! The volume of a closed triangulated surface to 1e-14, however thin or far away the body is.
 //!
-//! The sum of n . (a - apex) over all triangles (a, b, c), n = (b - a) x (c - a), is six times the volume, for any apex.
-//! With the apex in the middle of a convex body no term is negative and n nearly along a - apex, so little cancels: the
-//! terms' rounding is bounded beside the sum, and where the bound is too large the sum is taken in double-double, then
-//! in integers.
+//! The sum of n . (a - apex) over all triangles (a, b, c), n = (b - a) x (c - a), is six times the volume, for any
+//! apex. With the apex in the middle of a convex body no term is negative and n nearly along a - apex, so little
+//! cancels: the terms' rounding is bounded beside the sum, and where the bound is too large the sum is taken in
+//! double-double, then in integers.
 
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
 use super::facet_kernels::SixVolumes;
@@ -31,7 +31,8 @@ pub(super) fn volume_of_few(vertices: &[Vec3], triangles: &[[u8; 3]]) -> f64 {
     summed(vertices, corners, |&apex| widest(SixVolumes { apex, vertices, triangles }).bounded())
 }
 
-/// A sixth of what `in_floats` gives from an apex, a sum with a bound of its error, or of a better sum where that is needed.
+/// A sixth of the sum that `in_floats` gives from an apex, with an error bound, or of a better sum where that is
+/// needed.
 fn summed(
     vertices: &[Vec3],
     corners: impl Iterator<Item = [Vec3; 3]> + Clone,

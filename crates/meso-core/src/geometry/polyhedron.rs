@@ -10,7 +10,7 @@ use crate::wide::widest;
 /// A closed convex polyhedron.
 ///
 /// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps what it is given:
-/// [`convex_hull`](crate::geometry::convex_hull) is the way to make one that is convex by construction.
+/// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     vertices: Box<[Vec3]>,
@@ -27,7 +27,7 @@ pub struct Plane {
     pub offset: f64,
 }
 
-/// A face as a piece of its plane.
+/// A face as a part of its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     /// Where it lies.
@@ -105,7 +105,7 @@ impl Polyhedron {
         self.faces.faces()
     }
 
-    /// The same faces over vertices mapped by `map`, with a volume known better than the rounded vertices tell.
+    /// The same faces over vertices mapped by `map`, with a volume known better than from the rounded vertices.
     pub(super) fn mapped_to_volume(self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
         Self { vertices: self.vertices.iter().map(map).collect(), faces: self.faces, volume }
     }

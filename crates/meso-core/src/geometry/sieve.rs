@@ -2,8 +2,9 @@
 //!
 //! A grain falls through lengthwise. So the grain is projected along the principal axis of its smallest moment of
 //! inertia, and its size is the side of the smallest square, turned at will, around that projection. (The true minimum
-//! over all directions is at most this, 3 % less in the mean of 40 of the paper's polyhedra and 13 % less of one of them, by
-//! 600 random directions each; finding it is costlier than making the grain, and sieving itself scatters by more.)
+//! over all directions is at most this, 3 % less in the mean of 40 of the paper's polyhedra and 13 % less of one of
+//! them, by 600 random directions each; finding it is costlier than making the grain, and sieving itself scatters by
+//! more.)
 
 use super::Polyhedron;
 use crate::math::Mat3;

@@ -81,32 +81,32 @@ impl TriangleMesh {
     }
 
     /// The parts that share no vertex, each with its own vertices.
-    pub(crate) fn pieces(&self) -> Vec<Self> {
-        let piece_of = self.piece_of();
+    pub(crate) fn components(&self) -> Vec<Self> {
+        let component_of = self.component_of();
         let mut numbers = BTreeMap::new();
-        let mut pieces: Vec<Self> = Vec::new();
+        let mut components: Vec<Self> = Vec::new();
         let mut own = vec![0; self.vertices.len()];
-        for (vertex, root) in piece_of.iter().enumerate() {
-            let number = *numbers.entry(*root).or_insert(pieces.len());
-            if number == pieces.len() {
-                pieces.push(Self { vertices: Vec::new(), triangles: Vec::new() });
+        for (vertex, root) in component_of.iter().enumerate() {
+            let number = *numbers.entry(*root).or_insert(components.len());
+            if number == components.len() {
+                components.push(Self { vertices: Vec::new(), triangles: Vec::new() });
             }
-            own[vertex] = pieces[number].vertices.len() as u32;
-            pieces[number].vertices.push(self.vertices[vertex]);
+            own[vertex] = components[number].vertices.len() as u32;
+            components[number].vertices.push(self.vertices[vertex]);
         }
         for triangle in &self.triangles {
-            let number = numbers[&piece_of[triangle[0] as usize]];
-            pieces[number].triangles.push(triangle.map(|vertex| own[vertex as usize]));
+            let number = numbers[&component_of[triangle[0] as usize]];
+            components[number].triangles.push(triangle.map(|vertex| own[vertex as usize]));
         }
-        pieces
+        components
     }
 
     /// For every vertex the lowest that triangles connect it with.
-    pub(crate) fn piece_of(&self) -> Vec<u32> {
+    pub(crate) fn component_of(&self) -> Vec<u32> {
         let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
         let root = |lower: &mut Vec<u32>, mut vertex: u32| {
             while lower[vertex as usize] != vertex {
-                // Half of the way is kept, so that the next walk is shorter.
+                // Path halving, so that the next walk is shorter.
                 lower[vertex as usize] = lower[lower[vertex as usize] as usize];
                 vertex = lower[vertex as usize];
             }

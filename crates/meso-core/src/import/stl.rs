@@ -1,6 +1,6 @@
 //! Triangle surfaces from STL, text or binary.
 //!
-//! The format has no units: a number is a millimetre. Normals are passed over, the order of the corners says what is
+//! The format has no units: a number is a millimetre. Normals are ignored; the order of the corners defines the
 //! outside. A binary file may begin with "solid" like a text, so its length decides.
 
 use crate::geometry::TriangleMesh;
@@ -45,7 +45,7 @@ pub enum StlError {
 /// Reads the surface in `bytes`, mm; corners at the same place become one vertex.
 ///
 /// # Errors
-/// See [`StlError`]. Whether the surface is closed is for [`TriangleMesh::check_closed`] to say.
+/// See [`StlError`]. [`TriangleMesh::check_closed`] tests whether the surface is closed.
 pub fn read(bytes: &[u8]) -> Result<TriangleMesh, StlError> {
     let corners = match binary_records(bytes) {
         Some(records) => records.chunks_exact(RECORD).flat_map(corners_of).collect(),

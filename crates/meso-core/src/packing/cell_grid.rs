@@ -72,7 +72,8 @@ pub(super) fn cells(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32;
         .flat_map(move |z| (low[1]..=high[1]).flat_map(move |y| (low[0]..=high[0]).map(move |x| [x, y, z])))
 }
 
-/// True for the lowest of the cells that two ranges share, by the lowest cell of each: a pair is met there and nowhere else.
+/// True for the lowest of the cells that two ranges share, by the lowest cell of each: a pair is met there and nowhere
+/// else.
 #[inline]
 pub(super) fn is_first_common(cell: [i32; 3], low: [i32; 3], other_low: [u16; 3]) -> bool {
     (0..3).all(|i| cell[i] == low[i].max(i32::from(other_low[i])))

@@ -1,6 +1,5 @@
 //! The *place*: puts aggregates into a specimen without overlap, and reports the fraction reached.
 
-mod box_grid;
 mod cell_grid;
 mod face_shift;
 mod images;
@@ -94,23 +93,30 @@ impl Progress for Silent {
     }
 }
 
-/// The grains to place, and where.
+/// What a packing is to reach; the report compares the result with it.
 #[derive(Clone, Copy)]
-pub struct Request<'a> {
-    /// What is filled.
+pub struct Target<'a> {
+    /// The specimen to fill.
     pub specimen: &'a Specimen,
     /// Volume of the aggregates over the specimen's, 0 to 1.
     pub fraction: f64,
-    /// Target of every class.
+    /// Shares of the size classes.
     pub grading: &'a Grading,
     /// Voids and fibres asked for.
     pub inclusions: Inclusions,
+    /// Seed of the positions.
+    pub seed: u64,
+}
+
+/// The grains to place, and how.
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    /// What to reach.
+    pub target: Target<'a>,
     /// Upper bounds on a body in the specimen, its distance to the walls kept.
     pub largest: Largest,
     /// The grains in the order they are placed.
     pub grains: &'a [Grain],
-    /// Seed of the positions.
-    pub seed: u64,
     /// How to place.
     pub placement: &'a Placement,
     /// Where to report, and whom to ask.
@@ -163,7 +169,7 @@ impl Pose {
 
 /// The result of a strategy.
 pub struct Outcome {
-    /// The pose of every grain; `None` where it found no place.
+    /// The pose of every grain; `None` where it found none.
     pub poses: Vec<Option<Pose>>,
     /// Counters.
     pub work: Work,
@@ -173,16 +179,8 @@ pub struct Outcome {
     pub dead_end: StopReason,
     /// The strategy's name.
     pub strategy: &'static str,
-    /// Placed aggregates whose drawn ITZ was thinner than asked, by their number among the placed ones.
-    pub itz_limited: Vec<u32>,
-    /// Volume of the largest grain taken of each class, mm3; the entries of voids and fibres follow the grading's.
-    pub largest_mm3: Vec<f64>,
-    /// Aggregates among the grains.
-    pub aggregates_taken: usize,
-    /// Grains too large for any place in the specimen.
+    /// Grains that fit nowhere in the specimen.
     pub too_large: usize,
-    /// True where a stop came before all grains were generated.
-    pub cut_short: bool,
 }
 
 impl Outcome {
@@ -194,25 +192,39 @@ impl Outcome {
             stop: task.stopped(0.0),
             dead_end,
             strategy,
-            itz_limited: Vec::new(),
-            largest_mm3: Vec::new(),
-            aggregates_taken: 0,
-            cut_short: false,
             too_large: task.request.grains.iter().filter(|grain| !task.admits(grain)).count(),
         }
     }
+}
 
-    /// Records what the report needs of the `grains`, in this many `classes` of aggregates, before they are freed.
-    pub fn note(&mut self, grains: &[Grain], classes: usize) {
-        self.largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
+/// Figures of the grains that the report needs when they are freed.
+pub struct Tally {
+    /// False where a stop came before all grains were generated.
+    pub complete: bool,
+    /// Aggregates among the grains.
+    pub aggregates: usize,
+    /// Placed aggregates whose drawn ITZ was thinner than asked, by their number among the placed ones.
+    pub itz_limited: Vec<u32>,
+    /// Volume of the largest grain taken of each class, mm3; the entries of voids and fibres follow the grading's.
+    pub largest_mm3: Vec<f64>,
+}
+
+impl Tally {
+    /// Of the `grains` and their poses; there are this many `classes` of aggregates.
+    pub fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
+        let mut largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {
-            let largest = &mut self.largest_mm3[usize::from(grain.class)];
+            let largest = &mut largest_mm3[usize::from(grain.class)];
             *largest = grain.volume().max(*largest);
         }
-        let aggregates = || grains.iter().zip(&self.poses).filter(|(grain, _)| grain.kind == Kind::Aggregate);
-        self.aggregates_taken = aggregates().count();
+        let aggregates = || grains.iter().zip(poses).filter(|(grain, _)| grain.kind == Kind::Aggregate);
         let placed = aggregates().filter(|(_, pose)| pose.is_some());
         let limited = (0..).zip(placed).filter(|(_, (grain, _))| grain.itz_limited);
-        self.itz_limited = limited.map(|(id, _)| id).collect();
+        Self {
+            complete,
+            aggregates: aggregates().count(),
+            itz_limited: limited.map(|(id, _)| id).collect(),
+            largest_mm3,
+        }
     }
 }

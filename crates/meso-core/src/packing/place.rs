@@ -137,14 +137,15 @@ impl Progress for Unstoppable<'_> {
 
 impl<'a> Task<'a> {
     fn new(request: &Request<'a>) -> Self {
-        let container = request.specimen.container();
-        let (volume, period) = (container.volume(), request.specimen.period());
-        let (wanted, started) = (request.fraction * volume, request.started);
+        let target = &request.target;
+        let container = target.specimen.container();
+        let (volume, period) = (container.volume(), target.specimen.period());
+        let (wanted, started) = (target.fraction * volume, request.started);
         let bound = if request.placement.chosen() == Strategy::TakeAndPlace { 1.0 } else { f64::INFINITY };
-        let classes = request.grading.classes();
+        let classes = target.grading.classes();
         let aggregates = classes.iter().map(|class| class.share * wanted * bound);
         // Phases that were not asked for have no grains, whatever their target.
-        let inclusions = request.inclusions.fractions().map(|fraction| fraction * volume * bound);
+        let inclusions = target.inclusions.fractions().map(|fraction| fraction * volume * bound);
         Self {
             request: *request,
             container,
@@ -185,7 +186,7 @@ impl<'a> Task<'a> {
 
     /// Reports `volume` mm3 placed; the reason to stop now, if there is one.
     pub(super) fn stopped(&self, volume: f64) -> Option<StopReason> {
-        if !self.request.progress.update(volume / self.volume, self.request.fraction) {
+        if !self.request.progress.update(volume / self.volume, self.request.target.fraction) {
             return Some(StopReason::Interrupted);
         }
         (self.request.progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit)

@@ -1,6 +1,6 @@
 //! The report of a packing run: fractions, stop reason, counters.
 
-use super::{Outcome, Request};
+use super::{Outcome, Tally, Target};
 use crate::aggregate::{Aggregate, Grading, Inclusions, Kind};
 use crate::gjk::Counters;
 use serde::{Deserialize, Serialize};
@@ -141,12 +141,18 @@ pub struct Work {
 /// A class counts as reached within this share of its target, or within one of its own grains.
 const REACHED: f64 = 0.002;
 
-/// Summarises the `outcome` of a `request`. Volumes are those of the placed polyhedra.
-pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggregate], outcome: &Outcome) -> Report {
-    let specimen = SpecimenReport { kind: request.specimen.kind().into(), volume_mm3: request.specimen.volume() };
-    let classes = ClassReport::all(request.grading, request.fraction, aggregates, specimen.volume_mm3);
-    let phases = PhaseReport::all(&request.inclusions, inclusions, specimen.volume_mm3);
-    let largest: Vec<f64> = outcome.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
+/// Compares the placed `aggregates` and `inclusions` with the `target`. Volumes are those of the placed polyhedra.
+pub fn report(
+    target: &Target,
+    tally: &Tally,
+    outcome: &Outcome,
+    (aggregates, inclusions): (&[Aggregate], &[Aggregate]),
+    seconds: Seconds,
+) -> Report {
+    let specimen = SpecimenReport { kind: target.specimen.kind().into(), volume_mm3: target.specimen.volume() };
+    let classes = ClassReport::all(target.grading, target.fraction, aggregates, specimen.volume_mm3);
+    let phases = PhaseReport::all(&target.inclusions, inclusions, specimen.volume_mm3);
+    let largest: Vec<f64> = tally.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();
     let (of_classes, of_phases) = largest.split_at(classes.len());
     // When the take was complete, a class without grains asked for less than half of its smallest grain.
     let (some, none): (Vec<_>, Vec<_>) =
@@ -158,31 +164,30 @@ pub fn report(request: &Request, aggregates: &[Aggregate], inclusions: &[Aggrega
         short_classes.chain(phases.iter().filter_map(|phase| phase.lack(largest_of(phase)))).collect();
     let too_large =
         (outcome.too_large > 0).then(|| format!("{} grains are too large for the specimen", outcome.too_large));
-    let cut_short = outcome
-        .cut_short
-        .then(|| format!("stopped when {} aggregates were made, before all grains were", outcome.aggregates_taken));
+    let cut_short = (!tally.complete)
+        .then(|| format!("stopped when {} aggregates were made, before all grains were", tally.aggregates));
     let notes: Vec<String> = short.iter().chain(&too_small).cloned().chain(too_large).chain(cut_short).collect();
     let fraction = classes.iter().map(|class| class.fraction).sum();
     Report {
         version: env!("CARGO_PKG_VERSION").into(),
-        seed: request.seed,
-        target_fraction: request.fraction,
+        seed: target.seed,
+        target_fraction: target.fraction,
         fraction,
         aggregates: aggregates.len(),
-        discarded: outcome.aggregates_taken - aggregates.len(),
+        discarded: tally.aggregates - aggregates.len(),
         specimen,
-        grading: request.grading.describe(),
+        grading: target.grading.describe(),
         strategy: outcome.strategy.into(),
-        itz_limited: outcome.itz_limited.clone(),
+        itz_limited: tally.itz_limited.clone(),
         stop_reason: outcome.stop.unwrap_or(if short.is_empty() {
             StopReason::TargetReached
         } else {
             outcome.dead_end
         }),
-        stop_detail: detail(request.fraction, &classes, &notes),
+        stop_detail: detail(target.fraction, &classes, &notes),
         classes,
         phases,
-        seconds: Seconds::default(),
+        seconds,
         work: outcome.work,
     }
 }

@@ -100,7 +100,7 @@ impl<'a> Search<'a> {
         Self {
             number,
             candidate: Candidate::new(grain),
-            stream: Stream::new(task.request.seed, Purpose::Place, grain.class, u64::from(grain.index)),
+            stream: Stream::new(task.request.target.seed, Purpose::Place, grain.class, u64::from(grain.index)),
             attempts_left: if task.admits(grain) { attempts } else { 0 },
             ahead: Ahead { centres: [Vec3::zeros(); AHEAD], looks: [Look::Clear; AHEAD], left: 0 },
             found: None,

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
 use std::io::{self, Write};
 
-/// What was asked and what was reached, by class.
+/// Target and result by class.
 pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let report = &model.report;
     writeln!(out, "<p>Asked for {}: {}.</p>", report.target_fraction, escape(&report.stop_detail))?;

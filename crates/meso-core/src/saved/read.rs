@@ -21,7 +21,7 @@ pub enum ReadError {
     /// Written by a version that may mean something else.
     #[error("it was written by mesocrete {found}, and this is {VERSION}, which cannot read it: update mesocrete")]
     Version {
-        /// What the file says.
+        /// The file's text.
         found: String,
     },
     /// Its spec cannot be.
@@ -38,7 +38,7 @@ pub enum ReadError {
         /// What is wrong.
         reason: String,
     },
-    /// An aggregate that is no closed surface.
+    /// An aggregate whose surface is not closed.
     #[error("aggregate {index}: {reason}")]
     Aggregate {
         /// Position in the file, from 0.
@@ -211,7 +211,7 @@ fn closed_surface(vertices: usize, faces: &[Vec<u32>]) -> Result<(), String> {
     }
 }
 
-/// The report of a file that brings none: what follows from its aggregates.
+/// The report of a file without one, computed from its aggregates.
 fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Report {
     let volume = spec.specimen.volume();
     let classes = ClassReport::all(&spec.grading, spec.fraction, aggregates, volume);

@@ -1,7 +1,7 @@
-//! Is there room for what is asked? Gaps and walls make a packing denser than its fraction says.
+//! Does the requested fraction fit? Gaps and walls make a packing denser than its fraction says.
 //!
-//! Bodies that keep a gap g from each other stay apart when each is grown by g / 2 all round. So a packing with gaps is as
-//! dense as one without in which the grown bodies lie in what the walls leave them.
+//! Bodies that keep a gap g from each other stay apart when each is grown by g / 2. So a packing with gaps is as
+//! dense as one without, in which the grown bodies lie in the space between the walls.
 
 use super::limits::{Checked, mean_volume};
 use super::messages::number;
@@ -12,10 +12,11 @@ use crate::packing::{Largest, Strategy};
 use std::f64::consts::PI;
 
 impl Spec {
-    /// Volume of all bodies grown by half of the gap over what the walls leave them, roughly; without gaps their fraction.
+    /// Volume of all bodies grown by half of the gap, over the volume that the walls leave, roughly; without gaps
+    /// their fraction.
     ///
-    /// Too small rather than too large: a body grows by no less than a ball of its volume does (Brunn and Minkowski), and a
-    /// room shrinks by no less than a box of its lengths.
+    /// An underestimate: a body grows by at least as much as a ball of its volume (Brunn and Minkowski), and a
+    /// container shrinks by at least as much as a box of its lengths.
     pub fn crowding(&self) -> f64 {
         let gap = self.placement.min_gap_mm;
         let voids = self.voids.map_or(0.0, |voids| voids.fraction * void_growth(&voids, gap));
@@ -23,12 +24,12 @@ impl Spec {
         (self.grown_aggregates() + voids + fibres) / self.room_left()
     }
 
-    /// The fraction that the chosen strategy has been seen to reach in a specimen of this size, roughly: walls keep a rim
-    /// of a quarter of the smallest aggregate empty.
+    /// The fraction that the chosen strategy was measured to reach in a specimen of this size, roughly: walls keep a
+    /// rim of a quarter of the smallest aggregate empty.
     ///
-    /// By rearrangement (the paper's grading, seed 1) cubes of 60 and 75 mm reached 0.67 and 0.68 where this says 0.65 and
-    /// 0.67; where 0.72 was asked, those of 25, 40 and 60 mm ended at 0.52, 0.60 and 0.64, where it says 0.54, 0.61 and 0.65.
-    /// A periodic one of 75 mm reached 0.74, as it says.
+    /// By rearrangement (the paper's grading, seed 1) cubes of 60 and 75 mm reached 0.67 and 0.68; this predicts 0.65
+    /// and 0.67. Where 0.72 was asked, those of 25, 40 and 60 mm ended at 0.52, 0.60 and 0.64, predicted 0.54, 0.61
+    /// and 0.65. A periodic one of 75 mm reached 0.74, as predicted.
     pub fn reach(&self) -> f64 {
         let full = |spec: &Self| {
             let rim = spec.grading.d_min_mm / 4.0;
@@ -37,8 +38,8 @@ impl Spec {
         self.placement.reach() * full(self) / full(&Self::default())
     }
 
-    /// What the user should hear before the work: that so dense a packing was never seen, that a class is too small for a
-    /// single aggregate, that an option counts for nothing.
+    /// What the user should hear before the work: that so dense a packing was never seen, that a class is too small
+    /// for a single aggregate, that an option counts for nothing.
     pub fn doubts(&self) -> Vec<String> {
         self.beyond_reach().into_iter().chain(self.empty_class()).chain(self.unused_attempts()).collect()
     }
@@ -63,7 +64,7 @@ impl Spec {
 
     fn beyond_reach(&self) -> Option<String> {
         let (crowding, reach) = (self.crowding(), self.reach());
-        // What has no room is an error instead.
+        // A target without space is an error instead.
         if crowding <= reach || crowding >= 1.0 {
             return None;
         }
@@ -78,13 +79,13 @@ impl Spec {
             format!("{} is", number(asked))
         };
         Some(format!(
-            "{asked} more than this strategy has been seen to reach, {reach:.2} in a specimen of this size; it may end short \
+            "{asked} more than this strategy was measured to reach, {reach:.2} in a specimen of this size; it may end short \
              of it: {way_out}"
         ))
     }
 
-    /// Names the gap that leaves no room for what is asked. No part of [`Spec::validate`]: the fraction of a spec may be
-    /// replaced until the packing begins, and a saved model may have fallen short.
+    /// Names the gap that leaves no space for the target. Not part of [`Spec::validate`]: the fraction of a spec may
+    /// be replaced until the packing begins, and a saved model may have fallen short.
     pub(crate) fn has_room(&self) -> Checked {
         let crowding = self.crowding();
         if crowding < 1.0 {
@@ -126,7 +127,7 @@ impl Spec {
 
     fn grown_aggregates(&self) -> f64 {
         let Self { grading, placement, .. } = self;
-        // Of a sieve size only its order is known: that of the ball.
+        // A sieve size is only known in order: that of the ball.
         let ball = match grading.size {
             SizeDefinition::LongestAxis => libm::cbrt(mean_volume(&self.shape) * 6.0 / PI),
             SizeDefinition::Sieve => 1.0,

@@ -1,4 +1,4 @@
-//! A spec that cannot be: what, where, and the way out.
+//! An invalid spec: what, where, and the way out.
 
 use super::tree::Node;
 

@@ -2,7 +2,7 @@
 
 use std::io;
 
-/// Reads what lies beside a spec; names are as the spec gives them.
+/// Reads files beside a spec; names are as the spec gives them.
 pub trait Files {
     /// The bytes of a file.
     ///

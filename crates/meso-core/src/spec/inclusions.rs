@@ -6,10 +6,10 @@ use super::{Spec, SpecError};
 use crate::aggregate::{Cone, Fibres, Voids};
 use crate::math::Vec3;
 
-/// Straight rods that lie at random fill a space to 5.4 times their diameter over their length, and no further: half of the
-/// mean number of contacts of a rod (A. P. Philipse, Langmuir 12 (1996) 1127, for length over diameter from about 15).
-/// Later experiments count fewer, 9.8 (A. Wouterse, S. Luding and A. P. Philipse, Granular Matter 11 (2009) 169); the
-/// larger number refuses nothing that may be.
+/// Straight rods that lie at random fill a space to 5.4 times their diameter over their length, and no further: half
+/// of the mean number of contacts of a rod (A. P. Philipse, Langmuir 12 (1996) 1127, for length over diameter from
+/// about 15). Later experiments count fewer, 9.8 (A. Wouterse, S. Luding and A. P. Philipse, Granular Matter 11 (2009)
+/// 169); the larger number refuses nothing that may be.
 const RANDOM_RODS: f64 = 5.4;
 
 /// Checks `[voids]` and `[fibres]` alone, then with all else the spec asks for.
@@ -106,7 +106,7 @@ fn count(spec: &Spec, key: &str, what: &str, smallest: f64, per_mm3: f64) -> Che
     Err(SpecError::value(key, message))
 }
 
-/// All phases together leave room for the mortar.
+/// All phases together leave space for the mortar.
 fn sum(spec: &Spec) -> Checked {
     let [voids, fibres] = spec.inclusions().fractions();
     let all = spec.fraction + voids + fibres;

@@ -21,7 +21,7 @@ const MAX_VERTICES: usize = 1_000_000;
 pub(super) type Checked = Result<(), SpecError>;
 
 impl Spec {
-    /// Names the first value that cannot be: its key, the value, the accepted range and the way out.
+    /// Names the first invalid value: its key, the value, the accepted range and the way out.
     ///
     /// # Errors
     /// See [`SpecError`].
@@ -37,7 +37,8 @@ impl Spec {
         inclusions::check(self)
     }
 
-    /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own image.
+    /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own
+    /// image.
     pub(crate) fn meets_own_image(&self, longest: f64) -> Option<SpecError> {
         let (period, gap) = (self.specimen.period(), self.placement.min_gap_mm);
         let length = (0..3).filter_map(|axis| period.along(axis)).find(|length| longest + gap >= *length)?;
@@ -117,7 +118,7 @@ fn below(key: &str, value: f64, whole: &str, limit: f64, what: &str) -> Checked 
     Err(SpecError::value(key, message))
 }
 
-/// A neck narrower than the ends, arcs that reach from one to the other, and room for them.
+/// A neck narrower than the ends, arcs that reach from one to the other, and space for them.
 fn dogbone(specimen: &Specimen) -> Checked {
     let &Specimen::Dogbone { length_mm, width_mm, thickness_mm, neck_width_mm, neck_length_mm, radius_mm } = specimen
     else {

@@ -1,4 +1,4 @@
-//! Numbers, names and types in a reader's words.
+//! Words of error messages: numbers, names and types as a reader writes them.
 
 use serde::de::Unexpected;
 
@@ -8,7 +8,7 @@ pub(super) fn number(value: f64) -> String {
     if plain { format!("{value}").to_lowercase() } else { format!("{value:e}") }
 }
 
-/// A value that stands where it should not; long texts are cut.
+/// An unexpected value; long texts are cut.
 pub(super) fn found(value: &Unexpected<'_>) -> String {
     match value {
         Unexpected::Bool(flag) => flag.to_string(),
@@ -27,7 +27,7 @@ pub(super) fn found(value: &Unexpected<'_>) -> String {
     }
 }
 
-/// A list whose length is the point.
+/// A list described by its length.
 pub(super) fn list_of(length: usize) -> String {
     format!("a list of length {length}")
 }

@@ -1,5 +1,5 @@
-//! The fraction from a mix design: what cement, water and air leave of a cubic metre is aggregate, and the part of it
-//! that is coarser than `d_min_mm` is placed.
+//! The fraction from a mix design: the aggregate is the volume of a cubic metre that cement, water and air leave, and
+//! the part of it coarser than `d_min_mm` is placed.
 
 use super::read::read;
 use super::tree::{Node, Value};
@@ -70,11 +70,11 @@ impl MixDesign {
         1.0 - paste - self.air
     }
 
-    /// The spec's fraction: v_a (P(d_max) - P(d_min)) for a normalised grading, which places all it is asked for; v_a for
-    /// a raw one, which leaves out the fines itself.
+    /// The spec's fraction: v_a (P(d_max) - P(d_min)) for a normalised grading, which places its whole target; v_a
+    /// for a raw one, which omits the fines itself.
     ///
     /// # Errors
-    /// A mix without room for aggregate.
+    /// A mix without volume for aggregate.
     pub fn fraction(&self, grading: &Grading) -> Result<f64, SpecError> {
         let all = self.all_aggregate();
         if all <= 0.0 {

@@ -30,7 +30,7 @@ pub(super) enum What {
         known: &'static [&'static str],
     },
     Missing(&'static str),
-    /// A value of the wrong type (or, `in_range` false, of the right one but too large), and what was wanted.
+    /// A value of the wrong type (or, `in_range` false, of the right one but too large), and the expected one.
     Unfit {
         found: String,
         wanted: String,
@@ -71,7 +71,7 @@ impl Fault {
 }
 
 impl Node {
-    /// True when this value, or one inside it, is what a fault calls `found`.
+    /// True when this value, or one inside it, is the one that a fault calls `found`.
     fn holds(&self, wrong: &str) -> bool {
         if let Value::Array(items) = &self.value
             && (list_of(items.len()) == wrong || items.iter().any(|item| item.holds(wrong)))
@@ -189,7 +189,7 @@ impl de::Error for Fault {
     }
 }
 
-/// The entries of a table; adds the key to the path of what goes wrong in its value.
+/// The entries of a table; adds the key to the path of an error in its value.
 struct Entries<'de> {
     rest: std::slice::Iter<'de, (String, Node)>,
     current: Option<&'de (String, Node)>,

@@ -30,7 +30,8 @@ pub struct Correlation {
     pub two_point: Vec<f64>,
     /// L(r).
     pub lineal_path: Vec<f64>,
-    /// Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific surface.
+    /// Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific
+    /// surface.
     pub slope_per_mm: f64,
     /// Mean length of the chords, mm.
     pub mean_chord_mm: f64,
@@ -38,12 +39,12 @@ pub struct Correlation {
     pub lines: u32,
 }
 
-/// A line through the specimen: its length there, and the pieces of it that lie in aggregates, ascending.
+/// A line through the specimen: its length there, and the parts of it that lie in aggregates, ascending.
 struct Line {
     length: f64,
     chords: Vec<(f64, f64)>,
-    /// Ends of chords at an aggregate's surface. A specimen that repeats itself cuts chords at its faces: these ends are
-    /// none.
+    /// Ends of chords at an aggregate's surface. A specimen that repeats itself cuts chords at its faces: these ends
+    /// are none.
     ends: u32,
 }
 
@@ -81,7 +82,7 @@ fn lag(sample: &Sample) -> f64 {
     if lag.is_finite() && lag > 0.0 { lag } else { 0.0 }
 }
 
-/// As many lags as asked, as long as the specimen has room for them; only r = 0 where there is no step.
+/// As many lags as asked and as the specimen's size allows; only r = 0 where there is no step.
 fn lags(sample: &Sample) -> usize {
     let lag = lag(sample);
     let most = if lag > 0.0 { sample.container.aabb().size().norm() / lag } else { 0.0 };

@@ -65,7 +65,7 @@ impl Index {
         self.boxes = boxes;
     }
 
-    /// The cells that a box reaches into; what sticks out of the room counts to its outermost cells.
+    /// The cells that a box reaches into; parts outside the container count to its outermost cells.
     fn cells(&self, aabb: &Aabb) -> impl Iterator<Item = usize> + use<> {
         let counts = self.counts;
         let of = |corner: &Vec3, k: usize| {

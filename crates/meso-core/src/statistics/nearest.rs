@@ -9,8 +9,8 @@ use crate::model::Model;
 use crate::stop;
 use rayon::prelude::*;
 
-/// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. Where the specimen repeats
-/// itself images are others, too, an aggregate's own among them.
+/// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. In a periodic specimen
+/// images count as others, an aggregate's own among them.
 pub(super) fn nearest_distances(model: &Model, images: &Images) -> Result<Option<Distribution>, GjkError> {
     let (count, specimen) = (model.aggregates.len(), &model.spec.specimen);
     let mut found = distances(&images.aggregates, count, &images.index)?;

@@ -33,7 +33,7 @@ _Path: TypeAlias = str | PathLike[str]
 
 @final
 class Spec:
-    """Everything that decides a model; what is left out keeps its default, the paper's specimen."""
+    """Everything that determines a model; omitted options keep their defaults, the paper's specimen."""
 
     def __new__(cls, **options: Any) -> Spec: ...
     @staticmethod

@@ -16,14 +16,14 @@
 //! law, dc their exponential one, both over inelastic strain, which is plastic strain and what damage gave up of elastic.
 //!
 //! Differences to Abaqus with the same deck:
-//! - The rising branch is one polynomial through the deck's polygon, within 2.5 % of the strength (peak and its strain agree).
+//! - The rising branch is one polynomial through the deck's polygon, within 2.6 % of the strength (peak and its strain agree).
 //! - A crack's plastic opening is its opening less d f_t h / E; Abaqus takes a unit length in place of h. So here the whole
 //!   stress-opening curve spends the fracture energy on any width, there f_t^2 (h - 1 mm) / 2E more.
 //! - Tensile damage goes on to 0.9999, where Abaqus keeps the deck's last 0.99.
 //! - A step's direction of flow and Lode angle are the trial stress's: explicit steps are small.
 //! - No viscosity, which Abaqus/Explicit has not either.
 
-use super::elastic::energy;
+use super::elastic::{elastic_part, energy, flow};
 use super::invariants::Invariants;
 use super::limits::{self, ELASTIC_LIMIT, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
@@ -58,9 +58,9 @@ pub struct Cdp<R> {
     /// Elastic strains of the strengths.
     tensile_strain: R,
     compressive_strain: R,
-    /// Energy over strength: the width of the softening curves, mm.
+    /// Fracture energy over strength, mm, and strength over crushing energy, per mm: widths of the softening curves.
     tensile_opening: R,
-    crushing_opening: R,
+    per_crushing_opening: R,
     /// Widest crack band, mm.
     widest: R,
     widest_mm: f64,
@@ -68,10 +68,8 @@ pub struct Cdp<R> {
 
 /// How far damage of a crack goes.
 const LEAST_INTEGRITY: f64 = 1e-4;
-/// A crack band's share of the width at which it would snap back: at 1 the stress would drop at no strain.
-const SNAP_BACK: f64 = 0.98;
-/// Newton's steps; the equation is convex, so each ends on the safe side of the surface.
-const STEPS: usize = 3;
+/// Newton's steps; the equation is convex, so each ends on the safe side. A third changes no strength at steps of 1e-4.
+const STEPS: usize = 2;
 
 /// Finds out whether the law can have these values.
 ///
@@ -111,7 +109,7 @@ impl<R: Real> Cdp<R> {
         let alpha = alpha(plasticity);
         let peak = strength.peak_strain - fc / e;
         let openings = [strength.fracture_energy_n_per_mm / ft, strength.crushing_energy_n_per_mm / fc];
-        let widest_mm = SNAP_BACK * (openings[0] / (BRANCHES[0].1 * ft / e)).min(openings[1] / (fc / e));
+        let widest_mm = softening::SNAP_BACK * (openings[0] / (BRANCHES[0].1 * ft / e)).min(openings[1] / (fc / e));
         let splat = R::splat;
         Self {
             elastic: Elastic::new(elastic),
@@ -134,7 +132,7 @@ impl<R: Real> Cdp<R> {
             tensile_strain: splat(ft / e),
             compressive_strain: splat(fc / e),
             tensile_opening: splat(openings[0]),
-            crushing_opening: splat(openings[1]),
+            per_crushing_opening: splat(1.0 / openings[1]),
             widest: splat(widest_mm),
             widest_mm,
         }
@@ -175,6 +173,8 @@ struct Trial<R> {
     largest_fall: R,
     largest: R,
     crushed: R,
+    /// How fast the share of the Mises stress that is left falls.
+    share_fall: R,
 }
 
 impl<R: Real> Cdp<R> {
@@ -209,17 +209,17 @@ impl<R: Real> Cdp<R> {
         (excess, fall)
     }
 
-    /// Whether no point can yield and none is damaged: an upper bound, since the largest principal stress is at most
+    /// Where a point can yield or is damaged. The bound is an upper one, since the largest principal stress is at most
     /// p + 2 q / 3, and gamma takes away only.
     #[inline(always)]
-    fn at_rest(&self, of: &Invariants<R>, cracked: R, crushed: R) -> bool {
+    fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
         let zero = R::splat(0.0);
         let (strength, _) = self.strength(crushed);
         let beta = self.beta_slope.mul_add(strength, -self.one_more_alpha).positive();
         let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean).positive();
         let pressed = self.three_alpha.mul_add(of.mean, of.mises);
         let bound = beta.mul_add(largest, pressed) - self.one_less_alpha * strength;
-        !R::any(zero.lt(bound) | zero.lt(cracked) | self.peak.lt(crushed))
+        zero.lt(bound) | zero.lt(cracked) | self.peak.lt(crushed)
     }
 
     /// The trial stress's directions.
@@ -227,8 +227,9 @@ impl<R: Real> Cdp<R> {
     fn trial(&self, invariants: Invariants<R>, shape: &[R; 3], tension: R, crushed: R) -> Trial<R> {
         let q = invariants.mises;
         let two_thirds = R::splat(2.0 / 3.0);
-        // dG/dq
-        let along = q / q.mul_add(q, self.rounding).sqrt().max(R::splat(1e-8));
+        // dG/dq = q / sqrt(q^2 + a^2)
+        let per_potential = R::splat(1.0) / q.mul_add(q, self.rounding).sqrt().max(R::splat(1e-8));
+        let along = q * per_potential;
         let least = along.mul_add(shape[2], self.dilation);
         let mises_fall = self.three_shear * along;
         Trial {
@@ -237,6 +238,7 @@ impl<R: Real> Cdp<R> {
             largest_fall: two_thirds.mul_add(mises_fall * shape[0], self.mean_fall),
             largest: (two_thirds * q).mul_add(shape[0], invariants.mean),
             crushed,
+            share_fall: self.three_shear * per_potential,
             invariants,
         }
     }
@@ -251,34 +253,42 @@ impl<R: Real> Cdp<R> {
 
     /// Share of the Mises stress that the return leaves, and the mean stress after it.
     #[inline(always)]
-    fn back(&self, trial: &Trial<R>) -> (R, R) {
+    fn back(&self, trial: &Trial<R>, active: R::Mask) -> (R, R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let mut flow = zero;
         for _ in 0..STEPS {
             let (excess, fall) = self.excess(trial, flow);
             flow = (flow + excess / fall).positive();
         }
-        let Invariants { mean, mises, .. } = trial.invariants;
-        let left = one - trial.mises_fall * flow / mises.max(R::splat(1e-8));
-        let beyond = left.lt(zero) & zero.lt(flow);
+        let flow = R::select(active, flow, zero);
+        let mean = trial.invariants.mean;
+        let left = (-trial.share_fall).mul_add(flow, one);
         let returned = (-self.mean_fall).mul_add(flow, mean);
+        let beyond = left.lt(zero);
+        // Seldom anywhere, and one division less.
+        if !R::any(beyond) {
+            return (left, returned);
+        }
         let tip = self.tip(trial.harden.mul_add(flow, trial.crushed)).min(mean);
-        (R::select(beyond, zero, left.min(one)), R::select(beyond, tip, returned))
+        (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
     /// Integrities of tension and compression, and the width that they are of.
     #[inline(always)]
     fn integrity(&self, cracked: R, crushed: R, width: R) -> [R; 2] {
         let width = width.min(self.widest);
-        let [steep, flat] = BRANCHES.map(|(from, slope)| {
+        // The share of f_t is from - slope w / (G_f / f_t), with the opening w = h (cracked + (1 - share) f_t / E).
+        let pieces = BRANCHES.map(|(from, slope)| {
             let (from, slope) = (R::splat(from), R::splat(slope));
-            // The share is from - slope w, with the opening w = h (cracked + (1 - share) f_t / E).
             let held = (R::splat(1.0) - from).mul_add(self.tensile_strain, cracked);
-            let run = (self.tensile_opening / width) - slope * self.tensile_strain;
-            from - slope * held / run
+            let run = (-slope).mul_add(width * self.tensile_strain, self.tensile_opening);
+            (from, slope * width * held, run)
         });
-        let crack = steep.max(flat).between(LEAST_INTEGRITY, 1.0);
-        let per_scale = width / self.crushing_opening;
+        // Both quotients by one division.
+        let [(from, steep, steep_run), (to, flat, flat_run)] = pieces;
+        let over = R::splat(1.0) / (steep_run * flat_run);
+        let crack = (from - steep * flat_run * over).max(to - flat * steep_run * over).between(LEAST_INTEGRITY, 1.0);
+        let per_scale = width * self.per_crushing_opening;
         let x = (crushed - self.peak).positive() * per_scale;
         let crush = softening::integrity(x, self.compressive_strain * per_scale).min(R::splat(1.0));
         [crack, R::select(self.peak.lt(crushed), crush, R::splat(1.0))]
@@ -299,11 +309,6 @@ fn tension<R: Real>(mean: R, mises: R, shape: &[R; 3]) -> R {
 const CRACKED: usize = 6;
 const CRUSHED: usize = 7;
 
-#[inline(always)]
-fn elastic_strain<R: Real>(strain: &Tensor<R>, history: &[R; 8]) -> Tensor<R> {
-    std::array::from_fn(|i| strain[i] - history[i])
-}
-
 impl<R: Real> Law<R> for Cdp<R> {
     /// Plastic strain, then the plastic strains of cracking and of crushing.
     type History = [R; 8];
@@ -315,22 +320,20 @@ impl<R: Real> Law<R> for Cdp<R> {
     #[inline(always)]
     fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> Response<R> {
         let one = R::splat(1.0);
-        let stress = self.elastic.of(&elastic_strain(strain, history));
+        let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
-        if self.at_rest(&invariants, history[CRACKED], history[CRUSHED]) {
+        let active = self.active(&invariants, history[CRACKED], history[CRUSHED]);
+        if !R::any(active) {
             return Response { stress, integrity: one };
         }
         let shape = invariants.shape();
         let Invariants { mean, deviator, mises } = invariants;
-        let crushed = history[CRUSHED];
-        let (left, new_mean) = self.back(&self.trial(invariants, &shape, tension(mean, mises, &shape), crushed));
+        let trial = self.trial(invariants, &shape, tension(mean, mises, &shape), history[CRUSHED]);
+        let (left, new_mean) = self.back(&trial, active);
 
         let volumetric = (mean - new_mean) * self.per_volume;
         let lost = (one - left) * self.per_shear;
-        for i in 0..3 {
-            history[i] = lost.mul_add(deviator[i], history[i] + volumetric);
-            history[i + 3] = (lost + lost).mul_add(deviator[i + 3], history[i + 3]);
-        }
+        flow(history, &deviator, lost, volumetric);
         let scale = R::splat(2.0 / 3.0) * mises * lost;
         let largest = scale.mul_add(shape[0], volumetric).positive();
         let least = (-scale.mul_add(shape[2], volumetric)).positive();
@@ -341,10 +344,9 @@ impl<R: Real> Law<R> for Cdp<R> {
         let [crack, crush] = self.integrity(history[CRACKED], history[CRUSHED], width);
         let integrity = crush * (-pulled).mul_add(one - crack, one);
         let (kept, pressed) = (integrity * left, integrity * new_mean);
-        let normal = |i: usize| kept.mul_add(deviator[i], pressed);
-        let shear = |i: usize| kept * deviator[i];
-        let stress = [normal(0), normal(1), normal(2), shear(3), shear(4), shear(5)];
-        Response { stress, integrity }
+        let nominal = |i: usize| if i < 3 { kept.mul_add(deviator[i], pressed) } else { kept * deviator[i] };
+        // A point at rest has the same bits as where all of its register are.
+        Response { stress: std::array::from_fn(|i| R::select(active, nominal(i), stress[i])), integrity }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
@@ -355,7 +357,7 @@ impl<R: Real> Law<R> for Cdp<R> {
             tension: one - crack,
             compression: one - crush,
             opening: width.min(self.widest) * (one - crack).mul_add(self.tensile_strain, history[CRACKED]),
-            stored: energy(&stress, &elastic_strain(strain, history)),
+            stored: energy(&stress, &elastic_part(strain, history)),
         }
     }
 

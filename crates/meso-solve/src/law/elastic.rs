@@ -37,6 +37,21 @@ impl<R: Real> Elastic<R> {
     }
 }
 
+/// Strain less the plastic strain, with which every history begins.
+#[inline(always)]
+pub(super) fn elastic_part<R: Real, const N: usize>(strain: &Tensor<R>, history: &[R; N]) -> Tensor<R> {
+    std::array::from_fn(|i| strain[i] - history[i])
+}
+
+/// Adds to the plastic strain `volumetric` along each axis and `per_stress` times a stress deviator.
+#[inline(always)]
+pub(super) fn flow<R: Real, const N: usize>(history: &mut [R; N], deviator: &Tensor<R>, per_stress: R, volumetric: R) {
+    for i in 0..3 {
+        history[i] = per_stress.mul_add(deviator[i], history[i] + volumetric);
+        history[i + 3] = (per_stress + per_stress).mul_add(deviator[i + 3], history[i + 3]);
+    }
+}
+
 /// Half of stress times strain, N/mm2.
 #[inline(always)]
 pub(super) fn energy<R: Real>(stress: &Tensor<R>, strain: &Tensor<R>) -> R {

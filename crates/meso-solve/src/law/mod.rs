@@ -4,12 +4,14 @@
 //! positive. A law is made of f64 values and holds them as registers, so that a step converts none.
 
 pub mod cdp;
+pub mod cdpm2;
 mod elastic;
 mod invariants;
 mod limits;
 mod softening;
 
 pub use cdp::Cdp;
+pub use cdpm2::Cdpm2;
 pub use elastic::Elastic;
 pub use limits::{LawError, elastic as validate_elastic};
 

@@ -7,6 +7,9 @@
 
 use crate::real::{Real, polynomial};
 
+/// The widest crack band's share of the width at which it would snap back: there, stress would drop at no strain.
+pub(super) const SNAP_BACK: f64 = 0.98;
+
 /// The y of `y = exp(-x - b (1 - y))`, for x >= 0 and b from 0 to 1.
 ///
 /// Within 1e-6 in f32, 2e-14 in f64, relative.

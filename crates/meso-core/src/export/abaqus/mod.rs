@@ -140,7 +140,7 @@ impl DeckOptions {
     }
 }
 
-/// Writes `mesh` as a deck to `out`, in one pass and without a second copy of the mesh.
+/// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.
 ///
 /// # Errors
 /// Those of `out`, and those of [`DeckOptions::validate`] as invalid input.

@@ -41,7 +41,8 @@ impl Polygons {
         }
     }
 
-    /// Turns every face to begin with its smallest index, and sorts the faces by their first two; there are so many `points`.
+    /// Rotates every face to begin with its smallest index, and sorts the faces by their first two; there are
+    /// `points` points.
     pub(super) fn sort(&mut self, points: usize) {
         let Self { corners, ends, next, order, sorted, .. } = self;
         next.clear();

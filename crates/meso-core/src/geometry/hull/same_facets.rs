@@ -1,4 +1,5 @@
-//! Are these still the facets? One look at every point from every face, which is far less than to build a hull.
+//! Same facets: are these still the facets of the hull? Testing every point against every face costs far less than a
+//! hull.
 
 use super::cloud::{Cloud, LANES, MOST_POINTS};
 use crate::geometry::faces::Faces;
@@ -12,7 +13,7 @@ pub(super) fn are_facets(points: &[Vec3], faces: Faces) -> bool {
     few.is_some_and(|triangles| widest(LiesBelow { points, triangles }))
 }
 
-/// Whether no point is above a triangle, on wide registers.
+/// Whether no point is above a triangle, in vector registers.
 struct LiesBelow<'a> {
     points: &'a [Vec3],
     triangles: &'a [[u8; 3]],
@@ -24,7 +25,7 @@ impl Wide for LiesBelow<'_> {
     #[inline(always)]
     fn run(self) -> bool {
         let cloud = Cloud::new(self.points);
-        // The corners of a face are the three that rounding may see in its plane.
+        // The corners of a face are the three points that rounding may see in its plane.
         self.triangles.iter().all(|corners| {
             let plane = cloud.plane(corners.map(usize::from));
             let mut not_below = [0; LANES];

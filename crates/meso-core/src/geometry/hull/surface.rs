@@ -12,7 +12,7 @@ use crate::math::{Aabb, Vec3};
 const NONE: u32 = u32::MAX;
 /// The mark of a facet that was removed.
 const REMOVED: u32 = u32::MAX;
-/// From so many points on they are added in a shuffled order: a bad order costs O(n^2) facets, a random one O(n).
+/// From this many points on they are added in a shuffled order: a bad order costs O(n^2) facets, a random one O(n).
 const SHUFFLED_FROM: usize = 64;
 
 /// A triangle of the surface.
@@ -250,9 +250,9 @@ impl Surface {
 
     /// Lists `point` under the first fresh facet that it sees; a point that sees none is inside for good.
     ///
-    /// A point above a removed facet and outside the new hull sees a fresh facet: on the way from it into the removed
-    /// facet's inside, the part just before that facet is outside the old hull, so the way enters the new hull through
-    /// a facet the old one did not have.
+    /// A point above a removed facet and outside the new hull sees a fresh facet. On the segment from it into the
+    /// removed facet's inside, the part just before that facet is outside the old hull, so the segment enters the new
+    /// hull through a facet the old one did not have.
     fn list(&mut self, points: &[Vec3], point: u32) {
         let at = self.local[point as usize];
         let f = self.fresh.iter().copied().find(|&f| self.sees(points, f, point, &at)).unwrap_or(NONE);

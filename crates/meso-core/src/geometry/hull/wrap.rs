@@ -13,7 +13,7 @@ use crate::wide::{Wide, widest};
 /// Stands for: no corner.
 const NONE: u8 = u8::MAX;
 
-/// Triangles of a hull in the making, and what memory that takes.
+/// Triangles of a hull under construction, and its scratch memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wrap {
     turning: Turning,
@@ -27,8 +27,8 @@ pub(super) struct Wrap {
 }
 
 impl Wrap {
-    /// The corners of all facets in the canonical order; `None` where there are many points, facets that are no triangles,
-    /// or any that rounding leaves in doubt.
+    /// The corners of all facets in canonical order; `None` where there are many points, facets that are no
+    /// triangles, or facets that rounding leaves undecided.
     pub(super) fn triangles(&mut self, points: &[Vec3]) -> Option<&[u8]> {
         let n = points.len();
         if !(4..=MOST_POINTS).contains(&n) {
@@ -46,7 +46,7 @@ impl Wrap {
     #[inline(always)]
     fn add(&mut self, [a, b, c]: [usize; 3]) -> bool {
         self.queue.push([a as u8, b as u8, c as u8]);
-        // All three, whatever the first ones say.
+        // All three, without short-circuit.
         self.enter(a, b, c) & self.enter(b, c, a) & self.enter(c, a, b)
     }
 

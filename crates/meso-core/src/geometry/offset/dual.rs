@@ -6,7 +6,7 @@ use crate::geometry::hull::Facets;
 use crate::geometry::{Polyhedron, convex_hull, integer};
 use crate::math::Vec3;
 
-/// Vertices closer than so many roundings of the body's extent are one.
+/// Vertices closer than this many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
 
 /// Faces as loops of vertex indices, one after the other.

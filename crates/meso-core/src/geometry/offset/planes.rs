@@ -38,7 +38,8 @@ fn double_double_point([a, b, c]: &[Vec3; 3], center: &Vec3, thickness: f64) -> 
     (certain && in_range).then(|| Vec3::from(normal.map(|n| (n * inverse).value())))
 }
 
-/// The same in integers; `None` where the height is not positive, or not to be told from 0 within 2^-128 of its unit.
+/// The same in integers; `None` where the height is not positive, or indistinguishable from 0 within 2^-128 of its
+/// unit.
 fn exact_point(corners: &[Vec3; 3], center: &Vec3, thickness: f64) -> Option<Vec3> {
     exact_point_in(&[Vec3::x(), Vec3::y(), Vec3::z()], corners, center, thickness)
 }

@@ -28,7 +28,8 @@ pub(super) struct State {
     pub(super) spin: V,
     /// False where the walls of a container that is no box could not all be kept in the last sweep.
     pub(super) inside: bool,
-    /// By axis, the side on which a wall of the specimen's box held the body back in the last sweep: -1, 1, or 0 for none.
+    /// By axis, the side on which a wall of the specimen's box held the body back in the last sweep: -1, 1, or 0 for
+    /// none.
     pub(super) held: [i8; 3],
 }
 
@@ -246,7 +247,7 @@ impl<'a> Bodies<'a> {
     /// `walls`.
     pub(super) fn advance(&mut self, sweep: u32, walls: &Walls, step: impl Fn(u32, &Fixed, &mut State) + Sync) {
         let (grains, fixed) = (self.grains, &self.fixed);
-        let anew = sweep.is_multiple_of(TURN_ANEW);
+        let is_due = sweep.is_multiple_of(TURN_ANEW);
         moving(&mut self.state, &mut self.turned, &self.spans, &mut self.boxes, &mut self.paths, |body, moving| {
             step(body as u32, &fixed[body], moving.state);
             if moving.state.rests() {
@@ -254,7 +255,7 @@ impl<'a> Bodies<'a> {
             }
             let turn_by = moving.state.turn();
             moving.state.advance();
-            *moving.own_box = if anew {
+            *moving.own_box = if is_due {
                 let shape = &grains[fixed[body].grain as usize].body;
                 turn(shape, moving.turned, &moving.state.rotation)
             } else {

@@ -244,8 +244,8 @@ fn far(bodies: &Bodies, body: u32) -> f32 {
     fixed.outer_radius + (MOST_DRIFT + MOST_MARGIN) * fixed.ball_radius
 }
 
-/// No more cells than this for each body, and some: bodies may be few and small, as voids are, in a large specimen. Levels
-/// of a usual grading have one to six for each.
+/// No more cells than this for each body, and some: bodies may be few and small, as voids are, in a large specimen.
+/// Levels of a usual grading have one to six for each.
 const MOST_CELLS: f64 = 32.0;
 const LEAST_CELLS: f64 = 32_768.0;
 /// Side of a cell over the largest radius in it.

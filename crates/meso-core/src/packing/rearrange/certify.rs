@@ -2,9 +2,9 @@
 //! of the two is left out.
 
 use crate::aggregate::take::{Grain, snap};
+use crate::geometry::BoxTree;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
-use crate::packing::box_grid::BoxGrid;
 use crate::packing::place::Task;
 use crate::packing::{Placement, Pose, Work};
 use rayon::prelude::*;
@@ -85,27 +85,20 @@ struct Near {
 struct Scene<'a> {
     task: &'a Task<'a>,
     settled: &'a [Settled<'a>],
-    /// Number of the body and displacement of every item of the grid.
+    /// Number of the body and displacement of every item of the tree.
     images: Vec<(u32, Vec3)>,
-    grid: BoxGrid,
+    tree: BoxTree,
 }
 
 impl<'a> Scene<'a> {
     fn new(task: &'a Task<'a>, settled: &'a [Settled<'a>]) -> Self {
         let domain = task.domain();
-        let mut scene = Self {
-            task,
-            settled,
-            images: Vec::new(),
-            grid: BoxGrid::new(&domain, 2.0 * f64::from(settled[settled.len() / 2].grain.outer_radius)),
-        };
-        for (number, body) in (0..).zip(settled) {
-            for shift in task.period.shifts(&body.aabb, &domain) {
-                scene.grid.insert(&body.aabb.moved(&shift));
-                scene.images.push((number, shift));
-            }
-        }
-        scene
+        let shifts = |body: &Settled| task.period.shifts(&body.aabb, &domain);
+        let of_one = |(number, body)| shifts(body).into_iter().map(move |shift| (number, shift));
+        let images: Vec<(u32, Vec3)> = (0..).zip(settled).flat_map(of_one).collect();
+        let boxes: Vec<Aabb> =
+            images.iter().map(|(number, shift)| settled[*number as usize].aabb.moved(shift)).collect();
+        Self { task, settled, images, tree: BoxTree::new(&boxes) }
     }
 
     /// The pairs of `bodies` that are not proved apart, and the counters.
@@ -122,17 +115,14 @@ impl<'a> Scene<'a> {
     }
 
     /// The bodies before `body`, and it itself, with an image whose box meets its own.
-    fn near(&self, body: u32) -> Vec<Near> {
-        let (own, mut near) = (&self.settled[body as usize], Vec::new());
-        self.grid.all_near(&own.aabb, |item| {
+    fn near(&self, body: u32) -> impl Iterator<Item = Near> {
+        let own = &self.settled[body as usize];
+        self.tree.near(own.aabb).filter_map(move |item| {
             let (other, shift) = self.images[item as usize];
             let is_other = other < body || (other == body && shift != Vec3::zeros());
-            if is_other && own.meets(&self.settled[other as usize], &shift) {
-                near.push(Near { body, other, shift });
-            }
-            true
-        });
-        near
+            let meets = is_other && own.meets(&self.settled[other as usize], &shift);
+            meets.then_some(Near { body, other, shift })
+        })
     }
 
     fn apart(&self, pair: &Near, a: &gjk::Body, b: &gjk::Body, counters: &mut Counters) -> bool {

@@ -1,31 +1,31 @@
 //! Clearance grid: balls by the cells that they reach into, for tests of random positions.
 //!
-//! Every test waits for memory. So a cell and its first balls stand in one piece of 128 bytes; a list of lists would
+//! Every test waits for memory. So a cell and its first balls stand in one bucket of 128 bytes; a list of lists would
 //! cost two cache misses.
 
 use crate::math::{Aabb, Vec3};
 use crate::packing::cell_grid::{CellGrid, cells};
 
-/// Balls in a piece: as many as most cells ever hold.
-const ROOM: usize = 7;
-/// [`ROOM`] balls - x, y, z and radius in mm, as the bits of f32 - then their count, then the number of the next piece.
-/// Plain numbers, since of these a list of zeros takes no memory before it is written.
-type Piece = [u32; 32];
+/// Balls in a bucket: as many as most cells ever hold.
+const CAPACITY: usize = 7;
+/// [`CAPACITY`] balls - x, y, z and radius in mm, as the bits of f32 - then their count, then the number of the next
+/// bucket. Plain numbers, since of these a list of zeros takes no memory before it is written.
+type Bucket = [u32; 32];
 const COUNT: usize = 28;
 const NEXT: usize = 29;
 
 /// The balls that lie there already.
 pub(super) struct ClearanceGrid {
     grid: CellGrid,
-    /// The first piece of every cell, then those that were added when one was full.
-    pieces: Vec<Piece>,
+    /// The first bucket of every cell, then those that were added when one was full.
+    buckets: Vec<Bucket>,
 }
 
 impl ClearanceGrid {
     /// None yet, over `domain` with cells of about `cell` mm.
     pub(super) fn new(domain: &Aabb, cell: f64) -> Self {
         let grid = CellGrid::new(domain, cell);
-        Self { pieces: vec![[0; 32]; grid.len()], grid }
+        Self { buckets: vec![[0; 32]; grid.len()], grid }
     }
 
     /// Adds a ball (mm).
@@ -33,28 +33,28 @@ impl ClearanceGrid {
         let ball = [centre.x, centre.y, centre.z, radius].map(|value| (value as f32).to_bits());
         let (low, high) = self.grid.range(&around(centre, radius));
         for cell in cells(low, high) {
-            let piece = self.open_piece(self.grid.flat(cell));
-            let count = piece[COUNT] as usize;
-            piece[4 * count..4 * count + 4].copy_from_slice(&ball);
-            piece[COUNT] += 1;
+            let bucket = self.open_bucket(self.grid.flat(cell));
+            let count = bucket[COUNT] as usize;
+            bucket[4 * count..4 * count + 4].copy_from_slice(&ball);
+            bucket[COUNT] += 1;
         }
     }
 
-    /// The last piece of a cell, with space for one more.
-    fn open_piece(&mut self, mut number: usize) -> &mut Piece {
-        while self.pieces[number][NEXT] != 0 {
-            number = self.pieces[number][NEXT] as usize;
+    /// The last bucket of a cell, with space for one more.
+    fn open_bucket(&mut self, mut number: usize) -> &mut Bucket {
+        while self.buckets[number][NEXT] != 0 {
+            number = self.buckets[number][NEXT] as usize;
         }
-        if self.pieces[number][COUNT] as usize == ROOM {
-            self.pieces[number][NEXT] = self.pieces.len() as u32;
-            number = self.pieces.len();
-            self.pieces.push([0; 32]);
+        if self.buckets[number][COUNT] as usize == CAPACITY {
+            self.buckets[number][NEXT] = self.buckets.len() as u32;
+            number = self.buckets.len();
+            self.buckets.push([0; 32]);
         }
-        &mut self.pieces[number]
+        &mut self.buckets[number]
     }
 
-    /// Distance of a ball to the nearest other in the cells it reaches into, negative where it overlaps one, infinite where
-    /// there is none; or of any other, no farther than `enough` (mm).
+    /// Distance of a ball to the nearest other in the cells it reaches into, negative where it overlaps one, infinite
+    /// where there is none; or of any other, no farther than `enough` (mm).
     pub(super) fn clearance(&self, centre: &Vec3, radius: f64, enough: f32) -> f32 {
         let (low, high) = self.grid.range(&around(centre, radius));
         let own = [centre.x as f32, centre.y as f32, centre.z as f32];
@@ -62,11 +62,11 @@ impl ClearanceGrid {
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 let row = self.grid.flat([low[0], y, z])..=self.grid.flat([high[0], y, z]);
-                for mut piece in &self.pieces[row] {
-                    least = least.min(nearest(piece, own) - radius as f32);
-                    while least > enough && piece[NEXT] != 0 {
-                        piece = &self.pieces[piece[NEXT] as usize];
-                        least = least.min(nearest(piece, own) - radius as f32);
+                for mut bucket in &self.buckets[row] {
+                    least = least.min(nearest(bucket, own) - radius as f32);
+                    while least > enough && bucket[NEXT] != 0 {
+                        bucket = &self.buckets[bucket[NEXT] as usize];
+                        least = least.min(nearest(bucket, own) - radius as f32);
                     }
                     if least <= enough {
                         return least;
@@ -78,11 +78,11 @@ impl ClearanceGrid {
     }
 }
 
-/// Distance from a point to the surface of the nearest ball of a piece.
+/// Distance from a point to the surface of the nearest ball of a bucket.
 #[inline(always)]
-fn nearest(piece: &Piece, [x, y, z]: [f32; 3]) -> f32 {
+fn nearest(bucket: &Bucket, [x, y, z]: [f32; 3]) -> f32 {
     let mut least = f32::INFINITY;
-    for ball in piece[..4 * piece[COUNT] as usize].chunks_exact(4) {
+    for ball in bucket[..4 * bucket[COUNT] as usize].chunks_exact(4) {
         let at = |k: usize| f32::from_bits(ball[k]);
         let (dx, dy, dz) = (at(0) - x, at(1) - y, at(2) - z);
         least = least.min((dx * dx + dy * dy + dz * dz).sqrt() - at(3));
@@ -118,8 +118,8 @@ mod tests {
             assert!(if least < 0.0 { (found - least).abs() < 1e-4 } else { found > least - 1e-4 }, "{found} {least}");
             assert!(balls.clearance(&centre, radius, 0.0) <= 0.0 || least > -1e-4);
             overlapping += u32::from(least < 0.0);
-            full += u32::from(balls.pieces.len() > balls.grid.len());
+            full += u32::from(balls.buckets.len() > balls.grid.len());
         }
-        assert!(overlapping > 100 && full > 0, "some overlap, and some cells hold more than a piece");
+        assert!(overlapping > 100 && full > 0, "some overlap, and some cells hold more than a bucket");
     }
 }

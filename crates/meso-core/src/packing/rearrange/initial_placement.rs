@@ -102,7 +102,7 @@ impl Ground<'_> {
     }
 
     fn best_position(&self, body: &Grain, row: &Row) -> Vec3 {
-        let mut stream = Stream::new(self.task.request.seed, Purpose::Drop, body.class, u64::from(body.index));
+        let mut stream = Stream::new(self.task.request.target.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
         let mut best = (f32::NEG_INFINITY, reach.min);
         for _ in 0..row.looks() {

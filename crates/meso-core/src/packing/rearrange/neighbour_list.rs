@@ -29,8 +29,8 @@ const FEW: usize = 3;
 const STRETCHES: usize = 64;
 const LEAST_STRETCH: usize = 1024;
 
-/// For some neighbouring bodies, the first bodies of the pairs whose second they are: `bodies[starts[k]..starts[k + 1]]` of
-/// the k-th.
+/// For some neighbouring bodies, the first bodies of the pairs whose second they are: `bodies[starts[k]..starts[k +
+/// 1]]` of the k-th.
 struct Firsts {
     starts: Vec<u32>,
     bodies: Vec<u32>,

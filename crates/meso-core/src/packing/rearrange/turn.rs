@@ -5,8 +5,8 @@ use crate::geometry::CompactPolyhedron;
 use crate::packing::Turn;
 use crate::wide::{Wide, widest};
 
-/// Turns the vertices of `shape` by `rotation` into `turned`, with copies of the first to the end; returns the box of the
-/// result.
+/// Turns the vertices of `shape` by `rotation` into `turned`, with copies of the first to the end; returns the box of
+/// the result.
 pub(super) fn turn(shape: &CompactPolyhedron, turned: &mut [f32], rotation: &Turn) -> (V, V) {
     let len = turned.len() / 3;
     for (turned, along) in turned.chunks_exact_mut(len).zip(shape.coordinates()) {

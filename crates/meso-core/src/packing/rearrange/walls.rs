@@ -59,7 +59,8 @@ impl<'a> Walls<'a> {
         let corner = |v: &V| Vec3::from_fn(|i, _| f64::from(v[i])) + centre;
         let near = Aabb { min: corner(low), max: corner(high) }.grown(self.gap);
         let mut obstacles = self.container.obstacles(&near);
-        // The nearest first: a wall of several triangles pushes along itself where a farther one of them is asked first.
+        // The nearest first: a wall of several triangles pushes along itself where a farther one of them is asked
+        // first.
         obstacles.sort_by_cached_key(|obstacle| obstacle::distance(obstacle.points, &centre).to_bits());
         for obstacle in &obstacles {
             centre += obstacle::push(own, &centre, obstacle, self.gap);

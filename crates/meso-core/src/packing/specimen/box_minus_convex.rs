@@ -1,7 +1,7 @@
-//! Boxes minus convex pieces: notched prisms and dog-bones. All faces are plane, so all answers are exact.
+//! Boxes minus convex cutouts: notched prisms and dog-bones. All faces are plane, so all answers are exact.
 //!
-//! A body is inside when it is inside the box and, by the certified collision test, shares no point with a piece; to
-//! touch a piece is to meet it. Pieces reach beyond the box, so that their other sides do not matter.
+//! A body is inside when it is inside the box and, by the certified collision test, shares no point with a cutout; to
+//! touch a cutout is to meet it. Cutouts reach beyond the box, so that their other sides do not matter.
 
 use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
@@ -9,18 +9,18 @@ use crate::geometry::{HullError, Plane, convex_hull};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 
-/// A box from the origin with pieces taken out.
+/// A box from the origin with cutouts taken out.
 #[derive(Clone, Debug)]
 pub(super) struct BoxMinusConvex {
     size: Vec3,
     volume: f64,
     width: f64,
     surface: Surface,
-    pieces: Vec<Piece>,
+    cutouts: Vec<Cutout>,
 }
 
 #[derive(Clone, Debug)]
-struct Piece {
+struct Cutout {
     vertices: Vec<Vec3>,
     planes: Vec<Plane>,
     aabb: Aabb,
@@ -29,11 +29,11 @@ struct Piece {
 }
 
 impl BoxMinusConvex {
-    /// The region that the closed `surface` bounds: its bounding box minus the hulls of `pieces`; `width` as in
+    /// The region that the closed `surface` bounds: its bounding box minus the hulls of `cutouts`; `width` as in
     /// [`Container::width`], mm.
-    pub(super) fn new(surface: Surface, width: f64, pieces: &[Vec<Vec3>]) -> Result<Self, HullError> {
-        let pieces = pieces.iter().map(|points| Piece::new(points)).collect::<Result<_, _>>()?;
-        Ok(Self { size: Aabb::around(&surface.points).max, volume: surface.volume(), width, surface, pieces })
+    pub(super) fn new(surface: Surface, width: f64, cutouts: &[Vec<Vec3>]) -> Result<Self, HullError> {
+        let cutouts = cutouts.iter().map(|points| Cutout::new(points)).collect::<Result<_, _>>()?;
+        Ok(Self { size: Aabb::around(&surface.points).max, volume: surface.volume(), width, surface, cutouts })
     }
 
     fn box_depth(&self, point: &Vec3) -> f64 {
@@ -41,7 +41,7 @@ impl BoxMinusConvex {
     }
 }
 
-impl Piece {
+impl Cutout {
     fn new(points: &[Vec3]) -> Result<Self, HullError> {
         let hull = convex_hull(points)?;
         let vertices = hull.vertices().to_vec();
@@ -77,14 +77,14 @@ impl Container for BoxMinusConvex {
     fn holds(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> bool {
         within_box(&self.size, body, centre, gap).is_some_and(|(points, aabb)| {
             let near = aabb.grown(gap);
-            let mut met = self.pieces.iter().filter(|piece| piece.aabb.intersects(&near));
-            met.all(|piece| clear_of(&points, &piece.vertices, gap))
+            let mut met = self.cutouts.iter().filter(|cutout| cutout.aabb.intersects(&near));
+            met.all(|cutout| clear_of(&points, &cutout.vertices, gap))
         })
     }
 
     fn depth(&self, point: &Vec3) -> f64 {
         let depth = self.box_depth(point);
-        self.pieces.iter().fold(depth, |depth, piece| depth.min(piece.distance(point, depth)))
+        self.cutouts.iter().fold(depth, |depth, cutout| depth.min(cutout.distance(point, depth)))
     }
 
     fn is_convex(&self) -> bool {
@@ -92,8 +92,8 @@ impl Container for BoxMinusConvex {
     }
 
     fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
-        let met = self.pieces.iter().filter(|piece| piece.aabb.intersects(near));
-        met.map(|piece| Obstacle { points: &piece.vertices, outward: &[] }).collect()
+        let met = self.cutouts.iter().filter(|cutout| cutout.aabb.intersects(near));
+        met.map(|cutout| Obstacle { points: &cutout.vertices, outward: &[] }).collect()
     }
 
     fn surface(&self) -> Surface {

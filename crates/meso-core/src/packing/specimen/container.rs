@@ -72,7 +72,8 @@ pub trait Container: Debug + Send + Sync {
         *centre
     }
 
-    /// The surface as polygons, for pictures and for cutting: exact for planes, within 1e-3 of the size of curved walls.
+    /// The surface as polygons, for pictures and for cutting: exact for planes, within 1e-3 of the size of curved
+    /// walls.
     fn surface(&self) -> Surface;
 }
 

@@ -47,7 +47,7 @@ impl Dogbone {
         let stations: Vec<Station> = line.iter().map(station).collect();
         let surface = profile::surface(&stations, self.thickness, false);
         let narrowest = self.length.min(self.neck).min(self.thickness);
-        BoxMinusConvex::new(surface, narrowest, &[self.piece(&cheek, false), self.piece(&cheek, true)])
+        BoxMinusConvex::new(surface, narrowest, &[self.cutout(&cheek, false), self.cutout(&cheek, true)])
     }
 
     /// The lower line between the outer ends of the arcs: x, and height above the lowest line.
@@ -71,7 +71,7 @@ impl Dogbone {
     }
 
     /// What is taken out below, or (mirrored) above: the cheek, and on beyond the box on all its free sides.
-    fn piece(&self, cheek: &[(f64, f64)], above: bool) -> Vec<Vec3> {
+    fn cutout(&self, cheek: &[(f64, f64)], above: bool) -> Vec<Vec3> {
         let out = |x: f64| (x, -self.width);
         let ends = [out(cheek[0].0), out(cheek[cheek.len() - 1].0)];
         let places = cheek.iter().copied().chain(ends).map(|(x, y)| (x, if above { self.width - y } else { y }));

@@ -7,7 +7,7 @@ use crate::math::{Aabb, Vec3, longest_distance};
 use rayon::prelude::*;
 
 /// No body in the container exceeds any of these.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Largest {
     /// Radius of a ball, mm.
     pub ball_radius: f64,

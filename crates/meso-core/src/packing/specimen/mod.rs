@@ -250,7 +250,7 @@ impl Specimen {
         })
     }
 
-    /// As [`Specimen::build`], and looks for triangles that cross each other and for pieces nested in others.
+    /// As [`Specimen::build`], and looks for triangles that cross each other and for components nested in others.
     ///
     /// # Errors
     /// See [`ContainerError`].
@@ -291,7 +291,7 @@ impl Specimen {
     /// # Panics
     /// Where [`Specimen::build`] fails.
     pub fn container(&self) -> Arc<dyn Container> {
-        let build = || self.build().expect("an accepted specimen encloses a room").into();
+        let build = || self.build().expect("an accepted specimen encloses a volume").into();
         match self {
             Self::Mesh { built, .. } => Arc::clone(built.container.get_or_init(build)),
             _ => build(),

@@ -56,23 +56,24 @@ impl Triangulated {
     /// A corner of a component that is nested wrongly. An outer surface lies in no other's interior; the surface of a
     /// hollow lies in one.
     pub(super) fn nested(&self) -> Option<Vec3> {
-        let piece_of = self.mesh.piece_of();
-        let of = |triangle: u32| piece_of[self.mesh.triangles[triangle as usize][0] as usize];
+        let component_of = self.mesh.component_of();
+        let of = |triangle: u32| component_of[self.mesh.triangles[triangle as usize][0] as usize];
         let mut volumes = BTreeMap::new();
         for (t, [a, b, c]) in (0..).zip(self.facets.corners()) {
             *volumes.entry(of(t)).or_insert(0.0) += a.dot(&b.cross(c));
         }
-        let wrong = |(piece, volume): &(&u32, &f64)| {
-            let corner = &self.mesh.vertices[**piece as usize];
-            let others = self.windings(corner).filter(|&(t, ..)| of(t) != **piece);
+        let wrong = |(component, volume): &(&u32, &f64)| {
+            let corner = &self.mesh.vertices[**component as usize];
+            let others = self.windings(corner).filter(|&(t, ..)| of(t) != **component);
             others.map(|(_, turns, _)| turns).sum::<i32>() != i32::from(**volume < 0.0)
         };
         let found = volumes.iter().filter(|_| volumes.len() > 1).find(wrong);
-        found.map(|(piece, _)| self.mesh.vertices[*piece as usize])
+        found.map(|(component, _)| self.mesh.vertices[*component as usize])
     }
 
-    /// The triangles whose boxes reach above `point`, or hold it; how often each winds around the point, 1, 0 or -1; and on
-    /// which side of its plane that is. Every one above or below counts by its orientation, edges to one of their two sides.
+    /// The triangles whose boxes reach above `point`, or hold it; how often each winds around the point, 1, 0 or -1;
+    /// and on which side of its plane that is. Every one above or below counts by its orientation, edges to one of
+    /// their two sides.
     fn windings(&self, point: &Vec3) -> impl Iterator<Item = (u32, i32, f64)> {
         let upwards = Aabb { min: *point, max: Vec3::new(point.x, point.y, f64::INFINITY) };
         let point = *point;
@@ -133,9 +134,9 @@ impl Container for Triangulated {
     fn largest(&self) -> Largest {
         let ball_radius = largest::ball_radius(&self.aabb(), |point| self.depth(point));
         // A component without volume is the surface of a hollow.
-        let pieces = self.mesh.pieces().into_iter().filter(|piece| piece.volume() > 0.0);
-        let (length, volume) = pieces.fold((0.0, 0.0), |(length, volume): (f64, f64), piece| {
-            (length.max(longest(&piece)), volume.max(piece.volume()))
+        let components = self.mesh.components().into_iter().filter(|component| component.volume() > 0.0);
+        let (length, volume) = components.fold((0.0, 0.0), |(length, volume): (f64, f64), component| {
+            (length.max(longest(&component)), volume.max(component.volume()))
         });
         Largest { ball_radius, length, volume }
     }
@@ -206,10 +207,10 @@ impl Container for Triangulated {
 }
 
 /// No two points of the surface are farther apart, mm: within its box, and within a ball about the middle of that.
-fn longest(piece: &TriangleMesh) -> f64 {
-    let aabb = Aabb::around(&piece.vertices);
+fn longest(component: &TriangleMesh) -> f64 {
+    let aabb = Aabb::around(&component.vertices);
     let middle = (aabb.min + aabb.max) / 2.0;
-    let radius = piece.vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
+    let radius = component.vertices.iter().map(|vertex| (vertex - middle).norm()).fold(0.0, f64::max);
     aabb.size().norm().min(2.0 * radius)
 }
 
@@ -242,8 +243,8 @@ fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
     mesh.triangles.iter().enumerate().map(of_one).collect()
 }
 
-/// How often a triangle seen from above turns around a point, 1, 0 or -1: its edges that cross the line to the right of the
-/// point, those upwards less those downwards. A point on an edge of two triangles counts to one of them.
+/// How often a triangle seen from above turns around a point, 1, 0 or -1: its edges that cross the line to the right
+/// of the point, those upwards less those downwards. A point on an edge of two triangles counts to one of them.
 fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
     let coord = |v: &Vec3| Coord { x: v.x, y: v.y };
     let crossing = |k: usize| {

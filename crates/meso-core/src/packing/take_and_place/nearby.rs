@@ -1,14 +1,14 @@
 //! Bodies by grid cell, with their inscribed balls: the prefilter of random positions.
 //!
-//! Every test of a random position waits for memory. So bodies stand eight to a piece with their balls, which are
-//! tested together, and a test reads one or two pieces.
+//! Every test of a random position waits for memory. So bodies stand eight to a bucket with their balls, which are
+//! tested together, and a test reads one or two buckets.
 
 use crate::lanes::{Eight, LANES, least_lane_from_0};
 use crate::math::Aabb;
 use crate::packing::cell_grid::{CellGrid, cells, is_first_common};
 use crate::prefetch::prefetch;
 
-/// No body, and no piece.
+/// No body, and no bucket.
 const NONE: u32 = u32::MAX;
 
 /// Position of an empty lane's ball, mm: farther than any other, though its squared distance is still finite.
@@ -16,18 +16,18 @@ const NOWHERE: f32 = 1e15;
 
 /// Up to eight bodies of a cell.
 #[derive(Clone, Debug)]
-struct Piece {
+struct Bucket {
     x: Eight,
     y: Eight,
     z: Eight,
     radius: Eight,
     bodies: [u32; LANES],
     count: u32,
-    /// The cell's piece before this one, which is full.
+    /// The cell's bucket before this one, which is full.
     before: u32,
 }
 
-impl Piece {
+impl Bucket {
     const EMPTY: Self = Self {
         x: [NOWHERE; LANES],
         y: [NOWHERE; LANES],
@@ -39,30 +39,30 @@ impl Piece {
     };
 }
 
-/// Pieces per block: blocks take no more memory than they need, and leave small allocations to others.
+/// Buckets per block: blocks take no more memory than they need, and leave small allocations to others.
 const BLOCK: usize = 256;
 
-/// Pieces by their numbers.
+/// Buckets by their numbers.
 #[derive(Clone, Debug, Default)]
-struct Pieces(Vec<Vec<Piece>>);
+struct Buckets(Vec<Vec<Bucket>>);
 
-impl Pieces {
+impl Buckets {
     #[inline(always)]
-    fn get(&self, number: u32) -> &Piece {
+    fn get(&self, number: u32) -> &Bucket {
         &self.0[number as usize / BLOCK][number as usize % BLOCK]
     }
 
-    fn get_mut(&mut self, number: u32) -> &mut Piece {
+    fn get_mut(&mut self, number: u32) -> &mut Bucket {
         &mut self.0[number as usize / BLOCK][number as usize % BLOCK]
     }
 
-    /// Adds a piece; its number.
-    fn add(&mut self, piece: Piece) -> u32 {
+    /// Adds a bucket; its number.
+    fn add(&mut self, bucket: Bucket) -> u32 {
         if self.0.last().is_none_or(|block| block.len() == BLOCK) {
             self.0.push(Vec::with_capacity(BLOCK));
         }
         let last = self.0.len() - 1;
-        self.0[last].push(piece);
+        self.0[last].push(bucket);
         (last * BLOCK + self.0[last].len() - 1) as u32
     }
 }
@@ -71,9 +71,9 @@ impl Pieces {
 #[derive(Clone, Debug)]
 pub(super) struct Nearby {
     grid: CellGrid,
-    /// Last piece of every cell.
+    /// Last bucket of every cell.
     last: Vec<u32>,
-    pieces: Pieces,
+    buckets: Buckets,
     /// Lowest cell of every body, by body.
     lowest: Vec<[u16; 3]>,
 }
@@ -83,8 +83,8 @@ pub(super) struct Nearby {
 pub(super) struct Closest {
     /// Distance squared of the two balls' centres over that where they touch.
     pub(super) closeness: f32,
-    /// The piece that has it, and its lane there.
-    piece: u32,
+    /// The bucket that has it, and its lane there.
+    bucket: u32,
     lane: usize,
 }
 
@@ -93,33 +93,33 @@ impl Nearby {
     pub(super) fn new(domain: &Aabb, cell: f64, bodies: usize) -> Self {
         let grid = CellGrid::new(domain, cell);
         let lowest = Vec::with_capacity(bodies);
-        Self { last: vec![NONE; grid.len()], grid, pieces: Pieces::default(), lowest }
+        Self { last: vec![NONE; grid.len()], grid, buckets: Buckets::default(), lowest }
     }
 
-    /// Adds the next body by its box and the x, y, z and radius of a ball that it holds, mm; bodies are numbered from 0 in the
-    /// order they come.
+    /// Adds the next body by its box and the x, y, z and radius of a ball that it holds, mm; bodies are numbered from
+    /// 0 in the order they come.
     pub(super) fn insert(&mut self, aabb: &Aabb, ball: [f32; 4]) {
         let body = self.lowest.len() as u32;
         let (low, high) = self.grid.range(aabb);
         for cell in cells(low, high) {
-            let (piece, lane) = self.open_lane(self.grid.flat(cell));
+            let (bucket, lane) = self.open_lane(self.grid.flat(cell));
             let [x, y, z, radius] = ball;
-            (piece.x[lane], piece.y[lane], piece.z[lane]) = (x, y, z);
-            (piece.radius[lane], piece.bodies[lane]) = (radius, body);
+            (bucket.x[lane], bucket.y[lane], bucket.z[lane]) = (x, y, z);
+            (bucket.radius[lane], bucket.bodies[lane]) = (radius, body);
         }
         self.lowest.push(low.map(|i| i as u16));
     }
 
-    /// A cell's last piece, or a new one where that is full, and the lane in it that is next.
-    fn open_lane(&mut self, cell: usize) -> (&mut Piece, usize) {
+    /// A cell's last bucket, or a new one where that is full, and the lane in it that is next.
+    fn open_lane(&mut self, cell: usize) -> (&mut Bucket, usize) {
         let last = &mut self.last[cell];
-        if *last == NONE || self.pieces.get(*last).count as usize == LANES {
-            *last = self.pieces.add(Piece { before: *last, ..Piece::EMPTY });
+        if *last == NONE || self.buckets.get(*last).count as usize == LANES {
+            *last = self.buckets.add(Bucket { before: *last, ..Bucket::EMPTY });
         }
-        let piece = self.pieces.get_mut(*last);
-        piece.count += 1;
-        let lane = piece.count as usize - 1;
-        (piece, lane)
+        let bucket = self.buckets.get_mut(*last);
+        bucket.count += 1;
+        let lane = bucket.count as usize - 1;
+        (bucket, lane)
     }
 
     /// The cell numbers of these points, by axis; a point on a cell's side counts to either.
@@ -133,7 +133,7 @@ impl Nearby {
     pub(super) fn prefetch(&self, cell: u32) {
         let last = self.last[cell as usize];
         if last != NONE {
-            prefetch(std::slice::from_ref(self.pieces.get(last)));
+            prefetch(std::slice::from_ref(self.buckets.get(last)));
         }
     }
 
@@ -141,32 +141,32 @@ impl Nearby {
     /// of both.
     #[inline(always)]
     pub(super) fn closest(&self, cell: u32, [x, y, z]: [f32; 3], own_radius: f32) -> Closest {
-        let (mut least, mut pieces) = ([f32::MAX; LANES], [NONE; LANES]);
+        let (mut least, mut buckets) = ([f32::MAX; LANES], [NONE; LANES]);
         let mut next = self.last[cell as usize];
         while next != NONE {
-            let piece = self.pieces.get(next);
+            let bucket = self.buckets.get(next);
             let mut closeness = [0.0; LANES];
             for (lane, closeness) in closeness.iter_mut().enumerate() {
-                let (dx, dy, dz) = (piece.x[lane] - x, piece.y[lane] - y, piece.z[lane] - z);
-                let reach = own_radius + piece.radius[lane];
+                let (dx, dy, dz) = (bucket.x[lane] - x, bucket.y[lane] - y, bucket.z[lane] - z);
+                let reach = own_radius + bucket.radius[lane];
                 *closeness = (dx * dx + dy * dy + dz * dz) / (reach * reach);
             }
             for lane in 0..LANES {
-                pieces[lane] = if closeness[lane] < least[lane] { next } else { pieces[lane] };
+                buckets[lane] = if closeness[lane] < least[lane] { next } else { buckets[lane] };
             }
             for lane in 0..LANES {
                 least[lane] = if closeness[lane] < least[lane] { closeness[lane] } else { least[lane] };
             }
-            next = piece.before;
+            next = bucket.before;
         }
         let (closeness, lane) = least_lane_from_0(&least);
-        Closest { closeness, piece: pieces[lane], lane }
+        Closest { closeness, bucket: buckets[lane], lane }
     }
 
     /// The number of the body that was found, if there is one.
     #[inline(always)]
     pub(super) fn body(&self, found: Closest) -> Option<u32> {
-        (found.piece != NONE).then(|| self.pieces.get(found.piece).bodies[found.lane])
+        (found.bucket != NONE).then(|| self.buckets.get(found.bucket).bodies[found.lane])
     }
 
     /// Every body whose cells meet those of `aabb`, each once; stops and returns false when `visit` returns false.
@@ -175,15 +175,15 @@ impl Nearby {
         cells(low, high).all(|cell| {
             let mut next = self.last[self.grid.flat(cell)];
             while next != NONE {
-                let piece = self.pieces.get(next);
-                let all = piece.bodies[..piece.count as usize]
+                let bucket = self.buckets.get(next);
+                let all = bucket.bodies[..bucket.count as usize]
                     .iter()
                     .rev()
                     .all(|&body| !is_first_common(cell, low, self.lowest[body as usize]) || visit(body));
                 if !all {
                     return false;
                 }
-                next = piece.before;
+                next = bucket.before;
             }
             true
         })
@@ -216,9 +216,9 @@ mod tests {
 
     #[test]
     fn near_bodies_are_named_once_each() {
-        // More than fill a piece of most cells, and more than a block of pieces.
+        // More than fill a bucket of most cells, and more than a block of buckets.
         let (nearby, boxes, _) = scene(&mut Stream::new(3, Purpose::Sample, 0, 0), 900);
-        assert!(nearby.pieces.0.len() > 1);
+        assert!(nearby.buckets.0.len() > 1);
         for aabb in &boxes {
             let mut seen = vec![0; boxes.len()];
             nearby.all_near(aabb, |body| {

@@ -10,8 +10,8 @@ use crate::packing::place::Task;
 use crate::prefetch::prefetch;
 use crate::wide::Wide;
 
-/// Edge of the grid's cells, as a share of the middle grain's diameter: from 1 to 1.5 all take the same time, and this the
-/// least memory.
+/// Edge of the grid's cells, as a share of the middle grain's diameter: from 1 to 1.5 all take the same time, and this
+/// the least memory.
 const CELL: f64 = 1.25;
 
 /// Inscribed balls share a point when their squared distance over the squared distance of touching is below this. The

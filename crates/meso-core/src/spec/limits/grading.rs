@@ -54,7 +54,7 @@ fn sieve_table(sieves: &[f64], passing: &[f64]) -> Checked {
     }
 }
 
-/// A table says nothing about sizes outside its sieves, nor where no volume lies.
+/// A table has no data outside its sieves, nor where no volume lies.
 fn covered(grading: &Grading, sieves: &[f64]) -> Checked {
     let (first, last) = (sieves[0], sieves[sieves.len() - 1]);
     for (key, size) in [("grading.d_min_mm", grading.d_min_mm), ("grading.d_max_mm", grading.d_max_mm)] {

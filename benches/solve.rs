@@ -1,0 +1,161 @@
+//! Nanoseconds that an element and a step take, bytes that an element takes, and what a second thread buys.
+//!
+//! `cargo bench --bench solve -- [SIDE_MM [ELEMENT_SIZE_MM]]` takes a cube of 50 mm with elements of 2 mm when nothing is
+//! given, and writes `benches/results/solve.csv`. Times are processor seconds of one thread, medians over turns that the
+//! cases take one after the other; the gain of two threads is in wall-clock time, which means something on a quiet machine
+//! alone.
+
+#![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
+
+#[allow(dead_code, unreachable_pub, reason = "other benches compare")]
+#[path = "collision/clock.rs"]
+mod clock;
+#[path = "collision/table.rs"]
+mod table;
+
+use meso_core::materials::Materials;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::packing::Specimen;
+use meso_core::{Model, Silent, Spec, pack};
+use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Test, Wish};
+use std::cell::Cell;
+use std::time::Instant;
+use table::Table;
+
+const HEADER: &str = "case,law,instruction_set,elements,cohesive_faces,ns_per_element_step,bytes_per_element,\
+                      two_threads_gain,machine,date,commit";
+/// Steps of a turn, and turns.
+const STEPS: u64 = 40;
+const TURNS: usize = 7;
+
+/// A test that is measured.
+struct Case<'a> {
+    name: &'static str,
+    mesh: &'a Meshed,
+    law: LawName,
+    /// Share of the test that is over when the clock starts.
+    from: f64,
+    set: InstructionSet,
+}
+
+struct Meshed {
+    mesh: Mesh,
+    options: MeshOptions,
+    specimen: Specimen,
+}
+
+impl Meshed {
+    fn of(model: &Model, method: Method, size: f64, itz: ItzForm) -> Self {
+        let options = MeshOptions { method, element_size_mm: size, itz };
+        let mesh = mesh::build(model, &options).expect("a mesh");
+        Self { mesh, options, specimen: model.spec.specimen.clone() }
+    }
+}
+
+/// Lets a run go on by so many rows, of one step each or more.
+struct Rows(Cell<u64>);
+
+impl Observer for Rows {
+    fn progress(&self, _: &Progress) -> Wish {
+        self.0.set(self.0.get() - 1);
+        if self.0.get() == 0 { Wish::Stop } else { Wish::GoOn }
+    }
+}
+
+fn go(run: &mut Run, steps: u64) {
+    run.to_end(&Rows(Cell::new(steps)));
+}
+
+/// A run that has come to where it is measured; every step is a row.
+fn ready<'a>(case: &Case<'a>) -> Run<'a> {
+    let Meshed { mesh, options, specimen } = case.mesh;
+    let mut materials = Materials::default();
+    materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
+    materials.plasticity.meridian_ratio = 0.8;
+    // Few steps, so that softening is soon there: what a step costs does not hang on its length.
+    let steps = 1000.0;
+    let size = specimen.aabb().size().z;
+    let test = Test { law: case.law, instruction_set: Some(case.set), rows: 1_000_000, ..Test::default() };
+    let duration = test.duration_s(size);
+    let test = Test { time_step_s: Some(duration / steps), ..test };
+    let mut run = Run::new(Sample::of(mesh, specimen, options), &materials, &test).expect("a test");
+    go(&mut run, 1 + (case.from * steps) as u64);
+    run
+}
+
+/// Processor seconds of [`STEPS`] steps.
+fn turn(run: &mut Run) -> f64 {
+    let start = clock::seconds();
+    go(run, STEPS);
+    clock::seconds() - start
+}
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let word = |i: usize, usual: f64| words.get(i).map_or(usual, |word| word.parse().expect("a number"));
+    let (side, size) = (word(0, 50.0), word(1, 2.0));
+    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(side), ..Spec::default() };
+    spec.grading.d_max_mm = 16.0;
+    spec.grading.classes_mm = vec![5.0, 10.0, 16.0];
+    spec.placement.min_gap_mm = 1.0;
+    let model = pack(&spec, &Silent).expect("a packing");
+    let lattice = Meshed::of(&model, Method::FITTED, size, ItzForm::None);
+    let voxels = Meshed::of(&model, Method::VOXEL, size / 1.25, ItzForm::None);
+    let cohesive = Meshed::of(&model, Method::FITTED, size, ItzForm::Cohesive);
+    let best = InstructionSet::best();
+    let case = |name, mesh, law, from, set| Case { name, mesh, law, from, set };
+    let mut cases = Vec::new();
+    for set in InstructionSet::available() {
+        cases.push(case("C3D4 elastic", &lattice, LawName::Elastic, 0.0, set));
+        cases.push(case("C3D4 softening", &lattice, LawName::Cdp, 0.6, set));
+        cases.push(case("C3D4 softening", &lattice, LawName::Cdpm2, 0.6, set));
+    }
+    cases.push(case("C3D8R elastic", &voxels, LawName::Elastic, 0.0, best));
+    cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));
+    cases.push(case("C3D4 softening, cohesive ITZ", &cohesive, LawName::Cdp, 0.6, best));
+    measure(&cases);
+}
+
+fn measure(cases: &[Case]) {
+    let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+    let (one, two) = (threads(1), threads(2));
+    let mut runs: Vec<Run> = one.install(|| cases.iter().map(ready).collect());
+    let mut times = vec![Vec::new(); cases.len()];
+    for _ in 0..TURNS {
+        for (run, times) in runs.iter_mut().zip(&mut times) {
+            times.push(one.install(|| turn(run)));
+        }
+    }
+    let mut table = Table::new(HEADER);
+    println!("{HEADER}");
+    for ((case, run), times) in cases.iter().zip(&mut runs).zip(&mut times) {
+        let count = case.mesh.mesh.cell_count();
+        let wall = |run: &mut Run| {
+            let start = Instant::now();
+            go(run, STEPS);
+            start.elapsed().as_secs_f64()
+        };
+        let gain = one.install(|| wall(run)) / two.install(|| wall(run));
+        let row = [
+            case.name.replace(',', ""),
+            format!("{:?}", case.law).to_lowercase(),
+            format!("{:?}", case.set).to_lowercase(),
+            count.to_string(),
+            case.mesh.mesh.cohesive().len().to_string(),
+            format!("{:.1}", clock::median(times) * 1e9 / count as f64 / STEPS as f64),
+            format!("{:.1}", run.bytes() as f64 / count as f64),
+            format!("{gain:.2}"),
+            said("MACHINE"),
+            said("DATE"),
+            said("COMMIT"),
+        ];
+        println!("{}", row.join(","));
+        table.row(&row);
+    }
+    table.save("solve.csv");
+}
+
+/// What the caller says of the run in the environment, as a cell of the table.
+fn said(name: &str) -> String {
+    std::env::var(name).unwrap_or_default().replace(',', " ")
+}

@@ -1,0 +1,297 @@
+//! A block of elements: its displacements in, its share of the nodes' forces out.
+//!
+//! Some 2,048 neighbours along a space-filling curve with node numbers of their own, so that a block's nodes stay in the
+//! cache and a connectivity fits u16. Displacements are taken relative to the block's first node, in f64, before they
+//! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
+
+use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
+use crate::element::hex::{BoxShape, Hexes};
+use crate::element::tet::Tets;
+use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
+use crate::law::{Law, Tensor};
+use crate::matter::{LawTask, Matter};
+use meso_core::mesh::Phase;
+
+/// Elements of a block.
+pub(crate) const BLOCK: usize = 2048;
+
+/// A lane without an element.
+pub(crate) const EMPTY: u32 = u32::MAX;
+
+/// Elements of one kind and phase.
+#[derive(Clone, Debug)]
+pub(crate) enum Cells {
+    /// C3D4.
+    Tets(Vec<Tets>),
+    /// C3D8R.
+    Hexes(Vec<Hexes>),
+    /// Cohesive faces of tetrahedra.
+    Triangles(Vec<Faces<3>>),
+    /// Cohesive faces of boxes.
+    Quads(Vec<Faces<4>>),
+}
+
+impl Cells {
+    /// Registers of memory that eight elements have.
+    pub(crate) fn remembered(&self, matter: &Matter) -> usize {
+        match self {
+            Self::Tets(_) | Self::Hexes(_) => matter.remembered(),
+            Self::Triangles(_) => 3 * REMEMBERED,
+            Self::Quads(_) => 4 * REMEMBERED,
+        }
+    }
+}
+
+/// Elements of one phase within a block.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    /// Their phase; that of cohesive faces is the ITZ.
+    pub(crate) phase: Phase,
+    /// In eights.
+    pub(crate) cells: Cells,
+    /// What they remember, one run of registers per eight elements.
+    pub(crate) memory: Vec<Eight>,
+    /// The mesh's number of the cell in every lane, or [`EMPTY`]; cohesive faces have their own numbers.
+    pub(crate) numbers: Vec<u32>,
+    /// Energy spent so far, mJ.
+    pub(crate) dissipated: f64,
+    /// Stored in hourglass modes now, and lost from them so far, mJ.
+    pub(crate) hourglass: [f64; 2],
+}
+
+/// Neighbours, and the nodes they have.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    /// Numbers of the nodes, ascending.
+    pub(crate) nodes: Vec<u32>,
+    /// One group per phase and kind.
+    pub(crate) groups: Vec<Group>,
+}
+
+impl Block {
+    /// Bytes that it holds.
+    pub(crate) fn bytes(&self) -> usize {
+        let of = |group: &Group| {
+            let cells = match &group.cells {
+                Cells::Tets(cells) => size_of_val(&**cells),
+                Cells::Hexes(cells) => size_of_val(&**cells),
+                Cells::Triangles(cells) => size_of_val(&**cells),
+                Cells::Quads(cells) => size_of_val(&**cells),
+            };
+            cells + size_of_val(&*group.memory) + size_of_val(&*group.numbers)
+        };
+        size_of_val(&*self.nodes) + self.groups.iter().map(of).sum::<usize>()
+    }
+}
+
+/// Memory that a thread works in.
+pub(crate) struct Scratch {
+    /// Displacements relative to the block's first node, mm.
+    pub(crate) u: Box<Vectors>,
+    /// N.
+    pub(crate) forces: Box<Vectors>,
+}
+
+impl Scratch {
+    /// Zeros.
+    pub(crate) fn new() -> Self {
+        Self { u: vectors(), forces: vectors() }
+    }
+
+    /// Takes in the displacements of `block`'s nodes.
+    pub(crate) fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]]) {
+        let origin = displacement[block.nodes[0] as usize];
+        for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
+            let u = displacement[node as usize];
+            *own = [(u[0] - origin[0]) as f32, (u[1] - origin[1]) as f32, (u[2] - origin[2]) as f32, 0.0];
+        }
+        self.forces[..block.nodes.len()].fill([0.0; 4]);
+    }
+}
+
+/// What elements have in common.
+#[derive(Clone, Debug)]
+pub(crate) struct Common {
+    /// By phase, as a number.
+    pub(crate) matter: [Matter; 5],
+    /// Of all hexahedra.
+    pub(crate) shape: BoxShape,
+    /// Of cohesive faces.
+    pub(crate) cohesion: Option<CohesionValues>,
+    /// Share of the stiffness that hourglass modes meet.
+    pub(crate) hourglass: f64,
+    /// Width of crack bands in hexahedra, mm.
+    pub(crate) band_mm: f64,
+}
+
+/// A step of one block.
+pub(crate) struct Pass<'a> {
+    pub(crate) block: &'a mut Block,
+    pub(crate) common: &'a Common,
+    pub(crate) displacement: &'a [[f64; 3]],
+    /// Where the nodes' forces go, N.
+    pub(crate) out: &'a mut [[f32; 4]],
+    pub(crate) scratch: &'a mut Scratch,
+}
+
+impl Task for Pass<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { block, common, displacement, out, scratch } = self;
+        scratch.take_in(block, displacement);
+        let Scratch { u, forces } = scratch;
+        for group in &mut block.groups {
+            let Group { phase, cells, memory, dissipated, hourglass, .. } = group;
+            let matter = &common.matter[*phase as usize];
+            match cells {
+                Cells::Tets(cells) => *dissipated += matter.law::<L, _>(TetTask { cells, memory, u, forces }),
+                Cells::Hexes(cells) => {
+                    let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
+                    let task = HexTask { cells, memory, u, forces, common, stiffness };
+                    let [spent, stored, lost] = matter.law::<L, _>(task);
+                    *dissipated += spent;
+                    *hourglass = [stored, hourglass[1] + lost];
+                }
+                Cells::Triangles(faces) => *dissipated += cohesive::<L, 3>(faces, common, memory, u, forces),
+                Cells::Quads(faces) => *dissipated += cohesive::<L, 4>(faces, common, memory, u, forces),
+            }
+        }
+        out.copy_from_slice(&scratch.forces[..out.len()]);
+    }
+}
+
+#[inline(always)]
+fn cohesive<L: Lanes, const N: usize>(
+    faces: &[Faces<N>],
+    common: &Common,
+    memory: &mut [Eight],
+    u: &Vectors,
+    forces: &mut Vectors,
+) -> f64 {
+    let Some(values) = &common.cohesion else { return 0.0 };
+    let cohesion = Cohesion::<L>::new(values);
+    let mut spent = L::splat(0.0);
+    for (faces, memory) in faces.iter().zip(memory.chunks_exact_mut(N * REMEMBERED)) {
+        spent = spent + faces.resist(&cohesion, memory, u, forces);
+    }
+    spent.eight().sum()
+}
+
+/// Every law's history begins with the plastic strain.
+const PLASTIC: usize = 6;
+
+/// The law's history in what an element remembers.
+#[inline(always)]
+pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
+    let mut history = W::virgin();
+    history.as_mut().iter_mut().zip(memory).for_each(|(own, from)| *own = L::load(from));
+    history
+}
+
+/// Stress of a strain, and the energy per volume that it spends, N/mm2. What is remembered goes along: the law's history,
+/// then the integrity, less 1, so that zeros are a sound element.
+#[inline(always)]
+fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight], width: L) -> Answer<L> {
+    let one = L::splat(1.0);
+    let mut history = history::<L, W>(memory);
+    let states = history.as_ref().len();
+    let response = law.stress(strain, &mut history, width);
+    let stress = response.stress;
+    if states == 0 {
+        return Answer { stress, integrity: one, before: one, spent: L::splat(0.0) };
+    }
+    let (before, integrity) = (one + L::load(&memory[states]), response.integrity);
+    let zero = L::splat(0.0);
+    let (mut spent, mut moved) = (zero, (before - integrity).abs());
+    for (i, own) in history.as_ref().iter().enumerate() {
+        let step = *own - L::load(&memory[i]);
+        moved = moved.max(step.abs());
+        if i < PLASTIC {
+            spent = stress[i].mul_add(step, spent);
+        }
+    }
+    if !L::any(zero.lt(moved)) {
+        return Answer { stress, integrity, before, spent: zero };
+    }
+    let mut stored = zero;
+    for i in 0..PLASTIC {
+        stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
+    }
+    // Of the energy stored, the share by which the integrity fell is lost.
+    let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
+    history.as_ref().iter().zip(&mut *memory).for_each(|(own, to)| own.store(to));
+    (integrity - one).store(&mut memory[states]);
+    Answer { stress, integrity, before, spent: spent + lost }
+}
+
+struct Answer<L> {
+    stress: Tensor<L>,
+    integrity: L,
+    /// Integrity before the step.
+    before: L,
+    spent: L,
+}
+
+struct TetTask<'a> {
+    cells: &'a [Tets],
+    memory: &'a mut [Eight],
+    u: &'a Vectors,
+    forces: &'a mut Vectors,
+}
+
+impl LawTask for TetTask<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> f64 {
+        let remembered = self.memory.len() / self.cells.len().max(1);
+        let mut spent = L::splat(0.0);
+        for (i, cells) in self.cells.iter().enumerate() {
+            let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
+            let answer = answer(law, &cells.strain(self.u), memory, L::load(&cells.width));
+            spent = answer.spent.mul_add(L::load(&cells.volume), spent);
+            cells.resist(&answer.stress, self.forces);
+        }
+        spent.eight().sum()
+    }
+}
+
+struct HexTask<'a> {
+    cells: &'a [Hexes],
+    memory: &'a mut [Eight],
+    u: &'a Vectors,
+    forces: &'a mut Vectors,
+    common: &'a Common,
+    stiffness: f64,
+}
+
+impl LawTask for HexTask<'_> {
+    type Output = [f64; 3];
+
+    #[inline(always)]
+    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> [f64; 3] {
+        let remembered = self.memory.len() / self.cells.len().max(1);
+        let (k, width) = (L::splat(self.stiffness), L::splat(self.common.band_mm));
+        let shape = &self.common.shape;
+        let [mut spent, mut stored, mut lost] = [L::splat(0.0); 3];
+        for (i, cells) in self.cells.iter().enumerate() {
+            let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
+            let (strain, hourglass) = cells.strain(self.u, shape);
+            let answer = answer(law, &strain, memory, width);
+            spent = answer.spent.mul_add(L::load(&cells.used), spent);
+            let squares = cells.squares(&hourglass);
+            stored = answer.integrity.mul_add(squares, stored);
+            lost = (answer.before - answer.integrity).mul_add(squares, lost);
+            cells.resist(&answer.stress, &hourglass, k * answer.integrity, shape, self.forces);
+        }
+        let half = 0.5 * self.stiffness;
+        [spent.eight().sum() * shape.volume(), stored.eight().sum() * half, lost.eight().sum() * half]
+    }
+}
+
+/// Eights of elements that `count` elements take.
+pub(crate) fn eights(count: usize) -> usize {
+    count.div_ceil(LANES)
+}

@@ -1,0 +1,155 @@
+//! The stress-strain curve and its figures.
+
+use serde::{Deserialize, Serialize};
+
+/// A row of the curve: means over the steps since the row before, energies at its end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Mean axial strain, positive in the test's sense.
+    pub strain: f64,
+    /// Mean of both plates over the gross section, MPa, positive in the test's sense.
+    pub stress_mpa: f64,
+    /// Kinetic energy, mJ.
+    pub kinetic: f64,
+    /// Work of the elements' forces, mJ: stored, spent and hourglass energy.
+    pub internal: f64,
+    /// Work of the plates, mJ.
+    pub external: f64,
+    /// Lost in friction on the plates, mJ.
+    pub friction_work: f64,
+    /// In and through hourglass modes, mJ.
+    pub hourglass: f64,
+    /// Spent in cracks, crushing and plastic flow, mJ.
+    pub dissipated: f64,
+    /// Of the lower plate, MPa.
+    pub stress_bottom_mpa: f64,
+    /// Of the upper plate, MPa.
+    pub stress_top_mpa: f64,
+    /// s.
+    pub time_s: f64,
+}
+
+impl Row {
+    /// Names of [`values`](Self::values).
+    pub const COLUMNS: [&'static str; 11] = [
+        "strain",
+        "stress_mpa",
+        "kinetic",
+        "internal",
+        "external",
+        "friction_work",
+        "hourglass",
+        "dissipated",
+        "stress_bottom_mpa",
+        "stress_top_mpa",
+        "time_s",
+    ];
+
+    /// Its values, in the order of [`COLUMNS`](Self::COLUMNS).
+    pub fn values(&self) -> [f64; 11] {
+        [
+            self.strain,
+            self.stress_mpa,
+            self.kinetic,
+            self.internal,
+            self.external,
+            self.friction_work,
+            self.hourglass,
+            self.dissipated,
+            self.stress_bottom_mpa,
+            self.stress_top_mpa,
+            self.time_s,
+        ]
+    }
+
+    pub(crate) fn from_values(values: [f64; 11]) -> Self {
+        let [strain, stress_mpa, kinetic, internal, external, friction_work, hourglass, dissipated, ..] = values;
+        let [.., stress_bottom_mpa, stress_top_mpa, time_s] = values;
+        Self {
+            strain,
+            stress_mpa,
+            kinetic,
+            internal,
+            external,
+            friction_work,
+            hourglass,
+            dissipated,
+            stress_bottom_mpa,
+            stress_top_mpa,
+            time_s,
+        }
+    }
+}
+
+/// Share of the peak whose secant is the modulus.
+const SECANT: f64 = 0.3;
+/// A curve that falls below this share of its peak has softened.
+const SOFTENED: f64 = 0.8;
+
+/// Figures of a curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Secant to 30 % of the peak, MPa.
+    pub modulus_mpa: f64,
+    /// Highest stress, MPa.
+    pub peak_mpa: f64,
+    /// Strain at the highest stress.
+    pub peak_strain: f64,
+    /// Stress of the last row, MPa.
+    pub stress_at_end_mpa: f64,
+    /// Whether the stress fell below 0.8 of the peak.
+    pub softened: bool,
+}
+
+impl Figures {
+    /// Those of `rows`; zeros where there are none.
+    pub fn of(rows: &[Row]) -> Self {
+        let peak = (0..rows.len()).fold(0, |best, i| if rows[i].stress_mpa > rows[best].stress_mpa { i } else { best });
+        let (Some(top), Some(last)) = (rows.get(peak), rows.last()) else { return Self::default() };
+        Self {
+            modulus_mpa: secant(&rows[..=peak], SECANT * top.stress_mpa),
+            peak_mpa: top.stress_mpa,
+            peak_strain: top.strain,
+            stress_at_end_mpa: last.stress_mpa,
+            softened: rows[peak..].iter().any(|row| row.stress_mpa < SOFTENED * top.stress_mpa),
+        }
+    }
+}
+
+/// Stress over strain where the curve first reaches `stress`, MPa, between rows along a straight line.
+fn secant(rows: &[Row], stress: f64) -> f64 {
+    let mut before = Row::default();
+    for row in rows {
+        if row.stress_mpa >= stress && row.strain > 0.0 && stress > 0.0 {
+            let t = (stress - before.stress_mpa) / (row.stress_mpa - before.stress_mpa);
+            return stress / (before.strain + t * (row.strain - before.strain));
+        }
+        before = *row;
+    }
+    0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_those_of_a_parabola() {
+        let stress = |strain: f64| 40.0 * (2.0 - strain / 0.002) * strain / 0.002;
+        let row =
+            |i: i32| Row { strain: 2e-5 * f64::from(i), stress_mpa: stress(2e-5 * f64::from(i)), ..Row::default() };
+        let rows: Vec<Row> = (1..=180).map(row).collect();
+        let figures = Figures::of(&rows);
+        assert_eq!((figures.peak_mpa, figures.peak_strain), (40.0, 2e-5 * 100.0));
+        assert!(figures.softened && (figures.stress_at_end_mpa - 14.4).abs() < 1e-9, "{figures:?}");
+        // 0.3 = x (2 - x) at x = 1 - sqrt(0.7); the secant is 40 (2 - x) / 0.002.
+        let exact = 40.0 / 0.002 * (1.0 + 0.7_f64.sqrt());
+        assert!((figures.modulus_mpa / exact - 1.0).abs() < 1e-3, "{figures:?}");
+    }
+
+    #[test]
+    fn a_row_survives_its_values() {
+        let values: [f64; 11] = std::array::from_fn(|i| i as f64);
+        assert_eq!(Row::from_values(values).values(), values);
+    }
+}

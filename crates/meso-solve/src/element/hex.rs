@@ -1,0 +1,133 @@
+//! C3D8R: the box with one integration point, small displacements, and stiffness against its hourglass modes.
+//!
+//! The eight displacements along an axis are a mean, three gradients and four hourglass modes, orthogonal and with
+//! entries of 1 and -1 (Flanagan and Belytschko 1981): a Walsh-Hadamard transform takes one to the other in 24 sums. An
+//! hourglass mode m resists with k m, k = c (4/3) E h / 64 times what is left of the stiffness: h the edge of the cube of
+//! equal volume, c the hourglass factor.
+
+use crate::lanes::{Eight, LANES, Lanes, Vectors};
+use crate::law::Tensor;
+
+/// Corners of `CellKind::Hexahedron` by their signs: bit 0 is set at the upper x, bit 1 at the upper y, bit 2 at the upper z.
+const BY_SIGNS: [usize; 8] = [0, 1, 3, 2, 4, 5, 7, 6];
+/// The modes of an axis, as sets of the same bits: gradients along x, y, z.
+const GRADIENTS: [usize; 3] = [0b001, 0b010, 0b100];
+/// Hourglass modes.
+const HOURGLASS: [usize; 4] = [0b011, 0b110, 0b101, 0b111];
+
+/// Eight boxes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Hexes {
+    /// Node numbers within the block, node by node.
+    pub(crate) at: [[u16; LANES]; 8],
+    /// 1, or 0 in lanes that are empty.
+    pub(crate) used: Eight,
+}
+
+/// What all boxes of a mesh share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoxShape {
+    /// Edges, mm.
+    pub(crate) edges: [f64; 3],
+}
+
+impl BoxShape {
+    /// mm3.
+    pub(crate) fn volume(&self) -> f64 {
+        self.edges.iter().product()
+    }
+
+    /// Edge of the cube of equal volume, mm.
+    pub(crate) fn edge(&self) -> f64 {
+        libm::cbrt(self.volume())
+    }
+}
+
+/// Hourglass amplitudes of the three displacements.
+pub(crate) type Hourglass<L> = [[L; 4]; 3];
+
+/// From values at the corners to modes.
+#[inline(always)]
+fn analyse<L: Lanes>(mut v: [L; 8]) -> [L; 8] {
+    for stride in GRADIENTS {
+        for low in (0..8).filter(|i| i & stride == 0) {
+            (v[low], v[low + stride]) = (v[low + stride] + v[low], v[low + stride] - v[low]);
+        }
+    }
+    v
+}
+
+/// From modes to values at the corners.
+#[inline(always)]
+fn compose<L: Lanes>(mut v: [L; 8]) -> [L; 8] {
+    for stride in GRADIENTS {
+        for low in (0..8).filter(|i| i & stride == 0) {
+            (v[low], v[low + stride]) = (v[low] - v[low + stride], v[low] + v[low + stride]);
+        }
+    }
+    v
+}
+
+impl Hexes {
+    /// Puts a box into `lane`.
+    pub(crate) fn set(&mut self, lane: usize, at: [u16; 8], used: bool) {
+        for (place, node) in self.at.iter_mut().zip(at) {
+            place[lane] = node;
+        }
+        self.used.0[lane] = f32::from(u8::from(used));
+    }
+
+    /// Strains at the centre, and the hourglass amplitudes, mm.
+    #[inline(always)]
+    pub(crate) fn strain<L: Lanes>(&self, u: &Vectors, shape: &BoxShape) -> (Tensor<L>, Hourglass<L>) {
+        let moved = BY_SIGNS.map(|corner| L::gather(u, &self.at[corner]));
+        let modes = [0, 1, 2].map(|axis| analyse(moved.map(|u| u[axis])));
+        let scale = shape.edges.map(|edge| L::splat(0.25 / edge));
+        let h = |i: usize, j: usize| modes[i][GRADIENTS[j]] * scale[j];
+        let strain = [h(0, 0), h(1, 1), h(2, 2), h(0, 1) + h(1, 0), h(1, 2) + h(2, 1), h(0, 2) + h(2, 0)];
+        (strain, modes.map(|m| HOURGLASS.map(|mode| m[mode])))
+    }
+
+    /// Adds the forces with which the elements resist; `stiffness` is that of an hourglass mode, N/mm.
+    #[inline(always)]
+    pub(crate) fn resist<L: Lanes>(
+        &self,
+        stress: &Tensor<L>,
+        hourglass: &Hourglass<L>,
+        stiffness: L,
+        shape: &BoxShape,
+        forces: &mut Vectors,
+    ) {
+        let used = L::load(&self.used);
+        let area = shape.edges.map(|edge| L::splat(0.25 * shape.volume() / edge) * used);
+        let [xx, yy, zz, xy, yz, zx] = *stress;
+        let rows = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
+        let k = stiffness * used;
+        let nodal: [[L; 8]; 3] = std::array::from_fn(|i| {
+            let mut modes = [L::splat(0.0); 8];
+            (0..3).for_each(|j| modes[GRADIENTS[j]] = rows[i][j] * area[j]);
+            (0..4).for_each(|j| modes[HOURGLASS[j]] = hourglass[i][j] * k);
+            compose(modes)
+        });
+        for (signs, corner) in BY_SIGNS.into_iter().enumerate() {
+            L::scatter(forces, &self.at[corner], [nodal[0][signs], nodal[1][signs], nodal[2][signs]]);
+        }
+    }
+
+    /// Twice the energy of the hourglass modes over their stiffness, mm2; 0 in lanes that are empty.
+    #[inline(always)]
+    pub(crate) fn squares<L: Lanes>(&self, hourglass: &Hourglass<L>) -> L {
+        let mut sum = L::splat(0.0);
+        for axis in hourglass {
+            for mode in axis {
+                sum = mode.mul_add(*mode, sum);
+            }
+        }
+        sum * L::load(&self.used)
+    }
+}
+
+/// Stiffness of an hourglass mode, N/mm, of a box with this edge, Young's modulus and hourglass factor.
+pub(crate) fn hourglass_stiffness(factor: f64, youngs_modulus_mpa: f64, edge: f64) -> f64 {
+    factor * 4.0 / 3.0 * youngs_modulus_mpa * edge / 64.0
+}

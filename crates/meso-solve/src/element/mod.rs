@@ -1,0 +1,5 @@
+//! Elements: displacements in, forces out, eight elements at a time.
+
+pub(crate) mod face;
+pub(crate) mod hex;
+pub(crate) mod tet;

@@ -1,0 +1,47 @@
+//! Whoever watches a test: hears how far it is, gets frames, may stop it or keep its state.
+
+use crate::curve::Row;
+use crate::frame::Frame;
+use crate::run::Run;
+
+/// How far a test is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Steps taken.
+    pub step: u64,
+    /// Steps in all.
+    pub steps: u64,
+    /// The latest row of the curve.
+    pub row: &'a Row,
+}
+
+/// What an observer wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Go on.
+    GoOn,
+    /// Hand over the state by [`Observer::keep`], then go on.
+    Keep,
+    /// Stop; the curve so far stays valid.
+    Stop,
+}
+
+/// Watches a test. Every method has a default that does nothing.
+pub trait Observer {
+    /// A row of the curve is there.
+    fn progress(&self, _: &Progress) -> Wish {
+        Wish::GoOn
+    }
+
+    /// A frame is there; fields are computed when asked for.
+    fn frame(&self, _: &Frame) {}
+
+    /// The state was asked for: [`Run::save`] writes it.
+    fn keep(&self, _: &Run) {}
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}

@@ -1,0 +1,137 @@
+//! Two rigid plates: they press and rub, or they are glued on.
+//!
+//! No penalty: a node is first moved as if free; where it would pass into a plate, it is put onto it, and the impulse
+//! that this takes is the plate's. Friction takes away as much of its sliding as Coulomb's cone allows.
+
+use crate::error::SolveError;
+use crate::test::{Kind, Test};
+use meso_core::math::Aabb;
+use meso_core::mesh::Mesh;
+use meso_core::mesh::sides::Sides;
+
+/// A node that can meet a plate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    /// The engine's number.
+    pub(crate) node: u32,
+    /// 0 for the lower plate, 1 for the upper one.
+    pub(crate) plate: usize,
+    /// From the node to the plate before the test, mm.
+    gap: f64,
+}
+
+/// The plates and the nodes that can meet them.
+#[derive(Clone, Debug)]
+pub(crate) struct Plates {
+    /// By node.
+    pub(crate) contacts: Vec<Contact>,
+    kind: Kind,
+    friction: f64,
+    /// Speed of the upper plate once the ramp is over, upwards, mm/s.
+    speed: f64,
+    /// Length of the ramp, s.
+    ramp_s: f64,
+}
+
+/// Where the upper plate is, and how fast, upwards: mm, mm/s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    /// At the end of the step.
+    pub(crate) travel: f64,
+    /// Mean of this step and the one before: what forces at whole steps work along.
+    pub(crate) mean_speed: f64,
+}
+
+/// What a plate did to a node in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Impact {
+    /// Force of the plate on the node along z, N.
+    pub(crate) force: f64,
+    /// Work of the force, mJ.
+    pub(crate) work: f64,
+    /// Lost in friction, mJ.
+    pub(crate) friction: f64,
+}
+
+impl Plates {
+    /// Those of a test that lasts `duration_s`; `number` gives the engine's numbers of the mesh's nodes.
+    ///
+    /// # Errors
+    /// Where no face of the specimen looks up or down.
+    pub(crate) fn new(mesh: &Mesh, number: &[u32], test: &Test, duration_s: f64) -> Result<Self, SolveError> {
+        let sides = Sides::of(mesh);
+        let aabb = Aabb::around(&mesh.points);
+        let mut contacts = Vec::new();
+        for (plate, (bit, z)) in [(4, aabb.min.z), (5, aabb.max.z)].into_iter().enumerate() {
+            if sides.faces()[bit].is_empty() {
+                let side = ["lower", "upper"][plate];
+                let why = format!("no face looks to its {side} plate; take a specimen with faces across z");
+                return Err(SolveError::mesh(why));
+            }
+            let contact = |node: u32| {
+                let gap = (mesh.points[node as usize].z - z).abs();
+                Contact { node: number[node as usize], plate, gap }
+            };
+            contacts.extend(sides.members(bit).map(contact));
+        }
+        contacts.sort_by_key(|contact| (contact.node, contact.plate));
+        contacts.dedup_by_key(|contact| contact.node);
+        let ramp_s = test.ramp * duration_s;
+        let sign = if test.kind == Kind::Compression { -1.0 } else { 1.0 };
+        let speed = sign * test.strain() * aabb.size().z / (duration_s - 0.5 * ramp_s);
+        Ok(Self { contacts, kind: test.kind, friction: test.friction, speed, ramp_s })
+    }
+
+    /// Speed of the upper plate at time `t`, mm/s upwards: 3 s^2 - 2 s^3 along the ramp, then constant.
+    pub(crate) fn speed(&self, t: f64) -> f64 {
+        let s = (t / self.ramp_s).min(1.0);
+        self.speed * s * s * (3.0 - 2.0 * s)
+    }
+
+    /// The contacts of nodes from `first` to before `end`.
+    pub(crate) fn among(&self, first: usize, end: usize) -> &[Contact] {
+        let at = |node: usize| self.contacts.partition_point(|contact| (contact.node as usize) < node);
+        &self.contacts[at(first)..at(end)]
+    }
+
+    /// Corrects the velocity `v` that a node of mass `m` with the displacement `u` would have without the plate; `before`
+    /// is its velocity in the step before.
+    pub(crate) fn meet(
+        &self,
+        contact: &Contact,
+        motion: &Motion,
+        dt: f64,
+        m: f64,
+        u: &[f64; 3],
+        before: &[f64; 3],
+        v: &mut [f64; 3],
+    ) -> Impact {
+        let (travel, speed) = if contact.plate == 1 { (motion.travel, motion.mean_speed) } else { (0.0, 0.0) };
+        let free = *v;
+        match self.kind {
+            Kind::Tension => *v = [-u[0] / dt, -u[1] / dt, (travel - u[2]) / dt],
+            Kind::Compression => {
+                let inward = if contact.plate == 1 { -1.0 } else { 1.0 };
+                // On the plate, the displacement makes good the gap.
+                let on_plate = travel - inward * contact.gap;
+                if (u[2] + dt * v[2] - on_plate) * inward >= 0.0 {
+                    return Impact::default();
+                }
+                v[2] = (on_plate - u[2]) / dt;
+                self.rub(v, self.friction * (v[2] - free[2]).abs());
+            }
+        }
+        let force = [0, 1, 2].map(|i: usize| m * (v[i] - free[i]) / dt);
+        let mean = [0, 1, 2].map(|i: usize| 0.5 * (v[i] + before[i]));
+        let friction = -dt * (force[0] * mean[0] + force[1] * mean[1]);
+        Impact { force: force[2], work: force[2] * speed * dt, friction }
+    }
+
+    /// Takes up to `most` of the sliding speed away.
+    fn rub(&self, v: &mut [f64; 3], most: f64) {
+        let sliding = (v[0] * v[0] + v[1] * v[1]).sqrt();
+        let kept = if sliding <= most { 0.0 } else { 1.0 - most / sliding };
+        v[0] *= kept;
+        v[1] *= kept;
+    }
+}

@@ -1,0 +1,243 @@
+//! What a test gave.
+
+use crate::curve::{Figures, Row};
+use crate::run::Run;
+use crate::test::{Joined, Kind, LawName, Test};
+use meso_core::mesh::{Phase, PhaseVolumes};
+use serde::Serialize;
+
+/// How a test came to its end.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ended {
+    /// At the strain that was asked for.
+    Completed,
+    /// The observer stopped it; the curve so far is valid.
+    Stopped,
+    /// It diverged; the curve until then is valid. Holds the element that ran away.
+    Diverged(String),
+}
+
+/// The curve and what is told of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Response {
+    /// The curve, row by row.
+    #[serde(skip)]
+    pub curve: Vec<Row>,
+    /// What `result.json` holds.
+    #[serde(flatten)]
+    pub result: Summary,
+}
+
+/// What `result.json` holds, but for seconds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Compression or tension.
+    pub test: Kind,
+    /// Coulomb's coefficient between plates and specimen.
+    pub friction: f64,
+    /// The law of mortar and ITZ.
+    pub law: LawName,
+    /// Cells of the mesh.
+    pub elements: usize,
+    /// Cohesive elements of the mesh.
+    pub cohesive_elements: usize,
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps of the whole test.
+    pub steps_planned: u64,
+    /// s.
+    pub time_step_s: f64,
+    /// Longest step that would have needed no mass, s.
+    pub stable_time_step_s: f64,
+    /// Mass added over the specimen's own.
+    pub added_mass_percent: f64,
+    /// Figures of the curve.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// Largest kinetic over internal energy after the ramp.
+    pub kinetic_over_internal_max: f64,
+    /// Largest difference of work and energies over the work.
+    pub energy_balance_error: f64,
+    /// Largest hourglass over internal energy after the ramp.
+    pub hourglass_over_internal: f64,
+    /// Energies at the end, mJ.
+    pub energies: Energies,
+    /// Pairs of aggregates that share nodes in the mesh.
+    pub joined_pairs: usize,
+    /// Cells of these aggregates that became mortar.
+    pub joined_cells: usize,
+    /// What the test's phases were.
+    pub phases: Vec<PhaseResult>,
+    /// How the test ended.
+    pub ended: Ended,
+    /// What was wrong, in sentences.
+    pub warnings: Vec<String>,
+    /// Why the curve is not to be trusted, in sentences.
+    pub errors: Vec<String>,
+}
+
+/// Energies at the end of a test, mJ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energies {
+    /// See [`Row`].
+    pub kinetic: f64,
+    /// See [`Row`].
+    pub internal: f64,
+    /// See [`Row`].
+    pub external: f64,
+    /// See [`Row`].
+    pub friction_work: f64,
+    /// See [`Row`].
+    pub hourglass: f64,
+    /// See [`Row`].
+    pub dissipated: f64,
+}
+
+/// A phase of a test.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhaseResult {
+    /// Lower case.
+    pub name: String,
+    /// Of its cells in the test, over the specimen's gross volume.
+    pub volume_fraction: f64,
+    /// Of the exact bodies, where known.
+    pub exact_fraction: Option<f64>,
+    /// Spent in its cells, mJ; in cohesive faces, too, for the ITZ.
+    pub dissipated_mj: f64,
+}
+
+/// Kinetic over internal energy that is still quasi-static, and that is no longer.
+const SLOW: f64 = 0.01;
+const FAST: f64 = 0.05;
+/// Hourglass over internal energy that is still small.
+const HOURGLASS: f64 = 0.02;
+/// Difference of work and energies, over the work, that is still rounding and impacts.
+const BALANCE: f64 = 1e-3;
+
+impl Response {
+    pub(crate) fn of(run: &Run, ended: Ended) -> Self {
+        let rows = &run.state.rows;
+        let last = rows.last().copied().unwrap_or_default();
+        let ramp_s = run.test.ramp * run.outline.dt * run.outline.steps as f64;
+        let after = || rows.iter().filter(|row| row.time_s > ramp_s && row.internal > 0.0);
+        let largest = |of: &dyn Fn(&Row) -> f64| after().map(of).fold(0.0, f64::max);
+        let mut result = Summary {
+            test: run.test.kind,
+            friction: run.test.friction,
+            law: run.test.law,
+            elements: run.sample.mesh.cell_count(),
+            cohesive_elements: run.sample.mesh.cohesive().len(),
+            steps: run.state.step,
+            steps_planned: run.outline.steps,
+            time_step_s: run.outline.dt,
+            stable_time_step_s: run.outline.stable_s,
+            added_mass_percent: run.added_mass_percent(),
+            figures: Figures::of(rows),
+            kinetic_over_internal_max: largest(&|row| row.kinetic / row.internal),
+            energy_balance_error: balance_error(rows),
+            hourglass_over_internal: largest(&|row| row.hourglass / row.internal),
+            energies: energies(&last),
+            joined_pairs: run.phases.joined_pairs,
+            joined_cells: run.phases.parted_cells,
+            phases: phases(run),
+            ended,
+            warnings: Vec::new(),
+            errors: Vec::new(),
+        };
+        result.warn(run);
+        Self { curve: rows.clone(), result }
+    }
+}
+
+fn energies(row: &Row) -> Energies {
+    let Row { kinetic, internal, external, friction_work, hourglass, dissipated, .. } = *row;
+    Energies { kinetic, internal, external, friction_work, hourglass, dissipated }
+}
+
+fn balance_error(rows: &[Row]) -> f64 {
+    let work = rows.iter().map(|row| row.external.abs()).fold(0.0, f64::max);
+    let off = |row: &Row| (row.external - row.internal - row.kinetic - row.friction_work).abs();
+    if work > 0.0 { rows.iter().map(off).fold(0.0, f64::max) / work } else { 0.0 }
+}
+
+fn phases(run: &Run) -> Vec<PhaseResult> {
+    // The mesh's volumes are of its own phases; the test's are wanted.
+    let volumes = run.volumes();
+    let result = |phase: Phase| {
+        let groups = run.blocks.iter().flat_map(|block| &block.groups).filter(|group| group.phase == phase);
+        let exact = |exact: PhaseVolumes| exact.of(phase) / run.sample.volume_mm3;
+        PhaseResult {
+            name: phase.name().to_ascii_lowercase(),
+            volume_fraction: volumes[phase as usize] / run.sample.volume_mm3,
+            exact_fraction: run.sample.exact.map(exact),
+            dissipated_mj: groups.map(|group| group.dissipated).sum(),
+        }
+    };
+    let has_faces = !run.sample.mesh.cohesive.is_empty();
+    let is_there = |phase: &Phase| run.phases().contains(phase) || (*phase == Phase::Itz && has_faces);
+    Phase::ALL.into_iter().filter(is_there).map(result).collect()
+}
+
+impl Summary {
+    fn warn(&mut self, run: &Run) {
+        let test = &run.test;
+        self.warn_of_the_mesh(run, test);
+        self.warn_of_the_laws(run);
+        if let Ended::Diverged(element) = &self.ended {
+            self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
+        }
+        let kinetic = self.kinetic_over_internal_max;
+        if kinetic > SLOW {
+            let text = format!(
+                "the kinetic energy reached {:.1} % of the internal one after the ramp; lengthen test.duration_s",
+                100.0 * kinetic
+            );
+            if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
+        }
+        if self.hourglass_over_internal > HOURGLASS {
+            let share = 100.0 * self.hourglass_over_internal;
+            let way_out = "take smaller elements or a smaller test.hourglass";
+            self.warnings.push(format!("hourglass modes held {share:.1} % of the internal energy; {way_out}"));
+        }
+        if self.energy_balance_error > BALANCE {
+            let share = 100.0 * self.energy_balance_error;
+            self.errors.push(format!("the energies are {share:.2} % of the work off; shorten test.time_step_s"));
+        }
+    }
+
+    fn warn_of_the_mesh(&mut self, run: &Run, test: &Test) {
+        let phases = &run.phases;
+        if phases.joined_pairs > 0 {
+            let pairs = phases.joined_pairs;
+            let share = 100.0 * phases.parted_cells as f64 / phases.aggregate_cells.max(1) as f64;
+            self.warnings.push(match test.joined {
+                Joined::Mortar => format!(
+                    "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
+                     pack with a gap that the elements can show, or refine the mesh"
+                ),
+                Joined::Keep => format!(
+                    "{pairs} pairs of aggregates share nodes and form a skeleton that cannot break; \
+                     take test.joined = \"mortar\""
+                ),
+            });
+        }
+        if run.sample.mesh.periodic != [false; 3] {
+            self.warnings.push("the specimen repeats itself, but its sides are free in this test".to_owned());
+        }
+    }
+
+    /// Crack bands that are too wide for their energy.
+    fn warn_of_the_laws(&mut self, run: &Run) {
+        for phase in Phase::ALL {
+            let (width, most) = (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
+            if width > most {
+                let name = phase.name().to_ascii_lowercase();
+                self.warnings.push(format!(
+                    "crack bands in {name} are up to {width:.2} mm wide; beyond {most:.2} mm they would snap back and \
+                     spend more energy than asked for: take smaller elements"
+                ));
+            }
+        }
+    }
+}

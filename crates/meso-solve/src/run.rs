@@ -1,0 +1,359 @@
+//! A test from its first step to its last.
+//!
+//! Central differences: forces from displacements at a whole step, velocities at the half step after it. Blocks of
+//! elements go in parallel, each into its own part of the forces; then runs of nodes go in parallel. Every sum has a fixed
+//! order, so the bytes do not hang on the threads.
+
+use crate::assembly::{Assembly, Parts, assemble, box_shape};
+use crate::block::{Block, Common, Pass, Scratch};
+use crate::curve::Row;
+use crate::element::face::CohesionValues;
+use crate::error::SolveError;
+use crate::frame::Frame;
+use crate::lanes::InstructionSet;
+use crate::matter::{self, Matter};
+use crate::nodes::Nodes;
+use crate::observer::{Observer, Progress, Wish};
+use crate::phases::Phases;
+use crate::plates::{Motion, Plates};
+use crate::response::{Ended, Response};
+use crate::sample::Sample;
+use crate::test::{Kind, LawName, Test};
+use meso_core::materials::Materials;
+use meso_core::math::Vec3;
+use meso_core::mesh::{CellKind, Mesh, Phase};
+use rayon::prelude::*;
+use std::cell::RefCell;
+
+/// Stiffness of a cohesive face over E / h.
+const COHESIVE_STIFFNESS: f64 = 20.0;
+/// Kinetic energy above this share of the plates' work is no test any more but a runaway.
+const RUNAWAY: f64 = 4.0;
+
+/// Strength of interfaces in an elastic test, MPa.
+const UNBREAKABLE: f64 = 1e6;
+
+/// A test, ready to go or on its way.
+pub struct Run<'a> {
+    pub(crate) sample: Sample<'a>,
+    pub(crate) test: Test,
+    pub(crate) phases: Phases,
+    pub(crate) common: Common,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) nodes: Nodes,
+    /// The mesh's number of every node of the engine.
+    pub(crate) order: Vec<u32>,
+    forces: Vec<[f32; 4]>,
+    plates: Plates,
+    pub(crate) set: InstructionSet,
+    pub(crate) outline: Outline,
+    pub(crate) state: State,
+}
+
+/// What was decided before the first step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline {
+    pub(crate) height_mm: f64,
+    pub(crate) dt: f64,
+    pub(crate) steps: u64,
+    /// Steps between rows.
+    pub(crate) stride: u64,
+    /// Mass without and with what was added, tonne.
+    pub(crate) masses: [f64; 2],
+    /// Longest step that would need no mass, s.
+    pub(crate) stable_s: f64,
+    /// Widest crack band by phase, mm.
+    pub(crate) widest_mm: [f64; 5],
+}
+
+/// What changes from step to step, but for blocks and nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct State {
+    pub(crate) step: u64,
+    pub(crate) time: f64,
+    /// Of the upper plate, upwards, mm.
+    pub(crate) travel: f64,
+    pub(crate) external: f64,
+    pub(crate) internal: f64,
+    pub(crate) friction: f64,
+    pub(crate) kinetic: f64,
+    /// Sums since the last row: forces of the plates, travel, steps.
+    pub(crate) since_row: [f64; 4],
+    pub(crate) rows: Vec<Row>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::new());
+}
+
+impl<'a> Run<'a> {
+    /// Prepares a test; nothing moves yet.
+    ///
+    /// # Errors
+    /// Values out of range, laws that cannot have them, meshes without plates' faces or with cells of no volume: all
+    /// before the first step, with the way out.
+    pub fn new(sample: Sample<'a>, materials: &Materials, test: &Test) -> Result<Self, SolveError> {
+        test.validate()?;
+        sample.validate()?;
+        matter::validate(materials, test.law)?;
+        let (mesh, height_mm) = (sample.mesh, sample.height_mm());
+        let phases = Phases::of(mesh, test.joined, test.itz);
+        let common = common(&sample, &as_solved(materials, &phases), test)?;
+        let (steps, dt) = steps(&sample, test, height_mm)?;
+        let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt };
+        let Assembly { blocks, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
+        let mut number = vec![0; order.len()];
+        (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
+        let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
+        let nodes = Nodes::new(mass, &blocks);
+        let forces = vec![[0.0; 4]; nodes.places()];
+        let set = test.instruction_set.map_or_else(InstructionSet::best, InstructionSet::or_best);
+        let stride = (steps / u64::from(test.rows)).max(1);
+        let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
+        let (test, state) = (test.clone(), State::default());
+        Ok(Self { sample, test, phases, common, blocks, nodes, order, forces, plates, set, outline, state })
+    }
+
+    /// Steps of the whole test.
+    pub fn steps(&self) -> u64 {
+        self.outline.steps
+    }
+
+    /// s.
+    pub fn time_step_s(&self) -> f64 {
+        self.outline.dt
+    }
+
+    /// Mass added over the specimen's own, percent.
+    pub fn added_mass_percent(&self) -> f64 {
+        100.0 * (self.outline.masses[1] / self.outline.masses[0] - 1.0)
+    }
+
+    /// The phase that every cell of the mesh has in the test.
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases.of_cells
+    }
+
+    /// Bytes that the engine holds, the mesh apart.
+    pub fn bytes(&self) -> usize {
+        let blocks: usize = self.blocks.iter().map(Block::bytes).sum();
+        let phases = size_of_val(&*self.phases.of_cells);
+        blocks + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces) + phases
+    }
+
+    /// Goes on to the end of the test, or until the observer stops it or it diverges.
+    pub fn to_end(&mut self, observer: &dyn Observer) -> Response {
+        let ended = self.go(observer);
+        Response::of(self, ended)
+    }
+
+    fn go(&mut self, observer: &dyn Observer) -> Ended {
+        while self.state.step < self.outline.steps {
+            self.advance();
+            if !self.is_sound() {
+                return Ended::Diverged(self.culprit());
+            }
+            let step = self.state.step;
+            let is_row = step % self.outline.stride == 0 || step == self.outline.steps;
+            if is_row {
+                self.add_row();
+            }
+            if let Some(number) = self.frame_at(step) {
+                observer.frame(&Frame::new(self, number));
+            }
+            if is_row && self.tell(observer) == Wish::Stop {
+                return Ended::Stopped;
+            }
+        }
+        Ended::Completed
+    }
+
+    fn tell(&self, observer: &dyn Observer) -> Wish {
+        let Some(row) = self.state.rows.last() else { return Wish::GoOn };
+        let wish = observer.progress(&Progress { step: self.state.step, steps: self.outline.steps, row });
+        if wish == Wish::Keep {
+            observer.keep(self);
+        }
+        wish
+    }
+
+    /// Number of the frame that is due after `step` steps, from 1.
+    fn frame_at(&self, step: u64) -> Option<u32> {
+        let (frames, steps) = (u64::from(self.test.frames), self.outline.steps);
+        // The frame k is due at the step k steps / frames, rounded up.
+        let due = |step: u64| step * frames / steps;
+        (frames > 0 && due(step) > due(step - 1)).then(|| due(step) as u32)
+    }
+
+    /// Takes one step.
+    fn advance(&mut self) {
+        self.resist();
+        let (state, dt) = (&mut self.state, self.outline.dt);
+        let speed = self.plates.speed(state.time + 0.5 * dt);
+        let before = if state.step == 0 { 0.0 } else { self.plates.speed(state.time - 0.5 * dt) };
+        let travel = state.travel + speed * dt;
+        let motion = Motion { travel, mean_speed: 0.5 * (speed + before) };
+        let sums = self.nodes.advance(&self.forces, &self.plates, &motion, dt);
+        for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
+            *sum += x;
+        }
+        state.external += sums.external;
+        state.internal += sums.internal;
+        state.friction += sums.friction;
+        state.kinetic = sums.kinetic;
+        state.travel = travel;
+        state.step += 1;
+        state.time = state.step as f64 * dt;
+    }
+
+    /// The elements' forces at the present displacements.
+    fn resist(&mut self) {
+        let Self { blocks, forces, common, nodes, set, .. } = self;
+        let (displacement, set) = (&nodes.displacement[..], *set);
+        let mut rest = &mut forces[..];
+        let mut outs = Vec::with_capacity(blocks.len());
+        for block in blocks.iter() {
+            let (out, more) = rest.split_at_mut(block.nodes.len());
+            outs.push(out);
+            rest = more;
+        }
+        blocks.par_iter_mut().zip(outs).for_each(|(block, out)| {
+            SCRATCH.with_borrow_mut(|scratch| set.run(Pass { block, common, displacement, out, scratch }));
+        });
+    }
+
+    /// A row of the curve from the steps since the last one.
+    fn add_row(&mut self) {
+        let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
+        let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
+        let stress = |force: f64| sign * force / count / self.sample.section_mm2;
+        let groups = || self.blocks.iter().flat_map(|block| &block.groups);
+        let state = &self.state;
+        let row = Row {
+            strain: sign * travel / count / self.outline.height_mm,
+            stress_mpa: 0.5 * (stress(top) + stress(-bottom)),
+            kinetic: state.kinetic,
+            internal: state.internal,
+            external: state.external,
+            friction_work: state.friction,
+            hourglass: groups().map(|group| group.hourglass[0] + group.hourglass[1]).sum(),
+            dissipated: groups().map(|group| group.dissipated).sum(),
+            stress_bottom_mpa: stress(-bottom),
+            stress_top_mpa: stress(top),
+            time_s: state.time,
+        };
+        self.state.rows.push(row);
+    }
+
+    /// Volume of the cells of every phase in the test, mm3.
+    pub(crate) fn volumes(&self) -> [f64; 5] {
+        let (mesh, mut volumes) = (self.sample.mesh, [0.0; 5]);
+        for (cell, &phase) in mesh.cells().zip(self.phases()) {
+            volumes[phase as usize] += cell_volume(mesh, cell);
+        }
+        volumes
+    }
+
+    /// Whether energies are finite and the specimen moves no faster than the plates can have made it.
+    fn is_sound(&self) -> bool {
+        let state = &self.state;
+        let energies = [state.internal, state.external, state.friction, state.kinetic];
+        let most = RUNAWAY * state.external.abs().max(self.drive());
+        energies.iter().all(|energy| energy.is_finite()) && state.kinetic <= most
+    }
+
+    /// Kinetic energy of the whole specimen at the speed of the plate, mJ.
+    fn drive(&self) -> f64 {
+        0.5 * self.outline.masses[1] * self.plates.speed(f64::INFINITY).powi(2)
+    }
+
+    /// The cell whose nodes are fastest, in words.
+    fn culprit(&self) -> String {
+        let mesh = self.sample.mesh;
+        let mut speed = vec![0.0; self.order.len()];
+        for (velocity, &node) in self.nodes.velocity.iter().zip(&self.order) {
+            let fast = velocity.iter().fold(0.0_f64, |fast, v| fast.max(v.abs()));
+            speed[node as usize] = if velocity.iter().all(|v| v.is_finite()) { fast } else { f64::INFINITY };
+        }
+        let of_cell = |cell: &[u32]| cell.iter().map(|&node| speed[node as usize]).sum::<f64>();
+        let cells = mesh.cells().enumerate().map(|(number, cell)| (number, of_cell(cell)));
+        let (number, _) = cells.fold((0, -1.0), |worst, cell| if cell.1 > worst.1 { cell } else { worst });
+        let nodes = &mesh.cells[number * mesh.kind.nodes()..][..mesh.kind.nodes()];
+        let centre = nodes.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>();
+        let [x, y, z]: [f64; 3] = (centre / nodes.len() as f64).into();
+        let phase = self.phases.of_cells[number].name();
+        format!("element {number} ({phase}) at ({x:.2}, {y:.2}, {z:.2}) mm, step {}", self.state.step)
+    }
+}
+
+/// mm3.
+fn cell_volume(mesh: &Mesh, cell: &[u32]) -> f64 {
+    let p = |corner: usize| mesh.points[cell[corner] as usize];
+    let edges = |of: [usize; 3]| of.map(|corner| p(corner) - p(0));
+    let ([a, b, c], share) = match mesh.kind {
+        CellKind::Hexahedron => (edges([1, 3, 4]), 1.0),
+        _ => (edges([1, 2, 3]), 1.0 / 6.0),
+    };
+    share * a.cross(&b).dot(&c)
+}
+
+/// The materials of a test: a smeared ITZ is mortar of less strength, and as stiff.
+fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
+    let itz = if phases.smeared_cells > 0 { materials.mortar } else { materials.itz };
+    Materials { itz, ..materials.clone() }
+}
+
+/// What all elements share.
+fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common, SolveError> {
+    let shape = box_shape(sample.mesh)?;
+    let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(sample, materials, test)).transpose()?;
+    let matter = |phase| Matter::new(materials, phase, test.law);
+    // Places in the order of the phases' numbers; 3 is no phase of a mesh.
+    let matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter);
+    Ok(Common { matter, shape, cohesion, hourglass: test.hourglass, band_mm: sample.band_factor * shape.edge() })
+}
+
+fn cohesion(sample: &Sample, materials: &Materials, test: &Test) -> Result<CohesionValues, SolveError> {
+    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    let interface = &test.interface;
+    let stiffness = interface
+        .stiffness_n_per_mm3
+        .unwrap_or_else(|| COHESIVE_STIFFNESS * materials.mortar.youngs_modulus_mpa / sample.element_size_mm);
+    let opening = strength.fracture_energy_n_per_mm;
+    let values = CohesionValues {
+        stiffness,
+        tensile: strength.tensile_mpa,
+        shear: strength.cohesion_mpa(),
+        energies: [opening, interface.shear_energy_ratio * opening],
+        exponent: interface.mixity_exponent,
+        friction: interface.friction,
+    };
+    let stored = |stress: f64| stress * stress / (2.0 * stiffness);
+    if test.law != LawName::Elastic && (stored(values.tensile) >= opening || stored(values.shear) >= values.energies[1])
+    {
+        let least = (values.tensile.powi(2) / (2.0 * opening)).max(values.shear.powi(2) / (2.0 * values.energies[1]));
+        let accepted = format!("it must be above {least:.3e}, where damage begins with less than the fracture energy");
+        return Err(SolveError::value("test.interface.stiffness_n_per_mm3", stiffness, accepted));
+    }
+    if test.law == LawName::Elastic {
+        return Ok(CohesionValues {
+            tensile: UNBREAKABLE,
+            shear: UNBREAKABLE,
+            energies: [UNBREAKABLE.powi(2); 2],
+            ..values
+        });
+    }
+    Ok(values)
+}
+
+/// Steps of the test, and the length of each, s.
+fn steps(sample: &Sample, test: &Test, height_mm: f64) -> Result<(u64, f64), SolveError> {
+    let duration = test.duration_s(height_mm);
+    let asked = test.time_step_s(sample.element_size_mm, !sample.mesh.cohesive.is_empty());
+    let steps = (duration / asked).ceil();
+    if !(10.0..=1e9).contains(&steps) {
+        let accepted = format!("{duration:.3e} s take {steps} steps; they must be 10 to 1e9");
+        return Err(SolveError::value("test.time_step_s", asked, accepted));
+    }
+    Ok((steps as u64, duration / steps))
+}

@@ -1,0 +1,87 @@
+//! What is tested: a mesh, and what the mesh does not know of its specimen.
+
+use crate::error::SolveError;
+use meso_core::math::Aabb;
+use meso_core::mesh::{CellKind, Mesh, MeshOptions, Method, PhaseVolumes};
+use meso_core::packing::Specimen;
+
+/// A meshed specimen; it is loaded along z.
+#[derive(Clone, Debug)]
+pub struct Sample<'a> {
+    /// Linear tetrahedra, or boxes of one size.
+    pub mesh: &'a Mesh,
+    /// Gross section, mm2: forces over it are stresses.
+    pub section_mm2: f64,
+    /// Gross volume, mm3: volumes over it are fractions.
+    pub volume_mm3: f64,
+    /// Element size asked of the mesh, mm: it decides the time step.
+    pub element_size_mm: f64,
+    /// Width of a crack band over [`regular_edge`] of a tetrahedron, or over the edge of a box.
+    pub band_factor: f64,
+    /// The phases' exact volumes, where known.
+    pub exact: Option<PhaseVolumes>,
+}
+
+/// Crack bands in boxes over their edge, and in tetrahedra over their [`regular_edge`]: a weak layer then spends its fracture
+/// energy. More than 1, since what holds the layer's sides makes it stronger and tougher.
+const VOXEL_BAND: f64 = 1.19;
+const TETRAHEDRON_BAND: f64 = 1.6;
+
+impl<'a> Sample<'a> {
+    /// `mesh` as it was built of `specimen` with `options`.
+    pub fn of(mesh: &'a Mesh, specimen: &Specimen, options: &MeshOptions) -> Self {
+        Self {
+            mesh,
+            section_mm2: gross_section_mm2(specimen),
+            volume_mm3: specimen.volume(),
+            element_size_mm: options.element_size_mm,
+            band_factor: band_factor(options.method),
+            exact: None,
+        }
+    }
+
+    /// Along z, mm.
+    pub fn height_mm(&self) -> f64 {
+        Aabb::around(&self.mesh.points).size().z
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), SolveError> {
+        if self.mesh.kind == CellKind::QuadraticTetrahedron {
+            return Err(SolveError::mesh("its tetrahedra are of second order; mesh with order 1"));
+        }
+        if self.mesh.cell_count() == 0 {
+            return Err(SolveError::mesh("it has no cells"));
+        }
+        for (key, value) in [
+            ("sample.section_mm2", self.section_mm2),
+            ("sample.volume_mm3", self.volume_mm3),
+            ("sample.element_size_mm", self.element_size_mm),
+            ("sample.band_factor", self.band_factor),
+        ] {
+            crate::error::require(key, value, value > 0.0 && value.is_finite(), "it must be a positive number")?;
+        }
+        Ok(())
+    }
+}
+
+/// Width of a crack band over the size of the element it runs through, calibrated for every method.
+pub fn band_factor(method: Method) -> f64 {
+    match method {
+        Method::Voxel { .. } => VOXEL_BAND,
+        Method::Lattice { .. } | Method::Conforming { .. } => TETRAHEDRON_BAND,
+    }
+}
+
+/// Edge of the regular tetrahedron of this volume, mm.
+pub fn regular_edge(volume_mm3: f64) -> f64 {
+    libm::cbrt(6.0 * std::f64::consts::SQRT_2 * volume_mm3)
+}
+
+/// Section across z that a test's forces are divided by, mm2: that of a sphere is its largest, notches do not count.
+pub fn gross_section_mm2(specimen: &Specimen) -> f64 {
+    match specimen {
+        Specimen::Sphere { diameter_mm } => std::f64::consts::FRAC_PI_4 * diameter_mm * diameter_mm,
+        Specimen::NotchedPrism { length_mm, width_mm, .. } => length_mm * width_mm,
+        _ => specimen.volume() / specimen.aabb().size().z,
+    }
+}

@@ -1,0 +1,118 @@
+//! CDPM2 against what its equations give in closed form, in f64 and in the f32 of the solver.
+
+use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
+use meso_solve::law::{Law, cdpm2 as law};
+use meso_solve::point::{Held, curve, ramp};
+
+const UNIAXIAL: Held = Held::Lateral(0.0);
+const E: f64 = 26_000.0;
+
+fn strengths<R: Number>() {
+    let of = cdpm2::<R>(&mortar(), &law::Options::default());
+    close(peak(&along(&of, UNIAXIAL, &[-0.004], 2e-6)).stress, -40.0, 1e-3);
+    close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
+    close(peak(&along(&of, Held::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
+}
+
+#[test]
+fn strengths_are_those_given() {
+    strengths::<f64>();
+    strengths::<f32>();
+}
+
+/// On the compressive meridian r is 1, and the surface at its peak (q1 = q2 = 1) is 9 u^2 + m0 (u + s) = 1 with
+/// u = (sigma - p) / (3 f_c) and u + s = -p / f_c: the strength under lateral pressure p is p + f_c sqrt(1 + m0 p / f_c).
+fn confined<R: Number>() {
+    let (fc, ft, fb) = (40.0, 3.0, 46.4);
+    let share = ft * (fb * fb - fc * fc) / (fb * (fc * fc - ft * ft));
+    let e: f64 = (1.0 + share) / (2.0 - share);
+    let m0 = 3.0 * (fc * fc - ft * ft) / (fc * ft) * e / (e + 1.0);
+    for pressure in [5.0, 10.0, 20.0] {
+        let strength = pressure + fc * (1.0 + m0 * pressure / fc).sqrt();
+        // H_p raises it further as plastic strain grows.
+        let of = cdpm2::<R>(&mortar(), &law::Options { hardening_modulus: 0.0, ..Default::default() });
+        close(peak(&along(&of, Held::Lateral(-pressure), &[-0.04], 1e-5)).stress, -strength, 1e-3);
+    }
+}
+
+#[test]
+fn confined_strength_is_the_surfaces_closed_form() {
+    confined::<f64>();
+    confined::<f32>();
+}
+
+fn energies<R: Number>(width: f64, options: &law::Options) {
+    let of = cdpm2::<R>(&mortar(), options);
+    let end = 0.06 / (0.225 * 3.0) / width + 3.0 / E;
+    let pulled = curve(&of, width, UNIAXIAL, &ramp(0.0, 1.2 * end, 5000).collect::<Vec<_>>());
+    // The norm of plastic strain counts its lateral part, too.
+    close(inelastic_energy(&pulled, E, width), 0.06, 3e-3);
+    let end = 0.0022 + 12.0 * 0.5 / 40.0 / width;
+    let crushed = curve(&of, width, UNIAXIAL, &ramp(0.0, -end, 6000).collect::<Vec<_>>());
+    close(inelastic_energy(from_peak(&crushed), E, width), 0.5, 3e-3);
+}
+
+#[test]
+fn both_energies_are_spent_on_any_width() {
+    let rigid = law::Options { hardening_modulus: 0.0, ..Default::default() };
+    for width in [0.5, 2.0, 6.0] {
+        energies::<f64>(width, &rigid);
+        energies::<f64>(width, &law::Options::default());
+        energies::<f32>(width, &law::Options::default());
+    }
+}
+
+fn stiffness<R: Number>() {
+    let of = cdpm2::<R>(&mortar(), &law::Options::default());
+    for (corners, side) in [([0.005, 0.00492], 0), ([-0.02, -0.0192], 1)] {
+        let path = along(&of, UNIAXIAL, &corners, 1e-5);
+        let turn = path.iter().position(|s| s.strain == corners[0]).unwrap();
+        let damage = path[turn].damage[side];
+        assert!((0.3..0.999).contains(&damage), "{damage}");
+        close(slope([path[turn], path[path.len() - 1]]), (1.0 - damage) * E, 2e-3);
+    }
+}
+
+#[test]
+fn unloading_is_as_stiff_as_damage_leaves_it() {
+    stiffness::<f64>();
+    stiffness::<f32>();
+}
+
+#[test]
+fn a_closed_crack_is_as_stiff_as_before() {
+    let of = cdpm2::<f64>(&mortar(), &law::Options::default());
+    let path = along(&of, UNIAXIAL, &[0.001, -0.002], 1e-6);
+    let opened = path[999].damage[0];
+    assert!(opened > 0.3, "{opened}");
+    let at = path.iter().position(|s| s.stress < -5.0).unwrap();
+    close(slope([path[at - 1], path[at]]), E, 1e-3);
+    close(peak(&path).stress, -40.0, 1e-2);
+}
+
+#[test]
+fn a_band_too_wide_is_named() {
+    let of = cdpm2::<f64>(&mortar(), &law::Options::default());
+    close(Law::<f64>::widest_mm(&of), 0.98 * 8.125, 1e-9);
+    let given = law::Options { crushing_strain: Some(1e-4), ..Default::default() };
+    // Without a width in compression the crack law's first piece binds: 0.15 w_f E / (0.7 f_t).
+    let widest = 0.98 * 0.15 * (0.06 / 0.675) * E / (0.7 * 3.0);
+    close(Law::<f64>::widest_mm(&cdpm2::<f64>(&mortar(), &given)), widest, 1e-9);
+}
+
+#[test]
+fn values_that_cannot_be_are_named() {
+    assert!(law::validate(&mortar(), &law::Options::default()).is_ok());
+    let error = |options: law::Options| law::validate(&mortar(), &options).unwrap_err().to_string();
+    let usual = law::Options::default();
+    let refused = error(law::Options { dilation: 0.5, ..usual });
+    assert!(refused.contains("cdpm2.dilation is 0.5; it must be 0.55 to 2"), "{refused}");
+    let refused = error(law::Options { hardening_ductility: [0.002, 0.003, 2.0, 1e-6], ..usual });
+    assert!(refused.contains("cdpm2.hardening_ductility[0] is 0.002"), "{refused}");
+    let refused = error(law::Options { crushing_strain: Some(f64::NAN), ..usual });
+    assert!(refused.contains("cdpm2.crushing_strain is NaN"), "{refused}");
+    let mut materials = mortar();
+    materials.plasticity.biaxial_ratio = 1.0;
+    let refused = law::validate(&materials, &usual).unwrap_err().to_string();
+    assert!(refused.contains("plasticity.biaxial_ratio is 1; it must lie above 1"), "{refused}");
+}

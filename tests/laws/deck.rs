@@ -1,0 +1,70 @@
+//! The law and the deck of one material are twins: the deck's tables, read from its text, against one point's curve.
+
+use crate::subject::{Number, cdp, from_peak, mortar, peak};
+use meso_core::export::abaqus::{Analysis, DeckOptions, write};
+use meso_core::mesh::{ItzForm, MeshOptions, build_parts};
+use meso_core::packing::{Periodic, Specimen};
+use meso_solve::point::{Held, Sample, curve, ramp};
+
+/// Edge of the deck's voxels, mm.
+const WIDTH: f64 = 1.0;
+const E: f64 = 26_000.0;
+
+/// The two numbers of every row of the first card `keyword`.
+fn rows(deck: &str, keyword: &str) -> Vec<[f64; 2]> {
+    let lines = deck.lines().skip_while(|line| !line.starts_with(keyword)).skip(1);
+    let data = lines.take_while(|line| !line.starts_with('*'));
+    data.map(|line| {
+        let mut cells = line.split(',').map(|cell| cell.trim().parse().unwrap());
+        [cells.next().unwrap(), cells.next().unwrap()]
+    })
+    .collect()
+}
+
+fn deck() -> String {
+    let specimen = Specimen::Box { size_mm: [WIDTH, WIDTH, 2.0 * WIDTH], periodic: Periodic([false; 3]) };
+    let options = MeshOptions { element_size_mm: WIDTH, itz: ItzForm::None, ..Default::default() };
+    let mesh = build_parts(&[], &specimen, &options).unwrap();
+    let options = DeckOptions { analysis: Analysis::Compression, materials: mortar(), ..Default::default() };
+    let mut text = Vec::new();
+    write(&mesh, &options, &mut text).unwrap();
+    String::from_utf8(text).unwrap()
+}
+
+/// Size of the stress at an inelastic strain, between samples.
+fn at(curve: &[Sample], inelastic: f64) -> f64 {
+    let of = |s: &Sample| s.strain.abs() - s.stress.abs() / E;
+    let after = curve.iter().position(|s| of(s) >= inelastic).unwrap().max(1);
+    let [a, b] = [&curve[after - 1], &curve[after]];
+    let share = (inelastic - of(a)) / (of(b) - of(a));
+    (a.stress + share * (b.stress - a.stress)).abs()
+}
+
+fn twins<R: Number>() {
+    let (of, deck) = (cdp::<R>(&mortar()), deck());
+    let held = Held::Lateral(0.0);
+    let crushed = curve(&of, WIDTH, held, &ramp(0.0, -0.05, 10_000).collect::<Vec<_>>());
+    let table = rows(&deck, "*CONCRETE COMPRESSION HARDENING");
+    let top = table.iter().position(|row| row[0] == 40.0).unwrap();
+    let before = &crushed[..crushed.len() - from_peak(&crushed).len() + 1];
+    for [stress, strain] in &table[1..top] {
+        assert!((at(before, *strain) - stress).abs() < 0.026 * 40.0, "{stress} at {strain}: {}", at(before, *strain));
+    }
+    let peak = peak(&crushed);
+    assert!((peak.strain.abs() - peak.stress.abs() / E - table[top][1]).abs() < 1e-5);
+    for [stress, strain] in table[top + 1..].iter().filter(|row| row[1] < 0.045) {
+        assert!((at(from_peak(&crushed), *strain) - stress).abs() < 1e-3 * 40.0, "{stress} at {strain}");
+    }
+    let pulled = curve(&of, WIDTH, held, &ramp(0.0, 0.1, 10_000).collect::<Vec<_>>());
+    let table = rows(&deck, "*CONCRETE TENSION STIFFENING");
+    for [stress, opening] in &table[1..] {
+        let found = at(from_peak(&pulled), opening / WIDTH);
+        assert!((found - stress).abs() < 1e-3 * 3.0, "{stress} at {opening}: {found}");
+    }
+}
+
+#[test]
+fn deck_and_law_have_the_same_curves() {
+    twins::<f64>();
+    twins::<f32>();
+}

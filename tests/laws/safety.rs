@@ -1,0 +1,105 @@
+//! What no strain may do to a law.
+
+use crate::subject::{Number, WIDTH, cdp, cdpm2, mortar};
+use meso_solve::law::{Law, Tensor, cdpm2 as options};
+
+/// Numbers from -1 to 1, the same every time.
+pub(crate) struct Dice(pub(crate) u64);
+
+impl Dice {
+    pub(crate) fn throw(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Random walks with jumps of all sizes, among them absurd ones: stress is finite, integrity a share.
+fn walks<R: Number, L: Law<R>>(law: &L) {
+    let mut dice = Dice(7);
+    for size in [1e-7, 1e-5, 1e-3, 0.1, 10.0] {
+        for _ in 0..40 {
+            let (mut history, mut strain) = (L::virgin(), [0.0; 6]);
+            for _ in 0..200 {
+                strain = strain.map(|e: f64| 0.98 * e + size * dice.throw());
+                let answer = law.stress(&strain.map(R::splat), &mut history, R::splat(WIDTH));
+                let stress: Tensor<f64> = answer.stress.map(Into::into);
+                let integrity: f64 = answer.integrity.into();
+                assert!(stress.iter().all(|s| s.is_finite()), "{stress:?} at {strain:?}");
+                assert!((0.0..=1.000_01).contains(&integrity), "{integrity} at {strain:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_strain_makes_a_stress_that_is_no_number() {
+    let (materials, usual) = (mortar(), options::Options::default());
+    walks(&cdp::<f64>(&materials));
+    walks(&cdp::<f32>(&materials));
+    walks(&cdpm2::<f64>(&materials, &usual));
+    walks(&cdpm2::<f32>(&materials, &usual));
+}
+
+/// Loops of strain in small steps: the least that was spent, as a share of the work.
+fn dissipation<L: Law<f64>>(law: &L) -> f64 {
+    let mut dice = Dice(3);
+    let mut least = f64::INFINITY;
+    for _ in 0..60 {
+        let (mut history, mut strain, mut work) = (L::virgin(), [0.0; 6], 0.0);
+        let mut stress = [0.0; 6];
+        for _ in 0..6 {
+            let to: Tensor<f64> = std::array::from_fn(|_| 0.002 * dice.throw());
+            let from = strain;
+            for step in 1..=400 {
+                let next = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * f64::from(step) / 400.0);
+                let new = law.stress(&next, &mut history, WIDTH).stress;
+                work += (0..6).map(|i| (stress[i] + new[i]) / 2.0 * (next[i] - strain[i])).sum::<f64>();
+                (strain, stress) = (next, new);
+            }
+            least = least.min((work - law.state(&strain, &history, WIDTH).stored) / work.max(1e-4));
+        }
+    }
+    least
+}
+
+/// CDPM2 does not promise that: a crack that opens and closes across pressed material changes its pressure for nothing.
+#[test]
+fn damaged_plasticity_gives_no_energy_on_any_path() {
+    let spent = dissipation(&cdp::<f64>(&mortar()));
+    assert!(spent > -1e-9, "{spent}");
+}
+
+/// A turned strain path gives the turned stress.
+fn turned<L: Law<f64>>(law: &L) {
+    // Rows of a rotation, exact in ninths.
+    let turn = [[1.0, -4.0, 8.0], [8.0, 4.0, 1.0], [-4.0, 7.0, 4.0]].map(|row| row.map(|x: f64| x / 9.0));
+    let rotate = |t: Tensor<f64>, shear: f64| -> Tensor<f64> {
+        let (xy, yz, zx) = (t[3] * shear, t[4] * shear, t[5] * shear);
+        let m = [[t[0], xy, zx], [xy, t[1], yz], [zx, yz, t[2]]];
+        let at = |i: usize, j: usize| -> f64 {
+            (0..3).flat_map(|k| (0..3).map(move |l| (k, l))).map(|(k, l)| turn[i][k] * m[k][l] * turn[j][l]).sum()
+        };
+        [at(0, 0), at(1, 1), at(2, 2), at(0, 1) / shear, at(1, 2) / shear, at(2, 0) / shear]
+    };
+    let mut dice = Dice(11);
+    let (mut straight, mut bent) = (L::virgin(), L::virgin());
+    let mut from = [0.0; 6];
+    for _ in 0..6 {
+        let to: Tensor<f64> = std::array::from_fn(|_| 0.002 * dice.throw());
+        for step in 1..=200 {
+            let strain = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * f64::from(step) / 200.0);
+            let here = law.stress(&strain, &mut straight, WIDTH).stress;
+            let there = law.stress(&rotate(strain, 0.5), &mut bent, WIDTH).stress;
+            let expected = rotate(here, 1.0);
+            let off = (0..6).map(|i| (there[i] - expected[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-5, "{there:?} instead of {expected:?}");
+        }
+        from = to;
+    }
+}
+
+#[test]
+fn laws_know_no_direction() {
+    turned(&cdp::<f64>(&mortar()));
+    turned(&cdpm2::<f64>(&mortar(), &Default::default()));
+}

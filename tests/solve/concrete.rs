@@ -1,0 +1,122 @@
+//! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
+
+use crate::samples::{Meshed, brittle, concrete};
+use meso_core::mesh::{ItzForm, Method, Phase};
+use meso_solve::{Frame, Itz, Joined, Kind, Observer, Run, Test};
+use std::cell::RefCell;
+
+fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
+    meshed.solve(&brittle(), test)
+}
+
+#[test]
+fn concrete_softens_and_its_energies_balance() {
+    for meshed in [
+        concrete(1.0, Method::FITTED, 2.5, ItzForm::None),
+        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
+        concrete(0.5, Method::FITTED, 2.5, ItzForm::Cohesive),
+    ] {
+        let result = solve(&meshed, &Test::default()).result;
+        let figures = result.figures;
+        assert!(figures.softened && (25.0..50.0).contains(&figures.peak_mpa), "{result:?}");
+        assert!((0.001..0.0035).contains(&figures.peak_strain), "{result:?}");
+        assert!(result.energy_balance_error < 1e-3 && result.kinetic_over_internal_max < 0.01, "{result:?}");
+        assert!(result.errors.is_empty(), "{:?}", result.errors);
+    }
+}
+
+#[test]
+fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
+    let test = Test::default();
+    let peak = |test: &Test| solve(&meshed, test).result.figures.peak_mpa;
+    let twice = Test { duration_s: Some(2.0 * test.duration_s(24.0)), ..test.clone() };
+    let [once, slow] = [&test, &twice].map(peak);
+    assert!((once / slow - 1.0).abs() < 0.01, "{once} {slow}");
+}
+
+#[test]
+fn joined_aggregates_are_parted_by_mortar_and_counted() {
+    let meshed = concrete(0.0, Method::FITTED, 3.0, ItzForm::None);
+    assert!(meshed.mesh.notes.closed_gap_pairs > 0, "the trial needs closed gaps");
+    let test = Test { itz: Itz::None, ..Test::default() };
+    let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
+    let changed = run.phases().iter().zip(&meshed.mesh.phase).filter(|(now, was)| now != was).count();
+    // No node has cells of two aggregates any more.
+    let mut owner = vec![u32::MAX; meshed.mesh.points.len()];
+    for ((cell, &body), phase) in meshed.mesh.cells().zip(&meshed.mesh.aggregate).zip(run.phases()) {
+        for &node in cell.iter().filter(|_| *phase == Phase::Aggregate) {
+            assert!(owner[node as usize] == u32::MAX || owner[node as usize] == body);
+            owner[node as usize] = body;
+        }
+    }
+    let mut run = run;
+    let response = run.to_end(&StopAtOnce);
+    assert_eq!(response.result.joined_pairs, meshed.mesh.notes.closed_gap_pairs);
+    assert!(changed > 0 && response.result.joined_cells == changed);
+    assert!(response.result.warnings.iter().any(|text| text.contains("became mortar")), "{:?}", response.result);
+    let kept = Test { joined: Joined::Keep, ..test };
+    let mut run = Run::new(meshed.sample(), &brittle(), &kept).unwrap();
+    assert!(run.phases() == meshed.mesh.phase);
+    let response = run.to_end(&StopAtOnce);
+    assert!(response.result.warnings.iter().any(|text| text.contains("cannot break")), "{:?}", response.result);
+}
+
+struct StopAtOnce;
+
+impl Observer for StopAtOnce {
+    fn progress(&self, _: &meso_solve::Progress) -> meso_solve::Wish {
+        meso_solve::Wish::Stop
+    }
+}
+
+#[test]
+fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
+    let run = Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap();
+    assert!(run.phases().contains(&Phase::Itz));
+    let peak = |itz: Itz| solve(&meshed, &Test { itz, kind: Kind::Tension, ..Test::default() }).result.figures.peak_mpa;
+    let (smeared, none) = (peak(Itz::Smeared), peak(Itz::None));
+    assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
+}
+
+/// Damage of the cells in every frame.
+#[derive(Default)]
+struct Damage(RefCell<Vec<(f64, Vec<(Phase, f32)>)>>);
+
+impl Observer for Damage {
+    fn frame(&self, frame: &Frame) {
+        assert_eq!(frame.number() as usize, self.0.borrow().len() + 1);
+        let damage = frame.cells(|point| point.damage);
+        self.0.borrow_mut().push((frame.strain(), frame.phases().iter().copied().zip(damage).collect()));
+    }
+}
+
+#[test]
+fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
+    let damage = Damage::default();
+    let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, ..Test::default() };
+    meshed.watched(&brittle(), &test, &damage);
+    let frames = damage.0.into_inner();
+    assert_eq!(frames.len(), 4);
+    assert!((frames[3].0 / test.strain() - 1.0).abs() < 1e-6, "{}", frames[3].0);
+    let last = frames.last().unwrap();
+    for &(phase, d) in &last.1 {
+        assert!((0.0..=1.0).contains(&d) && (d == 0.0 || phase == Phase::Mortar), "{phase:?} {d}");
+    }
+    let worst: Vec<f32> = frames.iter().map(|(_, d)| d.iter().fold(0.0, |a: f32, b| a.max(b.1))).collect();
+    assert!(worst.is_sorted() && worst[3] > 0.5, "{worst:?}");
+}
+
+#[test]
+fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
+    let added = |step: f64| {
+        let test = Test { time_step_s: Some(step), ..Test::default() };
+        let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
+        run.added_mass_percent()
+    };
+    let [short, usual, long] = [1e-9, 3e-7, 1e-6].map(added);
+    assert!(short == 0.0 && usual > 1.0 && usual < 300.0 && long > 3.0 * usual, "{short} {usual} {long}");
+}

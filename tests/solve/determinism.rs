@@ -1,0 +1,124 @@
+//! The same bytes on any number of threads, on every instruction set, and after a break.
+
+use crate::samples::{Meshed, brittle, concrete};
+use meso_core::mesh::{ItzForm, Method};
+use meso_solve::{Frame, InstructionSet, LawName, Observer, Progress, Response, Run, Silent, Test, Wish};
+use std::cell::RefCell;
+
+/// Keeps the bytes of all fields of every frame.
+#[derive(Default)]
+struct Fields(RefCell<Vec<u8>>);
+
+impl Observer for Fields {
+    fn frame(&self, frame: &Frame) {
+        let mut bytes = self.0.borrow_mut();
+        bytes.extend(frame.displacement().as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+        let points = frame.cells(|point| *point);
+        let stress = points.iter().flat_map(|point| point.stress);
+        bytes.extend(stress.chain(points.iter().map(|point| point.damage)).flat_map(f32::to_le_bytes));
+    }
+}
+
+fn rows(response: &Response) -> Vec<u8> {
+    response.curve.iter().flat_map(|row| row.values()).flat_map(f64::to_le_bytes).collect()
+}
+
+/// Bytes of the curve and of the fields.
+fn bytes(meshed: &Meshed, test: &Test, threads: usize) -> Vec<u8> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let fields = Fields::default();
+        let response = meshed.watched(&brittle(), test, &fields);
+        assert!(response.result.figures.peak_mpa > 1.0 && response.curve.len() > 50, "{:?}", response.result);
+        [rows(&response), fields.0.into_inner()].concat()
+    })
+}
+
+/// Few steps and much strain: the shortest way into softening, physics apart.
+fn fast() -> Test {
+    Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 100, frames: 2, ..Test::default() }
+}
+
+fn meshes() -> [Meshed; 3] {
+    [
+        concrete(1.0, Method::FITTED, 3.0, ItzForm::None),
+        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
+        concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive),
+    ]
+}
+
+#[test]
+fn curves_and_fields_are_identical_on_1_2_and_16_threads() {
+    for meshed in meshes() {
+        let one = bytes(&meshed, &fast(), 1);
+        assert!(one == bytes(&meshed, &fast(), 2) && one == bytes(&meshed, &fast(), 16));
+    }
+}
+
+#[test]
+fn curves_and_fields_are_identical_on_every_instruction_set() {
+    let sets = InstructionSet::available();
+    for meshed in meshes() {
+        let run = |set| bytes(&meshed, &Test { instruction_set: Some(set), ..fast() }, 1);
+        let portable = run(InstructionSet::Portable);
+        assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
+    }
+    let [lattice, ..] = meshes();
+    let cdpm2 = Test { law: LawName::Cdpm2, ..fast() };
+    let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..cdpm2.clone() }, 1);
+    let portable = run(InstructionSet::Portable);
+    assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
+}
+
+/// Asks for the state at row 40, keeps it and stops at row 50.
+#[derive(Default)]
+struct Killed {
+    rows: RefCell<usize>,
+    state: RefCell<Vec<u8>>,
+}
+
+impl Observer for Killed {
+    fn progress(&self, _: &Progress) -> Wish {
+        *self.rows.borrow_mut() += 1;
+        match *self.rows.borrow() {
+            40 => Wish::Keep,
+            50 => Wish::Stop,
+            _ => Wish::GoOn,
+        }
+    }
+
+    fn keep(&self, run: &Run) {
+        run.save(&mut *self.state.borrow_mut()).unwrap();
+    }
+}
+
+#[test]
+fn a_resumed_test_gives_the_bytes_of_one_that_was_never_cut() {
+    for meshed in meshes() {
+        let whole = meshed.solve(&brittle(), &fast());
+        let killed = Killed::default();
+        let part = meshed.watched(&brittle(), &fast(), &killed);
+        assert_eq!((part.curve.len(), &part.curve[..]), (50, &whole.curve[..50]));
+        let mut run = Run::new(meshed.sample(), &brittle(), &fast()).unwrap();
+        run.resume(&mut &killed.state.borrow()[..]).unwrap();
+        let resumed = run.to_end(&Silent);
+        assert!(rows(&whole) == rows(&resumed));
+        assert_eq!(whole.result.phases, resumed.result.phases);
+    }
+}
+
+#[test]
+fn a_state_of_another_test_or_a_torn_one_is_refused() {
+    let [meshed, ..] = meshes();
+    let killed = Killed::default();
+    meshed.watched(&brittle(), &fast(), &killed);
+    let state = killed.state.into_inner();
+    let other = Test { friction: 0.2, ..fast() };
+    let mut run = Run::new(meshed.sample(), &brittle(), &other).unwrap();
+    let error = run.resume(&mut &state[..]).unwrap_err().to_string();
+    assert!(error.contains("another mesh, other materials or another test"), "{error}");
+    let mut run = Run::new(meshed.sample(), &brittle(), &fast()).unwrap();
+    assert!(run.resume(&mut &state[..state.len() - 100]).is_err());
+    // A refused state leaves no trace.
+    assert!(rows(&run.to_end(&Silent)) == rows(&meshed.solve(&brittle(), &fast())));
+}

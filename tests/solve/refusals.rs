@@ -1,0 +1,92 @@
+//! What cannot be tested is refused before the first step, by name and with the way out.
+
+use crate::samples::Meshed;
+use meso_core::materials::Materials;
+use meso_core::math::Vec3;
+use meso_core::mesh::{Mesh, Method};
+use meso_solve::{Interface, Run, Sample, Test};
+
+fn refusal(sample: Sample, materials: &Materials, test: &Test) -> String {
+    Run::new(sample, materials, test).err().expect("a refusal").to_string()
+}
+
+fn cube() -> Meshed {
+    Meshed::mortar([6.0; 3], Method::FITTED, 3.0)
+}
+
+#[test]
+fn values_out_of_range_are_named_with_what_is_accepted() {
+    let meshed = cube();
+    let base = Test::default();
+    for (test, text) in [
+        (Test { strain: Some(0.0), ..base.clone() }, "test.strain is 0; it must lie above 0"),
+        (Test { strain: Some(f64::NAN), ..base.clone() }, "test.strain is NaN"),
+        (Test { friction: -0.1, ..base.clone() }, "test.friction is -0.1; it must be 0 to 10"),
+        (Test { ramp: 0.0, ..base.clone() }, "test.ramp is 0"),
+        (Test { hourglass: 2.0, ..base.clone() }, "test.hourglass is 2"),
+        (Test { time_step_s: Some(-1.0), ..base.clone() }, "test.time_step_s is -1"),
+        (Test { time_step_s: Some(1.0), ..base.clone() }, "they must be 10 to 1e9"),
+        (Test { duration_s: Some(f64::INFINITY), ..base.clone() }, "test.duration_s is inf"),
+        (
+            Test { interface: Interface { friction: f64::NAN, ..base.interface }, ..base.clone() },
+            "test.interface.friction",
+        ),
+    ] {
+        let error = refusal(meshed.sample(), &Materials::default(), &test);
+        assert!(error.contains(text), "{error}");
+    }
+}
+
+#[test]
+fn materials_that_cannot_be_are_named() {
+    let meshed = cube();
+    for (change, text) in [
+        (
+            (|m: &mut Materials| m.mortar.youngs_modulus_mpa = -1.0) as fn(&mut Materials),
+            "materials.mortar.youngs_modulus_mpa is -1",
+        ),
+        (|m| m.mortar.poisson_ratio = 0.5, "materials.mortar.poisson_ratio is 0.5"),
+        (|m| m.mortar.density_t_per_mm3 = 2400.0, "2400 kg/m3 are 2.4e-9"),
+        (|m| m.mortar_strength.tensile_mpa = f64::NAN, "materials.mortar_strength.tensile_mpa is NaN"),
+        (|m| m.plasticity.meridian_ratio = 0.5, "materials.plasticity.meridian_ratio is 0.5"),
+    ] {
+        let mut materials = Materials::default();
+        change(&mut materials);
+        let error = refusal(meshed.sample(), &materials, &Test::default());
+        assert!(error.contains(text), "{error}");
+    }
+}
+
+#[test]
+fn meshes_that_cannot_be_tested_are_refused() {
+    let refused = |change: fn(&mut Mesh)| {
+        let mut meshed = cube();
+        change(&mut meshed.mesh);
+        refusal(meshed.sample(), &Materials::default(), &Test::default())
+    };
+    let flat = refused(|mesh| mesh.points[mesh.cells[1] as usize] = mesh.points[mesh.cells[0] as usize]);
+    assert!(flat.contains("has the volume 0 mm3; mesh anew"), "{flat}");
+    let turned = refused(|mesh| mesh.cells.swap(0, 1));
+    assert!(turned.contains("has the volume -"), "{turned}");
+    let empty = refused(|mesh| {
+        mesh.cells.clear();
+        mesh.phase.clear();
+        mesh.aggregate.clear();
+    });
+    assert!(empty.contains("it has no cells"), "{empty}");
+    let spike = refused(|mesh| {
+        mesh.points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 10.0]].map(Vec3::from).to_vec();
+        mesh.cells = vec![0, 1, 2, 3];
+        mesh.phase.truncate(1);
+        mesh.aggregate.truncate(1);
+    });
+    assert!(spike.contains("no face looks to its upper plate"), "{spike}");
+}
+
+#[test]
+fn hexahedra_that_are_no_boxes_are_refused() {
+    let mut meshed = Meshed::mortar([6.0; 3], Method::VOXEL, 3.0);
+    meshed.mesh.points[13].x += 0.1;
+    let error = refusal(meshed.sample(), &Materials::default(), &Test::default());
+    assert!(error.contains("is no box like the first one"), "{error}");
+}

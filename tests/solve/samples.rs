@@ -1,0 +1,67 @@
+//! Small specimens that the tests share.
+
+use meso_core::aggregate::{Aggregate, Grading};
+use meso_core::materials::Materials;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::packing::Specimen;
+use meso_core::{Model, Silent, Spec};
+use meso_solve::{Observer, Response, Run, Sample, Test};
+
+/// A mesh and what it was built of.
+pub(crate) struct Meshed {
+    pub(crate) mesh: Mesh,
+    pub(crate) specimen: Specimen,
+    pub(crate) options: MeshOptions,
+}
+
+impl Meshed {
+    /// Of bodies in a specimen.
+    pub(crate) fn of(bodies: &[Aggregate], specimen: Specimen, options: MeshOptions) -> Self {
+        let mesh = mesh::build_parts(bodies, &specimen, &options).unwrap();
+        Self { mesh, specimen, options }
+    }
+
+    /// Mortar alone.
+    pub(crate) fn mortar(size_mm: [f64; 3], method: Method, element_size_mm: f64) -> Self {
+        Self::of(&[], Specimen::cuboid(size_mm), options(method, element_size_mm, ItzForm::None))
+    }
+
+    pub(crate) fn sample(&self) -> Sample<'_> {
+        Sample::of(&self.mesh, &self.specimen, &self.options)
+    }
+
+    /// The whole test.
+    pub(crate) fn solve(&self, materials: &Materials, test: &Test) -> Response {
+        self.watched(materials, test, &meso_solve::Silent)
+    }
+
+    pub(crate) fn watched(&self, materials: &Materials, test: &Test, observer: &dyn Observer) -> Response {
+        Run::new(self.sample(), materials, test).unwrap().to_end(observer)
+    }
+}
+
+pub(crate) fn options(method: Method, element_size_mm: f64, itz: ItzForm) -> MeshOptions {
+    MeshOptions { method, element_size_mm, itz }
+}
+
+/// A cube of 24 mm with aggregates of 4 to 10 mm, `gap` mm apart.
+pub(crate) fn small_cube(gap: f64) -> Model {
+    let mut spec = Spec { specimen: Specimen::cube(24.0), fraction: 0.3, seed: 3, ..Spec::default() };
+    spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
+    spec.placement.min_gap_mm = gap;
+    meso_core::pack(&spec, &Silent).unwrap()
+}
+
+/// The small cube, meshed.
+pub(crate) fn concrete(gap: f64, method: Method, element_size_mm: f64, itz: ItzForm) -> Meshed {
+    let model = small_cube(gap);
+    Meshed::of(&model.aggregates, model.spec.specimen.clone(), options(method, element_size_mm, itz))
+}
+
+/// Materials that soften within a test of 0.5 % strain.
+pub(crate) fn brittle() -> Materials {
+    let mut materials = Materials::default();
+    materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
+    materials.plasticity.meridian_ratio = 0.8;
+    materials
+}

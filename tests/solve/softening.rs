@@ -1,0 +1,50 @@
+//! Softening against closed forms: strengths, fracture energy whatever the elements, and where the energy goes.
+
+use crate::samples::{Meshed, brittle};
+use meso_core::materials::Materials;
+use meso_core::mesh::{Method, Phase};
+use meso_solve::{Kind, Response, Test};
+
+#[test]
+fn a_homogeneous_cube_between_smooth_plates_bears_its_strength() {
+    for (method, size) in [(Method::VOXEL, 2.0), (Method::FITTED, 3.0)] {
+        let meshed = Meshed::mortar([12.0; 3], method, size);
+        let response = meshed.solve(&brittle(), &Test { friction: 0.0, ..Test::default() });
+        let figures = response.result.figures;
+        assert!((figures.peak_mpa / 40.0 - 1.0).abs() < 0.02, "{method:?} {figures:?}");
+        assert!((figures.peak_strain / 0.0022 - 1.0).abs() < 0.15, "{method:?} {figures:?}");
+        assert!(figures.softened && response.result.energy_balance_error < 1e-3, "{:?}", response.result);
+        assert!(response.result.hourglass_over_internal < 0.02, "{:?}", response.result);
+    }
+}
+
+/// A bar pulled apart at a weak layer in its middle; without a Poisson effect nothing hinders it.
+fn torn(method: Method, element_size_mm: f64) -> (Meshed, Materials, Response) {
+    let height = 12.0;
+    let mut meshed = Meshed::mortar([12.0, 12.0, height], method, element_size_mm);
+    let middle = 0.5 * height + 0.1;
+    let nodes = meshed.mesh.kind.nodes();
+    for (cell, phase) in meshed.mesh.cells.chunks_exact(nodes).zip(&mut meshed.mesh.phase) {
+        let z = || cell.iter().map(|&node| meshed.mesh.points[node as usize].z);
+        if z().any(|z| z < middle) && z().any(|z| z > middle) {
+            *phase = Phase::Itz;
+        }
+    }
+    let mut materials = brittle();
+    (materials.mortar.poisson_ratio, materials.itz.poisson_ratio) = (0.0, 0.0);
+    materials.itz.youngs_modulus_mpa = materials.mortar.youngs_modulus_mpa;
+    // The crack law ends at five times energy over strength: 0.1 mm.
+    let test = Test { kind: Kind::Tension, strain: Some(0.12 / height), duration_s: Some(2e-3), ..Test::default() };
+    let response = meshed.solve(&materials, &test);
+    (meshed, materials, response)
+}
+
+#[test]
+fn energy_spent_and_energy_stored_make_up_the_internal_one() {
+    let (_, _, response) = torn(Method::FITTED, 3.0);
+    let last = response.curve.last().unwrap();
+    // Torn apart, nothing is stored: all work is spent, nearly all of it in the band.
+    assert!((last.dissipated / last.internal - 1.0).abs() < 0.02, "{last:?}");
+    let spent = |name: &str| response.result.phases.iter().find(|phase| phase.name == name).unwrap().dissipated_mj;
+    assert!(spent("itz") > 0.95 * last.dissipated, "{:?}", response.result.phases);
+}
