@@ -59,8 +59,12 @@ fn case(slabs: Option<u32>, side_mm: f64, element_size_mm: f64) {
     let mut spec = Spec { seed: 1, specimen: Specimen::cube(side_mm), ..Spec::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     let model = pack(&spec, &Silent).expect("the spec is valid");
-    let options =
-        MeshOptions { method: Method::Conforming { order: Order::Linear, slabs }, element_size_mm, itz: ItzForm::None };
+    let options = MeshOptions {
+        method: Method::Conforming { order: Order::Linear, slabs },
+        element_size_mm,
+        itz: ItzForm::None,
+        ..Default::default()
+    };
     let before = cpu_seconds();
     let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh")).expect("a mesh");
     let [own, gmsh] = [0, 1].map(|i| cpu_seconds()[i] - before[i]);

@@ -157,7 +157,7 @@ fn build(model: &Model, method: &str, element_size_mm: f64) -> (Mesh, Option<(f6
         "lattice-fitted" => Method::FITTED,
         _ => Method::CONFORMING,
     };
-    let options = MeshOptions { method, element_size_mm, itz: ItzForm::None };
+    let options = MeshOptions { method, element_size_mm, itz: ItzForm::None, ..Default::default() };
     let outside = Mutex::new(None);
     let gmsh = |surfaces: &mesh::conforming::Surfaces| {
         let start = Instant::now();

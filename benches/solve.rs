@@ -46,7 +46,7 @@ struct Meshed {
 
 impl Meshed {
     fn of(model: &Model, method: Method, size: f64, itz: ItzForm) -> Self {
-        let options = MeshOptions { method, element_size_mm: size, itz };
+        let options = MeshOptions { method, element_size_mm: size, itz, ..Default::default() };
         let mesh = mesh::build(model, &options).expect("a mesh");
         Self { mesh, options, specimen: model.spec.specimen.clone() }
     }

@@ -18,7 +18,7 @@ fn packed(specimen: &str, others: &str) -> Model {
 
 fn in_slabs(model: &Model, itz: ItzForm, slabs: u32) -> Option<Mesh> {
     let method = Method::Conforming { order: Order::Linear, slabs: Some(slabs) };
-    with_options(model, MeshOptions { itz, element_size_mm: 3.0, method })
+    with_options(model, MeshOptions { itz, element_size_mm: 3.0, method, ..Default::default() })
 }
 
 /// Every face lies between two cells or on a side of the box.

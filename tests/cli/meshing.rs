@@ -22,14 +22,73 @@ fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in
         ["--frames", "7"],
     ]
     .concat();
-    let run = folder.run(&[&["pack", "small.toml", "-o", "once.inp"][..], &flags[..]].concat());
+    let run = folder.run(&[&["pack", "small.toml", "-o", "once.inp", "-o", "once.json"][..], &flags[..]].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("meshed ") && run.stderr.contains("wrote once.inp"), "{}", run.stderr);
-    assert_eq!(folder.run(&[&["mesh", "small.json", "-o", "twice.inp"][..], &flags[..]].concat()).code, 0);
+    assert_eq!(folder.run(&[&["mesh", "once.json", "-o", "twice.inp"][..], &flags[..]].concat()).code, 0);
     let deck = text(&folder, "once.inp");
     assert_eq!(deck, text(&folder, "twice.inp"));
     assert!(deck.contains("TYPE=C3D4") && deck.contains("TYPE=R3D4") && deck.contains("NUMBER INTERVAL=7\n"));
     assert!(deck.contains("*FRICTION\n0.6,\n"));
+}
+
+#[test]
+fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
+    let folder = Folder::with_spec();
+    let flags = ["--analysis", "compression", "--element-size-mm", "2", "--summary-json", "s.json"];
+    assert_eq!(
+        folder
+            .run(&["pack", "small.toml", "-qo", "m.json", "--analysis", "compression", "--element-size-mm", "2"])
+            .code,
+        0
+    );
+    assert!(json(&folder, "m.json")["spec"]["placement"]["min_gap_mm"].as_f64().unwrap() >= 0.25);
+    let run = folder.run(&[&["mesh", "m.json", "-o", "m.inp"][..], &flags].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let told = json(&folder, "s.json");
+    let option = |name: &str| told["options"][name].as_str().unwrap().to_owned();
+    assert_eq!(["itz", "joined", "volumes"].map(option), ["smeared", "mortar", "exact"]);
+    let volume = |of: &str, phase: &str| told["quality"][of][phase].as_f64().unwrap();
+    let aggregate = volume("volumes_mm3", "aggregate") / volume("exact_volumes_mm3", "aggregate");
+    assert!((aggregate - 1.0).abs() < 0.005, "{aggregate}");
+    assert_eq!(told["warnings"], Value::Array(Vec::new()));
+    assert!(told["half_strength_strain"].as_f64().unwrap() < 0.018);
+    for said in
+        ["mortar is at half its strength at an inelastic strain of 0.0", "times the mass", "double=both", "m_curve.py"]
+    {
+        assert!(run.stderr.contains(said), "{said}: {}", run.stderr);
+    }
+    let deck = text(&folder, "m.inp");
+    for line in ["*ELEMENT, TYPE=C3D4, ELSET=ITZ", "packing: seed ", ", 0.02", "N_ZMIN, S_PLATE_BOTTOM"] {
+        assert!(deck.contains(line), "{line}");
+    }
+    let script = text(&folder, "m_curve.py");
+    assert!(script.contains("SENSE = -1.0") && !script.contains('@'), "{script}");
+}
+
+#[test]
+fn a_script_that_would_be_in_the_way_is_kept_and_named() {
+    let folder = Folder::with_model();
+    folder.write("m_curve.py", "mine");
+    let run = folder.run(&["mesh", "small.json", "-o", "m.inp", "--analysis", "tension", "--element-size-mm", "4"]);
+    assert!(run.code == 1 && run.stderr.contains("m_curve.py exists; --force replaces it"), "{}", run.stderr);
+    assert_eq!(text(&folder, "m_curve.py"), "mine");
+    assert!(!folder.names().contains(&"m.inp".to_owned()));
+}
+
+#[test]
+fn durations_and_time_increments_can_be_asked_for() {
+    let folder = Folder::with_model();
+    let flags = ["--analysis", "tension", "--element-size-mm", "4", "--duration", "0.01", "--time-increment", "2e-7"];
+    let run = folder.run(&[&["mesh", "small.json", "-o", "m.inp"][..], &flags].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let deck = text(&folder, "m.inp");
+    assert!(deck.contains("\n, 0.01\n") && deck.contains("*FIXED MASS SCALING, DT=2e-7"));
+    assert!(run.stderr.contains("explicit steps of 2e-7 s take"), "{}", run.stderr);
+    for flag in ["--duration", "--time-increment"] {
+        let run = folder.run(&["mesh", "small.json", "-o", "no.inp", flag, "-1"]);
+        assert!(run.code == 2 && run.stderr.contains("it must be a positive number"), "{}", run.stderr);
+    }
 }
 
 #[test]
@@ -119,12 +178,12 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
 
 #[test]
 fn the_time_step_of_cohesive_elements_is_told_beside_that_of_the_others() {
-    // 0.03 mm times the root of 2.2e-9 tonne/mm3 over 20,000 MPa.
+    // 0.1 mm times the root of 2.2e-9 tonne/mm3 over 20,000 MPa.
     let folder = Folder::with_model();
     for (itz, told) in [("cohesive", true), ("none", false)] {
         let run = folder.run(&["mesh", "small.json", "-fo", "m.inp", "--element-size-mm", "8", "--itz", itz]);
         assert_eq!(
-            run.stderr.contains("the cohesive elements allow 9.9e-9 s, by their stiffness"),
+            run.stderr.contains("the cohesive elements allow 3.3e-8 s, by their stiffness"),
             told,
             "{}",
             run.stderr
@@ -150,6 +209,7 @@ fn flags_of_other_methods_and_analyses_are_missed_aloud() {
         assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and does nothing here\n")), "{flags:?}");
     }
     let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
+    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "3", "--method", "voxel"];
     let run = folder.run(&[&mesh[..], &all, &["--analysis", "compression"]].concat());
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }

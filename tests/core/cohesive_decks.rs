@@ -67,7 +67,7 @@ fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_of_a_periodic_b
     let model = periodic_decks::packed([true; 3]);
     for method in [Method::VOXEL, Method::PLAIN] {
         let text = |itz| {
-            let options = MeshOptions { method, itz, element_size_mm: 3.0 };
+            let options = MeshOptions { method, itz, element_size_mm: 3.0, ..Default::default() };
             let mesh = mesh::build(&model, &options).unwrap();
             let text = deck(&mesh, &tied(Analysis::Elastic));
             if itz == ItzForm::Cohesive { with_springs(&mesh, &text, 1e10) } else { text }

@@ -60,7 +60,7 @@ fn calculix_finds_the_modulus_of_the_other_meshes_in_a_conforming_one_of_a_perio
     let mut moduli = Vec::new();
     for method in [Method::CONFORMING, Method::Voxel { thin_itz: false, subsamples: 4 }, Method::FITTED] {
         // As without periods: voxels by the majority of their points.
-        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0 };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
         let Some(mesh) = meshed(&model, options) else { return };
         let Some(solved) = solve_deck(&deck(&mesh, &tied(Analysis::Elastic))) else { return };
         moduli.push(modulus(&solved));

@@ -1,5 +1,6 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+mod analysis_decks;
 #[path = "../angle_piece.rs"]
 mod angle_piece;
 #[path = "../bad_specs.rs"]
@@ -9,6 +10,7 @@ mod check;
 mod cohesive_decks;
 mod conforming_decks;
 mod conforming_retries;
+mod deck_reader;
 mod decks;
 mod erosion;
 mod exact;

@@ -7,7 +7,12 @@ use meso_core::packing::{Periodic, Specimen};
 
 fn distance(block_mm: f64, specimen: &Specimen, itz: ItzForm) -> InterfaceDistance {
     let grains = [aggregate(0, block([2.0; 3], [block_mm; 3]), 0.5)];
-    let options = MeshOptions { element_size_mm: 1.0, itz, method: Method::Voxel { thin_itz: true, subsamples: 1 } };
+    let options = MeshOptions {
+        element_size_mm: 1.0,
+        itz,
+        method: Method::Voxel { thin_itz: true, subsamples: 1 },
+        ..Default::default()
+    };
     InterfaceDistance::of(&mesh::build_parts(&grains, specimen, &options).unwrap(), &grains, specimen)
 }
 
@@ -41,7 +46,7 @@ fn an_aggregate_that_comes_in_again_is_measured_by_its_nearest_image() {
 fn a_fitted_lattice_lies_nearer_than_a_plain_one_and_both_halve_with_the_elements() {
     let (grains, specimen) = turned_blocks();
     let of = |method, element_size_mm| {
-        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm, ..Default::default() };
         InterfaceDistance::of(&mesh::build_parts(&grains, &specimen, &options).unwrap(), &grains, &specimen).rms_mm
     };
     let (plain, finer, fitted) = (of(Method::PLAIN, 2.0), of(Method::PLAIN, 1.0), of(Method::FITTED, 2.0));
@@ -53,7 +58,7 @@ fn second_order_is_measured_at_its_corners() {
     let (grains, specimen) = turned_blocks();
     let of = |order| {
         let method = Method::Lattice { fit: Fit::Fitted, order };
-        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.5 };
+        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.5, ..Default::default() };
         InterfaceDistance::of(&mesh::build_parts(&grains, &specimen, &options).unwrap(), &grains, &specimen)
     };
     assert_eq!(of(Order::Quadratic), of(Order::Linear));

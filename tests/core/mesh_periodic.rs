@@ -20,7 +20,7 @@ const METHODS: [Method; 3] = [THIN_VOXELS, Method::PLAIN, Method::FITTED];
 
 fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
     let element_size_mm = if method == THIN_VOXELS { 1.0 } else { 2.0 };
-    let options = MeshOptions { method, itz, element_size_mm };
+    let options = MeshOptions { method, itz, element_size_mm, ..Default::default() };
     mesh::build(model, &options).unwrap()
 }
 

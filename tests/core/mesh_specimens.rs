@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 fn lattice(specimen: &Specimen, method: Method, itz: ItzForm) -> Mesh {
     let spec = Spec { fraction: 0.4, specimen: specimen.clone(), ..Default::default() };
     let model = meso_core::pack(&spec, &Silent).unwrap();
-    let options = MeshOptions { method, itz, element_size_mm: 2.5 };
+    let options = MeshOptions { method, itz, element_size_mm: 2.5, ..Default::default() };
     mesh::build(&model, &options).unwrap()
 }
 

@@ -41,7 +41,7 @@ impl Meshed {
 }
 
 pub(crate) fn options(method: Method, element_size_mm: f64, itz: ItzForm) -> MeshOptions {
-    MeshOptions { method, element_size_mm, itz }
+    MeshOptions { method, element_size_mm, itz, ..Default::default() }
 }
 
 /// A cube of 24 mm with aggregates of 4 to 10 mm, `gap` mm apart.

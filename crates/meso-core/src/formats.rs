@@ -114,11 +114,15 @@ impl MeshFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// The files that `mesh` is written as where `path` is asked for: it alone, or pieces and then it.
-    pub fn files(self, path: &Path, mesh: &Mesh) -> Vec<MeshFile> {
+    /// The files that `mesh` is written as where `path` is asked for: it alone, or what goes beside it and then it. A deck
+    /// with a curve has the script that writes this down.
+    pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
-            return vec![whole(Content::Whole(self))];
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let script = || MeshFile { path: abaqus::curve_path(path), content: Content::Script(name) };
+            let script = (self == Self::Inp && deck.has_curve()).then(script);
+            return script.into_iter().chain([whole(Content::Whole(self))]).collect();
         }
         let piece = |index| MeshFile { path: piece_path(path, index), content: Content::Piece(index) };
         let mut files: Vec<MeshFile> = (0..pvtu::pieces(mesh)).map(piece).collect();
@@ -146,6 +150,8 @@ enum Content {
     Whole(MeshFormat),
     Piece(usize),
     Index(Vec<String>),
+    /// Of the deck with this name.
+    Script(String),
 }
 
 impl MeshFile {
@@ -160,6 +166,7 @@ impl MeshFile {
             Content::Whole(_) => vtu_mesh::write(mesh, encoding, out),
             Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), encoding, out),
             Content::Index(names) => pvtu::write(mesh, names, out),
+            Content::Script(name) => abaqus::write_curve(mesh, deck, name, out),
         }
     }
 }

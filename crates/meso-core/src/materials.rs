@@ -1,10 +1,10 @@
 //! Material values that decks carry: the serde view of `[materials]`.
 //!
 //! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not
-//! available. docs/meshing.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
+//! available. docs/decks.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
 //! range (Sec. 3.1).
 
-use crate::mesh::Phase;
+use crate::mesh::cells::{Mesh, Phase};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Values of the phases.
@@ -27,8 +27,12 @@ pub struct Materials {
     pub mortar_strength: Strength,
     /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
     pub itz_strength_ratio: f64,
-    /// Thickness that gives a cohesive ITZ its stiffness E / t, mm; the real zone is 0.01 to 0.05 mm thick.
+    /// Thickness that gives a cohesive ITZ its stiffness E / t, mm.
     pub cohesive_thickness_mm: f64,
+    /// Fracture energy of a cohesive ITZ in sliding over that in opening, 1 or more.
+    pub cohesive_shear_energy_ratio: f64,
+    /// Exponent of Benzeggagh and Kenane's mixed-mode fracture energy of a cohesive ITZ.
+    pub cohesive_mode_power: f64,
     /// Yield surface and flow of the damaged plasticity.
     pub plasticity: Plasticity,
 }
@@ -91,7 +95,9 @@ impl Default for Materials {
             fibre: FIBRE,
             mortar_strength: Strength::default(),
             itz_strength_ratio: 0.7,
-            cohesive_thickness_mm: 0.03,
+            cohesive_thickness_mm: 0.1,
+            cohesive_shear_energy_ratio: 10.0,
+            cohesive_mode_power: 1.0,
             plasticity: Plasticity::default(),
         }
     }
@@ -99,15 +105,16 @@ impl Default for Materials {
 
 impl Default for Strength {
     /// 40 MPa in the mean: the strain 0.7 f^0.31 per mille and the tensile strength 0.3 (f - 8)^(2/3) of EN 1992-1-1,
-    /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for
-    /// grains of 8 mm, rounded down; the crushing energy a hundred times that.
+    /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for grains of
+    /// 8 mm, rounded down; the crushing energy puts d = 0.6 at an inelastic strain of 0.006 in elements of 0.84 mm, where
+    /// Jankowiak and Lodygowski (2005) have 0.0057.
     fn default() -> Self {
         Self {
             compressive_mpa: 40.0,
             peak_strain: 0.0022,
             tensile_mpa: 3.0,
             fracture_energy_n_per_mm: 0.06,
-            crushing_energy_n_per_mm: 6.0,
+            crushing_energy_n_per_mm: 0.2,
         }
     }
 }
@@ -186,6 +193,12 @@ impl Materials {
     /// their stiffness (Abaqus' own estimate), t sqrt(rho / E) here.
     pub fn cohesive_time_step_s(&self) -> f64 {
         self.cohesive_thickness_mm * (self.itz.density_t_per_mm3 / self.itz.youngs_modulus_mpa).sqrt()
+    }
+
+    /// These values as `mesh` has them: a smeared ITZ is mortar of less strength, and as stiff as mortar.
+    pub fn in_mesh(&self, mesh: &Mesh) -> Self {
+        let itz = if mesh.has_smeared_itz() { self.mortar } else { self.itz };
+        Self { itz, ..self.clone() }
     }
 
     /// The elastic values of `phase`.

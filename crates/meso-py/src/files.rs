@@ -61,7 +61,12 @@ pub(crate) fn write_mesh(
     if format == Some(MeshFormat::Inp) {
         deck.validate(mesh).map_err(|error| PyValueError::new_err(error.to_string()))?;
     }
-    match format.map(|format| format.files(path, mesh)).as_deref() {
+    let mut files = format.map(|format| format.files(path, mesh, deck));
+    // Nothing lies beside a stream.
+    if let (Some(files), true) = (&mut files, std::fs::metadata(path).is_ok_and(|there| !there.is_file())) {
+        files.retain(|file| file.path == path);
+    }
+    match files.as_deref() {
         Some([file]) => write_whole(path, overwrite, watch, |out| file.write(mesh, deck, encoding, out)),
         Some(files) => write_together(files, overwrite, watch, |file, out| file.write(mesh, deck, encoding, out)),
         None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),

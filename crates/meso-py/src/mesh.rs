@@ -13,13 +13,14 @@ use meso_core::materials::Materials;
 use meso_core::mesh::{
     self, CellKind, Mesh, MeshError, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
     conforming::Surfaces,
-    quality::{self, QualityReport},
+    quality::{self, MassScaling, QualityReport},
 };
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyRuntimeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -149,6 +150,23 @@ impl PyMesh {
         })
     }
 
+    /// The mass that explicit dynamics in steps of `time_step_s` seconds takes, with the default materials: a dict of
+    /// `time_step_s`, `factor` (mass with what scaling adds over the mesh's own) and `phases`, a list of dicts of `phase`,
+    /// `elements`, `scaled` (share of them whose own step is shorter), `factor`, `shortest_step_s` and `mass_t`.
+    #[pyo3(signature = (time_step_s=5e-7))]
+    fn mass_scaling<'py>(&self, py: Python<'py>, time_step_s: f64) -> PyResult<Bound<'py, PyAny>> {
+        guard(|| {
+            if !(time_step_s > 0.0 && time_step_s.is_finite()) {
+                return Err(PyValueError::new_err(format!(
+                    "time_step_s is {time_step_s}; it must be a positive number"
+                )));
+            }
+            let mesh = Arc::clone(&self.0);
+            let of = move |_: &Watch| MassScaling::of(&mesh, &Materials::default(), time_step_s);
+            plain(py, &beside_python(py, None, of)?)
+        })
+    }
+
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices: ndarray, int64.
     fn bad_cells<'py>(&self, py: Python<'py>, degrees: f64) -> PyResult<Bound<'py, PyArray1<i64>>> {
         guard(|| {
@@ -170,8 +188,8 @@ impl PyMesh {
     ///     Whether what a `.vtu` holds is compressed.
     /// **deck
     ///     What an `.inp` holds beside the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-    ///     `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict: `friction`, `duration_s`,
-    ///     `time_increment_s`, `frames`), `materials` (a dict; what it leaves out keeps its illustrative default).
+    ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
+    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; what it leaves out keeps its illustrative default).
     ///
     /// Raises
     /// ------
@@ -194,7 +212,16 @@ impl PyMesh {
             return call_view("write_xdmf", slf, Some(&options)).map(drop);
         }
         guard(|| {
-            let (mesh, deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
+            let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
+            let spec = &slf.get().1.spec;
+            deck.section_mm2 = deck.section_mm2.or(Some(spec.specimen.volume() / spec.specimen.aabb().size().z));
+            if deck.heading.is_empty() {
+                let (seed, fraction, kind) = (spec.seed, spec.fraction, spec.specimen.kind());
+                deck.heading.push(format!("packing: seed {seed}, fraction {fraction} of a {kind}"));
+            }
+            for doubt in deck.doubts(&mesh) {
+                PyErr::warn(slf.py(), &slf.py().get_type::<PyUserWarning>(), &CString::new(doubt)?, 1)?;
+            }
             let encoding = Encoding::compressed(compress);
             beside_python(slf.py(), None, move |watch| {
                 files::write_mesh(&mesh, &deck, &path, overwrite, encoding, watch)

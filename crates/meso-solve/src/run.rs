@@ -98,7 +98,7 @@ impl<'a> Run<'a> {
         matter::validate(materials, test.law)?;
         let (mesh, height_mm) = (sample.mesh, sample.height_mm());
         let phases = Phases::of(mesh, test.joined, test.itz);
-        let common = common(&sample, &as_solved(materials, &phases), test)?;
+        let common = common(&sample, &as_solved(&materials.in_mesh(mesh), &phases), test)?;
         let (steps, dt) = steps(&sample, test, height_mm)?;
         let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt };
         let Assembly { blocks, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;

@@ -6,7 +6,7 @@ use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::{inputs, stderr, threads};
-use meso_core::export::abaqus::DeckOptions;
+use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
 use meso_core::mesh::Mesh;
@@ -45,13 +45,13 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let plan = args.output.iter().map(|path| plan(path, args.force)).collect::<Result<Vec<_>, _>>()?;
+    let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
     let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
     let model = inputs::model(&args.model)?;
-    let deck = args.meshing.deck(&model.spec.specimen)?;
+    let deck = args.meshing.deck(&model.spec)?;
     args.meshing.check(&model.spec.specimen)?;
     args.meshing.warn_unused(writes_deck);
     let mesh = args.meshing.build(&model, args.quiet)?;
@@ -67,7 +67,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let options = args.meshing.options()?;
     let tell = || {
         let asked = !args.quiet || summary.is_some();
-        asked.then(|| MeshReport::of(&mesh, &model, options, &deck.materials))
+        asked.then(|| MeshReport::of(&mesh, &model, options, &deck))
     };
     // The disk is waited for, and the figures are counted meanwhile.
     let (filled, told) = rayon::join(fill_all, tell);
@@ -82,27 +82,43 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
             .iter()
             .filter_map(|target| target.file())
             .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        plan.iter().for_each(|(target, format)| how_to_run(target, *format, &deck));
     }
     Ok(0)
 }
 
-fn plan(path: &Path, force: bool) -> Result<(Target, MeshFormat), Failure> {
+fn plan(path: &Path, args: &Args) -> Result<(Target, MeshFormat), Failure> {
     let format = if path == Path::new("-") { Some(MeshFormat::Inp) } else { MeshFormat::from_path(path) };
     let format = format.ok_or_else(|| {
         let known = MeshFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
         let message = format!("{}: the extension names no mesh format; it must be one of {known}", path.display());
         Failure::Usage(message)
     })?;
-    Ok((target(path, format, force)?, format))
+    Ok((target(path, format, args.force, &args.meshing)?, format))
 }
 
 /// Destination of a mesh, inspected before any work is done.
-pub(super) fn target(path: &Path, format: MeshFormat, force: bool) -> Result<Target, Failure> {
+pub(super) fn target(path: &Path, format: MeshFormat, force: bool, meshing: &Meshing) -> Result<Target, Failure> {
     if format == MeshFormat::Pvtu {
         // The number of pieces is not known yet, but an existing first one would be in the way.
         Target::new(&piece_path(path, 0), force)?;
     }
-    Target::new(path, force)
+    let target = Target::new(path, force)?;
+    if format == MeshFormat::Inp && meshing.has_curve() && matches!(target, Target::File { .. }) {
+        Target::new(&curve_path(path), force)?;
+    }
+    Ok(target)
+}
+
+/// Says how a deck with a curve is run, and what writes its curve down.
+pub(super) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
+    if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
+        let (input, script) = (shown.display(), curve_path(shown));
+        stderr::line(format!(
+            "run it: abaqus job=NAME input={input} double=both cpus=16; its curve: abaqus python {} NAME.odb",
+            script.display()
+        ));
+    }
 }
 
 /// Writes `mesh` to `target`, and its pieces beside it where the format has any.
@@ -116,10 +132,12 @@ pub(super) fn fill(
     encoding: Encoding,
 ) -> Result<(), Failure> {
     let path = target.file().unwrap_or(Path::new("-"));
-    for file in format.files(path, mesh) {
+    for file in format.files(path, mesh, deck) {
         let write = |out: &mut dyn Write| file.write(mesh, deck, encoding, out);
         match file.path == path {
             true => unit.fill(target, force, write)?,
+            // Nothing lies beside a stream.
+            false if !matches!(target, Target::File { .. }) && format == MeshFormat::Inp => {}
             false => unit.fill(&Target::new(&file.path, force)?, force, write)?,
         }
     }

@@ -2,8 +2,8 @@
 
 use crate::stderr;
 use meso_core::Model;
-use meso_core::materials::Materials;
-use meso_core::mesh::quality::{BAD_DEG, QualityReport};
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::mesh::quality::{BAD_DEG, MassScaling, PhaseScaling, QualityReport};
 use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, Phase, PhaseVolumes};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -19,10 +19,17 @@ pub(super) struct MeshReport {
     /// The numbers that the bad cells have in a deck.
     bad_elements: Vec<usize>,
     quality: QualityReport,
+    mass_scaling: MassScaling,
+    /// The inelastic strain at which mortar is at half its compressive strength in the deck.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_strength_strain: Option<f64>,
+    warnings: Vec<String>,
     notes: Notes,
     options: MeshOptions,
     #[serde(skip)]
     voxels: bool,
+    #[serde(skip)]
+    smeared: bool,
 }
 
 /// An ITZ beyond this multiple of its exact volume is worth a warning.
@@ -34,9 +41,9 @@ const FIBRES_OFF: f64 = 0.05;
 const NAMED: usize = 5;
 
 impl MeshReport {
-    pub(super) fn of(mesh: &Mesh, model: &Model, options: MeshOptions, materials: &Materials) -> Self {
+    pub(super) fn of(mesh: &Mesh, model: &Model, options: MeshOptions, deck: &DeckOptions) -> Self {
         let specimen = &model.spec.specimen;
-        let quality = QualityReport::of(mesh, &model.bodies(), specimen, materials);
+        let quality = QualityReport::of(mesh, &model.bodies(), specimen, &deck.materials);
         Self {
             version: env!("CARGO_PKG_VERSION"),
             elements: mesh.cell_count(),
@@ -45,9 +52,13 @@ impl MeshReport {
             specimen_volume_mm3: specimen.volume(),
             bad_elements: quality.bad_cells.iter().map(|cell| cell + 1).collect(),
             quality,
+            mass_scaling: MassScaling::of(mesh, &deck.materials, deck.loading.time_increment_s),
+            half_strength_strain: deck.half_strength_strain(mesh),
+            warnings: deck.doubts(mesh),
             notes: mesh.notes,
             options,
             voxels: mesh.kind == CellKind::Hexahedron,
+            smeared: mesh.has_smeared_itz(),
         }
     }
 
@@ -85,8 +96,10 @@ impl MeshReport {
                 distance.joined_max_mm
             ));
         }
-        notes(&self.notes);
+        notes(&self.notes, self.cohesive_elements > 0);
         self.worst();
+        self.scaled();
+        self.curve();
     }
 
     /// A row for each phase that exists or should.
@@ -95,7 +108,12 @@ impl MeshReport {
         stderr::line("        phase  of specimen       exact     error");
         for phase in Phase::ALL {
             let (meshed, exact) = (&self.quality.volumes_mm3, self.quality.exact_volumes_mm3.as_ref());
-            let share = of_specimen(meshed, phase);
+            // A smeared ITZ is mortar.
+            let share = match phase {
+                Phase::Mortar if self.smeared => of_specimen(meshed, phase) + of_specimen(meshed, Phase::Itz),
+                Phase::Itz if self.smeared => 0.0,
+                _ => of_specimen(meshed, phase),
+            };
             let wanted = exact.map_or(f64::NAN, |exact| of_specimen(exact, phase));
             if share > 0.0 || wanted > 0.0 {
                 // Rounding is no error.
@@ -105,6 +123,10 @@ impl MeshReport {
                     phase.name().to_lowercase()
                 ));
             }
+        }
+        if self.smeared {
+            let (itz, mortar) = (self.quality.volumes_mm3.itz, self.quality.volumes_mm3.mortar);
+            stderr::line(format!("the smeared ITZ is {:.1} % of the mortar", 100.0 * itz / (itz + mortar)));
         }
     }
 
@@ -128,6 +150,27 @@ impl MeshReport {
                  --method conforming, which keeps them exactly",
             );
         }
+    }
+
+    /// What explicit steps of the length asked for cost.
+    fn scaled(&self) {
+        let scaling = &self.mass_scaling;
+        let phases: Vec<String> = scaling.phases.iter().map(times).collect();
+        stderr::line(format!(
+            "explicit steps of {:e} s take {:.2} times the mass, {:+.0} % by mass scaling ({})",
+            scaling.time_step_s,
+            scaling.factor,
+            scaling.added_percent(),
+            phases.join(", ")
+        ));
+    }
+
+    /// How the deck's mortar softens, and what is doubtful about the deck.
+    fn curve(&self) {
+        if let Some(strain) = self.half_strength_strain {
+            stderr::line(format!("mortar is at half its strength at an inelastic strain of {strain:.4}"));
+        }
+        self.warnings.iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     }
 
     fn worst(&self) {
@@ -157,9 +200,31 @@ impl MeshReport {
     }
 }
 
+/// A phase and the factor of its mass.
+fn times(phase: &PhaseScaling) -> String {
+    format!("{} x {:.2}", phase.phase.to_lowercase(), phase.factor)
+}
+
 /// Decisions of the builder: gaps closed, layers thinned.
-fn notes(notes: &Notes) {
-    if notes.closed_gaps > 0 {
+fn notes(notes: &Notes, parted_by_itz: bool) {
+    if notes.parted_nodes > 0 {
+        stderr::line(format!(
+            "{} pairs of aggregates would have been joined at {} nodes, since the elements cannot show the gaps between them: \
+             mortar parts them now, {:.0} mm3 of it in place of aggregates; a larger min_gap_mm or a smaller --element-size-mm \
+             keeps these",
+            stderr::thousands(notes.parted_pairs),
+            stderr::thousands(notes.parted_nodes),
+            notes.parted_mm3
+        ));
+    } else if notes.closed_gaps > 0 && parted_by_itz {
+        stderr::line(format!(
+            "at {} nodes {} pairs of aggregates meet, since the elements cannot show the gaps between them (widest {:.2} mm): \
+             cohesive elements part them",
+            stderr::thousands(notes.closed_gaps),
+            stderr::thousands(notes.closed_gap_pairs),
+            notes.widest_closed_gap_mm
+        ));
+    } else if notes.closed_gaps > 0 {
         stderr::line(format!(
             "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
              a smaller --element-size-mm or a larger min_gap_mm",

@@ -11,7 +11,6 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
-use meso_core::mesh::conforming::ROOM_MM;
 use meso_core::packing::{Images, Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::{Model, Spec, SpecError};
 use std::path::{Path, PathBuf};
@@ -36,8 +35,8 @@ pub(crate) struct Args {
     /// Random positions tried per aggregate
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     attempts: Option<u32>,
-    /// Smallest distance between two aggregates; 0 means: proved apart. `--method conforming` takes 0.05 where none is
-    /// asked for
+    /// Smallest distance between two aggregates; 0 means: proved apart. Where none is asked for, `--method conforming`
+    /// takes 0.05, and an --analysis half an element, less where the packing would get too dense
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     min_gap_mm: Option<f64>,
     /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an
@@ -86,7 +85,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let spec = args.spec()?;
     let plan = args.plan()?;
-    let deck = args.meshing.deck(&spec.specimen)?;
+    let deck = args.meshing.deck(&spec)?;
     if plan.has_mesh() {
         args.meshing.check(&spec.specimen)?;
     }
@@ -102,9 +101,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if !args.quiet {
         print(&model.report);
         if let Some(mesh) = &mesh {
-            MeshReport::of(mesh, &model, args.meshing.options()?, &deck.materials).print();
+            MeshReport::of(mesh, &model, args.meshing.options()?, &deck).print();
         }
         plan.files().for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &deck));
     }
     Ok(exit_code(&model.report, args.strict))
 }
@@ -120,10 +120,11 @@ impl Args {
         let Placement { min_gap_mm, wall_gap_mm, .. } = &mut spec.placement;
         *min_gap_mm = self.min_gap_mm.unwrap_or(*min_gap_mm);
         *wall_gap_mm = self.wall_gap_mm.unwrap_or(*wall_gap_mm);
-        if self.meshing.leave_room(&mut spec.placement) && !self.quiet {
-            stderr::line(format!("packing with gaps of {ROOM_MM} mm, which a conforming mesh needs"));
-        }
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
+        spec.validate().map_err(|error| self.name_flag(error))?;
+        if let Some(said) = self.meshing.leave_room(&mut spec).filter(|_| !self.quiet) {
+            stderr::line(said);
+        }
         spec.validate().map_err(|error| self.name_flag(error))?;
         Ok(spec)
     }
@@ -148,7 +149,7 @@ impl Args {
         let contents = paths.iter().map(|path| content(path)).collect::<Result<Vec<_>, _>>()?;
         let target = |(path, content): (&PathBuf, &Content)| match content {
             Content::Packing(_) => Target::new(path, self.force),
-            Content::Mesh(format) => mesh::target(path, *format, self.force),
+            Content::Mesh(format) => mesh::target(path, *format, self.force, &self.meshing),
         };
         let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
         let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.force)).transpose()?;
@@ -183,6 +184,13 @@ struct Plan {
 impl Plan {
     fn files(&self) -> impl Iterator<Item = &Path> {
         self.outputs.iter().map(|(target, _)| target).chain(&self.summary).filter_map(Target::file)
+    }
+
+    fn meshes(&self) -> impl Iterator<Item = (&Target, MeshFormat)> {
+        self.outputs.iter().filter_map(|(target, content)| match content {
+            Content::Mesh(format) => Some((target, *format)),
+            Content::Packing(_) => None,
+        })
     }
 
     fn has_deck(&self) -> bool {

@@ -22,16 +22,16 @@ pub fn clipped(body: &Polyhedron, domain: &Aabb) -> Option<Polyhedron> {
 }
 
 /// The part where `side * x[axis] <= side * place`.
-fn half(body: &Polyhedron, axis: usize, place: f64, side: f64) -> Option<Polyhedron> {
-    let inside = |v: &Vec3| side * v[axis] <= side * place;
+fn half(body: &Polyhedron, axis: usize, at: f64, side: f64) -> Option<Polyhedron> {
+    let inside = |v: &Vec3| side * v[axis] <= side * at;
     let mut points: Vec<Vec3> = body.vertices().iter().filter(|v| inside(v)).copied().collect();
     for face in body.faces() {
         for k in 0..face.len() {
             let [from, to] = [k, (k + 1) % face.len()].map(|k| body.vertices()[face.vertex(k) as usize]);
             // Every edge is passed in both directions; upwards it counts, whichever part is asked for.
-            if from[axis] < place && to[axis] > place {
-                let mut point = from + (to - from) * ((place - from[axis]) / (to[axis] - from[axis]));
-                point[axis] = place;
+            if from[axis] < at && to[axis] > at {
+                let mut point = from + (to - from) * ((at - from[axis]) / (to[axis] - from[axis]));
+                point[axis] = at;
                 points.push(point);
             }
         }

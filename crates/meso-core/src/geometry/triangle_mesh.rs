@@ -130,17 +130,17 @@ impl TriangleMesh {
         let mut edges: Vec<(u32, u32)> = self.triangles.iter().flat_map(of_triangle).collect();
         edges.sort_unstable();
         if let Some(&[(from, to), ..]) = edges.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(SurfaceError::NotManifold { from: self.place(from), to: self.place(to) });
+            return Err(SurfaceError::NotManifold { from: self.position(from), to: self.position(to) });
         }
         let open: Vec<_> = edges.iter().filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err()).collect();
         if let Some(&&(from, to)) = open.first() {
-            return Err(SurfaceError::Open { edges: open.len(), from: self.place(from), to: self.place(to) });
+            return Err(SurfaceError::Open { edges: open.len(), from: self.position(from), to: self.position(to) });
         }
         let volume = self.volume();
         if volume > 0.0 { Ok(()) } else { Err(SurfaceError::NoVolume { volume }) }
     }
 
-    fn place(&self, vertex: u32) -> [f64; 3] {
+    fn position(&self, vertex: u32) -> [f64; 3] {
         self.vertices[vertex as usize].into()
     }
 }

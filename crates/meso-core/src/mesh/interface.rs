@@ -1,14 +1,17 @@
-//! The element faces where one aggregate meets mortar or another aggregate.
+//! The element faces where one owner meets mortar or another; and the nodes that owners get of their own there, for a layer or
+//! cohesive elements to go between.
 
-use super::{Mesh, NO_AGGREGATE};
+use super::cells::{Cells, Mesh, NO_BODY, Phase};
+use super::tet::TetMesh;
+use crate::math::Vec3;
 use rayon::prelude::*;
 
-/// A face of a cell in an aggregate, with another material behind it.
+/// A face of a cell in a body, with another owner behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct InterfaceFace {
-    /// The face's nodes, counter-clockwise seen from outside the aggregate; the fourth is [`NO_NODE`] for triangles.
+    /// The face's nodes, counter-clockwise seen from outside the body; the fourth is [`NO_NODE`] for triangles.
     pub(crate) nodes: [u32; 4],
-    /// The cell on the aggregate's side.
+    /// The cell on the body's side.
     pub(crate) cell: u32,
     /// The cell behind the face.
     pub(crate) behind: u32,
@@ -23,19 +26,19 @@ impl InterfaceFace {
     }
 }
 
-/// All interface faces; where two aggregates touch, the face is there once for each of them. By cell, then by face.
-pub(crate) fn faces(mesh: &Mesh) -> Vec<InterfaceFace> {
+/// All interface faces; where two bodies touch, the face is there once for each of them. By cell, then by face.
+pub(crate) fn faces(mesh: Cells) -> Vec<InterfaceFace> {
     let owners = Owners::of(mesh);
     let mut sides: Vec<([u32; 4], u32, u8)> =
-        (0..mesh.cell_count()).into_par_iter().flat_map_iter(|cell| sides_of(mesh, cell, &owners)).collect();
+        (0..mesh.owner.len()).into_par_iter().flat_map_iter(|cell| sides_of(mesh, cell, &owners)).collect();
     sides.par_sort_unstable();
     let meets = |pair: &[([u32; 4], u32, u8)]| {
-        pair.len() == 2 && mesh.aggregate[pair[0].1 as usize] != mesh.aggregate[pair[1].1 as usize]
+        pair.len() == 2 && mesh.owner[pair[0].1 as usize] != mesh.owner[pair[1].1 as usize]
     };
     let pairs = sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| meets(pair));
     let mut found: Vec<(u32, u8, u32)> =
         pairs.flat_map(|pair| [(pair[0].1, pair[0].2, pair[1].1), (pair[1].1, pair[1].2, pair[0].1)]).collect();
-    found.retain(|side| mesh.aggregate[side.0 as usize] != NO_AGGREGATE);
+    found.retain(|side| mesh.owner[side.0 as usize] != NO_BODY);
     found.sort_unstable();
     found
         .into_iter()
@@ -43,7 +46,7 @@ pub(crate) fn faces(mesh: &Mesh) -> Vec<InterfaceFace> {
         .collect()
 }
 
-/// Whose cells meet at every node: ids of aggregates, or [`NO_AGGREGATE`] for the mortar.
+/// Whose cells meet at every node.
 pub(crate) struct Owners {
     /// One of them.
     one: Vec<u32>,
@@ -55,13 +58,13 @@ pub(crate) struct Owners {
 
 impl Owners {
     /// The owners of all nodes, but for those in the middle of edges.
-    pub(crate) fn of(mesh: &Mesh) -> Self {
+    pub(crate) fn of(mesh: Cells) -> Self {
         let corners = mesh.kind.corners();
         let owned = || {
-            let cells = mesh.cells().zip(&mesh.aggregate);
+            let cells = mesh.iter().zip(mesh.owner);
             cells.flat_map(|(cell, &owner)| cell[..corners].iter().map(move |&node| (node, owner)))
         };
-        let mut one = vec![NO_AGGREGATE; mesh.points.len()];
+        let mut one = vec![NO_BODY; mesh.points.len()];
         owned().for_each(|(node, owner)| one[node as usize] = owner);
         let (mut other, mut further) = (one.clone(), Vec::new());
         for (node, owner) in owned().filter(|&(node, owner)| one[node as usize] != owner) {
@@ -77,13 +80,13 @@ impl Owners {
         Self { one, other, further }
     }
 
-    /// True where the cells are not all of one aggregate, nor all of the mortar.
+    /// True where the cells are not all of one owner.
     pub(crate) fn are_several(&self, node: u32) -> bool {
         self.one[node as usize] != self.other[node as usize]
     }
 
-    /// Nodes with the aggregates that own them, each pair once, in order; only the nodes that `asked` picks.
-    pub(crate) fn aggregates(&self, asked: impl Fn(u32) -> bool) -> Vec<(u32, u32)> {
+    /// Nodes with the bodies that own them, each pair once, in order; only the nodes that `asked` picks.
+    pub(crate) fn bodies(&self, asked: impl Fn(u32) -> bool) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
         for (node, (&one, &other)) in (0..).zip(self.one.iter().zip(&self.other)).filter(|(node, _)| asked(*node)) {
             pairs.push((node, one.min(other)));
@@ -92,7 +95,7 @@ impl Owners {
             }
         }
         pairs.extend(self.further.iter().filter(|(node, _)| asked(*node)));
-        pairs.retain(|(_, owner)| *owner != NO_AGGREGATE);
+        pairs.retain(|(_, owner)| *owner != NO_BODY);
         // Two runs in order: the stable sort merges them.
         pairs.sort();
         pairs
@@ -100,7 +103,7 @@ impl Owners {
 }
 
 /// The faces of a cell that may be an interface, by their sorted nodes.
-fn sides_of<'a>(mesh: &'a Mesh, cell: usize, owners: &'a Owners) -> impl Iterator<Item = ([u32; 4], u32, u8)> + 'a {
+fn sides_of<'a>(mesh: Cells<'a>, cell: usize, owners: &'a Owners) -> impl Iterator<Item = ([u32; 4], u32, u8)> + 'a {
     (0..mesh.kind.faces().len() as u8).filter_map(move |face| {
         let mut nodes = face_nodes(mesh, cell as u32, face);
         let all = nodes.iter().all(|&node| node == NO_NODE || owners.are_several(node));
@@ -109,12 +112,111 @@ fn sides_of<'a>(mesh: &'a Mesh, cell: usize, owners: &'a Owners) -> impl Iterato
     })
 }
 
-fn face_nodes(mesh: &Mesh, cell: u32, face: u8) -> [u32; 4] {
-    let per_cell = mesh.kind.nodes();
-    let cell = &mesh.cells[cell as usize * per_cell..][..per_cell];
+fn face_nodes(mesh: Cells, cell: u32, face: u8) -> [u32; 4] {
     let mut nodes = [NO_NODE; 4];
-    for (node, &at) in nodes.iter_mut().zip(mesh.kind.faces()[face as usize]) {
-        *node = cell[at];
-    }
+    nodes.iter_mut().zip(mesh.face(cell, face as usize)).for_each(|(node, corner)| *node = corner);
     nodes
+}
+
+/// The nodes that bodies have of their own.
+pub(super) struct Copies {
+    /// (body, original node), ascending; the copy's number is `first` plus the index here.
+    keys: Vec<(u32, u32)>,
+    first: u32,
+}
+
+impl Copies {
+    /// The node that `body` has for `node`: its copy, or the node itself where it has none.
+    pub(super) fn of(&self, body: u32, node: u32) -> u32 {
+        self.keys.binary_search(&(body, node)).map_or(node, |index| self.first + index as u32)
+    }
+
+    /// The number of the first copy; all nodes from there on are copies.
+    pub(super) fn first(&self) -> u32 {
+        self.first
+    }
+
+    /// The body that has a copy.
+    pub(super) fn body(&self, copy: u32) -> u32 {
+        self.keys[(copy - self.first) as usize].0
+    }
+
+    /// (body, original node, copy).
+    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = (u32, u32, u32)> {
+        self.keys.iter().enumerate().map(|(index, &(body, node))| (body, node, self.first + index as u32))
+    }
+
+    /// Where the copies are: at their originals.
+    fn positions(&self, points: &[Vec3]) -> Vec<Vec3> {
+        self.keys.iter().map(|&(_, node)| points[node as usize]).collect()
+    }
+
+    /// Gives the bodies' cells, of so many nodes each, the copies in place of the originals.
+    fn take(&self, per_cell: usize, cells: &mut [u32], owner: &[u32]) {
+        let mut touched = vec![false; self.first as usize];
+        self.keys.iter().for_each(|&(_, node)| touched[node as usize] = true);
+        cells.par_chunks_exact_mut(per_cell).zip(owner).for_each(|(cell, &owner)| {
+            if owner != NO_BODY {
+                for node in cell.iter_mut().filter(|node| touched[**node as usize]) {
+                    *node = self.of(owner, *node);
+                }
+            }
+        });
+    }
+}
+
+/// Gives each body copies of its interface nodes in `mesh`, at the same positions; the cells are to take them
+/// ([`Copies::take`]). Mortar and fibres keep the originals; `owned` tells of every node whether such cells have it: where none
+/// do, the lowest body keeps the original.
+fn copies(mesh: Cells, faces: &[InterfaceFace], owned: Option<Vec<bool>>) -> Copies {
+    let of_face =
+        |face: &InterfaceFace| face.nodes().iter().map(|&node| (mesh.owner[face.cell as usize], node)).collect();
+    let mut keys: Vec<(u32, u32)> = faces.iter().flat_map::<Vec<_>, _>(of_face).collect();
+    keys.par_sort_unstable();
+    keys.dedup();
+    if let Some(mut owned) = owned {
+        keys.retain(|&(_, node)| std::mem::replace(&mut owned[node as usize], true));
+    }
+    Copies { keys, first: mesh.points.len() as u32 }
+}
+
+/// Parts the bodies of a tetrahedral mesh, at `faces`, from everything else.
+pub(crate) fn separate(mesh: &mut TetMesh, faces: &[InterfaceFace]) -> Copies {
+    let copies = copies(mesh.by_body(), faces, None);
+    mesh.points.extend(copies.positions(&mesh.points));
+    copies.take(4, mesh.cells.as_flattened_mut(), &mesh.owner);
+    copies
+}
+
+/// Parts the aggregates from the mortar and from each other, and joins them by zero-thickness cohesive elements; fibres are
+/// bonded.
+///
+/// Node order as Abaqus wants COH3D6 and COH3D8: the bottom face, here the aggregate's, then the top face's nodes over
+/// them. The bottom face is counter-clockwise seen from the top, so that its normal, the thickness direction, points out
+/// of the aggregate. Between two aggregates the bottom is that of the lower id.
+pub(super) fn add_cohesive(mesh: &mut Mesh) {
+    let mut faces = faces(mesh.by_aggregate());
+    faces.retain(|face| mesh.phase[face.cell as usize] != Phase::Fibre);
+    let copies = copies(mesh.by_aggregate(), &faces, Some(kept(mesh)));
+    mesh.points.extend(copies.positions(&mesh.points));
+    copies.take(mesh.kind.nodes(), &mut mesh.cells, &mesh.aggregate);
+    faces.retain(|face| mesh.aggregate[face.cell as usize] < mesh.aggregate[face.behind as usize]);
+    let join = |face: &InterfaceFace| {
+        let [inside, outside] = [face.cell, face.behind].map(|cell| mesh.aggregate[cell as usize]);
+        let own = |aggregate: u32| face.nodes().iter().map(move |&node| (aggregate, node));
+        let nodes = own(inside).chain(own(outside));
+        nodes.map(|(aggregate, node)| copies.of(aggregate, node)).collect::<Vec<u32>>()
+    };
+    mesh.cohesive = faces.iter().flat_map(join).collect();
+    mesh.cohesive_aggregate = faces.iter().map(|face| mesh.aggregate[face.cell as usize]).collect();
+}
+
+/// Whether mortar or fibres have a node: they keep the original.
+fn kept(mesh: &Mesh) -> Vec<bool> {
+    let mut kept = vec![false; mesh.points.len()];
+    let keeps = |phase: &Phase| matches!(phase, Phase::Mortar | Phase::Fibre);
+    for (cell, _) in mesh.cells().zip(&mesh.phase).filter(|(_, phase)| keeps(phase)) {
+        cell.iter().for_each(|&node| kept[node as usize] = true);
+    }
+    kept
 }

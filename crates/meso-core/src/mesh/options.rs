@@ -1,6 +1,7 @@
 //! What is asked of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
 
-use super::MeshError;
+use super::error::MeshError;
+use crate::aggregate::Aggregate;
 use crate::packing::Specimen;
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +15,10 @@ pub struct MeshOptions {
     pub element_size_mm: f64,
     /// How the interfacial transition zone enters the mesh.
     pub itz: ItzForm,
+    /// What becomes of aggregates that would share nodes.
+    pub joined: Joined,
+    /// Which volume the aggregates of a fitted mesh have.
+    pub volumes: Volumes,
 }
 
 /// The meshing methods, siblings behind one interface, each with the options that it alone has.
@@ -110,13 +115,43 @@ pub enum ItzForm {
     Solid,
     /// Zero-thickness cohesive elements between the aggregates and what they meet.
     Cohesive,
+    /// Mortar cells with a face on an aggregate are the ITZ: as stiff as mortar, and weaker.
+    Smeared,
     /// Not at all: aggregates bonded to the mortar.
     None,
 }
 
+/// What becomes of aggregates that share nodes, since the elements cannot show the gap between them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Joined {
+    /// They stay joined: an elastic skeleton that no analysis breaks.
+    #[default]
+    Keep,
+    /// Mortar parts them. A cohesive ITZ does so by itself.
+    Mortar,
+}
+
+/// Which volume aggregates have in a mesh of tetrahedra.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Volumes {
+    /// That of the mesh with its nodes on their surfaces: less than their own, since chords cut corners off.
+    #[default]
+    Fitted,
+    /// Their own; the nodes lie some hundredths of a millimetre off their surfaces. Not with a solid ITZ.
+    Exact,
+}
+
 impl Default for MeshOptions {
     fn default() -> Self {
-        Self { method: Method::VOXEL, element_size_mm: 2.0, itz: ItzForm::Solid }
+        Self {
+            method: Method::VOXEL,
+            element_size_mm: 2.0,
+            itz: ItzForm::Solid,
+            joined: Joined::Keep,
+            volumes: Volumes::Fitted,
+        }
     }
 }
 
@@ -155,6 +190,14 @@ impl MeshOptions {
         self.validate_order()
     }
 
+    /// The thickness of an aggregate's shell as a layer of solid elements, mm; 0 for none.
+    pub(super) fn shell_mm(&self, aggregate: &Aggregate) -> f64 {
+        match self.itz {
+            ItzForm::Solid => aggregate.itz_thickness_mm,
+            ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => 0.0,
+        }
+    }
+
     fn validate_order(&self) -> Result<(), MeshError> {
         // There is no cohesive element over faces of six nodes.
         if self.method.order() == Order::Quadratic && self.itz == ItzForm::Cohesive {
@@ -189,6 +232,10 @@ pub struct MeshTable {
     pub element_size_mm: f64,
     /// As [`MeshOptions::itz`].
     pub itz: ItzForm,
+    /// As [`MeshOptions::joined`].
+    pub joined: Joined,
+    /// As [`MeshOptions::volumes`].
+    pub volumes: Volumes,
     /// Voxels alone.
     pub thin_itz: bool,
     /// Voxels alone.
@@ -208,7 +255,7 @@ impl Default for MeshTable {
 }
 
 impl From<MeshOptions> for MeshTable {
-    fn from(MeshOptions { method, element_size_mm, itz }: MeshOptions) -> Self {
+    fn from(MeshOptions { method, element_size_mm, itz, joined, volumes }: MeshOptions) -> Self {
         let order = if method.order() == Order::Quadratic { 2 } else { 1 };
         let (mut thin_itz, mut subsamples, mut fit, mut slabs) = (false, 1, Fit::Fitted, None);
         match method {
@@ -216,7 +263,8 @@ impl From<MeshOptions> for MeshTable {
             Method::Lattice { fit: own, .. } => fit = own,
             Method::Conforming { slabs: own, .. } => slabs = own,
         }
-        Self { method: method.name(), element_size_mm, itz, thin_itz, subsamples, fit, order, slabs }
+        let method = method.name();
+        Self { method, element_size_mm, itz, joined, volumes, thin_itz, subsamples, fit, order, slabs }
     }
 }
 
@@ -228,13 +276,13 @@ impl TryFrom<MeshTable> for MeshOptions {
     fn try_from(table: MeshTable) -> Result<Self, MeshError> {
         table.refuse_foreign()?;
         let order = table.order()?;
-        let MeshTable { element_size_mm, itz, thin_itz, subsamples, fit, slabs, .. } = table;
+        let MeshTable { element_size_mm, itz, joined, volumes, thin_itz, subsamples, fit, slabs, .. } = table;
         let method = match table.method {
             MethodName::Voxel => Method::Voxel { thin_itz, subsamples },
             MethodName::Lattice => Method::Lattice { fit, order },
             MethodName::Conforming => Method::Conforming { order, slabs },
         };
-        Ok(Self { method, element_size_mm, itz })
+        Ok(Self { method, element_size_mm, itz, joined, volumes })
     }
 }
 

@@ -4,45 +4,44 @@
 //! offset by the shell's thickness: max_i (n_i . x - d_i) > -t. By default t is at least the voxel's edge, so that along
 //! every axis one ITZ voxel or more lies between core and mortar (a shell h thick is crossed over a length of at least h).
 
-use super::grains::Grain;
-use super::sweep::{Label, PointGrid, Sweep};
-use super::{CellKind, Mesh, MeshOptions, NO_AGGREGATE, Phase};
+use super::cells::{CellKind, Draft, NO_BODY, Phase};
+use super::location::{Facets, Label, PointGrid, Scan};
+use super::options::MeshOptions;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::Specimen;
 use rayon::prelude::*;
 
-/// The voxel mesh of `aggregates` in `specimen`.
+/// The voxel mesh of `bodies` in `specimen`.
 pub(super) fn build(
-    aggregates: &[Aggregate],
+    bodies: &[Aggregate],
     specimen: &Specimen,
     options: &MeshOptions,
     thin_itz: bool,
     subsamples: u32,
-) -> Mesh {
+) -> Draft {
     let voxels = Voxels::of(specimen, options.element_size_mm);
-    let grains =
-        Grain::all(aggregates, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
-    let labels = voxels.labels(&grains, subsamples as usize);
-    let phase = labels.par_iter().map(|&label| phase_of(label, &grains)).collect();
-    let aggregate =
-        labels.par_iter().map(|label| label.grain().map_or(NO_AGGREGATE, |g| grains[g as usize].id)).collect();
-    Mesh::of(CellKind::Hexahedron, voxels.points(), voxels.cells(), phase, aggregate)
+    let facets =
+        Facets::all(bodies, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
+    let labels = voxels.labels(&facets, subsamples as usize);
+    let phase = labels.par_iter().map(|&label| phase_of(label, &facets)).collect();
+    let owner = labels.par_iter().map(|label| label.body().unwrap_or(NO_BODY)).collect();
+    Draft { kind: CellKind::Hexahedron, points: voxels.points(), cells: voxels.cells(), phase, owner }
 }
 
 /// The thickness an aggregate's shell has in a voxel mesh, `least` mm or more; 0 for none.
 fn shell_thickness(aggregate: &Aggregate, least: f64, options: &MeshOptions) -> f64 {
-    match super::shell_thickness(aggregate, options) {
+    match options.shell_mm(aggregate) {
         0.0 => 0.0,
         thickness => thickness.max(least),
     }
 }
 
-fn phase_of(label: Label, grains: &[Grain]) -> Phase {
-    match label.grain() {
+fn phase_of(label: Label, facets: &[Facets]) -> Phase {
+    match label.body() {
         None => Phase::Mortar,
         Some(_) if label.in_shell() => Phase::Itz,
-        Some(grain) => grains[grain as usize].phase,
+        Some(body) => facets[body as usize].phase,
     }
 }
 
@@ -62,25 +61,25 @@ impl Voxels {
         Self { min: aabb.min, max: aabb.max, spacing, counts }
     }
 
-    fn labels(&self, grains: &[Grain], n: usize) -> Vec<Label> {
+    fn labels(&self, facets: &[Facets], n: usize) -> Vec<Label> {
         let spacing = self.spacing / n as f64;
         let grid = PointGrid { origin: self.min + spacing / 2.0, spacing, counts: self.counts.map(|c| c * n) };
-        let sweep = Sweep::new(grid, grains);
+        let scan = Scan::new(grid, facets);
         let mut labels = vec![Label::MORTAR; self.counts.iter().product()];
         let layers = labels.par_chunks_mut(self.counts[0] * self.counts[1]).enumerate();
         if n == 1 {
-            layers.for_each(|(k, layer)| sweep.label_layer(k, layer));
+            layers.for_each(|(k, layer)| scan.label_layer(k, layer));
         } else {
-            layers.for_each(|(k, layer)| self.majority_layer(&sweep, grid, n, k, layer));
+            layers.for_each(|(k, layer)| self.majority_layer(&scan, grid, n, k, layer));
         }
         labels
     }
 
     /// Labels of voxel layer `k` by the majority of n x n x n points in each voxel.
-    fn majority_layer(&self, sweep: &Sweep, fine: PointGrid, n: usize, k: usize, layer: &mut [Label]) {
+    fn majority_layer(&self, scan: &Scan, fine: PointGrid, n: usize, k: usize, layer: &mut [Label]) {
         let mut samples = vec![Label::MORTAR; fine.layer_len() * n];
         for (sub, labels) in samples.chunks_exact_mut(fine.layer_len()).enumerate() {
-            sweep.label_layer(k * n + sub, labels);
+            scan.label_layer(k * n + sub, labels);
         }
         let mut votes = Vec::with_capacity(n * n * n);
         for (voxel, label) in layer.iter_mut().enumerate() {
@@ -125,7 +124,7 @@ fn majority(votes: &mut [Label]) -> Label {
         return votes[0];
     }
     votes.sort_unstable();
-    let body = longest(votes.chunk_by(|a, b| a.grain() == b.grain()));
+    let body = longest(votes.chunk_by(|a, b| a.body() == b.body()));
     longest(body.chunk_by(|a, b| a == b))[0]
 }
 

@@ -47,8 +47,8 @@ struct Axis {
 
 impl Axis {
     fn at(&self, value: f64) -> f64 {
-        let place = |x: f64| if self.log { libm::log(x) } else { x };
-        let share = (place(value) - place(self.from)) / (place(self.to) - place(self.from));
+        let scaled = |x: f64| if self.log { libm::log(x) } else { x };
+        let share = (scaled(value) - scaled(self.from)) / (scaled(self.to) - scaled(self.from));
         self.pixels[0] + share * (self.pixels[1] - self.pixels[0])
     }
 
@@ -129,15 +129,15 @@ impl Plot {
 }
 
 fn draw(curve: &Curve, colour: &str, x: &Axis, y: &Axis, out: &mut impl Write) -> io::Result<()> {
-    let places = curve.points.iter().filter(|p| p.1.is_finite()).map(|&(px, py)| (x.at(px), y.at(py)));
+    let points = curve.points.iter().filter(|p| p.1.is_finite()).map(|&(px, py)| (x.at(px), y.at(py)));
     if curve.dots {
-        for (px, py) in places {
+        for (px, py) in points {
             writeln!(out, "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3.5\" fill=\"{colour}\"/>")?;
         }
         return Ok(());
     }
     write!(out, "<polyline fill=\"none\" stroke-width=\"1.8\" stroke=\"{colour}\" points=\"")?;
-    for (px, py) in places {
+    for (px, py) in points {
         write!(out, "{px:.1},{py:.1} ")?;
     }
     writeln!(out, "\"/>")

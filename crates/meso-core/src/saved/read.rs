@@ -166,10 +166,10 @@ fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate
         return Err(wrong(format!("its id is {}; ids count on from the last aggregate's", file.id)));
     }
     let mut asked = Kind::FURTHER.into_iter().zip(spec.inclusions().fractions());
-    let Some(place) = asked.position(|(kind, fraction)| kind == file.phase && fraction > 0.0) else {
+    let Some(index) = asked.position(|(kind, fraction)| kind == file.phase && fraction > 0.0) else {
         return Err(wrong(format!("its phase is {}; the spec asks for none", file.phase.name())));
     };
-    let class = (spec.grading.classes().len() + place) as u16;
+    let class = (spec.grading.classes().len() + index) as u16;
     let body = body(file.vertices, file.faces).map_err(wrong)?;
     Ok(Aggregate { id: file.id, kind: file.phase, class, itz_thickness_mm: 0.0, body })
 }

@@ -124,12 +124,12 @@ fn unknown_key(name: &str, known: &[&str], path: &[String]) -> String {
     }
     match home_of(name) {
         Some(home) if home != path => {
-            let place = if home.is_empty() {
+            let table = if home.is_empty() {
                 "at the top, before any [table]".to_owned()
             } else {
                 format!("under [{}]", home.join("."))
             };
-            format!("is not a known key here; it belongs {place}")
+            format!("is not a known key here; it belongs {table}")
         }
         _ => format!("is not a known key; the keys here are {}", known.join(", ")),
     }

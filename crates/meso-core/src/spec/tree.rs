@@ -57,8 +57,8 @@ impl Node {
     /// Takes `key` out of this table.
     pub(super) fn take(&mut self, key: &str) -> Option<(String, Self)> {
         let Value::Table(entries) = &mut self.value else { return None };
-        let place = entries.iter().position(|(name, _)| name == key)?;
-        Some(entries.remove(place))
+        let index = entries.iter().position(|(name, _)| name == key)?;
+        Some(entries.remove(index))
     }
 }
 

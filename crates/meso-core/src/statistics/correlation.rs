@@ -208,9 +208,9 @@ fn bracket(sample: &Sample, point: &Vec3, direction: &Vec3) -> (f64, f64) {
     }
     let (least, mut low) = (1e-6 * size, 0.0);
     loop {
-        let place = point + direction * low;
-        let step = sample.container.depth(&place).max(least);
-        if !inside(sample, &(place + direction * step)) {
+        let position = point + direction * low;
+        let step = sample.container.depth(&position).max(least);
+        if !inside(sample, &(position + direction * step)) {
             return (low, low + step);
         }
         low += step;

@@ -30,9 +30,9 @@ impl Distribution {
         let mean = values.iter().sum::<f64>() / n;
         let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
         let quantile = |share: f64| {
-            let place = share * (n - 1.0);
-            let (below, above) = (values[place as usize], values[place.ceil() as usize]);
-            below + (above - below) * place.fract()
+            let position = share * (n - 1.0);
+            let (below, above) = (values[position as usize], values[position.ceil() as usize]);
+            below + (above - below) * position.fract()
         };
         let (min, max) = (*values.first()?, *values.last()?);
         Some(Self {

@@ -45,6 +45,11 @@ pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: 
 
 /// What is printed of `sets`, fields, and the end of the step.
 fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str) -> io::Result<()> {
+    lines.line("*OUTPUT, FIELD")?;
+    lines.line("*NODE OUTPUT")?;
+    lines.line("U, RF")?;
+    lines.line("*ELEMENT OUTPUT")?;
+    lines.line("S, E")?;
     for set in sets {
         lines.line(format!("*NODE PRINT, NSET={set}, TOTALS=YES"))?;
         lines.line(printed)?;

@@ -3,17 +3,20 @@
 //! Compression: two rigid plates with friction, the lower one held, the upper one moved down along a smooth step.
 //! Tension: the same loading of two rigid bodies that hold the nodes of ZMIN and ZMAX, as glued platens do.
 
+use super::geometry::present;
 use super::lines::{Lines, real};
 use super::{Analysis, DeckError, DeckOptions};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::Mesh;
 use crate::mesh::sides::Sides;
+use crate::mesh::{Mesh, Phase};
 use std::io::{self, Write};
 
 /// The plates reach beyond the specimen by this share of its width, so that its sides can bulge.
 const OVERHANG: f64 = 0.1;
 /// Rows of history output in a step.
 const HISTORY: f64 = 500.0;
+/// Frames of stresses and strains.
+const STRESS_FRAMES: u32 = 5;
 
 /// Plates or held faces, contact, and the step.
 pub(super) fn write(
@@ -26,14 +29,14 @@ pub(super) fn write(
     let compression = options.analysis == Analysis::Compression;
     let references = reference_nodes(lines, mesh, &aabb)?;
     if compression {
+        slaves(lines)?;
         plates(lines, mesh, &aabb, references)?;
         contact(lines, options.loading.friction)?;
     } else {
         held_faces(lines, sides, references)?;
     }
-    let strain = options.strain.unwrap_or(if compression { 0.006 } else { 0.001 });
-    let travel = strain * aabb.size().z * if compression { -1.0 } else { 1.0 };
-    step(lines, options, travel, compression)
+    let travel = options.final_strain() * aabb.size().z * if compression { -1.0 } else { 1.0 };
+    step(lines, mesh, options, travel, compression)
 }
 
 /// Finds out whether the specimen has faces that plates can press on: a spike has none.
@@ -44,6 +47,18 @@ pub(super) fn check(sides: &Sides) -> Result<(), DeckError> {
                 "no face of the specimen looks that way within 45 degrees; take tension, which holds nodes, or none";
             return Err(DeckError::new("analysis", "compression", format!("a plate presses on {surface}, and {why}")));
         }
+    }
+    Ok(())
+}
+
+/// The nodes of ZMIN and ZMAX as surfaces of contact pairs.
+///
+/// Faces would have to hang together by their edges, and not by nodes alone, which those of parted aggregates, caps of
+/// spheres and voids at a side do not. Of nodes nothing is asked.
+fn slaves(lines: &mut Lines<impl Write>) -> io::Result<()> {
+    for side in ["ZMIN", "ZMAX"] {
+        lines.line(format!("*SURFACE, TYPE=NODE, NAME=N_{side}"))?;
+        lines.line(side)?;
     }
     Ok(())
 }
@@ -75,6 +90,8 @@ fn plates(lines: &mut Lines<impl Write>, mesh: &Mesh, aabb: &Aabb, references: [
         lines.line(format!("*ELEMENT, TYPE=R3D4, ELSET={name}"))?;
         lines.element(element + i as u64, &[0, 1, 2, 3].map(|corner| first as u32 + corner - 1))?;
         lines.line(format!("*RIGID BODY, REF NODE={}, ELSET={name}", references[i]))?;
+        // No thickness: half of any would be overclosure.
+        lines.line("0.,")?;
         lines.line(format!("*SURFACE, TYPE=ELEMENT, NAME=S_{name}"))?;
         lines.line(format!("{name}, SPOS"))?;
     }
@@ -96,7 +113,13 @@ fn contact(lines: &mut Lines<impl Write>, friction: f64) -> io::Result<()> {
     lines.line(format!("{},", real(friction)))
 }
 
-fn step(lines: &mut Lines<impl Write>, options: &DeckOptions, travel: f64, contact: bool) -> io::Result<()> {
+fn step(
+    lines: &mut Lines<impl Write>,
+    mesh: &Mesh,
+    options: &DeckOptions,
+    travel: f64,
+    contact: bool,
+) -> io::Result<()> {
     let loading = &options.loading;
     let duration = real(loading.duration_s);
     lines.line("*AMPLITUDE, NAME=SMOOTH, DEFINITION=SMOOTH STEP")?;
@@ -112,27 +135,55 @@ fn step(lines: &mut Lines<impl Write>, options: &DeckOptions, travel: f64, conta
     lines.line("*BOUNDARY, TYPE=DISPLACEMENT, AMPLITUDE=SMOOTH")?;
     lines.line(format!("REF_TOP, 3, 3, {travel:.9e}"))?;
     if contact {
-        for (slave, master) in [("S_ZMIN", "S_PLATE_BOTTOM"), ("S_ZMAX", "S_PLATE_TOP")] {
+        for (slave, master) in [("N_ZMIN", "S_PLATE_BOTTOM"), ("N_ZMAX", "S_PLATE_TOP")] {
             lines.line("*CONTACT PAIR, INTERACTION=PLATEN, MECHANICAL CONSTRAINT=KINEMATIC")?;
             lines.line(format!("{slave}, {master}"))?;
         }
     }
-    output(lines, options)?;
+    // To go on from after a job of days was killed.
+    lines.line("*RESTART, WRITE, NUMBER INTERVAL=4")?;
+    fields(lines, mesh, options)?;
+    history(lines, options.loading.duration_s / HISTORY)?;
     lines.line("*END STEP")
 }
 
-/// Plate forces and displacements, energies, and the fields at N frames.
-fn output(lines: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
-    lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={}", options.loading.frames))?;
+/// Damage and displacements at every frame; stresses and strains, most of the size, at few.
+fn fields(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
+    let frames = options.loading.frames;
+    lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={frames}"))?;
     lines.line("*NODE OUTPUT")?;
-    lines.line("U, RF")?;
-    lines.line("*ELEMENT OUTPUT")?;
-    lines.line("S, LE, PE, DAMAGEC, DAMAGET, SDEG, STATUS")?;
-    lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={}", real(options.loading.duration_s / HISTORY)))?;
+    lines.line("U")?;
+    for phase in present(mesh).filter(|phase| options.materials.strength(*phase).is_some()) {
+        element_output(lines, phase, "PEEQ, PEEQT, DAMAGEC, DAMAGET, SDEG")?;
+    }
+    if !mesh.cohesive.is_empty() {
+        element_output(lines, Phase::Itz, "S, LE, SDEG, QUADSCRT, STATUS")?;
+    }
+    lines.line(format!("*OUTPUT, FIELD, NUMBER INTERVAL={}", frames.min(STRESS_FRAMES)))?;
+    for phase in present(mesh) {
+        let plastic = if options.materials.strength(phase).is_some() { ", PE" } else { "" };
+        element_output(lines, phase, &format!("S, LE{plastic}"))?;
+    }
+    Ok(())
+}
+
+fn element_output(lines: &mut Lines<impl Write>, phase: Phase, variables: &str) -> io::Result<()> {
+    lines.line(format!("*ELEMENT OUTPUT, ELSET={}", phase.name()))?;
+    lines.line(variables)
+}
+
+/// Forces and displacements of the plates, filtered since contact forces alias; energies; the increments and the mass that
+/// scaling adds.
+fn history(lines: &mut Lines<impl Write>, interval: f64) -> io::Result<()> {
+    let interval = real(interval);
+    lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={interval}, FILTER=ANTIALIASING"))?;
     for set in ["REF_BOTTOM", "REF_TOP"] {
         lines.line(format!("*NODE OUTPUT, NSET={set}"))?;
         lines.line("U3, RF3")?;
     }
+    lines.line(format!("*OUTPUT, HISTORY, TIME INTERVAL={interval}"))?;
     lines.line("*ENERGY OUTPUT")?;
-    lines.line("ALLIE, ALLKE, ALLWK, ALLAE, ALLPD, ALLDMD, ALLFD, ETOTAL")
+    lines.line("ALLIE, ALLKE, ALLWK, ALLSE, ALLPD, ALLDMD, ALLFD, ALLAE, ALLVD, ALLMW, ETOTAL")?;
+    lines.line("*INCREMENTATION OUTPUT")?;
+    lines.line("DT, DMASS")
 }

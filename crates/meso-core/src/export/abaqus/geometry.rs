@@ -7,13 +7,31 @@ use crate::mesh::{CellKind, Mesh, Phase};
 use std::io::{self, Write};
 
 /// The deck's heading; of geometry alone comments, since a deck that includes it, perhaps within a part, has its own.
-pub(super) fn heading(lines: &mut Lines<impl Write>, options: &DeckOptions) -> io::Result<()> {
+pub(super) fn heading(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
     let comment = if options.geometry_only { "** " } else { "" };
     if !options.geometry_only {
         lines.line("*HEADING")?;
     }
-    lines.line(format!("{comment}mesocrete deck; units mm, N, MPa, tonne, s"))?;
-    options.heading.iter().try_for_each(|line| lines.line(format!("{comment}{line:.76}")))
+    let version = env!("CARGO_PKG_VERSION");
+    lines.line(format!("{comment}mesocrete {version} deck; units mm, N, MPa, tonne, s"))?;
+    lines.line(format!("{comment}{}", counts(mesh)))?;
+    options.heading.iter().try_for_each(|line| lines.line(format!("{comment}{line:.76}")))?;
+    if options.has_curve() {
+        lines.line("check: abaqus datacheck job=NAME input=THIS.inp double=both")?;
+        lines.line("run: abaqus job=NAME input=THIS.inp double=both cpus=16")?;
+    }
+    Ok(())
+}
+
+/// How many nodes the mesh has, and elements of each phase.
+fn counts(mesh: &Mesh) -> String {
+    let of = |phase: Phase| {
+        let cells = mesh.phase.iter().filter(|p| **p == phase).count();
+        format!("{} {}", phase.name(), cells + if phase == Phase::Itz { mesh.cohesive().len() } else { 0 })
+    };
+    let joints = (!mesh.cohesive.is_empty()).then_some(Phase::Itz);
+    let elements: Vec<String> = present(mesh).chain(joints).map(of).collect();
+    format!("{} nodes; elements {}", mesh.points.len(), elements.join(", "))
 }
 
 pub(super) fn write(
@@ -38,7 +56,7 @@ fn elements(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -
     let kind = match mesh.kind {
         CellKind::Tetrahedron => "C3D4",
         // The second-order tetrahedron that is made for contact and for *DYNAMIC, EXPLICIT.
-        CellKind::QuadraticTetrahedron if options.analysis.damages() => "C3D10M",
+        CellKind::QuadraticTetrahedron if options.analysis.is_explicit() => "C3D10M",
         CellKind::QuadraticTetrahedron => "C3D10",
         CellKind::Hexahedron if options.reduced_integration => "C3D8R",
         CellKind::Hexahedron => "C3D8",

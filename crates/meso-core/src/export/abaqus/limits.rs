@@ -1,6 +1,6 @@
 //! What a deck cannot hold: values out of their ranges, by name.
 
-use super::DeckOptions;
+use super::{Analysis, DeckOptions};
 use crate::materials::{Elastic, Materials};
 use crate::mesh::Phase;
 
@@ -35,7 +35,7 @@ impl DeckError {
 /// Every value against its range; NaN lies in none.
 pub(super) fn check(options: &DeckOptions) -> Result<(), DeckError> {
     let loading = &options.loading;
-    let strain = options.strain.unwrap_or(0.001);
+    let strain = options.final_strain();
     require(
         "strain",
         strain,
@@ -46,6 +46,16 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), DeckError> {
     require("frames", f64::from(loading.frames), loading.frames > 0, "it must be 1 or more")?;
     positive("duration_s", loading.duration_s)?;
     positive("time_increment_s", loading.time_increment_s)?;
+    if options.with_damage && options.analysis == Analysis::Elastic {
+        return Err(DeckError::new(
+            "with_damage",
+            "true",
+            "analysis elastic has no damage; take compression, tension or none",
+        ));
+    }
+    if let Some(section) = options.section_mm2 {
+        positive("section_mm2", section)?;
+    }
     let fits = |line: &&String| line.is_ascii() && !line.starts_with('*') && !line.contains(['\n', '\r']);
     if let Some(line) = options.heading.iter().find(|line| !fits(line)) {
         return Err(DeckError::new("heading", format!("{line:?}"), "a line must be ASCII and must not begin with *"));
@@ -77,6 +87,13 @@ fn materials(values: &Materials) -> Result<(), DeckError> {
         "it must lie above 0 and at most at 1",
     )?;
     positive("materials.cohesive_thickness_mm", values.cohesive_thickness_mm)?;
+    require(
+        "materials.cohesive_shear_energy_ratio",
+        values.cohesive_shear_energy_ratio,
+        values.cohesive_shear_energy_ratio >= 1.0 && values.cohesive_shear_energy_ratio.is_finite(),
+        "it must be 1 or more",
+    )?;
+    positive("materials.cohesive_mode_power", values.cohesive_mode_power)?;
     // Abaqus' own limits.
     let (angle, kc) = (plasticity.dilation_angle_deg, plasticity.meridian_ratio);
     require(
@@ -121,10 +138,12 @@ pub(super) fn curves(materials: &Materials, phase: Phase, width: f64) -> Result<
     let (e, fc, ft) = (materials.elastic(phase).youngs_modulus_mpa, strength.compressive_mpa, strength.tensile_mpa);
     let given = &materials.mortar_strength;
     let share = strength.fracture_energy_n_per_mm / given.fracture_energy_n_per_mm;
+    let strain = "its elastic strain";
+    let elements = format!("elements {width:.2} mm wide; take it, or smaller elements");
     for (name, value, least, why) in [
-        ("peak_strain", given.peak_strain, PEAK_OVER_ELASTIC * fc / e, "its elastic strain"),
-        ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm, fc * fc * width / e / share, "its element size"),
-        ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm, 0.8 * ft * ft / e / share, "its elastic strain"),
+        ("peak_strain", given.peak_strain, PEAK_OVER_ELASTIC * fc / e, strain),
+        ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm, fc * fc * width / e / share, elements.as_str()),
+        ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm, 0.8 * ft * ft / e / share, strain),
     ] {
         let accepted = format!("{} needs {least:.3e} or more for {why}", phase.name());
         require(&format!("materials.mortar_strength.{name}"), value, value >= least, &accepted)?;
@@ -133,7 +152,7 @@ pub(super) fn curves(materials: &Materials, phase: Phase, width: f64) -> Result<
 }
 
 /// Finds out whether Abaqus takes the softening of a cohesive ITZ: its fracture energy must be more than what is stored
-/// when damage begins, f^2 / (2 K), whichever way that is.
+/// when damage begins, f^2 / (2 K), whichever way that is; that of sliding is no less than that of opening.
 pub(super) fn separation(materials: &Materials) -> Result<(), DeckError> {
     let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
     let (normal, shear) = materials.separation_stiffness();

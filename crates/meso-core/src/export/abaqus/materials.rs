@@ -1,26 +1,26 @@
 //! Materials under the names of the phases, and the sections that give them to the element sets.
 
+use super::DeckOptions;
 use super::damage::{self, Row};
 use super::geometry::present;
 use super::limits::{self, DeckError};
 use super::lines::{Lines, real};
-use super::{Analysis, DeckOptions};
 use crate::materials::{Elastic, Materials, Strength};
 use crate::mesh::{CellKind, Mesh, Phase, PhaseVolumes};
 use std::io::{self, Write};
 
 /// Material and section of every phase the mesh has, and of the cohesive elements.
 pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOptions) -> io::Result<()> {
-    let materials = &options.materials;
+    let materials = &options.materials.in_mesh(mesh);
     lines.line("** Material values are illustrative unless they were given: MPa, tonne/mm3")?;
     for phase in present(mesh) {
         elastic(lines, phase.name(), materials.elastic(phase))?;
-        if let (true, Some(strength)) = (options.analysis.damages(), materials.strength(phase)) {
-            plasticity(lines, materials, phase, &strength, crack_band(mesh, phase))?;
+        if let (true, Some(strength)) = (options.damages(), materials.strength(phase)) {
+            plasticity(lines, materials, phase, &strength, crack_band(mesh))?;
         }
     }
     if !mesh.cohesive.is_empty() {
-        cohesive(lines, materials)?;
+        cohesive(lines, materials, options.damages())?;
     }
     for phase in present(mesh) {
         lines.line(format!("*SOLID SECTION, ELSET={0}, MATERIAL={0}", phase.name()))?;
@@ -28,7 +28,15 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
     if mesh.cohesive.is_empty() {
         return Ok(());
     }
-    lines.line("*COHESIVE SECTION, ELSET=ITZ, MATERIAL=ITZ, RESPONSE=TRACTION SEPARATION")?;
+    let section = "*COHESIVE SECTION, ELSET=ITZ, MATERIAL=ITZ, RESPONSE=TRACTION SEPARATION";
+    if options.damages() {
+        // Faces that have parted bear compression still: Abaqus would delete their elements, and nothing would hold them apart.
+        lines.line("*SECTION CONTROLS, NAME=ITZ, ELEMENT DELETION=NO, MAX DEGRADATION=1.0")?;
+        lines.line(section.to_owned() + ",")?;
+        lines.line("CONTROLS=ITZ")?;
+    } else {
+        lines.line(section)?;
+    }
     // A constitutive thickness of 1: separations are strains, and the density is per area.
     lines.line("1.0,")
 }
@@ -36,7 +44,13 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 /// Finds out whether Abaqus takes the curves of every phase in the elements it has.
 pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), DeckError> {
     let mut strong = present(mesh).filter(|&phase| materials.strength(phase).is_some());
-    strong.try_for_each(|phase| limits::curves(materials, phase, crack_band(mesh, phase)))
+    let materials = materials.in_mesh(mesh);
+    strong.try_for_each(|phase| limits::curves(&materials, phase, crack_band(mesh)))
+}
+
+/// The inelastic strain at which `mesh`'s mortar has softened to half its compressive strength.
+pub(super) fn half_strength_strain(mesh: &Mesh, materials: &Materials) -> f64 {
+    damage::half_strength_strain(&materials.mortar, &materials.mortar_strength, crack_band(mesh))
 }
 
 fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::Result<()> {
@@ -47,10 +61,20 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
     lines.line(format!("{}, {}", real(elastic.youngs_modulus_mpa), real(elastic.poisson_ratio)))
 }
 
-/// Cube root of the phase's mean element volume, mm, of second-order elements half of it: Abaqus' own characteristic length.
-fn crack_band(mesh: &Mesh, phase: Phase) -> f64 {
-    let volume = PhaseVolumes::of_mesh(mesh).of(phase);
-    let across = libm::cbrt(volume / mesh.phase.iter().filter(|p| **p == phase).count() as f64);
+/// Cube root of the mortar's mean element volume, mm, of second-order elements half of it: Abaqus' own characteristic length.
+///
+/// The ITZ's curve takes it, too: over the width of its own thin cells it would be tougher than mortar.
+fn crack_band(mesh: &Mesh) -> f64 {
+    let volumes = PhaseVolumes::of_mesh(mesh);
+    let is_mortar = |phase: &Phase| *phase == Phase::Mortar || *phase == Phase::Itz && mesh.has_smeared_itz();
+    let mortar = mesh.phase.iter().filter(|phase| is_mortar(phase)).count();
+    // A mesh of ITZ and aggregates alone has its own cells' width.
+    let (volume, cells) = match mortar {
+        0 => (volumes.total(), mesh.cell_count()),
+        cells if mesh.has_smeared_itz() => (volumes.mortar + volumes.itz, cells),
+        cells => (volumes.mortar, cells),
+    };
+    let across = libm::cbrt(volume / cells as f64);
     if mesh.kind == CellKind::QuadraticTetrahedron { across / 2.0 } else { across }
 }
 
@@ -80,8 +104,9 @@ fn curve(lines: &mut Lines<impl Write>, rows: &[Row], value: impl Fn(&Row) -> f6
     rows.iter().try_for_each(|row| lines.line(format!("{:.6e}, {:.6e}", value(row), row.inelastic)))
 }
 
-/// Traction-separation: stiffness E / t and G / t, quadratic stress criterion, linear softening by the fracture energy.
-fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials) -> io::Result<()> {
+/// Traction-separation: stiffness E / t and G / t; with damage a quadratic stress criterion and linear softening by the
+/// fracture energy, between that of opening and that of sliding after Benzeggagh and Kenane.
+fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials, damages: bool) -> io::Result<()> {
     let (itz, t) = (&materials.itz, materials.cohesive_thickness_mm);
     let (normal, shear) = materials.separation_stiffness();
     let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
@@ -91,15 +116,14 @@ fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials) -> io::Result<
     lines.line(format!("{},", real(itz.density_t_per_mm3 * t)))?;
     lines.line("*ELASTIC, TYPE=TRACTION")?;
     lines.line(format!("{normal:.6e}, {shear:.6e}, {shear:.6e}"))?;
+    if !damages {
+        return Ok(());
+    }
     lines.line("*DAMAGE INITIATION, CRITERION=QUADS")?;
     lines.line(format!("{:.6e}, {cohesion:.6e}, {cohesion:.6e}", strength.tensile_mpa))?;
-    lines.line("*DAMAGE EVOLUTION, TYPE=ENERGY")?;
-    lines.line(format!("{:.6e},", strength.fracture_energy_n_per_mm))
-}
-
-impl Analysis {
-    /// Whether mortar and ITZ get strength and damage.
-    pub(super) fn damages(self) -> bool {
-        matches!(self, Self::Compression | Self::Tension)
-    }
+    let power = real(materials.cohesive_mode_power);
+    lines.line(format!("*DAMAGE EVOLUTION, TYPE=ENERGY, MIXED MODE BEHAVIOR=BK, POWER={power}"))?;
+    let opening = strength.fracture_energy_n_per_mm;
+    let sliding = materials.cohesive_shear_energy_ratio * opening;
+    lines.line(format!("{opening:.6e}, {sliding:.6e}, {sliding:.6e}"))
 }

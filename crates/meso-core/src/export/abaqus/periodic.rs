@@ -10,8 +10,7 @@ use super::DeckError;
 use super::lines::Lines;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
-use crate::mesh::opposite::{Spots, owners, upper};
-use crate::mesh::sides::{SIDES, Sides};
+use crate::mesh::sides::{SIDES, Sides, Spots, owners, upper};
 use std::io::{self, Write};
 
 /// Names of the reference nodes' sets, one per direction.
@@ -65,11 +64,11 @@ fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
     let size = Aabb::around(&mesh.points).size();
     let owners = owners(mesh, sides);
     let nodes = 0..mesh.points.len() as u32;
-    let low = nodes.clone().filter(|&node| sides.on(node) != 0 && upper(mesh, sides, node) == [false; 3]);
-    let images = Spots::new(mesh, low);
+    let low = nodes.clone().filter(|&node| sides.on(node) != 0 && upper(mesh.periodic, sides, node) == [false; 3]);
+    let images = Spots::new(&mesh.points, low);
     let mut pairs = Vec::new();
     for node in nodes {
-        let along = upper(mesh, sides, node);
+        let along = upper(mesh.periodic, sides, node);
         if along != [false; 3] {
             let place = mesh.points[node as usize];
             let target = Vec3::from_fn(|axis, _| place[axis] - if along[axis] { size[axis] } else { 0.0 });

@@ -5,26 +5,41 @@
 //! are bisected, which keeps every angle above half the smallest one of the fan (Rosenberg and Stenger 1975), then flipped
 //! to Delaunay's.
 
-use super::faces::Nodes;
-use super::pieces::snap;
-use super::plane::{Frame, region};
+use super::plane::{Frame, Triangles, region};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
 /// Edges longer than this share of the element size are bisected: the mean edge then is about the size.
 pub(super) const LONGEST: f64 = 4.0 / 3.0;
 /// Passes of flips; Delaunay's state is usually reached in three.
 const PASSES: usize = 10;
 
-/// A surface of triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Triangles {
+/// A face of a box, or a plane between slabs: its triangles counter-clockwise seen from above, each with the piece whose cap it is part of.
+pub(super) struct Face {
     pub(super) points: Vec<Vec3>,
-    /// Counter-clockwise from outside.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) triangles: Vec<([u32; 3], Option<usize>)>,
+}
+
+/// Nodes by their positions, bit for bit.
+#[derive(Default)]
+pub(super) struct Nodes {
+    pub(super) points: Vec<Vec3>,
+    numbers: BTreeMap<[u64; 3], u32>,
+}
+
+impl Nodes {
+    /// The number of the node at `position`, a new one where there is none.
+    pub(super) fn at(&mut self, position: Vec3) -> u32 {
+        // -0 and 0 are one position.
+        let key: [u64; 3] = position.map(|x| (x + 0.0).to_bits()).into();
+        *self.numbers.entry(key).or_insert_with(|| {
+            self.points.push(position);
+            self.points.len() as u32 - 1
+        })
+    }
 }
 
 /// The facets of `body` with edges of about `size` mm.
@@ -58,19 +73,8 @@ pub(super) fn facets(
     Ok(Triangles { points: nodes.points, triangles })
 }
 
-/// The nodes from `from` to `to`, both included, where an edge is cut.
-pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
-    if (to - from).norm_squared() <= limit * limit {
-        return vec![from, to];
-    }
-    let middle = snap((from + to) / 2.0);
-    let mut nodes = halved(from, middle, limit);
-    nodes.extend(&halved(middle, to, limit)[1..]);
-    nodes
-}
-
 /// A curved surface, closed or with a rim, its triangles given with their facets, cut until no edge is longer than `limit` mm.
-/// `onto(facet, place)` is where a new node of the facet goes.
+/// `onto(facet, position)` is where a new node of the facet goes.
 pub(super) fn refined(
     points: Vec<Vec3>,
     triangles: impl IntoIterator<Item = ([u32; 3], u32)>,
@@ -139,7 +143,7 @@ impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
         let straight = (self.points[a as usize] + self.points[b as usize]) / 2.0;
         let sides = [(a, b), (b, a)].into_iter().filter_map(|side| self.left.get(&side));
         let facets = sides.map(|&triangle| self.triangles[triangle as usize].1);
-        self.points.push(facets.fold(straight, |place, facet| (self.onto)(facet, place)));
+        self.points.push(facets.fold(straight, |position, facet| (self.onto)(facet, position)));
         let mut edges = vec![(a, middle), (b, middle)];
         for (u, v) in [(a, b), (b, a)] {
             let Some(index) = self.left.remove(&(u, v)).map(|index| index as usize) else { continue };

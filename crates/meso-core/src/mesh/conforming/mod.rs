@@ -1,50 +1,47 @@
 //! The conforming mesh: facets exact, tetrahedra by gmsh, which runs as a program of its own.
 //!
-//! The facets are cut into triangles here ([`facets`], [`walls`], curved ones [`round`]) and go to gmsh as discrete surfaces, without CAD and
-//! without booleans; in boxes that repeat themselves, images of grains are cut at the faces ([`boxes`]), and large specimens go to gmsh in
-//! slabs ([`slabs`], [`rooms`]), whose meshes become one ([`seams`]). Where grains are close gmsh puts nodes of its own on the facets, which stay plane. The core runs
-//! nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
-//! [`GMSH_OPTIONS`] and hands its output back.
+//! 1. Gaps too narrow for a mesh are refused (`slabs`).
+//! 2. Large specimens are divided into slabs; bodies are cut at the planes and at the faces of a box that repeats itself
+//!    (`clipped`).
+//! 3. All facets are cut into triangles (`facets`, `plane`) and put together to what gmsh is given (`sections`,
+//!    `plc`, `msh`): discrete surfaces, without CAD and without booleans.
+//! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
+//! 5. The slabs' meshes become one and flat cells on periodic faces are opened (`stitch`), and small angles are enlarged
+//!    (`improve`).
+//!
+//! The core runs nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
+//! [`GMSH_OPTIONS`] and hands its output back ([`VolumeMesher`]).
 
-mod boxes;
-mod faces;
+mod clipped;
 mod facets;
-mod flat;
-mod gaps;
-mod mend;
+mod improve;
 mod msh;
-mod nodes;
-mod parts;
-mod pieces;
 mod plane;
-mod rooms;
-mod round;
-mod seams;
-mod seat;
-mod sheets;
-mod shells;
+mod plc;
+mod sections;
 mod slabs;
-mod walls;
+mod stitch;
 
-pub use gaps::ROOM_MM;
+pub use super::error::ADVISED_GAP_MM;
 
-use super::lattice::Tetrahedra;
-use super::volumes::all_positive;
-use super::{Mesh, MeshError, NO_AGGREGATE, Notes};
+use super::cells::NO_BODY;
+use super::error::MeshError;
+use super::quality::all_tetrahedra_positive;
+use super::tet::{TetMesh, oriented};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
 use crate::packing::{Container, Period, Specimen};
-use facets::Triangles;
-use msh::Volumes;
+use clipped::BodyIndex;
+use plane::Triangles;
+use plc::{Filled, Shells};
 use rayon::prelude::*;
-use shells::{Filled, Shells};
 use slabs::Slabs;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 /// Arguments for gmsh besides its script and `-o` with its output: Delaunay's volume mesher, optimised, and binary MSH 4.1.
 ///
-/// Not HXT, which is faster on several cores: where grains are close it needs nodes on the given surfaces, and breaks off
+/// Not HXT, which is faster on several cores: where bodies are close it needs nodes on the given surfaces, and breaks off
 /// (4.8 and 4.15: "corrupted size").
 pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41", "-bin", "-save_all"];
 
@@ -79,12 +76,12 @@ pub(super) fn mesh(
     element_size_mm: f64,
     slabs: Option<u32>,
     gmsh: &dyn VolumeMesher,
-) -> Result<Mesh, MeshError> {
+) -> Result<TetMesh, MeshError> {
     let meshed = |share: f64| {
         let mut division = Division::new(aggregates, images, specimen, share * element_size_mm, slabs)?;
         division.runs[0].again = share != TRIES[0];
-        let mesh = division.mesh(aggregates, gmsh)?;
-        all_positive(&mesh).map(|()| mesh)
+        let mesh = division.mesh(gmsh)?;
+        all_tetrahedra_positive(&mesh).map(|()| mesh)
     };
     // The error reported is that of the size asked for.
     let mut first = None;
@@ -120,22 +117,23 @@ impl Division {
         size: f64,
         slabs: Option<u32>,
     ) -> Result<Self, MeshError> {
-        let room = specimen.container();
-        let (period, domain) = (specimen.period(), room.aabb());
-        gaps::refuse_near_touching(images, &*room, walls::chord(specimen))?;
-        gaps::refuse_grazed(aggregates, &period)?;
-        let walls = walls::polygons(specimen, &*room, size);
+        let container = specimen.container();
+        let (period, domain) = (specimen.period(), container.aabb());
+        let bodies = BodyIndex::new(aggregates, images, &period);
+        slabs::refuse_near_touching(images, &*container, sections::chord(specimen))?;
+        slabs::refuse_grazed(aggregates, &period)?;
+        let walls = sections::polygons(specimen, &*container, size);
         let corners = walls.as_ref().map_or(&[][..], |walls| &walls.points);
         let slabs = match specimen {
             Specimen::Sphere { .. } => Slabs::one(),
             _ => Slabs::new(images, corners, &domain, size, slabs),
         };
         let shells = match walls {
-            _ if period.is_none() && slabs.places.is_empty() => {
-                vec![walled(aggregates, specimen, &*room, size)?]
+            _ if period.is_none() && slabs.positions.is_empty() => {
+                vec![walled(aggregates, specimen, &*container, &bodies, size)?]
             }
-            Some(walls) => rooms::shells(aggregates, walls, &period, &domain, &slabs, size)?,
-            None => boxes::shells(aggregates, &period, &domain, &slabs, size)?,
+            Some(walls) => sections::of_walls(aggregates, walls, &period, &domain, &slabs, &bodies, size)?,
+            None => sections::of_box(aggregates, &period, &domain, &slabs, &bodies, size)?,
         };
         let runs = shells.into_iter().map(|shells| Surfaces { shells, size, again: false }).collect();
         Ok(Self { runs, slabs, period, domain })
@@ -145,16 +143,14 @@ impl Division {
     ///
     /// # Errors
     /// Those of `gmsh`; says what is wrong with its output; a node on a periodic face that has none opposite to it.
-    fn mesh(self, aggregates: &[Aggregate], gmsh: &dyn VolumeMesher) -> Result<Mesh, MeshError> {
+    fn mesh(self, gmsh: &dyn VolumeMesher) -> Result<TetMesh, MeshError> {
         let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh.fill(surfaces)?));
-        let mut mesh = seams::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
-        flat::open(&mut mesh, &self.period, &self.domain);
-        boxes::all_matched(&mesh.points, &self.period, &self.domain)?;
-        let Volumes { points, cells, volume: grain } = mesh;
-        let cells = cells.par_iter().map(|cell| super::lattice::oriented(*cell, &points)).collect();
-        let mut tetrahedra = Tetrahedra { points, cells, grain };
-        mend::mend(&mut tetrahedra);
-        Ok(super::of_tetrahedra(tetrahedra, aggregates, Notes::default()))
+        let mut mesh = stitch::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
+        stitch::open_slivers(&mut mesh, &self.period, &self.domain);
+        sections::all_matched(&mesh.points, &self.period, &self.domain)?;
+        mesh.cells = mesh.cells.par_iter().map(|cell| oriented(*cell, &mesh.points)).collect();
+        improve::enlarge_angles(&mut mesh);
+        Ok(mesh)
     }
 }
 
@@ -186,20 +182,19 @@ impl Surfaces {
         msh::write(&self.shells, out)
     }
 
-    /// gmsh's output, with the index of its aggregate for every cell.
+    /// gmsh's output, with the index of its body for every cell.
     ///
     /// # Errors
     /// Says what is wrong with `output`.
-    fn filled(&self, output: &[u8]) -> Result<Volumes, MeshError> {
-        let mut read = msh::read(output).map_err(MeshError::Gmsh)?;
-        let (filled, wanted) = (read.volume.iter().collect::<BTreeSet<_>>().len(), self.shells.volumes.len());
+    fn filled(&self, output: &[u8]) -> Result<TetMesh, MeshError> {
+        let read = msh::read(output).map_err(MeshError::Gmsh)?;
+        let (filled, wanted) = (read.tags.iter().collect::<BTreeSet<_>>().len(), self.shells.volumes.len());
         if filled < wanted {
             let empty = wanted - filled;
             return Err(MeshError::Gmsh(format!("gmsh left {empty} of {wanted} volumes without elements")));
         }
-        let grain = |tag: u32| self.shells.volumes[tag as usize - 1].grain.unwrap_or(NO_AGGREGATE);
-        read.volume.iter_mut().for_each(|volume| *volume = grain(*volume));
-        Ok(read)
+        let owner = read.tags.iter().map(|&tag| self.shells.volumes[tag as usize - 1].owner).collect();
+        Ok(TetMesh { points: read.points, cells: read.cells, owner })
     }
 }
 
@@ -207,21 +202,28 @@ impl Surfaces {
 ///
 /// # Errors
 /// As [`facets::facets`].
-fn walled(aggregates: &[Aggregate], specimen: &Specimen, room: &dyn Container, size: f64) -> Result<Shells, MeshError> {
-    let bodies: Vec<Triangles> =
+fn walled(
+    aggregates: &[Aggregate],
+    specimen: &Specimen,
+    container: &dyn Container,
+    bodies: &BodyIndex,
+    size: f64,
+) -> Result<Shells, MeshError> {
+    let surfaces: Vec<Triangles> =
         aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, MeshError>>()?;
     let mut shells = Shells::default();
     let mut holes = Vec::new();
-    for (grain, (aggregate, surface)) in (0..).zip(aggregates.iter().zip(&bodies)) {
+    for (aggregate, surface) in aggregates.iter().zip(&surfaces) {
         let shell = shells.closed(surface);
         holes.push(shell);
         if aggregate.kind != Kind::Void {
             let centre = Some(aggregate.body.centroid());
-            shells.volumes.push(Filled { loops: vec![shell], centre, grain: Some(grain) });
+            let owner = bodies.of(aggregate.id, [0; 3]);
+            shells.volumes.push(Filled { loops: vec![shell], centre, owner });
         }
     }
     // The specimen's surface first, then those that bound holes.
-    let outer = shells.closed(&walls::walls(specimen, room, size)?);
-    shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, grain: None });
+    let outer = shells.closed(&sections::walls(specimen, container, size)?);
+    shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, owner: NO_BODY });
     Ok(shells)
 }

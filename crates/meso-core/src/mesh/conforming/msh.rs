@@ -3,14 +3,14 @@
 //! Discrete surfaces and the volumes within and between them, tags counted from 1. The volumes stand in a script: volumes
 //! of a file of their own count as meshed already, and stay empty.
 
-use super::shells::Shells;
+use super::plc::Shells;
 use crate::math::{Aabb, Vec3};
 use std::io::{self, BufWriter, Write};
 
 /// gmsh's script: the volumes within and between the surfaces of `file`, with a node at each centre.
 ///
-/// Where grains are small for the elements all nodes lie on surfaces, in more than seven tetrahedra each, and there gmsh
-/// (4.8 and 4.15) begins to look through all tetrahedra at every step, so that it does not end: 850 grains at 4 mm took
+/// Where bodies are small for the elements all nodes lie on surfaces, in more than seven tetrahedra each, and there gmsh
+/// (4.8 and 4.15) begins to look through all tetrahedra at every step, so that it does not end: 850 bodies at 4 mm took
 /// more than 108 CPU seconds, and with nodes at their centres 7.
 pub(super) fn script(file: &str, shells: &Shells, size: f64) -> String {
     let list = |indices: &[u32]| indices.iter().map(|index| (index + 1).to_string()).collect::<Vec<_>>().join(",\n");
@@ -53,8 +53,8 @@ fn nodes(out: &mut impl Write, shells: &Shells) -> io::Result<()> {
         writeln!(out, "2 {tag} 0 {}", nodes.len())?;
         nodes.iter().try_for_each(|node| writeln!(out, "{}", node + 1))?;
         // The shortest decimals that read back to the same numbers.
-        let mut places = nodes.iter().map(|&node| shells.points[node as usize]);
-        places.try_for_each(|p| writeln!(out, "{} {} {}", p.x, p.y, p.z))?;
+        let mut positions = nodes.iter().map(|&node| shells.points[node as usize]);
+        positions.try_for_each(|p| writeln!(out, "{} {} {}", p.x, p.y, p.z))?;
     }
     writeln!(out, "$EndNodes")
 }
@@ -73,28 +73,28 @@ fn triangles(out: &mut impl Write, shells: &Shells) -> io::Result<()> {
     writeln!(out, "$EndElements")
 }
 
-/// Tetrahedra with the tag of the volume each lies in, later its aggregate's index.
+/// gmsh's tetrahedra, with the tag of the volume each lies in.
 #[derive(Default)]
-pub(super) struct Volumes {
+pub(super) struct Tagged {
     pub(super) points: Vec<Vec3>,
     pub(super) cells: Vec<[u32; 4]>,
-    pub(super) volume: Vec<u32>,
+    pub(super) tags: Vec<u32>,
 }
 
 /// Reads the nodes and tetrahedra of a binary file.
 ///
 /// # Errors
 /// Says what is missing or out of order.
-pub(super) fn read(file: &[u8]) -> Result<Volumes, String> {
-    let mut volumes = Volumes::default();
+pub(super) fn read(file: &[u8]) -> Result<Tagged, String> {
+    let mut read = Tagged::default();
     let mut numbers = Vec::new();
     let (version, _) = section(file, "MeshFormat")?.split_at_checked(6).ok_or("the header is cut off")?;
     if version != b"4.1 1 " {
         return Err("gmsh wrote another format than binary MSH 4.1".into());
     }
-    read_nodes(&mut Bytes(section(file, "Nodes")?), &mut volumes, &mut numbers).ok_or("the nodes are cut off")?;
-    read_cells(&mut Bytes(section(file, "Elements")?), &mut volumes, &numbers).ok_or("the elements are cut off")?;
-    Ok(volumes)
+    read_nodes(&mut Bytes(section(file, "Nodes")?), &mut read, &mut numbers).ok_or("the nodes are cut off")?;
+    read_cells(&mut Bytes(section(file, "Elements")?), &mut read, &numbers).ok_or("the elements are cut off")?;
+    Ok(read)
 }
 
 /// What stands between `$name` and the end; the sections that are read know their own length.
@@ -105,26 +105,26 @@ fn section<'a>(file: &'a [u8], name: &str) -> Result<&'a [u8], String> {
 }
 
 /// Blocks of an entity each: dimension, tag, parametric, count, then the tags, then the coordinates.
-fn read_nodes(bytes: &mut Bytes, volumes: &mut Volumes, numbers: &mut Vec<u32>) -> Option<()> {
+fn read_nodes(bytes: &mut Bytes, read: &mut Tagged, numbers: &mut Vec<u32>) -> Option<()> {
     let [blocks, count, _, highest] = bytes.u64s()?;
     numbers.resize(usize::try_from(highest).ok()? + 1, u32::MAX);
-    volumes.points.reserve(usize::try_from(count).ok()?);
+    read.points.reserve(usize::try_from(count).ok()?);
     for _ in 0..blocks {
         let [_, _, _] = bytes.i32s()?;
         let [nodes] = bytes.u64s()?;
         for number in 0..nodes {
             let [tag] = bytes.u64s()?;
-            *numbers.get_mut(usize::try_from(tag).ok()?)? = volumes.points.len() as u32 + number as u32;
+            *numbers.get_mut(usize::try_from(tag).ok()?)? = read.points.len() as u32 + number as u32;
         }
         for _ in 0..nodes {
-            volumes.points.push(Vec3::from(bytes.u64s::<3>()?.map(f64::from_bits)));
+            read.points.push(Vec3::from(bytes.u64s::<3>()?.map(f64::from_bits)));
         }
     }
     Some(())
 }
 
 /// Blocks of an entity each: dimension, tag, element type, count, then each element's tag and nodes.
-fn read_cells(bytes: &mut Bytes, volumes: &mut Volumes, numbers: &[u32]) -> Option<()> {
+fn read_cells(bytes: &mut Bytes, read: &mut Tagged, numbers: &[u32]) -> Option<()> {
     let [blocks, ..] = bytes.u64s::<4>()?;
     for _ in 0..blocks {
         let [dimension, tag, kind] = bytes.i32s()?;
@@ -145,8 +145,8 @@ fn read_cells(bytes: &mut Bytes, volumes: &mut Volumes, numbers: &[u32]) -> Opti
                 *node = *numbers.get(usize::try_from(tag).ok()?)?;
             }
             if dimension == 3 {
-                volumes.cells.push(cell);
-                volumes.volume.push(tag as u32);
+                read.cells.push(cell);
+                read.tags.push(tag as u32);
             }
         }
     }

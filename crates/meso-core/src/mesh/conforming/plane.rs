@@ -3,10 +3,9 @@
 //! Halving the triangles of a fan would be simpler, but a fan of a polygon with one short edge has needles, and the nodes on
 //! a needle's long sides come as close to each other as that edge is short.
 
-use super::facets::{Triangles, halved};
-use super::pieces::snap;
+use super::slabs::snap;
 use crate::math::Vec3;
-use crate::mesh::MeshError;
+use crate::mesh::error::MeshError;
 use spade::handles::{FixedVertexHandle, InnerTag};
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
 
@@ -19,7 +18,26 @@ const MOST: usize = 10_000_000;
 /// Rounds of smoothing.
 const ROUNDS: usize = 3;
 
-/// Two directions in a plane, and the plane's place.
+/// A surface of triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Triangles {
+    pub(super) points: Vec<Vec3>,
+    /// Counter-clockwise from outside.
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// The nodes from `from` to `to`, both included, where an edge is cut.
+pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
+    if (to - from).norm_squared() <= limit * limit {
+        return vec![from, to];
+    }
+    let middle = snap((from + to) / 2.0);
+    let mut nodes = halved(from, middle, limit);
+    nodes.extend(&halved(middle, to, limit)[1..]);
+    nodes
+}
+
+/// Two directions in a plane, and the plane's position.
 #[derive(Clone, Copy)]
 pub(super) struct Frame {
     u: Vec3,
@@ -29,10 +47,10 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The plane at `place` across an axis, seen from above.
-    pub(super) fn across(axis: usize, place: f64) -> Self {
+    /// The plane at `position` across an axis, seen from above.
+    pub(super) fn across(axis: usize, position: f64) -> Self {
         let [u, v] = [1, 2].map(|next| Vec3::ith((axis + next) % 3, 1.0));
-        Self { u, v, foot: Vec3::ith(axis, place) }
+        Self { u, v, foot: Vec3::ith(axis, position) }
     }
 
     /// The plane of a convex polygon, seen from the side from which it is counter-clockwise.
@@ -53,11 +71,11 @@ impl Frame {
         [self.u, self.v, self.foot].iter().flatten().all(|x| x.is_finite())
     }
 
-    fn flat(&self, place: &Vec3) -> Point2<f64> {
-        Point2::new(self.u.dot(place), self.v.dot(place))
+    fn flat(&self, position: &Vec3) -> Point2<f64> {
+        Point2::new(self.u.dot(position), self.v.dot(position))
     }
 
-    fn place(&self, point: Point2<f64>) -> Vec3 {
+    fn position(&self, point: Point2<f64>) -> Vec3 {
         snap(self.foot + self.u * point.x + self.v * point.y)
     }
 }
@@ -92,8 +110,8 @@ impl Plane {
         if !inner.is_empty() {
             // Delaunay's anew, since the nodes have moved.
             plane = Self::between(frame, rims)?;
-            inner.into_iter().map(|point| frame.place(point)).for_each(|place| {
-                plane.vertex(place);
+            inner.into_iter().map(|point| frame.position(point)).for_each(|position| {
+                plane.vertex(position);
             });
         }
         Ok(plane)
@@ -105,10 +123,10 @@ impl Plane {
         Ok(plane)
     }
 
-    fn vertex(&mut self, place: Vec3) -> FixedVertexHandle {
-        let vertex = self.cdt.insert(self.frame.flat(&place)).expect("coordinates are finite and not tiny");
+    fn vertex(&mut self, position: Vec3) -> FixedVertexHandle {
+        let vertex = self.cdt.insert(self.frame.flat(&position)).expect("coordinates are finite and not tiny");
         if vertex.index() == self.points.len() {
-            self.points.push(place);
+            self.points.push(position);
         }
         vertex
     }
@@ -226,7 +244,7 @@ fn toward_mean(from: Point2<f64>, ring: &[Point2<f64>]) -> Point2<f64> {
     let turn = areas(from).sum::<f64>().signum();
     let least = |at: Point2<f64>| areas(at).map(|area| turn * area).fold(f64::INFINITY, f64::min);
     let enough = least(from) / 2.0;
-    let ways = [1.0, 0.5, 0.25]
+    let candidates = [1.0, 0.5, 0.25]
         .map(|share| Point2::new(from.x + (mean[0] - from.x) * share, from.y + (mean[1] - from.y) * share));
-    ways.into_iter().find(|way| least(*way) > enough).unwrap_or(from)
+    candidates.into_iter().find(|point| least(*point) > enough).unwrap_or(from)
 }

@@ -1,30 +1,44 @@
 //! Specimens in slabs, each of which gmsh fills apart: its memory grows with all that it is given, and its time faster than that.
 //!
-//! Planes across the longest side divide grains and mortar alike, as the faces of periodic boxes do; nothing of them is left
-//! in the mesh but nodes. They go where no grain begins, ends or has a corner nearby.
+//! Planes across the longest side divide bodies and mortar alike, as the faces of periodic boxes do; nothing of them is left
+//! in the mesh but nodes. They go where no body begins, ends or has a corner nearby.
+//!
+//! Bodies too close to each other or to the specimen's surface for a conforming mesh are refused before gmsh starts.
 
-use super::gaps::NARROWEST_MM;
-use super::pieces::snap;
 use crate::aggregate::Aggregate;
+use crate::aggregate::take::rounded_to;
+use crate::geometry::Polyhedron;
+use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use crate::mesh::error::MeshError;
+use crate::packing::{Container, Obstacle, Period};
+use rayon::prelude::*;
 
-/// Triangles of grains that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
+/// Triangles of bodies that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
 const MOST_TRIANGLES: f64 = 500_000.0;
 /// Share of a slab's thickness in which its plane is looked for.
 const WINDOW: f64 = 0.25;
 /// A corner this much nearer to the plane counts as an outermost point: it leaves one short edge, not a sliver all around.
 const CORNER: f64 = 20.0;
 
+/// New nodes are multiples of 2^-40 mm: so sums with bodies' coordinates and periods are exact up to 8 m.
+const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Rounds to the lattice of new nodes.
+pub(super) fn snap(position: Vec3) -> Vec3 {
+    rounded_to(LATTICE_MM, &position)
+}
+
 /// The planes between slabs.
 pub(super) struct Slabs {
     /// The axis they are across.
     pub(super) axis: usize,
     /// Where they are, ascending, mm.
-    pub(super) places: Vec<f64>,
+    pub(super) positions: Vec<f64>,
 }
 
 impl Slabs {
-    /// As many as `asked`, or as `images`, the grains in the box `domain`, need with elements of `size` mm; `walls` are corners
+    /// As many as `asked`, or as `images`, the bodies in the box `domain`, need with elements of `size` mm; `walls` are corners
     /// of the specimen, from which planes keep clear.
     pub(super) fn new(images: &[Aggregate], walls: &[Vec3], domain: &Aabb, size: f64, asked: Option<u32>) -> Self {
         let triangles: f64 = images.iter().map(|image| triangles(image, size)).sum();
@@ -34,40 +48,41 @@ impl Slabs {
 
     /// No planes.
     pub(super) fn one() -> Self {
-        Self { axis: 0, places: Vec::new() }
+        Self { axis: 0, positions: Vec::new() }
     }
 
-    /// The planes of `count` slabs, fewer where a plane has no room.
+    /// The planes of `count` slabs, fewer where a plane has no container.
     fn of(images: &[Aggregate], walls: &[Vec3], domain: &Aabb, count: u32) -> Self {
         let axis = domain.size().imax();
         let thickness = domain.size()[axis] / f64::from(count);
         let crowd = Crowd::new(images, walls, axis);
-        let place = |slab: u32| {
+        let position = |slab: u32| {
             let middle = domain.min[axis] + f64::from(slab) * thickness;
             crowd.widest(middle - WINDOW / 2.0 * thickness, middle + WINDOW / 2.0 * thickness)
         };
-        Self { axis, places: (1..count).filter_map(place).collect() }
+        Self { axis, positions: (1..count).filter_map(position).collect() }
     }
 
     /// The slabs' boxes.
     pub(super) fn boxes(&self, domain: &Aabb) -> Vec<Aabb> {
         // New nodes are on the lattice, and so are the walls: to 5e-13 mm.
         let domain = Aabb { min: snap(domain.min), max: snap(domain.max) };
-        let ends = [&[domain.min[self.axis]], &self.places[..], &[domain.max[self.axis]]].concat();
-        let across = |whole: Vec3, place: f64| Vec3::from_fn(|i, _| if i == self.axis { place } else { whole[i] });
+        let ends = [&[domain.min[self.axis]], &self.positions[..], &[domain.max[self.axis]]].concat();
+        let across =
+            |whole: Vec3, position: f64| Vec3::from_fn(|i, _| if i == self.axis { position } else { whole[i] });
         ends.windows(2)
             .map(|ends| Aabb { min: across(domain.min, ends[0]), max: across(domain.max, ends[1]) })
             .collect()
     }
 }
 
-/// Triangles of a grain's surface, about: within 10 % at 1, 2 and 4 mm (850 grains of 5 to 20 mm).
-fn triangles(grain: &Aggregate, size: f64) -> f64 {
-    let fans: usize = grain.body.faces().map(|face| face.len() - 2).sum();
-    fans as f64 / 2.0 + 4.0 * grain.body.area() / (size * size)
+/// Triangles of a body's surface, about: within 10 % at 1, 2 and 4 mm (850 bodies of 5 to 20 mm).
+fn triangles(body: &Aggregate, size: f64) -> f64 {
+    let fans: usize = body.body.faces().map(|face| face.len() - 2).sum();
+    fans as f64 / 2.0 + 4.0 * body.body.area() / (size * size)
 }
 
-/// Where along an axis grains have their corners, and where they begin and end.
+/// Where along an axis bodies have their corners, and where they begin and end.
 struct Crowd {
     corners: Vec<f64>,
     ends: Vec<f64>,
@@ -84,23 +99,97 @@ impl Crowd {
         Self { corners, ends }
     }
 
-    /// The place between two corners from `low` to `high` that has the most room.
+    /// The position between two corners from `low` to `high` that has the most container.
     fn widest(&self, low: f64, high: f64) -> Option<f64> {
         let within = self.corners.partition_point(|x| *x < low)..self.corners.partition_point(|x| *x < high);
         let stops: Vec<f64> = [&[low], &self.corners[within], &[high]].concat();
         let middles = stops.windows(2).map(|pair| snap(Vec3::repeat(f64::midpoint(pair[0], pair[1]))).x);
-        let rated = middles.map(|place| (self.room(place), place));
-        rated.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(room, _)| *room > NARROWEST_MM).map(|(_, place)| place)
+        let rated = middles.map(|position| (self.clearance(position), position));
+        rated
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(clearance, _)| *clearance > NARROWEST_MM)
+            .map(|(_, position)| position)
     }
 
-    fn room(&self, place: f64) -> f64 {
-        nearest(&self.ends, place).min(CORNER * nearest(&self.corners, place))
+    fn clearance(&self, position: f64) -> f64 {
+        nearest(&self.ends, position).min(CORNER * nearest(&self.corners, position))
     }
 }
 
-/// Distance from `place` to the nearest of `sorted`.
-fn nearest(sorted: &[f64], place: f64) -> f64 {
-    let next = sorted.partition_point(|x| *x < place);
+/// Distance from `position` to the nearest of `sorted`.
+fn nearest(sorted: &[f64], position: f64) -> f64 {
+    let next = sorted.partition_point(|x| *x < position);
     let around = sorted[next.saturating_sub(1)..].iter().take(2);
-    around.map(|x| (x - place).abs()).fold(f64::INFINITY, f64::min)
+    around.map(|x| (x - position).abs()).fold(f64::INFINITY, f64::min)
+}
+
+/// Gaps up to this make tetrahedra that no analysis can use, and gmsh's boundary recovery uncertain, mm.
+pub(super) const NARROWEST_MM: f64 = 1e-3;
+
+/// Names an aggregate whose outermost point along an axis is within [`NARROWEST_MM`] of a face across which the box repeats
+/// itself: what the face cuts off, or the mortar there, would be as thin.
+pub(super) fn refuse_grazed(aggregates: &[Aggregate], period: &Period) -> Result<(), MeshError> {
+    let gap = |aggregate: &Aggregate| {
+        let aabb = aggregate.body.aabb();
+        let off = |axis: usize| {
+            let length = period.along(axis).unwrap_or(f64::INFINITY);
+            [aabb.min[axis], aabb.max[axis]].map(|x| (x - (x / length).round() * length).abs())
+        };
+        let periodic = (0..3).filter(|&axis| period.along(axis).is_some());
+        (periodic.flat_map(off).fold(f64::INFINITY, f64::min), aggregate.id)
+    };
+    let closest = aggregates.par_iter().map(gap).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    match closest {
+        Some((gap_mm, aggregate)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other: None })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Names the closest pair with a gap of at most [`NARROWEST_MM`], the specimen's surface taken for a body; its triangles
+/// may lie `chord` mm inside it.
+pub(super) fn refuse_near_touching(
+    aggregates: &[Aggregate],
+    container: &dyn Container,
+    chord: f64,
+) -> Result<(), MeshError> {
+    let boxes: Vec<Aabb> = aggregates.iter().map(|a| a.body.aabb()).collect();
+    let mut order: Vec<usize> = (0..aggregates.len()).collect();
+    order.sort_by(|&a, &b| boxes[a].min.x.total_cmp(&boxes[b].min.x));
+    let after = |position: usize| {
+        let (order, boxes) = (&order, &boxes);
+        let first = order[position];
+        let reach = boxes[first].max.x + NARROWEST_MM;
+        let ahead = order[position + 1..].iter().take_while(move |&&b| boxes[b].min.x <= reach);
+        ahead.filter(move |&&b| near(&boxes[first], &boxes[b])).map(move |&b| (first, b))
+    };
+    let gap = |(a, b): (usize, usize)| {
+        let bodies = [a, b].map(|i| aggregates[i].body.vertices());
+        // Bodies that no distance can be told of are as good as touching.
+        (gjk::distance(bodies[0], bodies[1]).unwrap_or(0.0), aggregates[a].id, Some(aggregates[b].id))
+    };
+    let pairs = (0..order.len()).into_par_iter().flat_map_iter(after).map(gap);
+    let walls = aggregates.par_iter().map(|a| (wall_gap(&a.body, container) - chord, a.id, None));
+    let closest = pairs.chain(walls).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    match closest {
+        Some((gap_mm, aggregate, other)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn near(a: &Aabb, b: &Aabb) -> bool {
+    (0..3).all(|i| a.min[i] <= b.max[i] + NARROWEST_MM && b.min[i] <= a.max[i] + NARROWEST_MM)
+}
+
+/// Distance of `body` from the surface of `container`, mm; where the container is not convex and it is beyond [`NARROWEST_MM`], infinite.
+fn wall_gap(body: &Polyhedron, container: &dyn Container) -> f64 {
+    if container.is_convex() {
+        return body.vertices().iter().map(|vertex| container.depth(vertex)).fold(f64::INFINITY, f64::min);
+    }
+    let around = container.obstacles(&body.aabb().grown(NARROWEST_MM));
+    let gap = |obstacle: &Obstacle| gjk::distance(body.vertices(), obstacle.points).unwrap_or(0.0);
+    around.iter().map(gap).fold(f64::INFINITY, f64::min)
 }

@@ -1,12 +1,14 @@
-//! A grain's surface as the fit asks of it: edges and corners near a point, and steps along a face.
+//! A body's surface as the fit needs it: edges and corners near a point, and steps along a face.
 
 use crate::geometry::{Plane, Polyhedron};
 use crate::math::Vec3;
+use crate::mesh::cells::NO_BODY;
+use crate::mesh::tet::TetMesh;
 
 /// Sine of the angle below which planes count as parallel.
 const PARALLEL: f64 = 1e-3;
 
-/// Faces, edges and corners of a grain.
+/// Faces, edges and corners of a body.
 pub(super) struct Surface {
     planes: Vec<Plane>,
     edges: Vec<Edge>,
@@ -17,7 +19,7 @@ pub(super) struct Surface {
     slack: f64,
 }
 
-/// An edge of a grain.
+/// An edge of a body.
 struct Edge {
     start: Vec3,
     along: Vec3,
@@ -61,9 +63,9 @@ impl Surface {
         for edge in &self.edges {
             let t = (x - edge.start).dot(&edge.measure);
             if t > 0.0 && t < 1.0 {
-                let place = edge.start + edge.along * t;
-                if near(&place) {
-                    visit(place);
+                let position = edge.start + edge.along * t;
+                if near(&position) {
+                    visit(position);
                 }
             }
         }
@@ -80,8 +82,8 @@ impl Surface {
             }
             _ => return None,
         };
-        let place = x + step;
-        (self.holds(&place) && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+        let position = x + step;
+        (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
     }
 
     /// The same within the planes through `x` across `axes`, too.
@@ -91,17 +93,17 @@ impl Surface {
         normals.extend(at.iter().map(|plane| plane.normal));
         let &[first, second] = normals.as_slice() else { return None };
         let edge = first.cross(&second).try_normalize(PARALLEL)?;
-        let place = x + edge * edge.dot(step);
-        (self.holds(&place) && at.iter().all(|p| self.is_on(p, &place))).then_some(place)
+        let position = x + edge * edge.dot(step);
+        (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
     }
 
-    /// Calls `visit` with the places nearest to `x` on the faces, and with the edges, within the planes through `x` across
+    /// Calls `visit` with the positions nearest to `x` on the faces, and with the edges, within the planes through `x` across
     /// `axes`, as far as these are within `reach`.
-    pub(super) fn places_within(&self, x: &Vec3, axes: [bool; 3], reach: f64, mut visit: impl FnMut(Vec3)) {
+    pub(super) fn nearest_within(&self, x: &Vec3, axes: [bool; 3], reach: f64, mut visit: impl FnMut(Vec3)) {
         for plane in &self.planes {
-            let way = Vec3::from_fn(|i, _| if axes[i] { 0.0 } else { plane.normal[i] });
-            let step = way * ((plane.offset - plane.normal.dot(x)) / way.norm_squared());
-            if way.norm() > PARALLEL && step.norm() < reach && self.holds(&(x + step)) {
+            let direction = Vec3::from_fn(|i, _| if axes[i] { 0.0 } else { plane.normal[i] });
+            let step = direction * ((plane.offset - plane.normal.dot(x)) / direction.norm_squared());
+            if direction.norm() > PARALLEL && step.norm() < reach && self.holds(&(x + step)) {
                 visit(x + step);
             }
         }
@@ -110,9 +112,9 @@ impl Surface {
         };
         for edge in &self.edges {
             let t = (x[axis] - edge.start[axis]) / edge.along[axis];
-            let place = edge.start + edge.along * t;
-            if (0.0..=1.0).contains(&t) && (place - x).norm() < reach {
-                visit(Vec3::from_fn(|i, _| if axes[i] { x[i] } else { place[i] }));
+            let position = edge.start + edge.along * t;
+            if (0.0..=1.0).contains(&t) && (position - x).norm() < reach {
+                visit(Vec3::from_fn(|i, _| if axes[i] { x[i] } else { position[i] }));
             }
         }
     }
@@ -133,7 +135,7 @@ impl Surface {
         self.planes.iter().any(|p| self.is_on(p, x)) && self.holds(x)
     }
 
-    /// Whether `x` lies in the closed grain.
+    /// Whether `x` lies in the closed body.
     pub(super) fn holds(&self, x: &Vec3) -> bool {
         self.planes.iter().all(|p| p.normal.dot(x) <= p.offset + self.slack)
     }
@@ -141,4 +143,17 @@ impl Surface {
     fn is_on(&self, plane: &Plane, x: &Vec3) -> bool {
         (plane.normal.dot(x) - plane.offset).abs() <= self.slack
     }
+}
+
+/// A body that lacks this share of its volume, or more, counts in full.
+const FULL: f64 = 0.02;
+
+/// How much every body's tetrahedra lack of its volume: 1 for [`FULL`] of it or more, -1 for as much too much.
+pub(super) fn volume_deficits(mesh: &TetMesh, surfaces: &[Surface]) -> Vec<f64> {
+    let mut volumes = vec![0.0; surfaces.len()];
+    for cell in mesh.numbers().filter(|&cell| mesh.owner[cell as usize] != NO_BODY) {
+        volumes[mesh.owner[cell as usize] as usize] += mesh.volume(cell);
+    }
+    let deficit = |(surface, volume): (&Surface, f64)| (1.0 - volume / surface.volume) / FULL;
+    surfaces.iter().zip(volumes).map(|pair| deficit(pair).clamp(-1.0, 1.0)).collect()
 }

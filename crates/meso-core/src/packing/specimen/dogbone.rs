@@ -74,8 +74,8 @@ impl Dogbone {
     fn cutout(&self, cheek: &[(f64, f64)], above: bool) -> Vec<Vec3> {
         let out = |x: f64| (x, -self.width);
         let ends = [out(cheek[0].0), out(cheek[cheek.len() - 1].0)];
-        let places = cheek.iter().copied().chain(ends).map(|(x, y)| (x, if above { self.width - y } else { y }));
+        let corners = cheek.iter().copied().chain(ends).map(|(x, y)| (x, if above { self.width - y } else { y }));
         let thickness = [-self.thickness, 2.0 * self.thickness];
-        places.flat_map(|(x, y)| thickness.map(|z| Vec3::new(x, y, z))).collect()
+        corners.flat_map(|(x, y)| thickness.map(|z| Vec3::new(x, y, z))).collect()
     }
 }

@@ -1,0 +1,115 @@
+"""The curve of @DECK@, from the job's results.
+
+    abaqus python THIS_FILE NAME.odb [curve.csv]
+
+It writes strain, stress over the specimen's section, and energies, with the columns of `mesocrete solve`: strain and stress are
+positive in the test's own sense, stresses in MPa, energies in mJ. It runs in the Python of every Abaqus (2.7 and 3).
+"""
+from __future__ import print_function
+
+import sys
+
+HEIGHT_MM = @HEIGHT@
+SECTION_MM2 = @SECTION@
+TOP_NODE = @TOP@
+# The upper plate moves down in compression, up in tension.
+SENSE = @SENSE@
+
+ENERGIES = [
+    ("kinetic", "ALLKE"),
+    ("internal", "ALLIE"),
+    ("external", "ALLWK"),
+    ("friction_work", "ALLFD"),
+    ("hourglass", "ALLAE"),
+]
+
+
+def main(arguments):
+    """Read the .odb that is named and write the curve; the exit code."""
+    if len(arguments) not in (1, 2):
+        print(__doc__, file=sys.stderr)
+        return 2
+    from odbAccess import openOdb
+
+    out = arguments[1] if len(arguments) == 2 else "curve.csv"
+    odb = openOdb(path=arguments[0], readOnly=True)
+    try:
+        rows = curve(odb)
+    finally:
+        odb.close()
+    with open(out, "w") as file:
+        file.write(",".join(["strain", "stress_mpa"] + [name for name, _ in ENERGIES]) + "\n")
+        for row in rows:
+            file.write(",".join("%.9g" % value for value in row) + "\n")
+    print(summary(rows))
+    return 0
+
+
+def curve(odb):
+    """Rows of strain, stress and energies, one for each time of the upper plate's force."""
+    regions = {}
+    for step in odb.steps.values():
+        regions.update(step.historyRegions.items())
+    plate = at_node(regions, TOP_NODE)
+    forces, ways = output(plate, "RF3"), output(plate, "U3")
+    energies = [model_output(regions, name) for _, name in ENERGIES]
+    rows = []
+    for time, force in forces:
+        # No minus before a zero.
+        strain = SENSE * interpolated(ways, time) / HEIGHT_MM + 0.0
+        stress = SENSE * force / SECTION_MM2 + 0.0
+        rows.append([strain, stress] + [interpolated(energy, time) for energy in energies])
+    return rows
+
+
+def at_node(regions, number):
+    """The history of a node; its region is called after its number."""
+    for name, region in regions.items():
+        if name.startswith("Node ") and name.rsplit(".", 1)[-1] == str(number):
+            return region
+    raise SystemExit("the .odb has no history of node %d: is it of this deck?" % number)
+
+
+def output(region, name):
+    """A variable's (time, value) pairs; a filtered one has the filter's name behind its own."""
+    for key in region.historyOutputs.keys():
+        if key == name or key.startswith(name + "_"):
+            return region.historyOutputs[key].data
+    return None
+
+
+def model_output(regions, name):
+    """An energy of the whole model, all zero where the .odb has none."""
+    for region in regions.values():
+        data = output(region, name)
+        if data is not None:
+            return data
+    return ((0.0, 0.0),)
+
+
+def interpolated(data, time):
+    """The value at a time, linear between the pairs and constant beyond them."""
+    before = data[0]
+    for after in data:
+        if after[0] >= time:
+            width = after[0] - before[0]
+            share = (time - before[0]) / width if width > 0.0 else 1.0
+            return before[1] + share * (after[1] - before[1])
+        before = after
+    return before[1]
+
+
+def summary(rows):
+    """The peak, what is left of it, and how dynamic the run was there, in a line."""
+    strain, stress, kinetic, internal = max(rows, key=lambda row: row[1])[:4]
+    if stress <= 0.0:
+        return "no stress in the history"
+    dynamic = 100.0 * kinetic / internal if internal > 0.0 else 0.0
+    left = 100.0 * rows[-1][1] / stress
+    return "peak %.4g MPa at a strain of %.4g, %.3g %% of it left at %.4g; kinetic over internal energy at the peak %.2g %%" % (
+        stress, strain, left, rows[-1][0], dynamic
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

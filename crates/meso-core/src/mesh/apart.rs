@@ -1,0 +1,201 @@
+//! Aggregates that share nodes parted by mortar: for analyses, since joined ones make an elastic skeleton that never breaks.
+//!
+//! A node that has cells of several aggregates stays with the one whose surface it is nearest to; the others' cells there
+//! have reached across the gap. In a mesh of tetrahedra the edges that lead from the node into such an aggregate are cut
+//! where they meet its surface, and what lies before the cut becomes mortar: one element more, and little volume less.
+//! Hexahedra, and cells of a mesh whose opposite faces must match, become mortar whole.
+
+use super::cells::{CellKind, Mesh, NO_AGGREGATE, Phase};
+use super::quality::cell_volume;
+use crate::aggregate::Aggregate;
+use crate::math::Vec3;
+use std::collections::BTreeMap;
+
+/// What was parted.
+pub(super) struct Parted {
+    /// Nodes that several aggregates had.
+    pub(super) nodes: usize,
+    /// Pairs of aggregates that had such nodes.
+    pub(super) pairs: usize,
+    /// Volume of aggregates that is mortar now, mm3.
+    pub(super) volume_mm3: f64,
+}
+
+/// The nodes that cells of several aggregates have, with these, ascending: cores alone, an ITZ between them counts for none.
+pub(crate) fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
+    let corners = mesh.kind.corners();
+    let cores = || {
+        let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate);
+        let cores = cells.filter(|((_, phase), _)| **phase == Phase::Aggregate);
+        cores.flat_map(move |((cell, _), &aggregate)| cell[..corners].iter().map(move |&node| (node, aggregate)))
+    };
+    let mut first = vec![NO_AGGREGATE; mesh.points.len()];
+    for (node, aggregate) in cores() {
+        let first = &mut first[node as usize];
+        *first = if *first == NO_AGGREGATE { aggregate } else { *first };
+    }
+    let further = cores().filter(|&(node, aggregate)| first[node as usize] != aggregate);
+    let mut joined: Vec<(u32, u32)> =
+        further.flat_map(|(node, aggregate)| [(node, aggregate), (node, first[node as usize])]).collect();
+    joined.sort_unstable();
+    joined.dedup();
+    joined
+}
+
+/// The pairs of aggregates among [`joined`] nodes.
+pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
+    let mut pairs = Vec::new();
+    for place in joined.chunk_by(|a, b| a.0 == b.0) {
+        for (i, (_, higher)) in place.iter().enumerate() {
+            pairs.extend(place[..i].iter().map(|(_, lower)| (*lower, *higher)));
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs.len()
+}
+
+/// Parts the aggregates of `mesh`, images of `bodies`, that share nodes.
+pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate]) -> Parted {
+    let mut joined = joined(mesh);
+    let (nodes, pairs) = (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined));
+    let surfaces = Surfaces::of(bodies);
+    let (mut volume_mm3, mut cuts) = (0.0, 0);
+    while !joined.is_empty() {
+        let left = left(mesh, &surfaces, &joined);
+        if mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] && cuts < CUTS {
+            cut(mesh, &surfaces, &left);
+            cuts += 1;
+        }
+        volume_mm3 += become_mortar(mesh, &left);
+        joined = self::joined(mesh);
+    }
+    Parted { nodes, pairs, volume_mm3 }
+}
+
+/// A cut through an edge whose two nodes different aggregates leave joins these anew. After so many rounds of cuts what is
+/// still joined becomes mortar whole.
+const CUTS: usize = 2;
+
+/// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.
+fn left(mesh: &Mesh, surfaces: &Surfaces, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    let stays = |place: &[(u32, u32)]| {
+        let x = mesh.points[place[0].0 as usize];
+        let depth = |id: u32| surfaces.beyond(id, &x).abs();
+        place.iter().map(|(_, id)| *id).min_by(|a, b| depth(*a).total_cmp(&depth(*b)).then(a.cmp(b)))
+    };
+    let places = joined.chunk_by(|a, b| a.0 == b.0);
+    places.flat_map(|place| place.iter().copied().filter(move |(_, id)| Some(*id) != stays(place))).collect()
+}
+
+/// The planes of all bodies, those of one id beside each other.
+struct Surfaces<'a>(Vec<&'a Aggregate>);
+
+impl<'a> Surfaces<'a> {
+    fn of(bodies: &'a [Aggregate]) -> Self {
+        let mut by_id: Vec<&Aggregate> = bodies.iter().collect();
+        by_id.sort_by_key(|body| body.id);
+        Self(by_id)
+    }
+
+    /// How far `x` lies beyond the outermost plane of body `id` or of its nearest image, mm; negative inside.
+    fn beyond(&self, id: u32, x: &Vec3) -> f64 {
+        let start = self.0.partition_point(|body| body.id < id);
+        let images = self.0[start..].iter().take_while(|body| body.id == id);
+        let beyond = |body: &&Aggregate| {
+            body.body.planes().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
+        };
+        images.map(beyond).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The shares of an edge between which it is cut: no cell gets much smaller than its neighbours.
+const CUT: [f64; 2] = [0.35, 0.65];
+
+/// Cuts the edges that lead from the nodes which aggregates leave into these aggregates.
+fn cut(mesh: &mut Mesh, surfaces: &Surfaces, left: &[(u32, u32)]) {
+    let leaves = |node: u32, aggregate: u32| left.binary_search(&(node, aggregate)).is_ok();
+    let mut edges: Vec<([u32; 2], u32)> = Vec::new();
+    for ((cell, phase), &aggregate) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
+        if *phase != Phase::Aggregate || !cell.iter().any(|&node| leaves(node, aggregate)) {
+            continue;
+        }
+        for &from in cell.iter().filter(|&&node| leaves(node, aggregate)) {
+            edges.extend(cell.iter().filter(|&&to| !leaves(to, aggregate)).map(|&to| ([from, to], aggregate)));
+        }
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    // An edge that two aggregates leave from its two ends is cut once.
+    let mut seen = BTreeMap::new();
+    edges.retain(|([a, b], _)| seen.insert([*a.min(b), *a.max(b)], ()).is_none());
+    let mut star = Star::of(mesh, edges.iter().flat_map(|(edge, _)| *edge));
+    for ([from, to], aggregate) in edges {
+        let [near, far] = [from, to].map(|node| surfaces.beyond(aggregate, &mesh.points[node as usize]));
+        let share = if near > far { near / (near - far) } else { 0.5 };
+        let share = share.clamp(CUT[0], CUT[1]);
+        let place = mesh.points[from as usize] * (1.0 - share) + mesh.points[to as usize] * share;
+        star.cut(mesh, [from, to], place);
+    }
+}
+
+/// The cells around some nodes.
+struct Star(BTreeMap<u32, Vec<u32>>);
+
+impl Star {
+    fn of(mesh: &Mesh, nodes: impl Iterator<Item = u32>) -> Self {
+        let mut around: BTreeMap<u32, Vec<u32>> = nodes.map(|node| (node, Vec::new())).collect();
+        let mut wanted = vec![false; mesh.points.len()];
+        around.keys().for_each(|&node| wanted[node as usize] = true);
+        for (number, cell) in (0..).zip(mesh.cells()) {
+            for node in cell.iter().filter(|&&node| wanted[node as usize]) {
+                around.get_mut(node).expect("it is wanted").push(number);
+            }
+        }
+        Self(around)
+    }
+
+    /// Puts a node at `place` on the edge between `a` and `b`, and splits every cell there in two.
+    fn cut(&mut self, mesh: &mut Mesh, [a, b]: [u32; 2], place: Vec3) {
+        let middle = mesh.points.len() as u32;
+        mesh.points.push(place);
+        let cells: Vec<u32> = self.0[&a].iter().copied().filter(|cell| self.0[&b].contains(cell)).collect();
+        for cell in cells {
+            let new = mesh.cell_count() as u32;
+            let old: [u32; 4] = std::array::from_fn(|i| mesh.cells[4 * cell as usize + i]);
+            let with = |gone: u32| old.map(|node| if node == gone { middle } else { node });
+            mesh.cells[4 * cell as usize..][..4].copy_from_slice(&with(b));
+            mesh.cells.extend(with(a));
+            mesh.phase.push(mesh.phase[cell as usize]);
+            mesh.aggregate.push(mesh.aggregate[cell as usize]);
+            for node in old {
+                let Some(around) = self.0.get_mut(&node) else { continue };
+                if node == b {
+                    around.retain(|other| *other != cell);
+                }
+                if node != a {
+                    around.push(new);
+                }
+            }
+        }
+    }
+}
+
+/// Gives the mortar the cells of aggregates at nodes that these leave; returns their volume, mm3.
+fn become_mortar(mesh: &mut Mesh, left: &[(u32, u32)]) -> f64 {
+    let corners = mesh.kind.corners();
+    let leaves = |cell: &[u32], aggregate: u32| {
+        cell[..corners].iter().any(|&node| left.binary_search(&(node, aggregate)).is_ok())
+    };
+    let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).enumerate();
+    let left = cells.filter(|(_, ((cell, phase), id))| **phase == Phase::Aggregate && leaves(cell, **id));
+    let gone: Vec<usize> = left.map(|(number, _)| number).collect();
+    let nodes = mesh.kind.nodes();
+    let volume = |&cell: &usize| cell_volume(mesh.kind, &mesh.cells[cell * nodes..][..nodes], &mesh.points);
+    let volume = gone.iter().map(volume).sum();
+    for cell in gone {
+        mesh.phase[cell] = Phase::Mortar;
+        mesh.aggregate[cell] = NO_AGGREGATE;
+    }
+    volume
+}

@@ -1,0 +1,202 @@
+//! From a packing to its mesh, whatever the method.
+//!
+//! Mortar outside a specimen that does not fill its bounding box is clipped where its cell has its centroid outside; the surface that
+//! is left is one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
+//! surface instead.) Voids are left out of every mesh.
+
+use super::cells::{CellKind, Draft, Mesh, NO_AGGREGATE, NO_BODY, Notes, Phase};
+use super::conforming::{self, VolumeMesher};
+use super::error::MeshError;
+use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Order, Volumes};
+use super::sides::FlatSides;
+use super::tet::TetMesh;
+use super::{apart, fidelity, interface, lattice, layer, own_volume, quality, sides, smeared, voxel};
+use crate::aggregate::{Aggregate, Kind};
+use crate::math::Vec3;
+use crate::model::Model;
+use crate::packing::{Container, Specimen, images_near};
+use rayon::prelude::*;
+use std::cmp::Ordering;
+
+/// Meshes a packed specimen by a method of our own.
+///
+/// # Errors
+/// Options that cannot be met are named before any work starts; see [`MeshError`].
+pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
+    build_parts(&model.bodies(), &model.spec.specimen, options)
+}
+
+/// Meshes a packed specimen; `gmsh` is asked where the method is conforming.
+///
+/// # Errors
+/// As [`build`], and those of `gmsh`.
+pub fn build_with(model: &Model, options: &MeshOptions, gmsh: &dyn VolumeMesher) -> Result<Mesh, MeshError> {
+    assemble(&model.bodies(), &model.spec.specimen, options, gmsh)
+}
+
+/// Meshes `aggregates`, which must be disjoint and inside `specimen`; voids among them are left out of the mesh.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_parts(aggregates: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Result<Mesh, MeshError> {
+    assemble(aggregates, specimen, options, &|_: &conforming::Surfaces| Err(MeshError::NeedsGmsh))
+}
+
+fn assemble(
+    aggregates: &[Aggregate],
+    specimen: &Specimen,
+    options: &MeshOptions,
+    gmsh: &dyn VolumeMesher,
+) -> Result<Mesh, MeshError> {
+    options.validate(specimen)?;
+    let container = specimen.container();
+    // Where the specimen repeats itself, what crosses a face comes in again on the other side.
+    let mut bodies = images_near(aggregates, specimen, 0.0);
+    bodies.sort_by(before);
+    let bodies = bodies.as_slice();
+    let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
+    if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
+        clip(&mut mesh, &*container);
+    }
+    leave_out_voids(&mut mesh, bodies);
+    fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
+    make_fit(&mut mesh, bodies, options);
+    if options.itz == ItzForm::Cohesive {
+        interface::add_cohesive(&mut mesh);
+        if mesh.periodic != [false; 3] {
+            sides::complete(&mut mesh);
+        }
+    }
+    quality::all_positive(&mesh)?;
+    if options.method.order() == Order::Quadratic {
+        mesh.raise_order();
+    }
+    Ok(mesh)
+}
+
+/// Parts joined aggregates, restores volumes and names the smeared ITZ, as far as each is asked for.
+fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
+    if options.joined == Joined::Mortar && options.itz != ItzForm::Cohesive {
+        let parted = apart::part(mesh, bodies);
+        mesh.notes.parted_nodes = parted.nodes;
+        mesh.notes.parted_pairs = parted.pairs;
+        mesh.notes.parted_mm3 = parted.volume_mm3;
+    }
+    let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
+    if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
+        own_volume::restore(mesh, bodies, options.element_size_mm);
+    }
+    if options.itz == ItzForm::Smeared {
+        smeared::name(mesh);
+    }
+}
+
+/// The cells of the method asked for, with the solid ITZ as a layer of its own.
+fn cells_of(
+    placed: &[Aggregate],
+    bodies: &[Aggregate],
+    specimen: &Specimen,
+    options: &MeshOptions,
+    gmsh: &dyn VolumeMesher,
+) -> Result<Mesh, MeshError> {
+    let (size, periodic) = (options.element_size_mm, specimen.periodic().0);
+    let (draft, notes) = match options.method {
+        Method::Voxel { thin_itz, subsamples } => {
+            (voxel::build(bodies, specimen, options, thin_itz, subsamples), Notes::default())
+        }
+        Method::Lattice { fit: Fit::Plain, .. } => (lattice::plain(bodies, specimen, options), Notes::default()),
+        Method::Lattice { fit: Fit::Fitted, .. } => {
+            let (mesh, notes) = lattice::fitted(bodies, &*specimen.container(), periodic, size);
+            with_layer(mesh, notes, bodies, periodic, options)
+        }
+        Method::Conforming { slabs, .. } => {
+            let mesh = conforming::mesh(placed, bodies, specimen, size, slabs, gmsh)?;
+            with_layer(mesh, Notes::default(), bodies, periodic, options)
+        }
+    };
+    Ok(draft.into_mesh(bodies, periodic, notes))
+}
+
+/// The order of bodies, that builders decide by: images at opposite faces are in the same one.
+fn before(a: &Aggregate, b: &Aggregate) -> Ordering {
+    let corner = |body: &Aggregate| body.body.aabb().min;
+    let along = |axis: usize| corner(a)[axis].total_cmp(&corner(b)[axis]);
+    a.id.cmp(&b.id).then_with(|| along(0).then(along(1)).then(along(2)))
+}
+
+/// Tetrahedra of bodies and mortar with the solid ITZ, where it is asked for.
+fn with_layer(
+    mesh: TetMesh,
+    mut notes: Notes,
+    bodies: &[Aggregate],
+    periodic: [bool; 3],
+    options: &MeshOptions,
+) -> (Draft, Notes) {
+    let inside = |&owner: &u32| match owner {
+        NO_BODY => Phase::Mortar,
+        owner => Phase::inside(bodies[owner as usize].kind),
+    };
+    let phase = mesh.owner.iter().map(inside).collect();
+    let mut mesh = layer::Layered { mesh, phase, periodic };
+    if options.itz == ItzForm::Solid {
+        let layer = layer::add(&mut mesh, bodies, |body| body.itz_thickness_mm);
+        notes.thinned_itz_aggregates = layer.thinned_aggregates;
+        notes.thinned_itz_nodes = layer.short_nodes;
+        notes.pinched_itz_nodes = layer.pinched_nodes;
+        if options.method.name() == MethodName::Lattice {
+            let improved = layer::improve(&mut mesh, &layer, options.element_size_mm);
+            notes.shifted_itz_nodes = improved.shifted;
+            notes.pinched_itz_nodes += improved.collapsed;
+        }
+    }
+    let layer::Layered { mesh, phase, .. } = mesh;
+    let TetMesh { points, cells, owner } = mesh;
+    (Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }, notes)
+}
+
+/// Keeps the aggregates' cells and the mortar's inside `container`, and the nodes they have.
+fn clip(mesh: &mut Mesh, container: &dyn Container) {
+    if container.is_box() {
+        return;
+    }
+    let (nodes, points) = (mesh.kind.nodes(), &mesh.points);
+    let centroid = |cell: &[u32]| cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / nodes as f64;
+    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || container.contains(&centroid(cell));
+    let inside: Vec<bool> = mesh.cells.par_chunks_exact(nodes).zip(&mesh.aggregate).map(keep).collect();
+    retain(mesh, &inside);
+}
+
+/// Keeps all cells but those of voids.
+fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
+    let mut voids: Vec<u32> = bodies.iter().filter(|body| body.kind == Kind::Void).map(|body| body.id).collect();
+    if voids.is_empty() {
+        return;
+    }
+    voids.sort_unstable();
+    let solid: Vec<bool> = mesh.aggregate.par_iter().map(|id| voids.binary_search(id).is_err()).collect();
+    retain(mesh, &solid);
+}
+
+/// Keeps some of the cells, and the nodes they have.
+fn retain(mesh: &mut Mesh, cells: &[bool]) {
+    let mut kept = cells.iter().flat_map(|kept| std::iter::repeat_n(*kept, mesh.kind.nodes()));
+    mesh.cells.retain(|_| kept.next().unwrap_or(true));
+    let mut kept = cells.iter();
+    mesh.phase.retain(|_| *kept.next().unwrap_or(&true));
+    let mut kept = cells.iter();
+    mesh.aggregate.retain(|_| *kept.next().unwrap_or(&true));
+    drop_lone_nodes(mesh);
+}
+
+/// Leaves out the nodes without cells and numbers the others anew, in their order.
+fn drop_lone_nodes(mesh: &mut Mesh) {
+    const LONE: u32 = u32::MAX;
+    let mut number = vec![LONE; mesh.points.len()];
+    mesh.cells.iter().for_each(|&node| number[node as usize] = 0);
+    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != LONE)) {
+        *number = count;
+    }
+    let mut old = number.iter();
+    mesh.points.retain(|_| *old.next().unwrap_or(&LONE) != LONE);
+    mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+}

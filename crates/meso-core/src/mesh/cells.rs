@@ -1,0 +1,315 @@
+//! A mesh as everyone outside sees it ([`Mesh`]), and as its makers do ([`Draft`]).
+//!
+//! Second-order tetrahedra have a node in the middle of every edge, shared by all the cells around it. Edges stay straight, so that
+//! volumes, angles and surfaces are those of the first-order mesh.
+
+use crate::aggregate::{Aggregate, Kind};
+use crate::math::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The material a cell is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Phase {
+    /// The matrix.
+    Mortar = 0,
+    /// The shell between an aggregate's outer and inner surface.
+    Itz = 1,
+    /// The inside of an aggregate.
+    Aggregate = 2,
+    /// A fibre. 3 is what surfaces of voids have in a file: meshes have no cells there.
+    Fibre = 4,
+}
+
+impl Phase {
+    /// All phases, in the order decks list them.
+    pub const ALL: [Self; 4] = [Self::Aggregate, Self::Itz, Self::Mortar, Self::Fibre];
+
+    /// What a body has inside its ITZ; cells of voids are left out before anyone sees them.
+    pub(crate) fn inside(kind: Kind) -> Self {
+        match kind {
+            Kind::Aggregate | Kind::Void => Self::Aggregate,
+            Kind::Fibre => Self::Fibre,
+        }
+    }
+
+    /// The name of its element set and of its material.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mortar => "MORTAR",
+            Self::Itz => "ITZ",
+            Self::Aggregate => "AGGREGATE",
+            Self::Fibre => "FIBRE",
+        }
+    }
+}
+
+/// The shape of a mesh's cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellKind {
+    /// Four nodes, positive volume in Abaqus' (and VTK's) order.
+    Tetrahedron,
+    /// Its four corners, then the middles of its edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
+    QuadraticTetrahedron,
+    /// Eight nodes, bottom face counter-clockwise from above, then the top face.
+    Hexahedron,
+}
+
+impl CellKind {
+    /// Nodes per cell.
+    pub fn nodes(self) -> usize {
+        match self {
+            Self::Tetrahedron => 4,
+            Self::QuadraticTetrahedron => 10,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    /// Nodes of a cell that are corners; they come first.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Tetrahedron | Self::QuadraticTetrahedron => 4,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    /// The faces' corners in Abaqus' order, S1 first, as positions in the cell; counter-clockwise seen from outside.
+    pub fn faces(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::Tetrahedron | Self::QuadraticTetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
+            Self::Hexahedron => {
+                &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
+            }
+        }
+    }
+
+    /// The same faces with the middle nodes of their edges after the corners, the first edge's first.
+    pub fn face_nodes(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::QuadraticTetrahedron => {
+                &[&[0, 2, 1, 6, 5, 4], &[0, 1, 3, 4, 8, 7], &[1, 2, 3, 5, 9, 8], &[2, 0, 3, 6, 7, 9]]
+            }
+            _ => self.faces(),
+        }
+    }
+}
+
+/// A mesh of one kind of cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Node positions, mm.
+    pub points: Vec<Vec3>,
+    /// Kind of all cells.
+    pub kind: CellKind,
+    /// Node indices, [`CellKind`]'s number of them per cell.
+    pub cells: Vec<u32>,
+    /// Phase of every cell.
+    pub phase: Vec<Phase>,
+    /// Id of the aggregate or fibre every cell belongs to; `u32::MAX` in the mortar.
+    pub aggregate: Vec<u32>,
+    /// Zero-thickness cohesive elements: the aggregate side's face, then the nodes over it (6 or 8 in all).
+    pub cohesive: Vec<u32>,
+    /// Id of the aggregate below every cohesive element.
+    pub cohesive_aggregate: Vec<u32>,
+    /// The directions in which the specimen repeats itself.
+    pub periodic: [bool; 3],
+    /// What the builder had to decide.
+    pub notes: Notes,
+}
+
+/// What a builder had to decide, and how often: nothing is bridged or thinned in silence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Notes {
+    /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
+    pub closed_gaps: usize,
+    /// Pairs of aggregates that share nodes.
+    pub closed_gap_pairs: usize,
+    /// The widest gap between two of these, mm.
+    pub widest_closed_gap_mm: f64,
+    /// Nodes that two or more aggregates shared and mortar parts now.
+    pub parted_nodes: usize,
+    /// Pairs of aggregates that mortar parts there.
+    pub parted_pairs: usize,
+    /// Volume of aggregates that became mortar for it, mm3, before any volume was made good.
+    pub parted_mm3: f64,
+    /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
+    /// two, thinner than the elements can show, is closed.
+    pub closed_side_gaps: usize,
+    /// Aggregates that have such nodes.
+    pub closed_side_gap_aggregates: usize,
+    /// The widest gap between one of them and its side, mm.
+    pub widest_closed_side_gap_mm: f64,
+    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
+    pub off_surface_nodes: usize,
+    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
+    pub thinned_itz_aggregates: usize,
+    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
+    pub thinned_itz_nodes: usize,
+    /// The nodes where the layer has no thickness at all.
+    pub pinched_itz_nodes: usize,
+    /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
+    pub shifted_itz_nodes: usize,
+}
+
+/// [`Mesh::aggregate`] of a cell that belongs to none.
+pub const NO_AGGREGATE: u32 = u32::MAX;
+
+/// The owner of a cell that lies in no body.
+pub(crate) const NO_BODY: u32 = NO_AGGREGATE;
+
+impl Mesh {
+    /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
+    pub(crate) fn of(
+        kind: CellKind,
+        points: Vec<Vec3>,
+        cells: Vec<u32>,
+        phase: Vec<Phase>,
+        aggregate: Vec<u32>,
+    ) -> Self {
+        let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
+        let (periodic, notes) = ([false; 3], Notes::default());
+        Self { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+    }
+
+    /// The cells' node indices, one slice per cell.
+    pub fn cells(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.cells.chunks_exact(self.kind.nodes())
+    }
+
+    /// The cohesive elements' nodes, one slice per element.
+    pub fn cohesive(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())
+    }
+
+    /// Number of cells, cohesive elements apart.
+    pub fn cell_count(&self) -> usize {
+        self.phase.len()
+    }
+
+    /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](super::ItzForm::Smeared): its cells
+    /// belong to no aggregate.
+    pub fn has_smeared_itz(&self) -> bool {
+        let mut cells = self.phase.iter().zip(&self.aggregate);
+        cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
+    }
+
+    /// Nodes that cores of several aggregates share, and pairs of aggregates that share some: an elastic skeleton.
+    pub fn joined_aggregates(&self) -> (usize, usize) {
+        let joined = super::apart::joined(self);
+        (joined.chunk_by(|a, b| a.0 == b.0).count(), super::apart::pairs(&joined))
+    }
+}
+
+/// Cells before they have their aggregates' ids: each knows its body by the index in the list of bodies and their periodic
+/// images that the mesh is made of.
+pub(super) struct Draft {
+    pub(super) kind: CellKind,
+    pub(super) points: Vec<Vec3>,
+    pub(super) cells: Vec<u32>,
+    pub(super) phase: Vec<Phase>,
+    /// Index of every cell's body, [`NO_BODY`] in the mortar.
+    pub(super) owner: Vec<u32>,
+}
+
+impl Draft {
+    /// The mesh of `bodies`: the one place where indices become ids, which a body and its images share.
+    pub(super) fn into_mesh(self, bodies: &[Aggregate], periodic: [bool; 3], notes: Notes) -> Mesh {
+        let id = |&owner: &u32| if owner == NO_BODY { NO_AGGREGATE } else { bodies[owner as usize].id };
+        let aggregate = self.owner.iter().map(id).collect();
+        Mesh { periodic, notes, ..Mesh::of(self.kind, self.points, self.cells, self.phase, aggregate) }
+    }
+}
+
+/// Cells with the body or aggregate that owns each, whoever keeps them.
+#[derive(Clone, Copy)]
+pub(crate) struct Cells<'a> {
+    pub(crate) kind: CellKind,
+    pub(crate) points: &'a [Vec3],
+    /// Node indices, [`CellKind`]'s number of them per cell.
+    pub(crate) nodes: &'a [u32],
+    pub(crate) owner: &'a [u32],
+}
+
+impl<'a> Cells<'a> {
+    /// The cells' node indices, one slice per cell.
+    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = &'a [u32]> + use<'a> {
+        self.nodes.chunks_exact(self.kind.nodes())
+    }
+
+    /// The corners of a cell's face, counter-clockwise from outside.
+    pub(crate) fn face(&self, cell: u32, face: usize) -> impl Iterator<Item = u32> + use<'a> {
+        let of_cell = &self.nodes[cell as usize * self.kind.nodes()..];
+        self.kind.faces()[face].iter().map(|&i| of_cell[i])
+    }
+}
+
+impl Mesh {
+    /// The cells by their aggregates' ids.
+    pub(crate) fn by_aggregate(&self) -> Cells<'_> {
+        Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.aggregate }
+    }
+}
+
+/// The edges that carry nodes 5 to 10, by the places of their ends in the cell: the order of Abaqus and VTK.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
+impl Mesh {
+    /// Makes first-order tetrahedra second-order ones; other meshes, and those with cohesive elements, stay as they are.
+    ///
+    /// The new nodes come after the old ones, by the lower end of their edge, then by the upper.
+    pub fn raise_order(&mut self) {
+        if self.kind != CellKind::Tetrahedron || !self.cohesive.is_empty() {
+            return;
+        }
+        let corners = self.points.len() as u32;
+        let edges = Edges::of(self);
+        let middles: Vec<_> = edges.ends().map(|[a, b]| (self.points[a] + self.points[b]) / 2.0).collect();
+        self.points.extend(middles);
+        let nodes = |cell: &[u32]| {
+            let mut nodes = [0; 10];
+            nodes[..4].copy_from_slice(cell);
+            for (node, [i, j]) in nodes[4..].iter_mut().zip(EDGES) {
+                *node = corners + edges.number(cell[i], cell[j]);
+            }
+            nodes
+        };
+        self.cells = self.cells.par_chunks_exact(4).map(nodes).collect::<Vec<_>>().into_flattened();
+        self.kind = CellKind::QuadraticTetrahedron;
+    }
+}
+
+/// The edges of a mesh, numbered by their lower end, then by the upper.
+struct Edges {
+    /// Where the edges of every lower end begin, and the end of all.
+    first: Vec<u32>,
+    upper: Vec<u32>,
+}
+
+impl Edges {
+    fn of(mesh: &Mesh) -> Self {
+        let ends = |cell: &[u32], [i, j]: [usize; 2]| (cell[i].min(cell[j]), cell[i].max(cell[j]));
+        let of_cell = |cell| EDGES.iter().map(move |edge| ends(cell, *edge));
+        let mut edges: Vec<(u32, u32)> = mesh.cells.par_chunks_exact(4).flat_map_iter(of_cell).collect();
+        edges.par_sort_unstable();
+        edges.dedup();
+        let mut first = vec![0; mesh.points.len() + 1];
+        edges.iter().for_each(|edge| first[edge.0 as usize + 1] += 1);
+        (1..first.len()).for_each(|node| first[node] += first[node - 1]);
+        Self { first, upper: edges.into_iter().map(|edge| edge.1).collect() }
+    }
+
+    /// The edge between two nodes of a cell.
+    fn number(&self, a: u32, b: u32) -> u32 {
+        let (low, high) = (a.min(b) as usize, a.max(b));
+        let (first, end) = (self.first[low], self.first[low + 1]);
+        let of_low = &self.upper[first as usize..end as usize];
+        first + of_low.partition_point(|upper| *upper < high) as u32
+    }
+
+    fn ends(&self) -> impl Iterator<Item = [usize; 2]> {
+        let lower = self.first.windows(2).enumerate();
+        let lower = lower.flat_map(|(node, range)| std::iter::repeat_n(node, (range[1] - range[0]) as usize));
+        lower.zip(&self.upper).map(|(low, high)| [low, *high as usize])
+    }
+}

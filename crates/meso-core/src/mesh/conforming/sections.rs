@@ -1,0 +1,315 @@
+//! The surfaces of specimens in slabs: bodies and the specimen's own surface cut by the planes between the slabs and by the faces of a
+//! box that repeats itself, the caps there, and what mortar has of the planes and faces.
+//!
+//! The lower face of each axis is triangulated with the rims of the cut bodies in it ([`plane`](super::plane)), and moved by
+//! the period it is the upper one.
+//!
+//! The specimen's own surface as triangles ([`walls`]); where it is curved their nodes lie on it, and nothing of them is farther
+//! than [`CHORD_MM`] from it.
+
+use super::clipped::{self, BodyIndex, Piece, pieces};
+use super::facets::{Face, LONGEST, Nodes, facets, refined};
+use super::plane::{Frame, Plane, Triangles, halved, region};
+use super::plc::{Shells, Upper, shells, surface};
+use super::slabs::Slabs;
+use crate::aggregate::Aggregate;
+use crate::math::{Aabb, Vec3};
+use crate::mesh::error::MeshError;
+use crate::packing::{Container, Period, Specimen, Surface};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Nodes this near to a face are on it, mm.
+const ON_FACE_MM: f64 = 1e-7;
+
+/// The surfaces of `aggregates` and all their images in the box `domain`, with edges of about `size` mm, slab by slab.
+///
+/// # Errors
+/// Where a face of the box grazes an aggregate.
+pub(super) fn of_box(
+    aggregates: &[Aggregate],
+    period: &Period,
+    domain: &Aabb,
+    slabs: &Slabs,
+    bodies: &BodyIndex,
+    size: f64,
+) -> Result<Vec<Shells>, MeshError> {
+    let limit = LONGEST * size;
+    let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
+    let lower = |(pieces, aabb): (&Vec<Piece>, &Aabb)| {
+        let faces = (0..3).into_par_iter().map(|axis| lower_face(axis, aabb, pieces, limit));
+        faces.collect::<Result<Vec<Face>, MeshError>>()
+    };
+    let boxes = slabs.boxes(domain);
+    let faces: Vec<Vec<Face>> = pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, MeshError>>()?;
+    let of_slab = |slab: usize| {
+        shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+            for (axis, lower) in faces[slab].iter().enumerate() {
+                // Above the last slab the first one comes again.
+                let above = if axis == slabs.axis { (slab + 1) % boxes.len() } else { slab };
+                let step = i32::from(axis != slabs.axis || above == 0);
+                let (face, position) = (&faces[above][axis], boxes[slab].max[axis]);
+                sheets.add_lower(lower, nodes);
+                sheets.add_upper(&Upper { face, pieces: &pieces[above], axis, position, step }, &pieces[slab], nodes);
+            }
+        })
+    };
+    (0..boxes.len()).into_par_iter().map(of_slab).collect()
+}
+
+/// Refuses nodes on a face of `domain` across which the box repeats itself that have none opposite to them.
+///
+/// # Errors
+/// Names the first.
+pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Result<(), MeshError> {
+    for axis in (0..3).filter(|&axis| period.along(axis).is_some()) {
+        let [low, high] = [domain.min, domain.max].map(|face| {
+            let on = points.iter().filter(|point| (point[axis] - face[axis]).abs() <= ON_FACE_MM);
+            // -0 and 0 are one position.
+            let within = |point: &Vec3| [1, 2].map(|next| (point[(axis + next) % 3] + 0.0).to_bits());
+            on.map(|point| (within(point), [point.x, point.y, point.z])).collect::<BTreeMap<_, _>>()
+        });
+        let lone = |here: &BTreeMap<_, [f64; 3]>, there: &BTreeMap<[u64; 2], _>| {
+            here.iter().find(|(within, _)| !there.contains_key(*within)).map(|(_, at)| *at)
+        };
+        if let Some(at) = lone(&low, &high).or_else(|| lone(&high, &low)) {
+            return Err(MeshError::Unmatched { at });
+        }
+    }
+    Ok(())
+}
+
+/// The surfaces of `aggregates` within the specimen's own, `walls`, with edges of about `size` mm, slab by slab; there is no
+/// `period`.
+///
+/// # Errors
+/// Where a plane between slabs grazes an aggregate.
+pub(super) fn of_walls(
+    aggregates: &[Aggregate],
+    walls: Surface,
+    period: &Period,
+    domain: &Aabb,
+    slabs: &Slabs,
+    bodies: &BodyIndex,
+    size: f64,
+) -> Result<Vec<Shells>, MeshError> {
+    let limit = LONGEST * size;
+    let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
+    let walls = clipped::walls(walls, slabs, period);
+    let of_plane =
+        |(above, position): (usize, &f64)| section(slabs.axis, *position, &walls[above], &pieces[above], limit);
+    let planes = (1..walls.len()).into_par_iter().zip(&slabs.positions).map(of_plane);
+    let planes: Vec<Face> = planes.collect::<Result<_, MeshError>>()?;
+    let of_slab = |slab: usize| {
+        let walls = surface(&walls[slab], limit)?;
+        shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+            sheets.add_walls(&walls, nodes);
+            if slab > 0 {
+                sheets.add_lower(&planes[slab - 1], nodes);
+            }
+            if let Some(face) = planes.get(slab) {
+                let (axis, position) = (slabs.axis, slabs.positions[slab]);
+                let upper = Upper { face, pieces: &pieces[slab + 1], axis, position, step: 0 };
+                sheets.add_upper(&upper, &pieces[slab], nodes);
+            }
+        })
+    };
+    (0..walls.len()).into_par_iter().map(of_slab).collect()
+}
+
+/// The plane at `position` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.
+fn section(axis: usize, position: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
+    let frame = Frame::across(axis, position);
+    let upward = |loops: Vec<Vec3>| loops.into_iter().rev().collect::<Vec<Vec3>>();
+    let outlines = walls.loops(axis, false).map(upward);
+    // Around the mortar caps go the other way.
+    let caps = || pieces.iter().flat_map(|piece| piece.loops(axis, false));
+    let mut regions = vec![(None, region(frame, &outlines.chain(caps()).collect::<Vec<_>>(), limit)?)];
+    for (index, piece) in pieces.iter().enumerate() {
+        for cap in piece.loops(axis, false) {
+            regions.push((Some(index), region(frame, &[upward(cap)], limit)?));
+        }
+    }
+    let (mut nodes, mut triangles) = (Nodes::default(), Vec::new());
+    for (piece, region) in regions {
+        let number: Vec<u32> = region.points.iter().map(|point| nodes.at(*point)).collect();
+        let own = region.triangles.iter().map(|triangle| (triangle.map(|node| number[node as usize]), piece));
+        triangles.extend(own);
+    }
+    Ok(Face { points: nodes.points, triangles })
+}
+
+/// The lower face of `domain` across `axis`, cut by `pieces`; no edge in it is longer than `limit` mm by much.
+///
+/// # Errors
+/// Says which rims cross: of disjoint bodies none do.
+fn lower_face(axis: usize, domain: &Aabb, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
+    let caps: Vec<(usize, Vec<Vec3>)> = caps(axis, pieces).collect();
+    let rims = Sides { axis, domain }.rims(&caps, limit);
+    let mut plane = Plane::new(Frame::across(axis, domain.min[axis]), &rims, limit)?;
+    let mut piece = vec![None; plane.count()];
+    for (index, corners) in caps {
+        // Counter-clockwise from outside is clockwise from above.
+        let nodes = halved(corners[1], corners[0], limit);
+        plane.within(nodes[0], nodes[1])?.into_iter().for_each(|triangle| piece[triangle] = Some(index));
+    }
+    let triangles = plane.triangles().map(|(number, nodes)| (nodes, piece[number])).collect();
+    Ok(Face { points: plane.points, triangles })
+}
+
+/// The caps on the lower face of `axis` with their pieces.
+fn caps(axis: usize, pieces: &[Piece]) -> impl Iterator<Item = (usize, Vec<Vec3>)> {
+    (0..).zip(pieces).flat_map(move |(index, piece)| piece.loops(axis, false).map(move |cap| (index, cap)))
+}
+
+fn edges(corners: &[Vec3]) -> impl Iterator<Item = (Vec3, Vec3)> {
+    (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]))
+}
+
+/// The sides of the lower face across an axis.
+#[derive(Clone, Copy)]
+struct Sides<'a> {
+    axis: usize,
+    domain: &'a Aabb,
+}
+
+impl Sides<'_> {
+    fn in_plane(&self) -> [usize; 2] {
+        [(self.axis + 1) % 3, (self.axis + 2) % 3]
+    }
+
+    /// The rims of `caps` and the face's four sides, as nodes in a row.
+    fn rims(&self, caps: &[(usize, Vec<Vec3>)], limit: f64) -> Vec<Vec<Vec3>> {
+        let of_caps = caps.iter().flat_map(|(_, corners)| edges(corners));
+        // What bodies have of the sides is among their parts.
+        let of_caps = of_caps.filter(|(from, to)| !self.is_on_a_side(from, to));
+        self.sides(caps).into_iter().chain(of_caps).map(|(from, to)| halved(from, to, limit)).collect()
+    }
+
+    fn is_on_a_side(&self, from: &Vec3, to: &Vec3) -> bool {
+        let both = |axis: usize, position: f64| from[axis] == position && to[axis] == position;
+        self.in_plane().into_iter().any(|axis| both(axis, self.domain.min[axis]) || both(axis, self.domain.max[axis]))
+    }
+
+    /// The parts of the face's four sides between the bodies' edges there.
+    fn sides(&self, caps: &[(usize, Vec<Vec3>)]) -> Vec<(Vec3, Vec3)> {
+        let [u, v] = self.in_plane();
+        let mut parts = Vec::new();
+        for (along, across) in [(u, v), (v, u)] {
+            for position in [self.domain.min[across], self.domain.max[across]] {
+                let mut start = self.domain.min;
+                start[across] = position;
+                let mut end = start;
+                end[along] = self.domain.max[along];
+                let corners = caps.iter().flat_map(|cap| &cap.1).filter(|corner| corner[across] == position);
+                let mut stops: Vec<Vec3> = corners.copied().chain([start, end]).collect();
+                stops.sort_by(|a, b| a[along].total_cmp(&b[along]));
+                stops.dedup();
+                parts.extend(stops.windows(2).map(|pair| (pair[0], pair[1])));
+            }
+        }
+        parts
+    }
+}
+
+/// The surface of `specimen`, whose container is `container`, with edges of about `size` mm, counter-clockwise from outside: plane
+/// faces exactly, curved ones by triangles whose nodes lie on them.
+///
+/// # Errors
+/// As [`facets`].
+pub(super) fn walls(specimen: &Specimen, container: &dyn Container, size: f64) -> Result<Triangles, MeshError> {
+    match (specimen, polygons(specimen, container, size)) {
+        (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),
+        (Specimen::Sphere { diameter_mm }, None) => Ok(sphere(*diameter_mm, size)),
+        (_, None) => Ok(grid(&container.aabb(), size)),
+    }
+}
+
+/// The same as plane faces; boxes have their own ([`grid`], and [`of_box`]), and spheres have none.
+pub(super) fn polygons(specimen: &Specimen, container: &dyn Container, size: f64) -> Option<Surface> {
+    match *specimen {
+        Specimen::Sphere { .. } => None,
+        Specimen::Cylinder { diameter_mm, height_mm } => Some(prism(diameter_mm, height_mm, size)),
+        _ if container.is_box() => None,
+        _ => Some(container.surface()),
+    }
+}
+
+/// How far the triangles of [`walls`] may lie inside the specimen's surface, mm.
+pub(super) fn chord(specimen: &Specimen) -> f64 {
+    match specimen {
+        Specimen::Cylinder { .. } | Specimen::Sphere { .. } => CHORD_MM,
+        _ => 0.0,
+    }
+}
+
+/// A box' faces as triangles of a grid, opposite faces alike: moved along its axis, one lies node on node on the other.
+fn grid(domain: &Aabb, size: f64) -> Triangles {
+    let counts = [0, 1, 2].map(|i| (domain.size()[i] / size).round().max(1.0) as usize);
+    let mut walls = Triangles::default();
+    let mut numbers = BTreeMap::new();
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for upper in [false, true] {
+            for (i, j) in (0..counts[u]).flat_map(|i| (0..counts[v]).map(move |j| (i, j))) {
+                let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(di, dj)| {
+                    let mut at = [0; 3];
+                    (at[axis], at[u], at[v]) = (if upper { counts[axis] } else { 0 }, i + di, j + dj);
+                    *numbers.entry(at).or_insert_with(|| {
+                        walls.points.push(position(domain, counts, at));
+                        walls.points.len() as u32 - 1
+                    })
+                });
+                walls.triangles.extend(if upper { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+            }
+        }
+    }
+    walls
+}
+
+fn position(domain: &Aabb, counts: [usize; 3], at: [usize; 3]) -> Vec3 {
+    Vec3::from_fn(|axis, _| {
+        if at[axis] == counts[axis] {
+            domain.max[axis]
+        } else {
+            domain.min[axis] + domain.size()[axis] * at[axis] as f64 / counts[axis] as f64
+        }
+    })
+}
+
+/// Well within the least gap that is advised between bodies and walls, 0.05 mm.
+const CHORD_MM: f64 = 0.02;
+
+/// The sphere that touches the coordinate planes, from an octahedron.
+fn sphere(diameter: f64, size: f64) -> Triangles {
+    let radius = diameter / 2.0;
+    let centre = Vec3::repeat(radius);
+    let points = [Vec3::x(), Vec3::y(), -Vec3::x(), -Vec3::y(), Vec3::z(), -Vec3::z()].map(|arm| centre + arm * radius);
+    let caps = |i: u32| [[i, (i + 1) % 4, 4], [(i + 1) % 4, i, 5]];
+    let triangles = (0..4).flat_map(caps).map(|triangle| (triangle, 0));
+    refined(points.to_vec(), triangles, longest(radius, size), |_, position| {
+        let arm = position - centre;
+        centre + arm * (radius / arm.norm())
+    })
+}
+
+/// The prism in the upright cylinder on z = 0 that touches the other coordinate planes, as fine as elements of `size` mm.
+fn prism(diameter: f64, height: f64, size: f64) -> Surface {
+    let radius = diameter / 2.0;
+    let sides = (std::f64::consts::TAU * radius / longest(radius, size)).ceil().max(6.0) as u32;
+    let ring = |z: f64| {
+        (0..sides).map(move |i| {
+            let angle = f64::from(i) * (std::f64::consts::TAU / f64::from(sides));
+            Vec3::new(radius + radius * libm::cos(angle), radius + radius * libm::sin(angle), z)
+        })
+    };
+    let ends = [(0..sides).rev().collect(), (sides..2 * sides).collect()];
+    let side = |i: u32| (i, (i + 1) % sides);
+    let mantle = (0..sides).map(side).map(|(i, j)| vec![i, j, j + sides, i + sides]);
+    Surface { points: ring(0.0).chain(ring(height)).collect(), faces: ends.into_iter().chain(mantle).collect() }
+}
+
+/// The longest edge on a wall of `radius`, mm: the middle of a triangle with edges l is l^2 / 6 radius off a sphere.
+fn longest(radius: f64, size: f64) -> f64 {
+    (LONGEST * size).min((6.0 * radius * CHORD_MM).sqrt())
+}

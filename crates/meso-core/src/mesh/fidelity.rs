@@ -1,0 +1,252 @@
+//! How true a mesh is to its bodies: the gaps that it closes, and how far its interfaces lie from the exact surfaces.
+//!
+//! Gaps are closed where the elements cannot show them: between aggregates, and to the specimen's sides. They are counted in the
+//! finished mesh, whatever its method: a node closes one when it has cells of two aggregates, or of one and lies on a flat side of
+//! the specimen across which this does not repeat itself.
+
+use super::cells::Mesh;
+use super::interface::Owners;
+use super::sides::FlatSides;
+use crate::aggregate::Aggregate;
+use crate::geometry::{Plane, nearest_on_triangle};
+use crate::gjk;
+use crate::math::Vec3;
+use crate::packing::{Specimen, images_near};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Notes where `mesh`, before its materials are parted, joins `bodies`, and how wide the gaps between these are.
+pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &FlatSides) {
+    let owners = Owners::of(mesh.by_aggregate());
+    let on_side = |node: u32| sides.have(&mesh.points[node as usize]);
+    let members = owners.bodies(|node| owners.are_several(node) || on_side(node));
+    let bodies = ById::new(bodies);
+    let (mut pairs, mut at_sides) = (Vec::new(), Vec::new());
+    let notes = &mut mesh.notes;
+    for place in members.chunk_by(|a, b| a.0 == b.0) {
+        let node = place[0].0;
+        if place.len() > 1 {
+            notes.closed_gaps += 1;
+        }
+        for (i, (_, higher)) in place.iter().enumerate() {
+            pairs.extend(place[..i].iter().map(|(_, lower)| (*lower, *higher)));
+        }
+        let x = &mesh.points[node as usize];
+        if sides.have(x) {
+            notes.closed_side_gaps += 1;
+            at_sides.extend(place.iter().map(|(_, id)| (*id, sides.across(x))));
+        }
+    }
+    pairs.par_sort_unstable();
+    pairs.dedup();
+    notes.closed_gap_pairs = pairs.len();
+    notes.widest_closed_gap_mm = bodies.widest(&pairs);
+    at_sides.sort_unstable();
+    at_sides.dedup();
+    notes.closed_side_gap_aggregates = at_sides.chunk_by(|a, b| a.0 == b.0).count();
+    let gaps = at_sides.iter().map(|(id, across)| bodies.gap_to_side(*id, *across, sides));
+    notes.widest_closed_side_gap_mm = gaps.fold(0.0, f64::max);
+}
+
+/// Pairs whose widest gap is kept together.
+const RUN: usize = 1 << 12;
+
+/// Bodies, those of one id beside each other: images have the id of their body.
+struct ById<'a>(Vec<&'a Aggregate>);
+
+impl<'a> ById<'a> {
+    fn new(bodies: &'a [Aggregate]) -> Self {
+        let mut by_id: Vec<&Aggregate> = bodies.iter().collect();
+        by_id.sort_by_key(|body| body.id);
+        Self(by_id)
+    }
+
+    fn images(&self, id: u32) -> impl Iterator<Item = &'a Aggregate> {
+        let start = self.0.partition_point(|body| body.id < id);
+        self.0[start..].iter().copied().take_while(move |body| body.id == id)
+    }
+
+    /// The widest gap between the bodies of a pair, mm.
+    fn widest(&self, pairs: &[(u32, u32)]) -> f64 {
+        let wider = |widest: f64, &(a, b): &(u32, u32)| {
+            let all =
+                || self.images(a).flat_map(|a| self.images(b).map(move |b| [a, b].map(|body| body.body.vertices())));
+            // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
+            let is_wider = all().all(|[a, b]| gjk::farther(a, b, widest).unwrap_or(false));
+            let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
+            if is_wider { gap() } else { widest }
+        };
+        pairs.par_chunks(RUN).map(|run| run.iter().fold(0.0, wider)).reduce(|| 0.0, f64::max)
+    }
+
+    /// Between a body and the farthest of the sides `across`, mm.
+    fn gap_to_side(&self, id: u32, across: u8, sides: &FlatSides) -> f64 {
+        let gaps = self.images(id).map(|body| sides.gap(&body.body.aabb(), across));
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is
+/// the staircase that is measured. Nodes that cohesive elements parted are one; middles of edges are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct InterfaceDistance {
+    /// Nodes where an aggregate meets something else.
+    pub nodes: usize,
+    /// Those of them that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more
+    /// than 1e-9 of the specimen.
+    pub off: usize,
+    /// Root mean square of all nodes' distances, mm: each to the nearest of these surfaces.
+    pub rms_mm: f64,
+    /// The largest of these distances, mm.
+    pub max_mm: f64,
+    /// Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen.
+    pub joined: usize,
+    /// Root mean square of what the gaps were at them, mm: from the node to the farthest of the aggregates that meet there.
+    pub joined_rms_mm: f64,
+    /// The largest of these distances, mm.
+    pub joined_max_mm: f64,
+}
+
+/// Distances up to this share of the specimen's size are rounding.
+const ROUNDING: f64 = 1e-9;
+
+impl InterfaceDistance {
+    /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
+    pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
+        let mut bodies: Vec<Body> = images_near(aggregates, specimen, 0.0).iter().map(Body::new).collect();
+        bodies.sort_by_key(|body| body.id);
+        let distance = |&(node, id): &(u32, u32)| {
+            let start = bodies.partition_point(|body| body.id < id);
+            let images = bodies[start..].iter().take_while(|body| body.id == id);
+            images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
+        };
+        let mut pairs = interface_nodes(mesh);
+        let place = |node: u32| -> [u64; 3] { mesh.points[node as usize].map(f64::to_bits).into() };
+        if !mesh.cohesive.is_empty() {
+            pairs.par_sort_unstable_by_key(|&(node, id)| (place(node), id));
+        }
+        let distances: Vec<f64> = pairs.par_iter().map(distance).collect();
+        let sides = FlatSides::of(specimen);
+        let rounding = ROUNDING * specimen.aabb().size().max();
+        // One after the other: the same sums on any number of threads.
+        let mut found = Self::default();
+        let mut start = 0;
+        for meet in pairs.chunk_by(|a, b| a.0 == b.0 || place(a.0) == place(b.0)) {
+            let at_side = sides.have(&mesh.points[meet[0].0 as usize]);
+            found.see(&distances[start..start + meet.len()], meet[0].1 != meet[meet.len() - 1].1, at_side, rounding);
+            start += meet.len();
+        }
+        let root = |squares: f64, count: usize| (squares / count.max(1) as f64).sqrt();
+        found.rms_mm = root(found.rms_mm, found.nodes);
+        found.joined_rms_mm = root(found.joined_rms_mm, found.joined);
+        found
+    }
+
+    /// Adds a node by its distances from the aggregates that meet there, `several` or one; roots are not drawn yet.
+    fn see(&mut self, distances: &[f64], several: bool, at_side: bool, rounding: f64) {
+        let nearest = if at_side { 0.0 } else { distances.iter().copied().fold(f64::INFINITY, f64::min) };
+        self.nodes += 1;
+        self.off += usize::from(nearest > rounding);
+        self.rms_mm += nearest * nearest;
+        self.max_mm = self.max_mm.max(nearest);
+        if several || at_side {
+            let farthest = distances.iter().copied().fold(0.0, f64::max);
+            self.joined += 1;
+            self.joined_rms_mm += farthest * farthest;
+            self.joined_max_mm = self.joined_max_mm.max(farthest);
+        }
+    }
+}
+
+/// Corners of cells where an aggregate meets something else, with its id, each pair once, in order.
+fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
+    let owners = Owners::of(mesh.by_aggregate());
+    // Cohesive elements parted their nodes.
+    let mut parted = vec![false; if mesh.cohesive.is_empty() { 0 } else { mesh.points.len() }];
+    mesh.cohesive.iter().for_each(|&node| parted[node as usize] = true);
+    owners.bodies(|node| owners.are_several(node) || parted.get(node as usize) == Some(&true))
+}
+
+/// A convex body by its surface.
+struct Body {
+    id: u32,
+    /// The triangles of its faces.
+    triangles: Vec<[Vec3; 3]>,
+    /// The plane of each triangle.
+    planes: Vec<Plane>,
+}
+
+impl Body {
+    fn new(aggregate: &Aggregate) -> Self {
+        let body = &aggregate.body;
+        let corners = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
+        let pieces =
+            body.faces().zip(body.planes()).flat_map(|(face, plane)| face.triangles().map(move |t| (t, plane)));
+        let (triangles, planes) = pieces.map(|(t, plane)| (corners(t), plane)).unzip();
+        Self { id: aggregate.id, triangles, planes }
+    }
+
+    /// From `x` to the surface, mm: inside, the nearest plane; outside, the nearest of the triangles that face `x`.
+    fn distance(&self, x: &Vec3) -> f64 {
+        let height = |plane: &Plane| plane.normal.dot(x) - plane.offset;
+        let (mut highest, mut most) = (0, f64::NEG_INFINITY);
+        for (triangle, plane) in self.planes.iter().enumerate() {
+            let above = height(plane);
+            if above > most {
+                (highest, most) = (triangle, above);
+            }
+        }
+        if most <= 0.0 {
+            return -most;
+        }
+        let to = |triangle: usize| (nearest_on_triangle(&self.triangles[triangle], x) - x).norm();
+        let mut least = to(highest);
+        // Above the inside of the highest triangle, as most points are, nothing is nearer than it.
+        if least <= most * (1.0 + 1e-12) {
+            return least;
+        }
+        for (triangle, plane) in self.planes.iter().enumerate() {
+            if (0.0..least).contains(&height(plane)) {
+                least = least.min(to(triangle));
+            }
+        }
+        least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aggregate::Kind;
+    use crate::geometry::convex_hull;
+    use crate::gjk;
+
+    /// A body with faces of three, four and six corners, some at blunt angles.
+    fn body() -> Vec<Vec3> {
+        let (cos, sin) = (0.5, 0.75_f64.sqrt());
+        let ring = [(1.0, 0.0), (cos, sin), (-cos, sin), (-1.0, 0.0), (-cos, -sin), (cos, -sin)];
+        let layers = [(3.0, -2.0), (4.0, 0.0), (3.0, 1.0)];
+        let mut points: Vec<Vec3> =
+            layers.iter().flat_map(|(r, z)| ring.map(|(x, y)| Vec3::new(r * x + 7.0, r * y + 7.0, z + 7.0))).collect();
+        points.push(Vec3::new(7.5, 6.8, 8.6));
+        points
+    }
+
+    #[test]
+    fn distances_are_those_of_gjk_outside_and_of_the_planes_inside() {
+        let hull = convex_hull(&body()).unwrap();
+        let aggregate = Aggregate { id: 0, class: 0, itz_thickness_mm: 0.1, body: hull.clone(), kind: Kind::Aggregate };
+        let body = Body::new(&aggregate);
+        let (mut above, mut beside) = (0, 0);
+        for at in 0..17_usize.pow(3) {
+            let x = Vec3::new((at % 17) as f64, (at / 17 % 17) as f64, (at / 289) as f64) * 0.83;
+            let height = hull.planes().map(|p| p.normal.dot(&x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
+            let exact = gjk::distance(&[x], hull.vertices()).unwrap();
+            let expected = if height <= 0.0 { -height } else { exact };
+            assert!((body.distance(&x) - expected).abs() < 1e-12, "{x:?}");
+            above += usize::from(height > 0.0 && exact < height + 1e-12);
+            beside += usize::from(height > 0.0 && exact > height + 1e-12);
+        }
+        assert!(above > 500 && beside > 2000, "{above} {beside}");
+    }
+}

@@ -1,0 +1,319 @@
+//! The faces of a periodic box while the layer is made: nodes on them stay in their faces, and images of each other go the same
+//! ways.
+//!
+//! A place on a face has a node on every side that it is seen from, and after materials are parted one for each body
+//! there. Images of a place that belong to the same body are *tied*: one of them leads, the others follow it bit for bit.
+//! Where they are not alike (one side has an interface and the other none, or another body behind the face, as where an
+//! aggregate ends at the face itself), none of the place's nodes moves: the layer has no thickness there.
+
+use crate::aggregate::Aggregate;
+use crate::math::{Aabb, Vec3};
+use crate::mesh::cells::NO_BODY;
+use crate::mesh::sides::Sides;
+use crate::mesh::sides::places;
+use crate::mesh::tet::{TetMesh, ascending};
+
+/// How the nodes hang together.
+pub(super) struct Ties {
+    pub(super) faces: Faces,
+    /// For every node the one that leads it; itself where it is tied to none.
+    lead: Vec<u32>,
+    /// Nodes with their leads, but for the leads themselves.
+    followers: Vec<(u32, u32)>,
+    /// Leads that do not move.
+    pinned: Vec<bool>,
+}
+
+impl Ties {
+    /// Those of `mesh`, whose cells carry indices of `bodies`; nodes from `copies` on are copies, each of its `owner`.
+    pub(super) fn new(mesh: &TetMesh, periodic: [bool; 3], bodies: &Bodies, owner: &[u32], copies: u32) -> Self {
+        let nodes = 0..mesh.points.len() as u32;
+        let tied = |faces, pinned| Self { faces, lead: nodes.clone().collect(), followers: Vec::new(), pinned };
+        if periodic == [false; 3] {
+            return tied(Faces::of(mesh, periodic), vec![false; nodes.len()]);
+        }
+        let sides = Sides::in_planes(mesh.by_body());
+        let faces = Faces::on(mesh, periodic, &sides);
+        let lone = |node| faces.place(node).is_none() && faces.flat(node) != Flat::SPACE;
+        let pinned = nodes.clone().map(lone).collect();
+        let unlike = unlike(mesh, periodic, &sides, &faces, bodies);
+        let mut ties = tied(faces, pinned);
+        ties.tie(bodies, owner, copies, &unlike);
+        ties
+    }
+
+    fn tie(&mut self, bodies: &Bodies, owner: &[u32], copies: u32, unlike: &[bool]) {
+        let mut members: Vec<(u32, Key, u8, u32)> = Vec::new();
+        for (node, &body) in (0..).zip(owner).filter(|(_, body)| **body != NO_BODY) {
+            let at = self.faces.place(node);
+            members.extend(at.map(|(place, along)| (place, bodies.key(body, along), along, node)));
+        }
+        members.sort_unstable();
+        for tied in members.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let (place, lead) = (tied[0].0, tied[0].3);
+            let alike = tied.iter().all(|member| (member.3 < copies) == (lead < copies));
+            let images = self.faces.at(place).filter(|node| *node < copies).count();
+            if alike && tied.len() == images && !unlike[place as usize] {
+                tied[1..].iter().for_each(|member| self.follow(member.3, lead));
+            } else {
+                tied.iter().for_each(|member| self.pinned[member.3 as usize] = true);
+            }
+        }
+    }
+
+    fn follow(&mut self, node: u32, lead: u32) {
+        self.lead[node as usize] = lead;
+        self.followers.push((node, lead));
+    }
+
+    /// The faces that a node has to stay in.
+    pub(super) fn flat(&self, node: u32) -> Flat {
+        self.faces.flat(node)
+    }
+
+    pub(super) fn lead(&self, node: u32) -> u32 {
+        self.lead[node as usize]
+    }
+
+    pub(super) fn leads(&self, node: u32) -> bool {
+        self.lead(node) == node
+    }
+
+    /// One number for all images of a node's place.
+    pub(super) fn place(&self, node: u32) -> u32 {
+        self.faces.place(node).map_or(node, |(place, _)| place)
+    }
+
+    /// Neither the node nor any that it is tied to moves.
+    pub(super) fn is_pinned(&self, node: u32) -> bool {
+        self.pinned[self.lead(node) as usize]
+    }
+
+    /// The node is to stay where it is, and all that it is tied to.
+    pub(super) fn pin(&mut self, node: u32) {
+        self.pinned[self.lead[node as usize] as usize] = true;
+    }
+
+    /// Puts the nodes on faces exactly there, and images of one place at the same coordinates within their faces.
+    pub(super) fn align(&self, points: &mut [Vec3]) {
+        for node in (0..points.len() as u32).filter(|&node| self.flat(node) != Flat::SPACE) {
+            points[node as usize] = self.faces.put(node, &points[self.place(node) as usize]);
+        }
+    }
+
+    /// Moves the followers as their leads: within their faces they have the same coordinates afterwards.
+    pub(super) fn spread(&self, points: &mut [Vec3]) {
+        for &(node, lead) in &self.followers {
+            points[node as usize] = self.faces.put(node, &points[lead as usize]);
+        }
+    }
+
+    /// Gives the followers what their leads have.
+    pub(super) fn share<T: Copy>(&self, values: &mut [T]) {
+        self.followers.iter().for_each(|&(node, lead)| values[node as usize] = values[lead as usize]);
+    }
+}
+
+/// The places of triangles on the faces that lack one opposite to them with the same body behind it.
+fn unlike(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides, of: &Faces, bodies: &Bodies) -> Vec<bool> {
+    let mut unlike = vec![false; mesh.points.len()];
+    for axis in (0..3).filter(|axis| periodic[*axis]) {
+        let mut triangles: Vec<(Vec<u32>, Key)> = Vec::new();
+        for (upper, faces) in [(0, &sides.faces()[2 * axis]), (1, &sides.faces()[2 * axis + 1])] {
+            for &(cell, face) in faces {
+                // A node without an image stays by itself.
+                let place = |node: u32| of.place(node).map_or(node, |(place, _)| place);
+                let corners = ascending(mesh.by_body().face(cell, face).map(place));
+                triangles.push((corners, bodies.key(mesh.owner[cell as usize], upper << axis)));
+            }
+        }
+        triangles.sort_unstable();
+        for lone in triangles.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
+            lone[0].0.iter().for_each(|&place| unlike[place as usize] = true);
+        }
+    }
+    unlike
+}
+
+/// The nodes on faces across which a box repeats itself; empty where it does not.
+pub(super) struct Faces {
+    walls: Aabb,
+    /// The faces that each node has to stay in.
+    flat: Vec<Flat>,
+    /// One number for all images of a place, and the upper faces that the node lies on.
+    places: Vec<Option<(u32, u8)>>,
+    /// Places with their nodes, ascending.
+    images: Vec<(u32, u32)>,
+}
+
+impl Faces {
+    /// Those of `mesh`.
+    pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3]) -> Self {
+        if periodic == [false; 3] {
+            let walls = Aabb::around(&mesh.points);
+            return Self { walls, flat: Vec::new(), places: Vec::new(), images: Vec::new() };
+        }
+        Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()))
+    }
+
+    /// Those of a mesh with these `sides`.
+    pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
+        let places = places(&mesh.points, periodic, sides);
+        let mut images: Vec<(u32, u32)> =
+            (0..).zip(&places).filter_map(|(node, place)| place.map(|(place, _)| (place, node))).collect();
+        images.sort_unstable();
+        let flat = (0..places.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
+        Self { walls: Aabb::around(&mesh.points), flat, places, images }
+    }
+
+    pub(super) fn walls(&self) -> &Aabb {
+        &self.walls
+    }
+
+    /// The faces that a node has to stay in.
+    pub(super) fn flat(&self, node: u32) -> Flat {
+        self.flat.get(node as usize).copied().unwrap_or_default()
+    }
+
+    /// One number for all images of a node's place on the faces, and the upper ones that it lies on, a bit per axis; `None`
+    /// elsewhere, and where opposite faces do not match.
+    pub(super) fn place(&self, node: u32) -> Option<(u32, u8)> {
+        self.places.get(node as usize).copied().flatten()
+    }
+
+    /// The nodes at all images of a place.
+    pub(super) fn at(&self, place: u32) -> impl ExactSizeIterator<Item = u32> {
+        let start = self.images.partition_point(|image| image.0 < place);
+        let count = self.images[start..].partition_point(|image| image.0 == place);
+        self.images[start..start + count].iter().map(|image| image.1)
+    }
+
+    /// The node and its images.
+    pub(super) fn images(&self, node: u32) -> Vec<u32> {
+        self.place(node).map_or_else(|| vec![node], |(place, _)| self.at(place).collect())
+    }
+
+    /// Whether a node may move as far as its faces go: it lies on none, or has all of its images.
+    pub(super) fn is_matched(&self, node: u32) -> bool {
+        let all = 1 << (0..3).filter(|&axis| self.flat(node).holds(axis)).count();
+        self.images(node).len() == all
+    }
+
+    /// The place that an image's `x` is for `node`: as far as its faces allow.
+    pub(super) fn put(&self, node: u32, x: &Vec3) -> Vec3 {
+        self.flat(node).put(x, &self.walls)
+    }
+}
+
+/// The faces that a node has to stay in: a bit per side, in the order of [`SIDES`](crate::mesh::sides::SIDES).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) struct Flat(u8);
+
+impl Flat {
+    /// No face at all.
+    pub(super) const SPACE: Self = Self(0);
+
+    /// Those of the `sides` across which the box repeats itself.
+    pub(super) fn of(sides: u8, periodic: [bool; 3]) -> Self {
+        Self((0..3).filter(|axis| periodic[*axis]).fold(0, |bits, axis| bits | sides & 3 << (2 * axis)))
+    }
+
+    /// A coordinate that cannot change.
+    pub(super) fn holds(self, axis: usize) -> bool {
+        self.0 >> (2 * axis) & 3 != 0
+    }
+
+    /// The part of `way` that stays in the faces.
+    pub(super) fn along(self, way: &Vec3) -> Vec3 {
+        Vec3::from_fn(|axis, _| if self.holds(axis) { 0.0 } else { way[axis] })
+    }
+
+    /// `x` with the coordinates of the faces in `walls`.
+    pub(super) fn put(self, x: &Vec3, walls: &Aabb) -> Vec3 {
+        Vec3::from_fn(|axis, _| match self.0 >> (2 * axis) & 3 {
+            0 => x[axis],
+            1 => walls.min[axis],
+            _ => walls.max[axis],
+        })
+    }
+
+    /// Where a node comes to that goes from `x` to `image` and stays on its side of these faces: at most half of the way
+    /// to each, and with nodes on one line across a face in the order they were in.
+    pub(super) fn hold_off(self, x: &Vec3, image: &Vec3, walls: &Aabb) -> Vec3 {
+        Vec3::from_fn(|axis, _| {
+            let way = image[axis] - x[axis];
+            let room = if way < 0.0 { x[axis] - walls.min[axis] } else { walls.max[axis] - x[axis] };
+            let ahead = self.0 >> (2 * axis + usize::from(way > 0.0)) & 1 == 1;
+            if ahead && room > 0.0 { x[axis] + way * (room / (room + 2.0 * way.abs())) } else { image[axis] }
+        })
+    }
+}
+
+/// Bodies, those of one id beside each other.
+pub(super) struct Bodies<'a> {
+    all: &'a [Aggregate],
+    /// Indices, by id.
+    by_id: Vec<u32>,
+    /// For every body how far it lies from the first of its id, in boxes along each axis.
+    shifts: Vec<[i32; 3]>,
+}
+
+/// What a body and its images have in common, seen from one of them: its id, and the boxes between them.
+pub(super) type Key = (u32, [i32; 3]);
+
+impl<'a> Bodies<'a> {
+    /// `size` is the box's, mm.
+    pub(super) fn new(all: &'a [Aggregate], size: &Vec3) -> Self {
+        let mut by_id: Vec<u32> = (0..all.len() as u32).collect();
+        by_id.sort_by_key(|&index| all[index as usize].id);
+        let mut shifts = vec![[0; 3]; all.len()];
+        for same in by_id.chunk_by(|&a, &b| all[a as usize].id == all[b as usize].id) {
+            let corner = |index: u32| all[index as usize].body.vertices()[0];
+            for &index in same {
+                let boxes = (corner(index) - corner(same[0])).component_div(size);
+                shifts[index as usize] = [0, 1, 2].map(|axis| boxes[axis].round() as i32);
+            }
+        }
+        Self { all, by_id, shifts }
+    }
+
+    pub(super) fn count(&self) -> u32 {
+        self.all.len() as u32
+    }
+
+    /// One body of each id.
+    pub(super) fn first_of_each(&self) -> impl Iterator<Item = u32> {
+        self.by_id.chunk_by(|&a, &b| self.get(a).id == self.get(b).id).map(|same| same[0])
+    }
+
+    pub(super) fn get(&self, index: u32) -> &'a Aggregate {
+        &self.all[index as usize]
+    }
+
+    /// The body as its image at the lower faces sees it, from an image that lies on the upper faces `along` (a bit per
+    /// axis): the same for all images of one place. [`NO_BODY`] is the same everywhere.
+    pub(super) fn key(&self, index: u32, along: u8) -> Key {
+        if index == NO_BODY {
+            return (NO_BODY, [0; 3]);
+        }
+        let shift = self.shifts[index as usize];
+        (self.get(index).id, [0, 1, 2].map(|axis| shift[axis] - i32::from(along >> axis & 1)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_held_off_a_face_keeps_its_side_and_its_order() {
+        let walls = Aabb { min: Vec3::zeros(), max: Vec3::repeat(10.0) };
+        let flat = Flat::of(0b11_0001, [true, true, false]);
+        let image = |x: f64| flat.hold_off(&Vec3::new(x, 5.0, 5.0), &Vec3::new(x - 0.4, 5.0, 4.0), &walls);
+        let images: Vec<f64> = (1..100).map(|i| image(f64::from(i) * 0.05).x).collect();
+        assert!(images[0] > 0.0 && images.is_sorted());
+        assert!((images[98] - (4.95 - 0.4)).abs() < 0.06, "far from the face hardly anything changes");
+        assert_eq!(image(3.0).z, 4.0, "the box does not repeat itself there");
+        assert!(flat.holds(0) && !flat.holds(1) && !flat.holds(2));
+    }
+}

@@ -1,0 +1,24 @@
+//! One tetrahedral mesh, for lattices, for gmsh's output and for the ITZ's layer, and what makes its angles larger.
+//!
+//! Operators propose and change nothing: [`Star`] where a node should go, [`operators`] other cells in the same volume. A driver
+//! applies: [`Topology`] keeps the cells around the nodes up to date, [`improve()`] works from the poor cells on within a budget.
+//! What a node may do is asked of its [`Constraint`].
+
+mod improve;
+mod operators;
+mod star;
+mod tetrahedra;
+mod topology;
+
+pub(super) use improve::{Constraint, Improver, ascending, best_position, directions, improve, smoothed};
+pub(super) use operators::{ON_MM, are_coplanar, contraction, insertion, swapped};
+#[cfg(test)]
+pub(super) use operators::{edge_removal, face_swap};
+pub(super) use star::Star;
+pub(super) use tetrahedra::{
+    DROPPED, INVERTED, TetMesh, cos2_of, dihedral_cosines, face_vectors, min_dihedral_cos2, oriented,
+    shortest_altitude, volume,
+};
+#[cfg(test)]
+pub(super) use topology::Replacement;
+pub(super) use topology::{Incidence, NEW, Topology};

@@ -1,0 +1,202 @@
+//! The mesh itself: nodes, cells, and the body that owns each cell; and the measures of one tetrahedron.
+
+use crate::math::Vec3;
+use crate::mesh::cells::{CellKind, Cells};
+use rayon::prelude::*;
+
+/// A cell that was removed; [`TetMesh::drop_removed`] takes it out.
+const REMOVED: [u32; 4] = [u32::MAX; 4];
+/// The new number of a node that is dropped.
+pub(in crate::mesh) const DROPPED: u32 = u32::MAX;
+
+/// A tetrahedral mesh.
+#[derive(Clone, Debug, Default)]
+pub(in crate::mesh) struct TetMesh {
+    /// Positions, mm.
+    pub(in crate::mesh) points: Vec<Vec3>,
+    /// Node indices; positive volume in Abaqus' order.
+    pub(in crate::mesh) cells: Vec<[u32; 4]>,
+    /// Index of the body (an aggregate, a fibre, a void, or an image of one) that each cell lies in, or
+    /// [`NO_BODY`](crate::mesh::cells::NO_BODY) in the mortar.
+    pub(in crate::mesh) owner: Vec<u32>,
+}
+
+impl TetMesh {
+    /// The cells by their bodies' indices.
+    pub(in crate::mesh) fn by_body(&self) -> Cells<'_> {
+        Cells {
+            kind: CellKind::Tetrahedron,
+            points: &self.points,
+            nodes: self.cells.as_flattened(),
+            owner: &self.owner,
+        }
+    }
+
+    pub(in crate::mesh) fn position(&self, node: u32) -> Vec3 {
+        self.points[node as usize]
+    }
+
+    pub(in crate::mesh) fn cell(&self, cell: u32) -> [u32; 4] {
+        self.cells[cell as usize]
+    }
+
+    /// The nodes of a cell, and its owner.
+    pub(in crate::mesh) fn owned(&self, cell: u32) -> ([u32; 4], u32) {
+        (self.cells[cell as usize], self.owner[cell as usize])
+    }
+
+    pub(in crate::mesh) fn corners(&self, nodes: [u32; 4]) -> [Vec3; 4] {
+        nodes.map(|node| self.points[node as usize])
+    }
+
+    /// The [`min_dihedral_cos2`] of a cell.
+    pub(in crate::mesh) fn cos2(&self, cell: u32) -> f64 {
+        min_dihedral_cos2(self.corners(self.cell(cell)))
+    }
+
+    /// Volume of a cell, mm3.
+    pub(in crate::mesh) fn volume(&self, cell: u32) -> f64 {
+        volume(self.corners(self.cell(cell)))
+    }
+
+    /// The numbers of all cells.
+    pub(in crate::mesh) fn numbers(&self) -> std::ops::Range<u32> {
+        0..self.cells.len() as u32
+    }
+
+    /// Adds a cell; its number.
+    pub(in crate::mesh) fn push(&mut self, nodes: [u32; 4], owner: u32) -> u32 {
+        self.cells.push(nodes);
+        self.owner.push(owner);
+        self.cells.len() as u32 - 1
+    }
+
+    /// Removes a cell; its number stays taken until [`drop_removed`](Self::drop_removed).
+    pub(in crate::mesh) fn remove(&mut self, cell: u32) {
+        self.cells[cell as usize] = REMOVED;
+    }
+
+    pub(in crate::mesh) fn is_removed(&self, cell: u32) -> bool {
+        self.cells[cell as usize] == REMOVED
+    }
+
+    /// Contracts `node` onto `into`, `around` being the cells of `node`: those that have both are removed.
+    pub(in crate::mesh) fn contract(&mut self, node: u32, into: u32, around: &[u32]) {
+        for &cell in around {
+            let nodes = &mut self.cells[cell as usize];
+            if nodes.contains(&into) {
+                *nodes = REMOVED;
+            } else {
+                nodes.iter_mut().filter(|of| **of == node).for_each(|of| *of = into);
+            }
+        }
+    }
+
+    /// Takes the removed cells out; for every cell whether it stayed.
+    pub(in crate::mesh) fn drop_removed(&mut self) -> Vec<bool> {
+        let kept: Vec<bool> = self.cells.iter().map(|cell| *cell != REMOVED).collect();
+        let mut keep = kept.iter();
+        self.owner.retain(|_| keep.next() == Some(&true));
+        self.cells.retain(|cell| *cell != REMOVED);
+        kept
+    }
+
+    /// Takes the nodes without cells out, and numbers the others anew in their order; the new numbers, or [`DROPPED`].
+    pub(in crate::mesh) fn drop_lone_nodes(&mut self) -> Vec<u32> {
+        let mut number = vec![DROPPED; self.points.len()];
+        self.cells.iter().flatten().for_each(|&node| number[node as usize] = 0);
+        for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != DROPPED)) {
+            *number = count;
+        }
+        let mut old = number.iter();
+        self.points.retain(|_| old.next() != Some(&DROPPED));
+        self.cells.par_iter_mut().flatten().for_each(|node| *node = number[*node as usize]);
+        number
+    }
+}
+
+/// The same nodes in the order of positive volume.
+pub(in crate::mesh) fn oriented(cell: [u32; 4], points: &[Vec3]) -> [u32; 4] {
+    let [a, b, c, d] = cell;
+    let p = |node: u32| points[node as usize] - points[a as usize];
+    if p(b).cross(&p(c)).dot(&p(d)) < 0.0 { [a, c, b, d] } else { cell }
+}
+
+/// The [`min_dihedral_cos2`] of a tetrahedron without a positive volume: above that of any other.
+pub(in crate::mesh) const INVERTED: f64 = 2.0;
+
+/// Signed square of the cosine of the smallest dihedral angle, cos |cos|, so that no root is needed: -1 to 1, larger for
+/// smaller angles, [`INVERTED`] where the tetrahedron has no positive volume.
+pub(in crate::mesh) fn min_dihedral_cos2([a, b, c, d]: [Vec3; 4]) -> f64 {
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (vw, wu, uv) = (v.cross(&w), w.cross(&u), u.cross(&v));
+    if vw.dot(&u) <= 0.0 {
+        return INVERTED;
+    }
+    // Face vectors; over a closed surface they sum to nothing.
+    let faces = [-vw, -wu, -uv, vw + wu + uv];
+    let inverse = faces.map(|face| 1.0 / face.norm_squared());
+    let mut worst: f64 = -1.0;
+    for i in 0..4 {
+        for j in 0..i {
+            let product = -faces[i].dot(&faces[j]);
+            worst = worst.max(product * product.abs() * (inverse[i] * inverse[j]));
+        }
+    }
+    worst
+}
+
+/// The [`min_dihedral_cos2`] of an angle, degrees.
+pub(in crate::mesh) fn cos2_of(degrees: f64) -> f64 {
+    let cosine = libm::cos(degrees.to_radians());
+    cosine * cosine.abs()
+}
+
+/// Smallest and largest cosine of a tetrahedron's dihedral angles.
+///
+/// With outward face vectors n_i (of twice the area), the angle at the edge shared by faces i and j has the cosine
+/// -n_i . n_j / |n_i| |n_j|.
+pub(in crate::mesh) fn dihedral_cosines(p: [Vec3; 4]) -> [f64; 2] {
+    let normals = face_vectors(p).map(|n| n / n.norm());
+    let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+    for i in 0..4 {
+        for j in 0..i {
+            let cosine = -normals[i].dot(&normals[j]);
+            range = [range[0].min(cosine), range[1].max(cosine)];
+        }
+    }
+    range
+}
+
+/// Outward vectors of twice the area, the face opposite to node i at i.
+pub(in crate::mesh) fn face_vectors([a, b, c, d]: [Vec3; 4]) -> [Vec3; 4] {
+    let cross = |u: Vec3, v: Vec3, w: Vec3| (v - u).cross(&(w - u));
+    [cross(b, c, d), cross(a, d, c), cross(a, b, d), cross(a, c, b)]
+}
+
+/// Shortest altitude of the tetrahedron with these corners, mm: six times its volume over twice its largest face's area.
+pub(in crate::mesh) fn shortest_altitude(p: [Vec3; 4]) -> f64 {
+    let six_volumes = (p[1] - p[0]).cross(&(p[2] - p[0])).dot(&(p[3] - p[0]));
+    six_volumes / face_vectors(p).map(|n| n.norm_squared()).into_iter().fold(0.0, f64::max).sqrt()
+}
+
+/// Volume, mm3; negative where the corners are out of order.
+pub(in crate::mesh) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
+    (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_signed_square_orders_tetrahedra_as_their_smallest_angle_does() {
+        // At the edge from a to b the faces meet at `angle`; the other angles are larger.
+        for angle in [5.0_f64, 20.0, 40.0] {
+            let (sin, cos) = (libm::sin(angle.to_radians()), libm::cos(angle.to_radians()));
+            let p = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, cos, sin]].map(Vec3::from);
+            assert!((min_dihedral_cos2(p) - cos2_of(angle)).abs() < 1e-12, "{angle}");
+            assert_eq!(min_dihedral_cos2([p[1], p[0], p[2], p[3]]), INVERTED);
+        }
+    }
+}
