@@ -11,7 +11,8 @@ use collision::ccd::Ccd;
 use collision::clock::seconds;
 use collision::literal::{self, Outcome};
 use collision::plot::{Line, Plot};
-use collision::table::{Table, save};
+use collision::table::save;
+use collision::{Measured, machine};
 use meso_core::gjk::{self, Method};
 use meso_core::math::Vec3;
 use nalgebra::Isometry3;
@@ -169,9 +170,9 @@ fn questions() -> Vec<Question<'static>> {
 
 /// Asks everybody everything; a CSV and two plots per question.
 fn answer(question: &Question<'_>, ccd: Option<&Ccd>) {
-    let mut table = Table::new("value,contestant,pairs,missed_overlaps,false_overlaps,no_answer,ns_per_query");
+    let mut table = Measured::new("value,contestant,pairs,missed_overlaps,false_overlaps,no_answer,ns_per_query");
     let (mut wrong_lines, mut time_lines): (Vec<Line>, Vec<Line>) = (Vec::new(), Vec::new());
-    let mut distances = Table::new("value,contestant,largest_error_over_size,ns_per_query");
+    let mut distances = Measured::new("value,contestant,largest_error_over_size,ns_per_query");
     let mut totals: Vec<(&str, usize)> = Vec::new();
     for &value in &question.values {
         let mut dice = Dice::new(value.to_bits());
@@ -229,7 +230,7 @@ fn timed<T>(cases: &[Case], ask: impl Fn(&Case) -> T) -> (Vec<T>, f64) {
 ///
 /// The yardstick is mesocrete's own distance, so its error is not measured here: the tests do that, against a brute-force
 /// minimum in integers.
-fn distance_errors(value: f64, cases: &[Case], table: &mut Table) {
+fn distance_errors(value: f64, cases: &[Case], table: &mut Measured) {
     let parry = |c: &Case| {
         let [a, b] = c.shapes.as_ref()?;
         query::distance(&Isometry3::identity(), a, &Isometry3::identity(), b).ok()
@@ -280,7 +281,7 @@ fn integers(dice: &mut Dice, largest: usize) -> Vec<Vec3> {
 /// How often the paper's algorithms, as printed, go round for ever or answer wrongly.
 fn as_printed() {
     const PAIRS: usize = 20_000;
-    let mut table = Table::new("pairs,count,overlapping,endless,missed_overlaps,false_overlaps");
+    let mut table = Measured::new("pairs,count,overlapping,endless,missed_overlaps,false_overlaps");
     for (name, pair) in FAMILIES {
         let mut dice = Dice::new(3883);
         // Overlapping, endless, missed, made up.
@@ -303,6 +304,7 @@ fn as_printed() {
 }
 
 fn main() {
+    machine::choose_isa();
     let ccd = Ccd::load().inspect_err(|reason| println!("{reason}")).ok();
     // parry's hull builder panics on some flat bodies; that is its answer, not ours to print.
     std::panic::set_hook(Box::new(|_| {}));

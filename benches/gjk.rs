@@ -1,8 +1,8 @@
-//! Run time of collision tests: `cargo bench -p meso-core --bench gjk`.
+//! Run time of collision tests: `cargo bench -p meso-core --bench gjk -- [--isa scalar|avx2|avx512]`.
 //!
 //! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing, single and batched. Medians of
-//! processor time in one run, contestants taking turns; CSV and SVG files go to `benches/results/`.
-#![allow(clippy::print_stdout, missing_docs, reason = "a bench reports on stdout; criterion makes its group public")]
+//! processor time in one run, contestants taking turns; CSV and SVG files, one for each instruction set, go to `benches/results/`.
+#![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
 mod collision;
 
@@ -12,9 +12,10 @@ use collision::clock::{Contestant, compare};
 use collision::literal::{self, Outcome};
 use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
-use collision::table::{Table, save};
-use criterion::{Criterion, criterion_group};
-use meso_core::gjk::{self, Ask, Counters, Method};
+use collision::table::save;
+use collision::{Measured, machine};
+use meso_core::gjk::{self, Counters, Method, PairQuery};
+use meso_core::testing::isa;
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -77,15 +78,15 @@ fn contestants<'a>(grains: &'a [Grain], queries: &'a [Query], ccd: Option<&'a Cc
     all
 }
 
-fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<Ask<'a>> {
-    let ask = |q: &Query| Ask { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
+fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<PairQuery<'a>> {
+    let ask = |q: &Query| PairQuery { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
     queries.iter().map(ask).collect()
 }
 
 /// The pair sets of a packing: ns per query of everybody, and the ratios the project asks for.
 fn pair_sets(ccd: Option<&Ccd>) {
     let grains = pairs::grains(4000);
-    let mut table = Table::new("pairs,contestant,ns_per_query,yes");
+    let mut table = Measured::new("pairs,contestant,ns_per_query,yes");
     let sets = [
         ("intersecting", pairs::intersecting(&grains)),
         ("separated", pairs::separated(&grains)),
@@ -97,10 +98,10 @@ fn pair_sets(ccd: Option<&Ccd>) {
     let stream = pairs::placement_stream(100.0, 0.40, 20_000);
     report("placement stream", &stream.grains, &stream.queries[..stream.queries.len().min(20_000)], ccd, &mut table);
     attempts(&stream, ccd, &mut table);
-    table.save("gjk_pairs.csv");
+    table.save(&format!("gjk_pairs_{}.csv", isa().name()));
 }
 
-fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Table) {
+fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Measured) {
     let mut counters = Counters::default();
     for q in queries {
         gjk::overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
@@ -123,7 +124,7 @@ fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, ta
 }
 
 /// Whole placement attempts: the peers stop at the first overlap, in the grid's order.
-fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Table) {
+fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Measured) {
     let ranges: Vec<[u32; 2]> =
         (0..stream.ends.len()).map(|i| [if i == 0 { 0 } else { stream.ends[i - 1] }, stream.ends[i]]).collect();
     let clear_one = |ask: &AskOne<'_>, range: &[u32; 2]| {
@@ -156,7 +157,7 @@ fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Table) {
 /// The paper's Fig. 4: one of three polyhedra against N intersecting ones.
 fn figure_4(ccd: Option<&Ccd>) {
     let grains = pairs::grains(22_000);
-    let mut table = Table::new("initial,n,contestant,ms");
+    let mut table = Measured::new("initial,n,contestant,ms");
     let mut lines: Vec<Line> = Vec::new();
     for initial in 0..3 {
         let queries = pairs::intersecting_with(&grains, initial);
@@ -190,7 +191,7 @@ fn figure_4(ccd: Option<&Ccd>) {
             volumes / enhanced
         );
     }
-    table.save("gjk_fig4.csv");
+    table.save(&format!("gjk_fig4_{}.csv", isa().name()));
     let plot = Plot {
         title: "One polyhedron against N intersecting ones",
         x: "N",
@@ -199,30 +200,12 @@ fn figure_4(ccd: Option<&Ccd>) {
         log_y: true,
         lines: &lines,
     };
-    save("gjk_fig4.svg", &plot.svg());
+    save(&format!("gjk_fig4_{}.svg", isa().name()), &plot.svg());
 }
-
-/// The variants under criterion, for comparison with earlier runs on the same machine.
-fn variants(criterion: &mut Criterion) {
-    let grains = pairs::grains(1000);
-    let queries = pairs::intersecting(&grains);
-    let mut group = criterion.benchmark_group("1000 intersecting pairs");
-    group
-        .sample_size(20)
-        .measurement_time(std::time::Duration::from_secs(1))
-        .warm_up_time(std::time::Duration::from_millis(300));
-    for (name, run) in contestants(&grains, &queries, None) {
-        group.bench_function(&name, |bencher| bencher.iter(|| run(&queries)));
-    }
-    group.finish();
-}
-
-criterion_group!(benches, variants);
 
 fn main() {
+    println!("{}", machine::choose_isa().name());
     let ccd = Ccd::load().inspect_err(|reason| println!("{reason}")).ok();
     pair_sets(ccd.as_ref());
     figure_4(ccd.as_ref());
-    benches();
-    Criterion::default().configure_from_args().final_summary();
 }

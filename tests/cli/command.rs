@@ -56,6 +56,11 @@ impl Folder {
         names_in(self.0.path())
     }
 
+    /// All names in a folder of it, sorted.
+    pub(crate) fn names_in(&self, folder: &str) -> Vec<String> {
+        names_in(&self.path(folder))
+    }
+
     pub(crate) fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_mesocrete"));
         command.args(args).current_dir(self.0.path()).env("COLUMNS", "100").env_remove("RUST_BACKTRACE");

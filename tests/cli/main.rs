@@ -19,3 +19,4 @@ mod meshing;
 mod outputs;
 mod report;
 mod same_bytes;
+mod solve;

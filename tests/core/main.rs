@@ -16,7 +16,6 @@ mod erosion;
 mod exact;
 mod export;
 mod folder;
-mod gjk;
 mod grading;
 mod hull;
 mod inclusions;

@@ -235,7 +235,7 @@ fn pieces_of_a_surface_on_the_wrong_side_of_others_are_refused() {
     assert_eq!(nested(27.0, false).check().unwrap().volume(), 8000.0 + 216.0);
     for wrong in [nested(7.0, false), nested(27.0, true)] {
         let error = wrong.check().unwrap_err().to_string();
-        assert!(error.starts_with("a piece of its surface, at (") && error.contains("leave it out"), "{error}");
+        assert!(error.starts_with("a component of its surface, at (") && error.contains("or remove it"), "{error}");
     }
 }
 

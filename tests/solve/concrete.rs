@@ -18,7 +18,7 @@ fn concrete_softens_and_its_energies_balance() {
     ] {
         let result = solve(&meshed, &Test::default()).result;
         let figures = result.figures;
-        assert!(figures.softened && (25.0..50.0).contains(&figures.peak_mpa), "{result:?}");
+        assert!(figures.softened && (25.0..55.0).contains(&figures.peak_mpa), "{result:?}");
         assert!((0.001..0.0035).contains(&figures.peak_strain), "{result:?}");
         assert!(result.energy_balance_error < 1e-3 && result.kinetic_over_internal_max < 0.01, "{result:?}");
         assert!(result.errors.is_empty(), "{:?}", result.errors);

@@ -10,6 +10,7 @@ mod names;
 pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
+pub(crate) mod solve;
 mod values;
 
 use clap::{Parser, Subcommand};
@@ -39,6 +40,8 @@ pub(crate) enum Command {
     Pack(pack::Args),
     /// Mesh a saved model for finite elements
     Mesh(mesh::Args),
+    /// Crush or pull a specimen here: from a model, a spec or nothing to the stress-strain curve
+    Solve(Box<solve::Args>),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     Check(check::Args),
     /// Write one page about a saved model: pictures, grading plot, statistics; or the statistics alone

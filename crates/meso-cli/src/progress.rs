@@ -9,7 +9,7 @@ use std::time::Instant;
 /// Characters of a full bar: the line stays within 80.
 const BAR: usize = 16;
 /// Back to the start of the line, which is emptied.
-const CLEAR: &str = "\r\x1b[2K";
+pub(crate) const CLEAR: &str = "\r\x1b[2K";
 
 /// Watches one run.
 pub(crate) struct Watch {
@@ -56,13 +56,18 @@ impl Progress for Watch {
 }
 
 fn line(fraction: f64, target: f64, seconds: f64) -> String {
-    let done = ((fraction / target).clamp(0.0, 1.0) * BAR as f64) as usize;
-    let bar = "=".repeat(done);
-    format!("packing [{bar:BAR$}] {fraction:.4} of {target} ({seconds:.0} s, Ctrl-C keeps the best)")
+    let bar = bar(fraction / target);
+    format!("packing {bar} {fraction:.4} of {target} ({seconds:.0} s, Ctrl-C keeps the best)")
+}
+
+/// A bar of which this share, 0 to 1, is full.
+pub(crate) fn bar(share: f64) -> String {
+    let full = "=".repeat((share.clamp(0.0, 1.0) * BAR as f64) as usize);
+    format!("[{full:BAR$}]")
 }
 
 /// A closed terminal does not stop the run.
-fn show(text: &str) {
+pub(crate) fn show(text: &str) {
     let mut stderr = io::stderr().lock();
     let _ = stderr.write_all(text.as_bytes()).and_then(|()| stderr.flush());
 }

@@ -42,7 +42,7 @@ pub(crate) fn least_lane_from_0(eight: &Eight) -> (f32, usize) {
     (f32::from_bits(least), least as usize % LANES)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "concrete"))]
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};

@@ -2,7 +2,7 @@
 //!
 //! Pictures are exact: the polygons in which the plane meets the polyhedra and their cores.
 
-mod plot;
+pub mod plot;
 mod slice;
 mod tables;
 
@@ -98,6 +98,7 @@ fn grading(model: &Model) -> Plot {
         x: "size, mm (logarithmic)",
         y: "share of the asked volume",
         log_x: true,
+        size: plot::SMALL,
         curves: vec![Curve::line("asked", asked.collect()), Curve::dots("reached", reached)],
     }
 }
@@ -118,6 +119,7 @@ fn walls(statistics: &Statistics) -> Plot {
         x: "depth below the surface, mm",
         y: "fraction",
         log_x: false,
+        size: plot::SMALL,
         curves: vec![Curve::line("by depth", layers), Curve::line("mean", mean)],
     }
 }
@@ -130,6 +132,7 @@ fn correlation(statistics: &Statistics) -> Plot {
         x: "distance, mm",
         y: "probability",
         log_x: false,
+        size: plot::SMALL,
         curves: vec![
             Curve::line("S2", over_lag(&correlation.two_point)),
             Curve::line("lineal path", over_lag(&correlation.lineal_path)),

@@ -4,14 +4,16 @@ use crate::boundary::file_error;
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
-use meso_core::formats::{Format, MeshFile, MeshFormat, Surfaces};
+use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::{self, Mesh, MeshOptions};
 use meso_core::{Model, saved};
+use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Reads a saved model.
 ///
@@ -68,7 +70,10 @@ pub(crate) fn write_mesh(
     }
     match files.as_deref() {
         Some([file]) => write_whole(path, overwrite, watch, |out| file.write(mesh, deck, encoding, out)),
-        Some(files) => write_together(files, overwrite, watch, |file, out| file.write(mesh, deck, encoding, out)),
+        Some(files) => {
+            let paths: Vec<&Path> = files.iter().map(|file| file.path.as_path()).collect();
+            write_together(&paths, overwrite, watch, |i, out| files[i].write(mesh, deck, encoding, out))
+        }
         None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
     }
 }
@@ -78,23 +83,48 @@ fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
     PyValueError::new_err(format!("{}: the extension names no format; it must be one of {known}", path.display()))
 }
 
-/// Lets `write` fill all files beside their places and moves them there, the last one last, when all are complete.
-fn write_together(
-    files: &[MeshFile],
+/// Writes the files of a test's results into `folder`, which is made where it is not there.
+///
+/// # Errors
+/// `OSError` where they cannot be written, or are there already.
+pub(crate) fn write_results(
+    outcome: &Outcome,
+    frames: &[Arc<Snapshot>],
+    folder: &Path,
     overwrite: bool,
     watch: &Watch,
-    write: impl Fn(&MeshFile, &mut dyn Write) -> io::Result<()>,
 ) -> PyResult<()> {
-    if let Some(there) = files.iter().find(|file| !overwrite && file.path.exists()) {
-        let message = format!("{} exists; overwrite=True replaces it", there.path.display());
+    if !folder.is_dir() {
+        std::fs::create_dir(folder).map_err(|error| file_error(folder, error))?;
+    }
+    let names = frames.iter().map(|frame| frame.moment.file());
+    let names = names.chain(ResultFile::ALL.map(|file| file.name().to_owned()));
+    let paths: Vec<PathBuf> = names.map(|name| folder.join(name)).collect();
+    let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+    write_together(&paths, overwrite, watch, |i, out| match frames.get(i) {
+        Some(frame) => frame.write(outcome.mesh, out),
+        None => ResultFile::ALL[i - frames.len()].write(outcome, out),
+    })
+}
+
+/// Lets `write` fill all files, by their places, beside where they go, and moves them there, the last one last, when all
+/// are complete.
+fn write_together(
+    paths: &[&Path],
+    overwrite: bool,
+    watch: &Watch,
+    write: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
+) -> PyResult<()> {
+    if let Some(there) = paths.iter().find(|path| !overwrite && path.exists()) {
+        let message = format!("{} exists; overwrite=True replaces it", there.display());
         return Err(PyFileExistsError::new_err(message));
     }
-    let complete = |file: &MeshFile| {
-        fill_beside(&file.path, watch, |out| write(file, out)).map_err(|error| file_error(&file.path, error))
+    let complete = |(i, path): (usize, &&Path)| {
+        fill_beside(path, watch, |out| write(i, out)).map_err(|error| file_error(path, error))
     };
-    let made = files.iter().map(complete).collect::<PyResult<Vec<_>>>()?;
-    for (made, file) in made.into_iter().zip(files) {
-        made.persist(&file.path).map_err(|failed| file_error(&file.path, failed.error))?;
+    let made = paths.iter().enumerate().map(complete).collect::<PyResult<Vec<_>>>()?;
+    for (made, path) in made.into_iter().zip(paths) {
+        made.persist(path).map_err(|failed| file_error(path, failed.error))?;
     }
     Ok(())
 }

@@ -14,6 +14,7 @@ mod mesh;
 mod pack;
 mod packing;
 mod polyhedron;
+mod response;
 mod run;
 mod spec;
 mod tree;
@@ -37,6 +38,8 @@ mod _mesocrete {
     use super::packing::{PyPacking, load, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
+    #[pymodule_export]
+    use super::response::{PyFrame, PyResponse};
     #[pymodule_export]
     use super::spec::{PySpec, restore_spec};
     use pyo3::prelude::*;

@@ -4,6 +4,7 @@ use crate::arrays;
 use crate::boundary::{file_error, guard};
 use crate::files;
 use crate::packing::{call_view, plain};
+use crate::response::{self, Asked, PyResponse};
 use crate::run::{Watch, beside_python};
 use crate::spec::options;
 use meso_core::Model;
@@ -26,7 +27,8 @@ use std::sync::Arc;
 
 /// A mesh of a packing.
 #[pyclass(name = "Mesh", module = "mesocrete", frozen, eq)]
-pub(crate) struct PyMesh(Arc<Mesh>, Arc<Model>);
+#[derive(Clone)]
+pub(crate) struct PyMesh(pub(crate) Arc<Mesh>, pub(crate) Arc<Model>, pub(crate) MeshOptions);
 
 /// By the mesh itself, whatever packing it is of.
 impl PartialEq for PyMesh {
@@ -40,14 +42,14 @@ pub(crate) fn build(py: Python<'_>, model: Arc<Model>, keywords: &Bound<'_, PyDi
     let table: MeshTable = options(Some(keywords))?;
     let options = MeshOptions::try_from(table).map_err(exception)?;
     let gmsh = gmsh(py)?;
-    let of = Arc::clone(&model);
+    let (of, with) = (Arc::clone(&model), options.clone());
     let built = beside_python(py, None, move |watch| {
-        mesh::build_with(&model, &options, &|surfaces: &Surfaces| {
+        mesh::build_with(&model, &with, &|surfaces: &Surfaces| {
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         })
     })?;
-    built.map(|mesh| PyMesh(Arc::new(mesh), of)).map_err(exception)
+    built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(exception)
 }
 
 /// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
@@ -74,6 +76,15 @@ fn gmsh(py: Python<'_>) -> PyResult<Gmsh> {
     })
 }
 
+/// The name that meshio has for a kind of cells.
+pub(crate) fn cell_type(kind: CellKind) -> &'static str {
+    match kind {
+        CellKind::Tetrahedron => "tetra",
+        CellKind::QuadraticTetrahedron => "tetra10",
+        CellKind::Hexahedron => "hexahedron",
+    }
+}
+
 #[pymethods]
 impl PyMesh {
     /// Node positions: ndarray, shape (n, 3), float64, mm; a copy.
@@ -91,11 +102,7 @@ impl PyMesh {
     /// The cells' shape, by its name in meshio: "tetra", "tetra10" or "hexahedron".
     #[getter]
     fn cell_type(&self) -> &'static str {
-        match self.0.kind {
-            CellKind::Tetrahedron => "tetra",
-            CellKind::QuadraticTetrahedron => "tetra10",
-            CellKind::Hexahedron => "hexahedron",
-        }
+        cell_type(self.0.kind)
     }
 
     /// Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
@@ -226,6 +233,57 @@ impl PyMesh {
             beside_python(slf.py(), None, move |watch| {
                 files::write_mesh(&mesh, &deck, &path, overwrite, encoding, watch)
             })?
+        })
+    }
+
+    /// Tests the specimen between rigid plates along z, and returns its curve, figures and fields.
+    ///
+    /// Parameters
+    /// ----------
+    /// test : str
+    ///     "compression", between plates that press and rub, or "tension", between plates that are glued on.
+    /// friction : float
+    ///     Coulomb's coefficient between plates and specimen in compression.
+    /// strain : float, optional
+    ///     Mean axial strain at the end; 0.005 in compression, 0.0005 in tension.
+    /// law : str, optional
+    ///     The law of mortar and ITZ; aggregates and fibres are elastic.
+    /// materials : dict, optional
+    ///     The `[materials]` of a deck; what it leaves out keeps its illustrative default.
+    /// frames : int
+    ///     Moments, evenly over the test, whose fields are kept in `Response.frames`.
+    /// threads : int, optional
+    ///     All cores when absent. It changes the time, never the result.
+    /// progress : callable, optional
+    ///     Called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
+    ///     curve so far is returned.
+    /// **options
+    ///     `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `hourglass`, `interface`: see docs/solve.md.
+    ///
+    /// Returns
+    /// -------
+    /// Response
+    ///     Also of a test that was stopped or diverged: `result["ended"]` says so, and the curve is valid until there.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError, TypeError
+    ///     For values that cannot be and for a mesh without faces for the plates or of second order, before any step.
+    /// KeyboardInterrupt
+    ///     On Ctrl-C, within 0.5 s.
+    #[pyo3(signature = (test="compression", *, materials=None, threads=None, progress=None, **options))]
+    fn solve(
+        slf: &Bound<'_, Self>,
+        test: &str,
+        materials: Option<&Bound<'_, PyDict>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyResponse> {
+        guard(|| {
+            let keywords = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
+            let asked = Asked::new(test, materials, threads, &keywords)?;
+            response::solve(slf.py(), slf.get(), asked, progress)
         })
     }
 

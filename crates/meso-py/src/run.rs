@@ -13,10 +13,12 @@ use std::time::{Duration, Instant};
 
 /// How often the calling thread checks for signals; well below the promised 0.2 s for Ctrl-C.
 const POLL: Duration = Duration::from_millis(40);
-/// How long a cancelled worker is waited for; after that it ends by itself at its next look at the flag.
-const GRACE: Duration = Duration::from_millis(80);
+/// How long a cancelled worker is waited for, ms; after that it ends by itself at its next look at the flag.
+const GRACE: u64 = 80;
+/// The same where the worker checks the flag often: its threads have ended when the caller goes on.
+const SOON_GRACE: u64 = 400;
 /// The same where files are being written, which the work removes itself: the caller may be about to end the process.
-const FILES_GRACE: Duration = Duration::from_secs(3);
+const FILES_GRACE: u64 = 3000;
 
 /// What the worker and the waiting thread share.
 pub(crate) struct Watch {
@@ -25,7 +27,8 @@ pub(crate) struct Watch {
     abandoned: Arc<AtomicBool>,
     fraction: AtomicU64,
     target: AtomicU64,
-    has_files: AtomicBool,
+    /// How long to wait for the end once it is asked for, ms.
+    grace: AtomicU64,
     start: Instant,
 }
 
@@ -35,9 +38,14 @@ impl Watch {
         self.go_on.load(Relaxed)
     }
 
+    /// From now on the worker looks whether to stop at every step.
+    pub(crate) fn stops_soon(&self) {
+        self.grace.store(SOON_GRACE, Relaxed);
+    }
+
     /// From now on there are temporary files, and the worker often looks whether to stop.
     pub(crate) fn has_files(&self) {
-        self.has_files.store(true, Relaxed);
+        self.grace.store(FILES_GRACE, Relaxed);
     }
 }
 
@@ -63,17 +71,31 @@ pub(crate) fn beside_python<T: Send + 'static>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
+    beside_python_on(py, None, progress, work)
+}
+
+/// The same on so many threads, or on all cores.
+pub(crate) fn beside_python_on<T: Send + 'static>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
+) -> PyResult<T> {
     let watch = Arc::new(Watch {
         go_on: AtomicBool::new(true),
         abandoned: Arc::new(AtomicBool::new(false)),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
-        has_files: AtomicBool::new(false),
+        grace: AtomicU64::new(GRACE),
         start: Instant::now(),
     });
     let abandoned = Arc::clone(&watch.abandoned);
-    let pool = rayon::ThreadPoolBuilder::new().start_handler(move |_| stop::listen(Arc::clone(&abandoned)));
-    let pool = pool.build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    // Of none, as many as there are cores.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or(0))
+        .start_handler(move |_| stop::listen(Arc::clone(&abandoned)))
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();
     let shared = Arc::clone(&watch);
     thread::Builder::new().name("mesocrete".into()).spawn(move || {
@@ -94,7 +116,7 @@ pub(crate) fn beside_python<T: Send + 'static>(
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
                     watch.abandoned.store(true, Relaxed);
-                    let _ = wait(if watch.has_files.load(Relaxed) { FILES_GRACE } else { GRACE });
+                    let _ = wait(Duration::from_millis(watch.grace.load(Relaxed)));
                     return Err(error);
                 }
             }

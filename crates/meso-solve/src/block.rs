@@ -186,7 +186,9 @@ const PLASTIC: usize = 6;
 #[inline(always)]
 pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     let mut history = W::virgin();
-    history.as_mut().iter_mut().zip(memory).for_each(|(own, from)| *own = L::load(from));
+    for (own, from) in history.as_mut().iter_mut().zip(memory) {
+        *own = L::load(from);
+    }
     history
 }
 
@@ -221,7 +223,9 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     }
     // Of the energy stored, the share by which the integrity fell is lost.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
-    history.as_ref().iter().zip(&mut *memory).for_each(|(own, to)| own.store(to));
+    for (own, to) in history.as_ref().iter().zip(&mut *memory) {
+        own.store(to);
+    }
     (integrity - one).store(&mut memory[states]);
     Answer { stress, integrity, before, spent: spent + lost }
 }

@@ -24,6 +24,7 @@ mod plates;
 pub mod point;
 pub mod real;
 mod response;
+pub mod results;
 mod run;
 mod sample;
 mod test;
@@ -39,6 +40,15 @@ pub use sample::{Sample, band_factor, gross_section_mm2, regular_edge};
 pub use test::{Interface, Itz, Joined, Kind, LawName, Test};
 
 use meso_core::materials::Materials;
+
+/// Checks what is known before there is a mesh: the test's values, and the materials that its law takes.
+///
+/// # Errors
+/// Names the value and what is accepted.
+pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
+    test.validate()?;
+    matter::validate(materials, test.law)
+}
 
 /// Tests `sample`.
 ///

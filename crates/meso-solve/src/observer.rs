@@ -33,6 +33,11 @@ pub trait Observer {
         Wish::GoOn
     }
 
+    /// Whether to stop, asked after every step: rows of a large mesh may be seconds apart.
+    fn stops(&self) -> bool {
+        false
+    }
+
     /// A frame is there; fields are computed when asked for.
     fn frame(&self, _: &Frame) {}
 

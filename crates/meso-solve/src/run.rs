@@ -161,7 +161,7 @@ impl<'a> Run<'a> {
             if let Some(number) = self.frame_at(step) {
                 observer.frame(&Frame::new(self, number));
             }
-            if is_row && self.tell(observer) == Wish::Stop {
+            if is_row && self.tell(observer) == Wish::Stop || observer.stops() {
                 return Ended::Stopped;
             }
         }

@@ -22,10 +22,12 @@ pub struct Sample<'a> {
     pub exact: Option<PhaseVolumes>,
 }
 
-/// Crack bands in boxes over their edge, and in tetrahedra over their [`regular_edge`]: a weak layer then spends its fracture
-/// energy. More than 1, since what holds the layer's sides makes it stronger and tougher.
+/// Width of crack bands in boxes, over their edge: a weak layer then spends its fracture energy. More than 1, since what
+/// holds the layer's sides makes it stronger and tougher: 1.187 times as tough with the edge itself, at 1.5, 2 and 3 mm.
 const VOXEL_BAND: f64 = 1.19;
-const TETRAHEDRON_BAND: f64 = 1.6;
+/// The same in tetrahedra, over their [`regular_edge`]. With the edge itself a band three elements wide, in which the crack
+/// chooses its way, spends 1.37 to 1.42 of its energy, and a single layer 0.98 to 1.01.
+const TETRAHEDRON_BAND: f64 = 1.4;
 
 impl<'a> Sample<'a> {
     /// `mesh` as it was built of `specimen` with `options`.

@@ -265,11 +265,7 @@ impl Meshing {
 
     /// Refuses options that `specimen` cannot be meshed with, and a missing gmsh, before the specimen is packed.
     pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
-        self.options()?.validate(specimen).map_err(|error| wrong_mesh(&error))?;
-        if self.method() == MethodName::Conforming {
-            Gmsh::program(&self.gmsh).check().map_err(|error| wrong_mesh(&error))?;
-        }
-        Ok(())
+        check(&self.options()?, &self.gmsh, specimen)
     }
 
     /// Where no gaps are asked for, asks for those that the mesh needs; what was asked for, in words.
@@ -294,18 +290,33 @@ impl Meshing {
 
     /// Meshes; options that cannot be are wrong usage.
     pub(super) fn build(&self, model: &Model, quiet: bool) -> Result<Mesh, Failure> {
-        let gmsh = Gmsh::program(&self.gmsh);
-        let run = |surfaces: &Surfaces| {
-            if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
-                stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
-            }
-            gmsh.fill(surfaces)
-        };
-        mesh::build_with(model, &self.options()?, &run).map_err(|error| wrong_mesh(&error))
+        build(model, &self.options()?, &self.gmsh, quiet)
     }
 }
 
-fn wrong_mesh(error: &MeshError) -> Failure {
+/// Refuses what `specimen` cannot be meshed with, and a gmsh that is not there.
+pub(super) fn check(options: &MeshOptions, gmsh: &Path, specimen: &Specimen) -> Result<(), Failure> {
+    options.validate(specimen).map_err(|error| wrong_mesh(&error))?;
+    if options.method.name() == MethodName::Conforming {
+        Gmsh::program(gmsh).check().map_err(|error| wrong_mesh(&error))?;
+    }
+    Ok(())
+}
+
+/// Meshes, with the program `gmsh` where it is needed; options that cannot be are wrong usage.
+pub(super) fn build(model: &Model, options: &MeshOptions, gmsh: &Path, quiet: bool) -> Result<Mesh, Failure> {
+    let gmsh = Gmsh::program(gmsh);
+    let run = |surfaces: &Surfaces| {
+        if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
+            stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
+        }
+        gmsh.fill(surfaces)
+    };
+    mesh::build_with(model, options, &run).map_err(|error| wrong_mesh(&error))
+}
+
+/// What cannot be asked of a mesh is wrong usage.
+pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
     match error {
         MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
         MeshError::MissingGmsh { .. } => {
@@ -379,7 +390,8 @@ struct MaterialsFile {
     materials: Materials,
 }
 
-fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
+/// The materials of a file, or the usual ones.
+pub(super) fn materials(path: Option<&Path>) -> Result<Materials, Failure> {
     let Some(path) = path else { return Ok(Materials::default()) };
     inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
 }

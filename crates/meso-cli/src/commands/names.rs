@@ -1,5 +1,6 @@
 //! Options with a name out of a few: the core's own enums, so that a new method needs no change here.
 
+use serde::Serialize;
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, Visitor};
 
@@ -15,6 +16,11 @@ pub(super) fn list<T: for<'de> Deserialize<'de>>() -> String {
     // It always fails, after it has received the names.
     let _ = T::deserialize(Ask(&mut names));
     names.join(", ")
+}
+
+/// The name of `value`; empty where serde has none for it.
+pub(super) fn of(value: &impl Serialize) -> String {
+    serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// Asks a type for the names of its variants.

@@ -4,8 +4,8 @@ use super::random::{Purpose, Stream};
 use super::{Grading, Inclusions, Itz, Kind, Shape, SizeClass, SizeDefinition, inclusions};
 use crate::geometry::{CompactPolyhedron, HullError, convex_hull, sieve_size};
 use crate::math::{Mat3, Rotation, Vec3};
+use crate::simd::{Wide, widest};
 use crate::stop;
-use crate::wide::{Wide, widest};
 use rayon::prelude::*;
 
 /// A grain has a shape and an orientation, but no position yet.

@@ -67,7 +67,12 @@ impl<'a> Array<'a> {
 
     /// The same values as vectors of three.
     pub(super) fn of_vectors(self) -> Self {
-        Self { components: 3, ..self }
+        self.in_groups_of(3)
+    }
+
+    /// The same values, so many for each point or cell.
+    pub(super) fn in_groups_of(self, components: usize) -> Self {
+        Self { components, ..self }
     }
 
     fn raw(&self, out: &mut dyn Write) -> io::Result<()> {
@@ -104,6 +109,8 @@ pub(super) struct Grid<'a> {
     pub(super) positions: Array<'a>,
     /// Connectivity, offsets and types.
     pub(super) topology: [Array<'a>; 3],
+    /// Values at the points.
+    pub(super) point_data: Vec<Array<'a>>,
     /// A viewer shows the first.
     pub(super) cell_data: Vec<Array<'a>>,
 }
@@ -130,7 +137,7 @@ impl Grid<'_> {
     }
 
     fn arrays(&self) -> impl Iterator<Item = &Array<'_>> {
-        std::iter::once(&self.positions).chain(&self.topology).chain(&self.cell_data)
+        std::iter::once(&self.positions).chain(&self.topology).chain(&self.point_data).chain(&self.cell_data)
     }
 
     /// Everything before the first array's bytes; each array begins where the one before it ends.
@@ -151,6 +158,9 @@ impl Grid<'_> {
         writeln!(out, "header_type=\"UInt64\"{compressor}>\n<UnstructuredGrid>")?;
         writeln!(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells)?;
         write!(out, "<Points>\n{}</Points>\n<Cells>\n{}</Cells>\n", lines(1), lines(3))?;
+        if !self.point_data.is_empty() {
+            write!(out, "<PointData>\n{}</PointData>\n", lines(self.point_data.len()))?;
+        }
         write!(out, "<CellData Scalars=\"{}\">\n{}", self.cell_data[0].name, lines(self.cell_data.len()))?;
         write!(out, "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_")
     }

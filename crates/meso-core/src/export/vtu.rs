@@ -35,6 +35,7 @@ pub fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> i
             Array::new("Int64", "offsets", faces, || offsets(aggregates)),
             Array::new("UInt8", "types", faces, || std::iter::repeat_n([POLYGON], faces)),
         ],
+        point_data: Vec::new(),
         cell_data: vec![
             Array::new("Int32", "aggregate", faces, || per_face(aggregates, |a| (a.id as i32).to_le_bytes())),
             Array::new("Int32", "class", faces, || per_face(aggregates, |a| i32::from(a.class).to_le_bytes())),

@@ -4,7 +4,7 @@
 //! `radius_ratio` and `min_dihedral_deg`.
 
 use super::vtk::{Array, Encoding, Grid};
-use crate::mesh::{CellKind, Mesh, NO_AGGREGATE, quality};
+use crate::mesh::{CellKind, Mesh, NO_AGGREGATE, Phase, quality};
 use std::io::{self, Write};
 
 /// Writes `mesh` with its phases and quality to `out`.
@@ -16,7 +16,7 @@ pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()>
         CellKind::Hexahedron => Vec::new(),
         _ => quality::cells(mesh),
     };
-    let mut cell_data = phases(mesh);
+    let mut cell_data: Vec<Array> = bodies(mesh, &mesh.phase).collect();
     if !quality.is_empty() {
         let measure = |name, value: fn(&quality::CellQuality) -> f64| {
             let quality = &quality;
@@ -30,6 +30,41 @@ pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()>
     grid(mesh, cell_data).write(encoding, out)
 }
 
+/// Values at the points or in the cells of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    /// As a viewer shows it.
+    pub name: &'a str,
+    /// Values for each point or cell: 1, 3 for vectors, 6 for symmetric tensors (xx yy zz xy yz xz).
+    pub components: usize,
+    /// All of them, point by point or cell by cell.
+    pub values: &'a [f32],
+}
+
+/// Writes `mesh` with fields at its points and in its cells, which have `phases`; the first of `cells` is what a viewer shows.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_fields(
+    mesh: &Mesh,
+    phases: &[Phase],
+    points: &[Field],
+    cells: &[Field],
+    encoding: Encoding,
+    out: impl Write,
+) -> io::Result<()> {
+    let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, phases)).collect();
+    Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }.write(encoding, out)
+}
+
+impl<'a> Field<'a> {
+    fn array(&self) -> Array<'a> {
+        let Self { name, components, values } = *self;
+        Array::new("Float32", name, values.len(), || values.iter().map(|value| value.to_le_bytes()))
+            .in_groups_of(components)
+    }
+}
+
 /// The cell data of such a file: VTK's type and the name of every array.
 pub(super) fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
     const ALL: [(&str, &str); 4] =
@@ -37,12 +72,12 @@ pub(super) fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)
     if kind == CellKind::Hexahedron { &ALL[..2] } else { &ALL }
 }
 
-fn phases(mesh: &Mesh) -> Vec<Array<'_>> {
+/// The phase of every cell, and the body that it belongs to.
+fn bodies<'a>(mesh: &'a Mesh, phases: &'a [Phase]) -> impl Iterator<Item = Array<'a>> {
     let cells = mesh.cell_count();
-    vec![
-        Array::new("UInt8", "phase", cells, || mesh.phase.iter().map(|phase| [*phase as u8])),
-        Array::new("Int32", "aggregate", cells, || mesh.aggregate.iter().map(|&id| signed(id).to_le_bytes())),
-    ]
+    let phase = Array::new("UInt8", "phase", cells, || phases.iter().map(|phase| [*phase as u8]));
+    let ids = Array::new("Int32", "aggregate", cells, || mesh.aggregate.iter().map(|&id| signed(id).to_le_bytes()));
+    [phase, ids].into_iter()
 }
 
 fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
@@ -64,6 +99,7 @@ fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
             }),
             Array::new("UInt8", "types", cells, move || std::iter::repeat_n([kind], cells)),
         ],
+        point_data: Vec::new(),
         cell_data,
     }
 }

@@ -100,7 +100,7 @@ fn grow(nodes: &mut Vec<Node>, boxes: &[Aabb], items: &mut [u32], first: u32) {
     nodes[number].next = nodes.len() as u32;
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "concrete"))]
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};

@@ -1,5 +1,6 @@
 //! Polygon lists in as few bytes as their indices need: a million grains live in memory at once.
 
+#[cfg(feature = "concrete")]
 use serde::{Serialize, Serializer};
 
 /// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
@@ -107,6 +108,7 @@ impl<'a> Faces<'a> {
 }
 
 /// As the list of its vertex indices.
+#[cfg(feature = "concrete")]
 impl Serialize for Face<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.iter())

@@ -3,7 +3,7 @@
 use super::integrals::Sum;
 use super::polyhedron::{Facet, Plane};
 use crate::math::Vec3;
-use crate::wide::Wide;
+use crate::simd::Wide;
 
 /// Triangles looked at together.
 const LANES: usize = 8;
@@ -53,7 +53,7 @@ impl Corner {
     }
 }
 
-/// The facets of a body of triangles; [`widest`](crate::wide::widest) runs it.
+/// The facets of a body of triangles; [`widest`](crate::simd::widest) runs it.
 pub(super) struct Facets<'a> {
     pub(super) vertices: &'a [Vec3],
     pub(super) triangles: &'a [[u8; 3]],
@@ -109,7 +109,7 @@ impl Triangles {
 }
 
 /// The sum of six times the volumes of the tetrahedra from `apex` over the triangles, in their order;
-/// [`widest`](crate::wide::widest) runs it.
+/// [`widest`](crate::simd::widest) runs it.
 pub(super) struct SixVolumes<'a> {
     pub(super) apex: Vec3,
     pub(super) vertices: &'a [Vec3],

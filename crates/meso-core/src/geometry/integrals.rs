@@ -9,7 +9,7 @@ use super::double_double::{self, DD_EPSILON, Dd, Dd3};
 use super::facet_kernels::SixVolumes;
 use super::integer;
 use crate::math::Vec3;
-use crate::wide::widest;
+use crate::simd::widest;
 use num_bigint::BigInt;
 
 /// Promised relative error of the volume.

@@ -80,12 +80,7 @@ pub fn inward_offset(body: &Polyhedron, thickness: f64) -> Result<Option<Polyhed
 const FRAMES: usize = 4;
 
 /// The body within the planes whose dual points about `center` are `points`.
-fn intersect(
-    corners: &[[Vec3; 3]],
-    center: &Vec3,
-    thickness: f64,
-    points: &[Vec3],
-) -> Result<Polyhedron, OffsetError> {
+fn intersect(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64, points: &[Vec3]) -> Result<Polyhedron, OffsetError> {
     let mut dual = Dual::of(points)?;
     if let Some(body) = dual.body() {
         return placed(&body, &dual, center, |v| *v, 1.0);

@@ -5,7 +5,7 @@ use super::facet_kernels::Facets;
 use super::integrals;
 use super::predicates::orient3d;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
-use crate::wide::widest;
+use crate::simd::widest;
 
 /// A closed convex polyhedron.
 ///

@@ -4,26 +4,41 @@ use super::ellipsoid::Ellipsoids;
 use super::support::Support;
 use crate::geometry::{CompactPolyhedron, Facet};
 use crate::math::{Mat3, Vec3};
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
+use nalgebra::{Scalar, Vector3};
 
 /// Points per [`Group`]: four AVX-512 registers of doubles for each coordinate.
 pub(crate) const GROUP: usize = 32;
 
-/// Thirty-two points, coordinate by coordinate.
+/// Thirty-two points, coordinate by coordinate, in f64 or f32.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(crate) struct Group(pub(crate) [[f64; GROUP]; 3]);
+pub(crate) struct Group<T = f64>(pub(crate) [[T; GROUP]; 3]);
+
+impl<T: Scalar + Copy> Group<T> {
+    /// The point in slot `i`.
+    #[inline(always)]
+    pub(crate) fn point(&self, i: usize) -> Vector3<T> {
+        let Self([x, y, z]) = self;
+        Vector3::new(x[i], y[i], z[i])
+    }
+}
+
+/// Radii, mm, within which no product of lengths over- or underflows in single precision.
+const NARROW_RADII: std::ops::Range<f64> = 1e-5..1e5;
 
 /// The hull of points in the body's own frame; pairs of bodies are asked about with a translation between the frames.
 ///
 /// The points are as given: turn them before. The origin of the frame should lie inside, near the middle.
-/// 832 bytes for up to 32 points: a header of 64 bytes, and 24 bytes for each point.
+/// 1216 bytes for up to 32 points: a header of 64 bytes, and 12 and 24 bytes for each point in f32 and f64.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Body {
     pub(crate) bounds: Ellipsoids,
     len: u32,
     rest: Option<Box<[Group]>>,
+    /// The first points, rounded to f32.
+    narrow: Group<f32>,
     first: Group,
 }
 
@@ -33,27 +48,27 @@ pub struct Body {
 pub struct Bounds(pub(crate) Ellipsoids);
 
 impl Bounds {
-    /// Makes `body` the one that these are of: its memory is used again.
+    /// Makes `body` the one that these are of: its memory is used again. Of a body of one group only the points in f32 are
+    /// laid out, which are exact: [`Body::widen`] makes the others of them.
     #[inline]
-    pub fn lay_out<'b>(&self, shape: &CompactPolyhedron, body: &'b mut Body) -> &'b Body {
+    pub(crate) fn lay_out(&self, shape: &CompactPolyhedron, body: &mut Body) {
         body.bounds = self.0;
         if shape.vertex_count() > GROUP {
             body.fill(shape.vertices());
         } else {
             (body.len, body.rest) = (shape.vertex_count() as u32, None);
-            widest(Widened { shape, group: &mut body.first });
+            widest(LaidOut { shape, group: &mut body.narrow });
         }
-        body
     }
 }
 
 /// Lays out up to a group of vertices on wide registers, and repeats the first one.
-struct Widened<'a> {
+struct LaidOut<'a> {
     shape: &'a CompactPolyhedron,
-    group: &'a mut Group,
+    group: &'a mut Group<f32>,
 }
 
-impl Wide for Widened<'_> {
+impl Wide for LaidOut<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -63,18 +78,33 @@ impl Wide for Widened<'_> {
             // Where as much memory lies behind the vertices, whole registers are read and what is beyond is not used.
             match shape.window::<GROUP>(axis) {
                 Some(window) => {
-                    for i in 0..GROUP {
-                        slots[i] = f64::from(window[i]);
-                    }
+                    slots.copy_from_slice(window);
                     let first = slots[0];
                     slots[len..].fill(first);
                 }
                 None => {
                     let along = shape.coordinates()[axis];
                     for (i, slot) in slots.iter_mut().enumerate() {
-                        *slot = f64::from(along[if i < len { i } else { 0 }]);
+                        *slot = along[if i < len { i } else { 0 }];
                     }
                 }
+            }
+        }
+    }
+}
+
+/// The same points in f64.
+struct Widened<'a>(&'a Group<f32>, &'a mut Group);
+
+impl Wide for Widened<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(Group(narrow), Group(wide)) = self;
+        for (narrow, wide) in narrow.iter().zip(wide) {
+            for i in 0..GROUP {
+                wide[i] = f64::from(narrow[i]);
             }
         }
     }
@@ -111,15 +141,46 @@ impl Body {
 
     /// The body without its bounds, for a single query.
     pub(crate) fn bare(points: impl ExactSizeIterator<Item = Vec3>) -> Self {
-        let first = Group([[0.0; GROUP]; 3]);
-        let mut body = Self { bounds: Ellipsoids::unknown(), len: 0, rest: None, first };
+        let (narrow, first) = (Group([[0.0; GROUP]; 3]), Group([[0.0; GROUP]; 3]));
+        let mut body = Self { bounds: Ellipsoids::unknown(), len: 0, rest: None, narrow, first };
         body.fill(points);
         body
     }
 
     fn bounded(points: &[Vec3], bounds: Ellipsoids) -> Self {
         assert!(!points.is_empty(), "a body needs at least one point");
-        Self { bounds, ..Self::bare(points.iter().copied()) }
+        let mut body = Self { bounds, ..Self::bare(points.iter().copied()) };
+        for (narrow, first) in body.narrow.0.iter_mut().zip(&body.first.0) {
+            *narrow = first.map(|x| x as f32);
+        }
+        body
+    }
+
+    /// Makes the points in f64 of those in f32: see [`Bounds::lay_out`].
+    pub(crate) fn widen(&mut self) {
+        if self.is_one_group() {
+            widest(Widened(&self.narrow, &mut self.first));
+        }
+    }
+
+    /// All points in f32, of a body that a search in single precision can work on: of one group, known to hold its frame's
+    /// origin, and of a size whose cube that precision holds.
+    #[inline(always)]
+    pub(crate) fn narrow(&self) -> Option<&Group<f32>> {
+        let fits = self.holds_origin() && self.is_one_group() && NARROW_RADII.contains(&self.bounds.circumradius);
+        fits.then_some(&self.narrow)
+    }
+
+    /// The points of [`Body::narrow`], of a body that has them.
+    #[inline(always)]
+    pub(crate) fn narrow_group(&self) -> &Group<f32> {
+        &self.narrow
+    }
+
+    /// True for a body that is known to hold its frame's origin.
+    #[inline(always)]
+    pub(crate) fn holds_origin(&self) -> bool {
+        self.bounds.inradius() > 0.0
     }
 
     /// Stores the points and repeats the first one up to a whole group: padding never changes a support.
@@ -167,8 +228,8 @@ impl Body {
     /// The point in slot `i`.
     #[inline(always)]
     pub(crate) fn slot(&self, i: usize) -> Vec3 {
-        let Group([x, y, z]) = if i < GROUP { &self.first } else { &self.more_groups()[i / GROUP - 1] };
-        Vec3::new(x[i % GROUP], y[i % GROUP], z[i % GROUP])
+        let group = if i < GROUP { &self.first } else { &self.more_groups()[i / GROUP - 1] };
+        group.point(i % GROUP)
     }
 
     /// What is known of it beside its points.
@@ -183,7 +244,7 @@ impl Body {
 
     /// Radius of a sphere about the frame's origin that lies in the body, mm; 0 where none is known.
     pub fn inradius(&self) -> f64 {
-        f64::from(self.bounds.inradius).max(0.0)
+        f64::from(self.bounds.inradius()).max(0.0)
     }
 }
 

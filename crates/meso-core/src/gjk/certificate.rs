@@ -4,18 +4,20 @@
 //! difference of two points with one of at most 2u; every operation adds u. Products may underflow, by at most
 //! [`UNDERFLOW`] together; everything else the bounds cover with room to spare.
 
+use super::kernel::Real;
 use super::support::Support;
 use crate::math::Vec3;
+use nalgebra::Vector3;
 
 /// Unit roundoff of f64.
 const U: f64 = f64::EPSILON / 2.0;
 /// More than all products of one sum can lose by underflow.
-pub(crate) const UNDERFLOW: f64 = 1e-300;
+const UNDERFLOW: f64 = f64::UNDERFLOW;
 
-/// True when the heights of all points prove that `v` separates A from B + x by more than `gap` |v|.
+/// True when the heights of all points prove that `v` separates A from B + x.
 ///
 /// Points of A lie lower: max a . v < min b . v + x . v.
-pub(crate) fn separates<A, B>(a: &A, b: &B, x: &Vec3, v: &Vec3, gap: f64) -> bool
+pub(crate) fn separates<A, B>(a: &A, b: &B, x: &Vec3, v: &Vec3) -> bool
 where
     A: Support + ?Sized,
     B: Support + ?Sized,
@@ -23,10 +25,8 @@ where
     let top_of_a = (0..a.len()).map(|i| highest(&a.point(i), v)).fold(f64::NEG_INFINITY, f64::max);
     let top_of_b = (0..b.len()).map(|i| highest(&b.point(i), &-v)).fold(f64::NEG_INFINITY, f64::max);
     let along = -highest(&-x, v);
-    let need = gap * v.norm() * (1.0 + 8.0 * U);
-    let terms = [top_of_a, top_of_b, need];
-    let doubt = 4.0 * U * (terms.iter().map(|t| t.abs()).sum::<f64>() + along.abs());
-    along - (top_of_a + top_of_b + need) > doubt + UNDERFLOW
+    let doubt = 4.0 * U * (top_of_a.abs() + top_of_b.abs() + along.abs());
+    along - (top_of_a + top_of_b) > doubt + UNDERFLOW
 }
 
 /// An upper bound of p . v; 5 u: one for the coordinate, one for each product, two for the sum, and its own.
@@ -35,9 +35,6 @@ fn highest(p: &Vec3, v: &Vec3) -> f64 {
     let terms = p.component_mul(v);
     terms.sum() + 6.0 * U * terms.abs().sum()
 }
-
-/// Bound of a determinant's error over reach^3: see [`encloses_origin_roughly`].
-pub(crate) const ENCLOSING: f64 = 128.0 * U;
 
 /// A point of A - B and bounds of its coordinates' magnitudes, each wrong by at most u times the bound.
 #[derive(Clone, Copy, Debug)]
@@ -77,13 +74,16 @@ fn certain_determinant(a: &Difference, b: &Difference, c: &Difference) -> f64 {
     if determinant.abs() > 12.0 * U * permanent + UNDERFLOW { determinant } else { 0.0 }
 }
 
-/// The same for points whose coordinates are each wrong by at most 4 u `reach`, at a fraction of the cost: no entry, no
-/// minor and no determinant is then wrong by more than the bound, which is 1e-14 of the box the points lie in.
+/// The same for points whose coordinates are each wrong by at most 4 u `reach`, at a fraction of the cost: no determinant
+/// is then wrong by more than 128 u reach^3, in f64 1e-14 of the box the points lie in.
+///
+/// With vectors no longer than `reach`, nine entries of 4 u each with a minor of at most reach^2 make 36 u reach^3, the
+/// roundings of the products and sums another 10 u.
 #[inline(always)]
-pub(crate) fn encloses_origin_roughly(points: &[Vec3; 4], reach: f64) -> bool {
+pub(crate) fn encloses_origin_roughly<T: Real>(points: &[Vector3<T>; 4], reach: T) -> bool {
     let [p0, p1, p2, p3] = points;
     let (c01, c23) = (p0.cross(p1), p2.cross(p3));
     let determinants = [p1.dot(&c23), -p0.dot(&c23), p3.dot(&c01), -p2.dot(&c01)];
-    let bound = ENCLOSING * reach * reach * reach + UNDERFLOW;
+    let bound = T::ENCLOSING * reach * reach * reach + T::UNDERFLOW;
     determinants.iter().all(|&d| d > bound) || determinants.iter().all(|&d| d < -bound)
 }

@@ -5,11 +5,11 @@
 //! and as the yardstick of [`enhanced`](super::enhanced).
 
 use super::certificate;
-use super::enhanced::{Found, Pair};
 use super::nearest::SubAlgorithm;
-use super::simd::{Kernel, Search};
+use super::pair::{Found, Pair, View};
 use super::simplex::{Simplex, Vertex};
 use crate::math::Vec3;
+use crate::simd::{Simd, Vectorized};
 
 /// Steps after which a search is in doubt.
 const MAX_STEPS: usize = 128;
@@ -19,7 +19,7 @@ const MAX_STEPS: usize = 128;
 pub(crate) enum Until {
     /// The bodies are proved to be more than this apart, or not more.
     Apart(f64),
-    /// The nearest point is found as well as rounding allows: the search ends in [`Found::Doubt`], or in an overlap.
+    /// The nearest point is found as well as rounding allows: the search ends in [`Found::Undecided`], or in an overlap.
     Nearest,
 }
 
@@ -40,13 +40,13 @@ impl<'a> Classical<'a> {
     }
 }
 
-impl Search for Classical<'_> {
+impl Vectorized for Classical<'_> {
     type Output = Found;
 
     #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> Found {
+    fn run<S: Simd>(self, simd: S) -> Found {
         let Self { pair, v, sub_algorithm, until } = self;
-        let (first, separation) = pair.support(kernel, &v);
+        let (first, separation) = pair.support(simd, &v);
         let mut simplex = Simplex::point(first);
         if let Some(found) = self.decided(&v, separation, &first.w, simplex) {
             return found;
@@ -56,16 +56,16 @@ impl Search for Classical<'_> {
         for _ in 0..MAX_STEPS {
             let direction = -v;
             if direction == Vec3::zeros() {
-                return Found::Doubt(pair.corners(&simplex));
+                return Found::Undecided(pair.corners(&simplex));
             }
-            let (a, separation) = pair.support(kernel, &direction);
+            let (a, separation) = pair.support(simd, &direction);
             if let Some(found) = self.decided(&direction, separation, &v, simplex) {
                 return found;
             }
             // |v|2 - v.w is what |v|2 can still fall by.
             let progress = v.norm_squared() - v.dot(&a.w);
             if simplex.contains(a.of) || until == Until::Nearest && progress <= 0.0 {
-                return Found::Doubt(pair.corners(&simplex));
+                return Found::Undecided(pair.corners(&simplex));
             }
             let before = simplex;
             simplex.add(a);
@@ -74,15 +74,15 @@ impl Search for Classical<'_> {
                 return if pair.encloses_origin(vertices) {
                     Found::Overlap(pair.corners(&simplex))
                 } else {
-                    Found::Doubt(pair.corners(&simplex))
+                    Found::Undecided(pair.corners(&simplex))
                 };
             }
             if nearest.norm_squared() >= v.norm_squared() {
-                return Found::Doubt(pair.corners(&before));
+                return Found::Undecided(pair.corners(&before));
             }
             v = nearest;
         }
-        Found::Doubt(pair.corners(&simplex))
+        Found::Undecided(pair.corners(&simplex))
     }
 }
 
@@ -94,11 +94,10 @@ impl Classical<'_> {
         let Until::Apart(gap) = self.until else { return None };
         let pair = &self.pair;
         if gap == 0.0 {
-            let proved = |_| {
-                separation > pair.doubt(direction) || certificate::separates(pair.a, pair.b, &pair.x, direction, 0.0)
-            };
+            let proved =
+                |_| separation > pair.doubt(direction) || certificate::separates(pair.a, pair.b, &pair.x, direction);
             return (separation > 0.0)
-                .then(|| if proved(()) { Found::Apart(*direction) } else { Found::Doubt(pair.corners(&simplex)) });
+                .then(|| if proved(()) { Found::Apart(*direction) } else { Found::Undecided(pair.corners(&simplex)) });
         }
         let norm = direction.norm();
         if separation - gap * norm > pair.doubt(direction) {

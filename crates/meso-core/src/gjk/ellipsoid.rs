@@ -11,16 +11,13 @@ pub(crate) const SLACK: f64 = 1e-9;
 
 /// What a header tells of a body.
 ///
-/// The first eight floats are read as they lie, eight bodies at a time, by the lockstep kernel.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct Ellipsoids {
-    /// S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz. In f32, and larger by what that rounds off.
-    around: [f32; 6],
-    /// The inner ellipsoid over the outer one, squared; 0: none known.
-    inner_squared: f32,
-    /// Rounded down; NaN where the frame's origin is not known to lie inside.
-    pub(crate) inradius: f32,
+    /// In f32: six entries of S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz, larger by what that rounds
+    /// off; the inner ellipsoid over the outer one, squared, 0 where none is known; and the inradius, rounded down, NaN where
+    /// the frame's origin is not known to lie inside. Side by side, as many pairs in lockstep read them.
+    pub(crate) row: [f32; 8],
     pub(crate) circumradius: f64,
 }
 
@@ -38,7 +35,9 @@ pub(crate) enum Known {
 impl Ellipsoids {
     /// Knows nothing: NaN fails every comparison below.
     pub(crate) fn unknown() -> Self {
-        Self { around: [f32::NAN; 6], inner_squared: 0.0, circumradius: f64::INFINITY, inradius: f32::NAN }
+        let mut row = [f32::NAN; 8];
+        row[6] = 0.0;
+        Self { row, circumradius: f64::INFINITY }
     }
 
     /// Second moments of the points about the origin, mm2.
@@ -61,28 +60,39 @@ impl Ellipsoids {
         let s = s * factor;
         // f32 moves each entry by 2^-24 of the largest; the diagonal makes up for it, so that the ellipsoid only grows.
         let grown = s + Mat3::identity() * (s.amax() * 1e-6);
-        let around = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|(i, j)| grown[(i, j)] as f32);
-        Self { around, ..unknown }
+        let [xx, yy, zz, xy, xz, yz] =
+            [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|(i, j)| grown[(i, j)] as f32);
+        Self { row: [xx, yy, zz, xy, xz, yz, 0.0, f32::NAN], ..unknown }
+    }
+
+    #[inline(always)]
+    fn outer(&self) -> [f32; 6] {
+        let [xx, yy, zz, xy, xz, yz, ..] = self.row;
+        [xx, yy, zz, xy, xz, yz]
+    }
+
+    #[inline(always)]
+    fn inner_squared(&self) -> f32 {
+        self.row[6]
+    }
+
+    /// Radius of a ball about the frame's origin inside the body, mm; NaN where none is known.
+    #[inline(always)]
+    pub(crate) fn inradius(&self) -> f32 {
+        self.row[7]
     }
 
     /// S of the outer ellipsoid.
     pub(crate) fn matrix(&self) -> Mat3 {
-        let [xx, yy, zz, xy, xz, yz] = self.around.map(f64::from);
+        let [xx, yy, zz, xy, xz, yz] = self.outer().map(f64::from);
         Mat3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
     /// The point of the inner ellipsoid farthest along the axis.
     #[inline(always)]
     pub(crate) fn inner_support(&self, axis: &Vec3) -> Vec3 {
-        let along = times(&self.around, axis);
-        along * (f64::from(self.inner_squared) / axis.dot(&along)).sqrt()
-    }
-
-    /// S, the square of the inner over the outer ellipsoid, and the inradius: eight floats, as they lie in memory.
-    #[cfg(target_arch = "x86_64")]
-    #[inline(always)]
-    pub(crate) fn floats(&self) -> *const f32 {
-        std::ptr::from_ref(self).cast()
+        let along = times(&self.outer(), axis);
+        along * (f64::from(self.inner_squared()) / axis.dot(&along)).sqrt()
     }
 
     /// Finds how far the outer ellipsoid must shrink to lie inside every face plane of the solid whose facets these are.
@@ -97,9 +107,9 @@ impl Ellipsoids {
             inradius = inradius.min(offset);
             inner_squared = inner_squared.min(offset * offset / normal.dot(&(s * normal)));
         }
-        self.inradius = (inradius * (1.0 - 1e-6)) as f32;
+        self.row[7] = (inradius * (1.0 - 1e-6)) as f32;
         // Below this the rounding of the axis could count; such flat bodies gain little from an inner ellipsoid.
-        self.inner_squared = if inner_squared > 1e-4 { (inner_squared * (1.0 - 1e-6)) as f32 } else { 0.0 };
+        self.row[6] = if inner_squared > 1e-4 { (inner_squared * (1.0 - 1e-6)) as f32 } else { 0.0 };
     }
 
     /// What the spheres tell of bodies whose centres lie `x` apart; `None`: nothing.
@@ -110,7 +120,7 @@ impl Ellipsoids {
         if distance2 > reach * reach * (1.0 + SLACK) {
             return Some(Known::Apart(*x));
         }
-        let inside = f64::from(self.inradius) + f64::from(other.inradius);
+        let inside = f64::from(self.inradius()) + f64::from(other.inradius());
         (distance2 < inside * inside * (1.0 - SLACK)).then_some(Known::Overlap)
     }
 
@@ -120,20 +130,20 @@ impl Ellipsoids {
         let (n, determinant) = self.axis(other, x);
         let along = n.dot(x);
         // Both from their matrices: along - q_a would lose a small body beside a large one.
-        let (q_a, q_b) = (n.dot(&times(&self.around, &n)), n.dot(&times(&other.around, &n)));
+        let (q_a, q_b) = (n.dot(&times(&self.outer(), &n)), n.dot(&times(&other.outer(), &n)));
         if apart(along, q_a, q_b, gap, &n) {
             return Known::Apart(n);
         }
         // The axis is n / determinant: so the inner ellipsoids' common point is told without dividing.
         let square = determinant * determinant;
-        let common = q_a < f64::from(self.inner_squared) * square && q_b < f64::from(other.inner_squared) * square;
+        let common = q_a < f64::from(self.inner_squared()) * square && q_b < f64::from(other.inner_squared()) * square;
         if common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { *x }) }
     }
 
     /// (S_a + S_b)^-1 x times the determinant, by the adjugate, and the determinant; NaN where nothing is known.
     #[inline(always)]
     fn axis(&self, other: &Self, x: &Vec3) -> (Vec3, f64) {
-        let m: [f64; 6] = std::array::from_fn(|i| f64::from(self.around[i]) + f64::from(other.around[i]));
+        let m: [f64; 6] = std::array::from_fn(|i| f64::from(self.row[i]) + f64::from(other.row[i]));
         let [xx, yy, zz, xy, xz, yz] = m;
         let adjugate = [
             yy * zz - yz * yz,

@@ -7,106 +7,14 @@
 //!
 //! It computes no distance; for that see [`classical`](super::classical). The newest point, `a`, is always last.
 
-use super::body::Body;
-use super::certificate::{self, Difference};
-use super::simd::{HEIGHT_ERROR, Kernel, Search};
-use super::simplex::{Corners, Simplex, Vertex};
-use super::support::Support;
+use super::certificate;
+use super::pair::{Found, Pair, View};
+use super::simplex::{Simplex, Vertex};
 use crate::math::Vec3;
+use crate::simd::{Simd, Vectorized};
 
 /// Steps after which a search is in doubt. Bodies of 20 to 30 points need 4 on average.
 const MAX_STEPS: usize = 64;
-
-/// What a search in floating point found.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Found {
-    /// Proved apart along this direction, from A to B.
-    Apart(Vec3),
-    /// Proved to share a point: the origin lies in this tetrahedron. Where a gap was asked for: proved not that far apart.
-    /// Where the frames' origins or the ellipsoids prove it, corners are missing.
-    Overlap(Corners),
-    /// Not proved; this is where the search ended.
-    Doubt(Corners),
-}
-
-/// A pair of bodies, B displaced by `x` from where its points are.
-#[derive(Clone, Copy)]
-pub(crate) struct Pair<'a> {
-    pub(crate) a: &'a Body,
-    pub(crate) b: &'a Body,
-    pub(crate) x: Vec3,
-    /// At least the largest distance of any point, and of B's displacement, from the origin, summed.
-    pub(crate) reach: f64,
-    /// The points before they were shifted and scaled, where they were.
-    pub(crate) originals: Option<&'a Originals<'a>>,
-}
-
-/// Points as they were given, whose differences are rounded once only.
-#[derive(Clone, Copy)]
-pub(crate) struct Originals<'a> {
-    pub(crate) a: &'a [Vec3],
-    pub(crate) b: &'a [Vec3],
-    /// A power of two.
-    pub(crate) scale: f64,
-}
-
-impl Pair<'_> {
-    /// The vertex of A - B made of the points in slots `a` and `b`.
-    #[inline(always)]
-    fn vertex(&self, a: u32, b: u32) -> Vertex {
-        let w = self.a.slot(a as usize) - self.b.slot(b as usize) - self.x;
-        Vertex { w, of: (a, b) }
-    }
-
-    /// The pairs of points that make up these vertices.
-    #[inline(always)]
-    pub(crate) fn corners(&self, simplex: &Simplex) -> Corners {
-        simplex.corners(|of| (self.a.unpadded(of.0), self.b.unpadded(of.1)))
-    }
-
-    /// The support of A - B along `v`, and by how much `v` separates the bodies, times |v|; negative: not at all.
-    #[inline(always)]
-    pub(crate) fn support<K: Kernel>(&self, kernel: K, v: &Vec3) -> (Vertex, f64) {
-        let e = kernel.extremes(self.a, self.b, v);
-        (self.vertex(e.a, e.b), e.bottom_of_b + self.x.dot(v) - e.top_of_a)
-    }
-
-    /// What rounding can add to the separation along `v`.
-    #[inline(always)]
-    pub(crate) fn doubt(&self, v: &Vec3) -> f64 {
-        HEIGHT_ERROR * v.lp_norm_1() * self.reach + f64::MIN_POSITIVE
-    }
-
-    /// True when the tetrahedron of these vertices is proved to hold the origin.
-    #[inline(always)]
-    pub(crate) fn encloses_origin(&self, vertices: &[Vertex; 4]) -> bool {
-        certificate::encloses_origin_roughly(&vertices.map(|v| v.w), self.reach)
-            || certificate::encloses_origin(&vertices.map(|v| self.difference(v.of)))
-    }
-
-    /// The vertex from the points as they were given, with bounds of its error.
-    fn difference(&self, of: (u32, u32)) -> Difference {
-        let (a, b) = (self.a.unpadded(of.0) as usize, self.b.unpadded(of.1) as usize);
-        match self.originals {
-            Some(Originals { a: from_a, b: from_b, scale }) => {
-                let Difference { w, magnitude } = Difference::new(&from_a[a], &from_b[b], &Vec3::zeros());
-                Difference { w: w * *scale, magnitude: magnitude * *scale }
-            }
-            None => Difference::new(&self.a.point(a), &self.b.point(b), &self.x),
-        }
-    }
-}
-
-trait OneNorm {
-    fn lp_norm_1(&self) -> f64;
-}
-
-impl OneNorm for Vec3 {
-    #[inline(always)]
-    fn lp_norm_1(&self) -> f64 {
-        self.x.abs() + self.y.abs() + self.z.abs()
-    }
-}
 
 /// Algorithm 1: the search from direction `v`.
 #[derive(Clone, Copy)]
@@ -115,50 +23,50 @@ pub(crate) struct Enhanced<'a> {
     pub(crate) v: Vec3,
 }
 
-impl Search for Enhanced<'_> {
+impl Vectorized for Enhanced<'_> {
     type Output = Found;
 
     #[inline(always)]
-    fn run<K: Kernel>(self, kernel: K) -> Found {
+    fn run<S: Simd>(self, simd: S) -> Found {
         let Self { pair, mut v } = self;
-        let (first, separation) = pair.support(kernel, &v);
+        let (first, separation) = pair.support(simd, &v);
         let mut simplex = Simplex::point(first);
         if separation > 0.0 {
-            return apart_or_doubt(&pair, &v, separation, simplex);
+            return apart_or_undecided(&pair, &v, separation, simplex);
         }
         v = -first.w;
         for _ in 0..MAX_STEPS {
-            let (a, separation) = pair.support(kernel, &v);
+            let (a, separation) = pair.support(simd, &v);
             if separation > 0.0 {
-                return apart_or_doubt(&pair, &v, separation, simplex);
+                return apart_or_undecided(&pair, &v, separation, simplex);
             }
             if simplex.contains(a.of) {
-                return Found::Doubt(pair.corners(&simplex));
+                return Found::Undecided(pair.corners(&simplex));
             }
             simplex.add(a);
             match update(&mut simplex) {
                 Some(direction) if direction != Vec3::zeros() => v = direction,
-                Some(_) => return Found::Doubt(pair.corners(&simplex)),
-                None => return overlap_or_doubt(&pair, simplex),
+                Some(_) => return Found::Undecided(pair.corners(&simplex)),
+                None => return overlap_or_undecided(&pair, simplex),
             }
         }
-        Found::Doubt(pair.corners(&simplex))
+        Found::Undecided(pair.corners(&simplex))
     }
 }
 
 #[inline(always)]
-fn apart_or_doubt(pair: &Pair<'_>, v: &Vec3, separation: f64, simplex: Simplex) -> Found {
-    if separation > pair.doubt(v) || certificate::separates(pair.a, pair.b, &pair.x, v, 0.0) {
+fn apart_or_undecided(pair: &Pair<'_>, v: &Vec3, separation: f64, simplex: Simplex) -> Found {
+    if separation > pair.doubt(v) || certificate::separates(pair.a, pair.b, &pair.x, v) {
         return Found::Apart(*v);
     }
-    Found::Doubt(pair.corners(&simplex))
+    Found::Undecided(pair.corners(&simplex))
 }
 
 #[inline(always)]
-fn overlap_or_doubt(pair: &Pair<'_>, simplex: Simplex) -> Found {
+fn overlap_or_undecided(pair: &Pair<'_>, simplex: Simplex) -> Found {
     match simplex.tetrahedron() {
         Some(vertices) if pair.encloses_origin(vertices) => Found::Overlap(pair.corners(&simplex)),
-        _ => Found::Doubt(pair.corners(&simplex)),
+        _ => Found::Undecided(pair.corners(&simplex)),
     }
 }
 

@@ -174,7 +174,9 @@ fn height(p: &Vec3, x: &Vec3, origin: &Vec3, v: &Vec3) -> (f64, f64) {
     let shifted = moved - origin;
     let rounded_twice = moved.zip_map(x, |m, x| if x == 0.0 { 0.0 } else { m.abs() });
     let size = (shifted.abs() + rounded_twice).zip_map(v, |s, v| s * (v.abs() + 1e-270));
-    (shifted.dot(v), size.sum() * (8.0 * f64::EPSILON) + 1e-320)
+    let (height, error) = (shifted.dot(v), size.sum() * (8.0 * f64::EPSILON) + 1e-320);
+    // Where it overflows, nothing is known.
+    if height.is_finite() && error.is_finite() { (height, error) } else { (0.0, f64::INFINITY) }
 }
 
 /// Exponent of the lowest set bit of a double; `None` for 0.

@@ -5,7 +5,7 @@ use super::ellipsoid::Ellipsoids;
 use crate::geometry::{CompactPolyhedron, Facet};
 use crate::lanes::{LANES, least};
 use crate::math::Vec3;
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 
 /// Rounding of the single-precision arithmetic on them, as a share of the lengths in it: ten times what a dozen operations
 /// lose.
@@ -172,7 +172,7 @@ impl Meets<'_> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "concrete"))]
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};

@@ -1,8 +1,9 @@
 //! Do two convex bodies share a point, and how far apart are they: proved answers, on any input.
 //!
-//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Every answer is
-//! certified. A search in floating point ([`Method`]) proposes it; a separating direction or four points around the
-//! origin prove it, rounding included; what they leave open is decided in exact arithmetic.
+//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any finite
+//! numbers, in any unit. Every answer is certified. A search in floating point ([`Method`]) proposes it; a separating
+//! direction or four points around the origin prove it, rounding included; what they leave open is decided in exact
+//! arithmetic.
 //!
 //! ```
 //! use meso_core::{gjk, math::Vec3};
@@ -13,11 +14,19 @@
 //! # Ok::<(), gjk::GjkError>(())
 //! ```
 //!
-//! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`]; for many at once,
-//! [`overlap_many`]; for one body against its neighbours, at one place or at many, [`clear_many`].
+//! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`], with the displacement of
+//! one body from the other. [`overlap_many`] asks many pairs at once, and [`clear_many`] many placement attempts.
+//!
+//! The modules, from the question to its proof:
+//!
+//! 1. `points` checks plain points and brings them to a common scale; `cascade` takes pairs of [`Body`]s; `many` takes many.
+//! 2. `ellipsoid` and `gauge` decide most pairs without a search.
+//! 3. `mpr` searches bodies that hold their frames' origins, in f32 and then in f64; `enhanced` and `classical` all others;
+//!    `kernel` finds their supports, and `lockstep` runs `mpr` on a register of pairs at once.
+//! 4. `certificate` proves what they propose, and `exact` decides the rest in integers.
 
-mod batch;
 mod body;
+mod cascade;
 mod certificate;
 mod classical;
 mod ellipsoid;
@@ -25,20 +34,24 @@ mod enhanced;
 mod exact;
 mod gauge;
 mod integer;
+mod kernel;
+mod lockstep;
+mod many;
+mod mpr;
 mod nearest;
 mod pair;
-mod portal;
-mod query;
-mod simd;
+mod pair_query;
+mod points;
 mod simplex;
 mod support;
 
-pub use batch::{Ask, clear_many, clear_many_counted, overlap_many};
 pub use body::{Body, Bounds};
+pub use cascade::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
 pub use gauge::Solid;
-pub use pair::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
-pub(crate) use query::farther;
-pub use query::{
+pub use many::{clear_many, overlap_many};
+pub use pair_query::PairQuery;
+pub(crate) use points::farther;
+pub use points::{
     GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
     verdict_with,
 };

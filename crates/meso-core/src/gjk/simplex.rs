@@ -1,12 +1,12 @@
 //! Storage of a simplex in the configuration space obstacle A - B; it knows no policy.
 
-use crate::math::Vec3;
+use nalgebra::Vector3;
 
 /// A point of A - B, and the points of A and B it is the difference of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Vertex {
+pub(crate) struct Vertex<T = f64> {
     /// Position in A - B, rounded.
-    pub(crate) w: Vec3,
+    pub(crate) w: Vector3<T>,
     /// Slots in A and in B.
     pub(crate) of: (u32, u32),
 }
@@ -23,14 +23,6 @@ impl Simplex {
     #[inline(always)]
     pub(crate) fn point(a: Vertex) -> Self {
         Self { vertices: [a; 4], len: 1 }
-    }
-
-    /// The simplex of these vertices.
-    #[inline(always)]
-    pub(crate) fn of(vertices: &[Vertex]) -> Self {
-        let mut simplex = Self::point(vertices[0]);
-        simplex.keep(vertices);
-        simplex
     }
 
     /// The vertices, newest last.
@@ -80,6 +72,12 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
+    /// These pairs.
+    pub(crate) fn of(pairs: [(u32, u32); 3]) -> Self {
+        let [p, q, r] = pairs;
+        Self { of: [p, q, r, r], len: 3 }
+    }
+
     /// No pairs.
     pub(crate) const NONE: Self = Self { of: [(0, 0); 4], len: 0 };
 

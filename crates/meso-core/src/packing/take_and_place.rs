@@ -13,7 +13,7 @@ use crate::aggregate::random::{Purpose, Stream};
 use crate::aggregate::take::snap;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 use rayon::prelude::*;
 use scene::{Candidate, Look, Looking, Scene, Scratch};
 

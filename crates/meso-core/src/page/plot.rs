@@ -3,16 +3,23 @@
 use std::io::{self, Write};
 
 /// A plot of a few curves; the y axis begins at 0.
-pub(super) struct Plot {
-    pub(super) title: &'static str,
-    pub(super) x: &'static str,
-    pub(super) y: &'static str,
-    pub(super) log_x: bool,
-    pub(super) curves: Vec<Curve>,
+pub struct Plot {
+    /// Above the axes.
+    pub title: &'static str,
+    /// What the x axis shows, with its unit.
+    pub x: &'static str,
+    /// What the y axis shows.
+    pub y: &'static str,
+    /// Whether the x axis is logarithmic.
+    pub log_x: bool,
+    /// The curves, at most three in different colours.
+    pub curves: Vec<Curve>,
+    /// Width and height, pixels.
+    pub size: [f64; 2],
 }
 
 /// A named curve, or dots.
-pub(super) struct Curve {
+pub struct Curve {
     name: &'static str,
     points: Vec<(f64, f64)>,
     dots: bool,
@@ -20,19 +27,22 @@ pub(super) struct Curve {
 
 /// Colours that differ for every eye (Okabe and Ito 2008).
 const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
-/// The picture and its margins, pixels.
-const SIZE: [f64; 2] = [350.0, 260.0];
+/// Width and height of a plot that stands beside others, pixels.
+pub const SMALL: [f64; 2] = [350.0, 260.0];
+/// Margins, pixels.
 const LEFT: f64 = 48.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 40.0;
 
 impl Curve {
-    pub(super) fn line(name: &'static str, points: Vec<(f64, f64)>) -> Self {
+    /// A line through `points`.
+    pub fn line(name: &'static str, points: Vec<(f64, f64)>) -> Self {
         Self { name, points, dots: false }
     }
 
-    pub(super) fn dots(name: &'static str, points: Vec<(f64, f64)>) -> Self {
+    /// A dot at each of `points`.
+    pub fn dots(name: &'static str, points: Vec<(f64, f64)>) -> Self {
         Self { name, points, dots: true }
     }
 }
@@ -63,9 +73,17 @@ impl Axis {
 }
 
 impl Plot {
-    pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let [width, height] = SIZE;
-        writeln!(out, "<svg width=\"{width}\" height=\"{height}\"><text x=\"{LEFT}\" y=\"14\">{}</text>", self.title)?;
+    /// Writes the plot as SVG; its classes `f` and `g` are the frame and the grid.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let [width, height] = self.size;
+        writeln!(
+            out,
+            "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\"><text x=\"{LEFT}\" y=\"14\">{}</text>",
+            self.title
+        )?;
         let Some((x, y)) = self.axes() else {
             return writeln!(out, "<text x=\"{LEFT}\" y=\"60\">nothing to show</text></svg>");
         };
@@ -91,7 +109,7 @@ impl Plot {
         let from = points().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let to = points().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
         let top = points().map(|p| p.1).fold(0.0, f64::max) * 1.04;
-        let [width, height] = SIZE;
+        let [width, height] = self.size;
         let x = Axis { from, to, pixels: [LEFT, width - RIGHT], log: self.log_x };
         let y = Axis { from: 0.0, to: top, pixels: [height - BOTTOM, TOP], log: false };
         (from < to && top > 0.0).then_some((x, y))
@@ -151,7 +169,7 @@ fn short(value: f64) -> String {
 }
 
 /// Text as HTML shows it.
-pub(super) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

@@ -13,9 +13,11 @@ from . import gjk
 from ._mesocrete import (
     Aggregate,
     Aggregates,
+    Frame,
     Mesh,
     Packing,
     Polyhedron,
+    Response,
     Spec,
     __version__,
     convex_hull,
@@ -28,9 +30,11 @@ Sequence.register(Aggregates)
 __all__ = [
     "Aggregate",
     "Aggregates",
+    "Frame",
     "Mesh",
     "Packing",
     "Polyhedron",
+    "Response",
     "Spec",
     "__version__",
     "convex_hull",

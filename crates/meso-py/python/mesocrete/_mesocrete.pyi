@@ -11,9 +11,11 @@ __version__: str
 __all__ = [
     "Aggregate",
     "Aggregates",
+    "Frame",
     "Mesh",
     "Packing",
     "Polyhedron",
+    "Response",
     "Spec",
     "__version__",
     "_restore_aggregate",
@@ -191,6 +193,21 @@ class Mesh:
     def mass_scaling(self, time_step_s: float = 5e-7) -> dict[str, Any]: ...
     def bad_cells(self, degrees: float) -> NDArray[np.int64]: ...
     def write(self, path: _Path, *, overwrite: bool = True, compress: bool = False, **deck: Any) -> None: ...
+    def solve(
+        self,
+        test: str = "compression",
+        *,
+        materials: dict[str, Any] | None = None,
+        threads: int | None = None,
+        progress: Callable[[float, float], object] | None = None,
+        **options: Any,
+    ) -> Response:
+        """Test the specimen between rigid plates along z, and return its curve, figures and fields.
+
+        `options` are `friction`, `strain`, `law`, `frames`, `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`,
+        `hourglass` and `interface`.
+        """
+
     def to_pyvista(self) -> Any: ...
     def to_meshio(self) -> Any: ...
     def __len__(self) -> int: ...
@@ -198,6 +215,86 @@ class Mesh:
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Mesh: ...
     def __deepcopy__(self, _memo: Any) -> Mesh: ...
+
+@final
+class Response:
+    """The test of a mesh: stress and strain, energies, figures and fields."""
+
+    @property
+    def curve(self) -> dict[str, NDArray[np.float64]]:
+        """The curve, row by row, by the names of `curve.csv`."""
+
+    @property
+    def result(self) -> dict[str, Any]:
+        """The figures of the test, as in `result.json`."""
+
+    @property
+    def frames(self) -> list[Frame]:
+        """The frames that were asked for, in their order."""
+
+    @property
+    def last(self) -> Frame | None:
+        """The end of the test; None where it diverged."""
+
+    def plot(self, **options: Any) -> Any:
+        """Draw stress over strain with the peak; return the matplotlib axes."""
+
+    def to_pyvista(self, frame: int | None = None) -> Any:
+        """Return a frame, by its place in `frames`, or the end, as a PyVista grid with all fields."""
+
+    def write(self, folder: _Path, *, overwrite: bool = True) -> None:
+        """Write curve, figures, frames and page into a folder, all or none."""
+
+    def __copy__(self) -> Response: ...
+    def __deepcopy__(self, _memo: Any) -> Response: ...
+
+@final
+class Frame:
+    """The fields of a moment of a test; arrays are float32, one row for each node or cell."""
+
+    @property
+    def strain(self) -> float:
+        """Mean axial strain, positive in the test's sense."""
+
+    @property
+    def stress_mpa(self) -> float:
+        """Stress of the curve's latest row, MPa."""
+
+    @property
+    def time_s(self) -> float:
+        """Time in the test, s."""
+
+    @property
+    def displacement(self) -> NDArray[np.float32]:
+        """Of every node, mm: shape (n, 3)."""
+
+    @property
+    def stress(self) -> NDArray[np.float32]:
+        """In every cell, xx yy zz xy yz zx, MPa, tension positive: shape (m, 6)."""
+
+    @property
+    def damage(self) -> NDArray[np.float32]:
+        """Share of its stiffness that every cell has lost: shape (m,)."""
+
+    @property
+    def damage_tension(self) -> NDArray[np.float32]:
+        """Damage in tension, 0 to 1: shape (m,)."""
+
+    @property
+    def damage_compression(self) -> NDArray[np.float32]:
+        """Damage in compression, 0 to 1: shape (m,)."""
+
+    @property
+    def crack_opening_mm(self) -> NDArray[np.float32]:
+        """Opening of the crack in every cell, mm: shape (m,)."""
+
+    @property
+    def phase(self) -> NDArray[np.uint8]:
+        """Phase that every cell has in the test: shape (m,)."""
+
+    def _mesh(self) -> tuple[NDArray[np.float64], NDArray[np.int64], str]: ...
+    def __copy__(self) -> Frame: ...
+    def __deepcopy__(self, _memo: Any) -> Frame: ...
 
 def pack(
     spec: Spec | dict[str, Any] | _Path | None = None,

@@ -80,16 +80,46 @@ def plot_grading(packing: Any, ax: Any = None) -> Any:
     return ax
 
 
-def mesh_to_pyvista(mesh: Any) -> Any:
-    """Return the mesh as a PyVista unstructured grid with the phase and the aggregate of every cell."""
-    pyvista = _need("pyvista", "plot")
-    kind, cells = mesh.cell_type, mesh.cells
+def _grid(points: Any, cells: Any, kind: str) -> Any:
+    """Return a PyVista unstructured grid of cells of one kind."""
     width = np.full((len(cells), 1), cells.shape[1], dtype=np.int64)
     types = np.full(len(cells), _VTK_TYPES[kind], dtype=np.uint8)
-    grid = pyvista.UnstructuredGrid(np.hstack([width, cells]).ravel(), types, mesh.points)
+    return _need("pyvista", "plot").UnstructuredGrid(np.hstack([width, cells]).ravel(), types, points)
+
+
+def mesh_to_pyvista(mesh: Any) -> Any:
+    """Return the mesh as a PyVista unstructured grid with the phase and the aggregate of every cell."""
+    grid = _grid(mesh.points, mesh.cells, mesh.cell_type)
     grid.cell_data["phase"] = mesh.phase
     grid.cell_data["aggregate"] = mesh.aggregate
     return grid
+
+
+def frame_to_pyvista(frame: Any) -> Any:
+    """Return a moment of a test as a PyVista unstructured grid; its arrays are named as in the `.vtu` files of frames."""
+    grid = _grid(*frame._mesh())
+    grid.point_data["displacement_mm"] = frame.displacement
+    grid.cell_data["damage"] = frame.damage
+    grid.cell_data["damage_tension"] = frame.damage_tension
+    grid.cell_data["damage_compression"] = frame.damage_compression
+    grid.cell_data["crack_opening_mm"] = frame.crack_opening_mm
+    grid.cell_data["stress_mpa"] = frame.stress
+    grid.cell_data["phase"] = frame.phase
+    return grid
+
+
+def plot_response(response: Any, ax: Any = None, **options: Any) -> Any:
+    """Draw stress over strain, with a dot at the peak; returns the matplotlib axes. `options` go to `Axes.plot`."""
+    if ax is None:
+        ax = _need("matplotlib.pyplot", "plot").subplots()[1]
+    curve, result = response.curve, response.result
+    strain, stress = (np.concatenate([[0.0], curve[name]]) for name in ("strain", "stress_mpa"))
+    (line,) = ax.plot(strain, stress, **options)
+    label = f"peak {result['peak_mpa']:.1f} MPa"
+    ax.plot(result["peak_strain"], result["peak_mpa"], "o", color=line.get_color(), label=label)
+    ax.set(xlabel="mean axial strain", ylabel="stress, MPa", xlim=(0, None), ylim=(0, None))
+    ax.legend()
+    return ax
 
 
 def mesh_to_meshio(mesh: Any) -> Any:

@@ -46,26 +46,30 @@ impl BoxShape {
 /// Hourglass amplitudes of the three displacements.
 pub(crate) type Hourglass<L> = [[L; 4]; 3];
 
+/// Corners without and with every bit.
+const PAIRS: [[(usize, usize); 4]; 3] =
+    [[(0, 1), (2, 3), (4, 5), (6, 7)], [(0, 2), (1, 3), (4, 6), (5, 7)], [(0, 4), (1, 5), (2, 6), (3, 7)]];
+
+// Loops with fixed ends in place of closures: what is not inlined here costs ten times the time.
+
 /// From values at the corners to modes.
 #[inline(always)]
-fn analyse<L: Lanes>(mut v: [L; 8]) -> [L; 8] {
-    for stride in GRADIENTS {
-        for low in (0..8).filter(|i| i & stride == 0) {
-            (v[low], v[low + stride]) = (v[low + stride] + v[low], v[low + stride] - v[low]);
+fn analyse<L: Lanes>(v: &mut [L; 8]) {
+    for pairs in &PAIRS {
+        for &(low, high) in pairs {
+            (v[low], v[high]) = (v[high] + v[low], v[high] - v[low]);
         }
     }
-    v
 }
 
 /// From modes to values at the corners.
 #[inline(always)]
-fn compose<L: Lanes>(mut v: [L; 8]) -> [L; 8] {
-    for stride in GRADIENTS {
-        for low in (0..8).filter(|i| i & stride == 0) {
-            (v[low], v[low + stride]) = (v[low] - v[low + stride], v[low] + v[low + stride]);
+fn compose<L: Lanes>(v: &mut [L; 8]) {
+    for pairs in &PAIRS {
+        for &(low, high) in pairs {
+            (v[low], v[high]) = (v[low] - v[high], v[low] + v[high]);
         }
     }
-    v
 }
 
 impl Hexes {
@@ -80,12 +84,26 @@ impl Hexes {
     /// Strains at the centre, and the hourglass amplitudes, mm.
     #[inline(always)]
     pub(crate) fn strain<L: Lanes>(&self, u: &Vectors, shape: &BoxShape) -> (Tensor<L>, Hourglass<L>) {
-        let moved = BY_SIGNS.map(|corner| L::gather(u, &self.at[corner]));
-        let modes = [0, 1, 2].map(|axis| analyse(moved.map(|u| u[axis])));
-        let scale = shape.edges.map(|edge| L::splat(0.25 / edge));
-        let h = |i: usize, j: usize| modes[i][GRADIENTS[j]] * scale[j];
-        let strain = [h(0, 0), h(1, 1), h(2, 2), h(0, 1) + h(1, 0), h(1, 2) + h(2, 1), h(0, 2) + h(2, 0)];
-        (strain, modes.map(|m| HOURGLASS.map(|mode| m[mode])))
+        let mut modes = [[L::splat(0.0); 8]; 3];
+        for signs in 0..8 {
+            let moved = L::gather(u, &self.at[BY_SIGNS[signs]]);
+            for axis in 0..3 {
+                modes[axis][signs] = moved[axis];
+            }
+        }
+        for axis in &mut modes {
+            analyse(axis);
+        }
+        let (mut h, mut hourglass) = ([[L::splat(0.0); 3]; 3], [[L::splat(0.0); 4]; 3]);
+        for i in 0..3 {
+            for j in 0..3 {
+                h[i][j] = modes[i][GRADIENTS[j]] * L::splat(0.25 / shape.edges[j]);
+            }
+            for j in 0..4 {
+                hourglass[i][j] = modes[i][HOURGLASS[j]];
+            }
+        }
+        ([h[0][0], h[1][1], h[2][2], h[0][1] + h[1][0], h[1][2] + h[2][1], h[0][2] + h[2][0]], hourglass)
     }
 
     /// Adds the forces with which the elements resist; `stiffness` is that of an hourglass mode, N/mm.
@@ -99,18 +117,22 @@ impl Hexes {
         forces: &mut Vectors,
     ) {
         let used = L::load(&self.used);
-        let area = shape.edges.map(|edge| L::splat(0.25 * shape.volume() / edge) * used);
         let [xx, yy, zz, xy, yz, zx] = *stress;
         let rows = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
         let k = stiffness * used;
-        let nodal: [[L; 8]; 3] = std::array::from_fn(|i| {
-            let mut modes = [L::splat(0.0); 8];
-            (0..3).for_each(|j| modes[GRADIENTS[j]] = rows[i][j] * area[j]);
-            (0..4).for_each(|j| modes[HOURGLASS[j]] = hourglass[i][j] * k);
-            compose(modes)
-        });
-        for (signs, corner) in BY_SIGNS.into_iter().enumerate() {
-            L::scatter(forces, &self.at[corner], [nodal[0][signs], nodal[1][signs], nodal[2][signs]]);
+        let mut nodal = [[L::splat(0.0); 8]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                let area = L::splat(0.25 * shape.volume() / shape.edges[j]) * used;
+                nodal[i][GRADIENTS[j]] = rows[i][j] * area;
+            }
+            for j in 0..4 {
+                nodal[i][HOURGLASS[j]] = hourglass[i][j] * k;
+            }
+            compose(&mut nodal[i]);
+        }
+        for signs in 0..8 {
+            L::scatter(forces, &self.at[BY_SIGNS[signs]], [nodal[0][signs], nodal[1][signs], nodal[2][signs]]);
         }
     }
 

@@ -64,7 +64,8 @@ impl Tets {
         let mut h = [[L::splat(0.0); 3]; 3];
         for node in 0..3 {
             let moved = L::gather(u, &self.at[node + 1]);
-            let g = self.gradients[node].each_ref().map(L::load);
+            let [a, b, c] = &self.gradients[node];
+            let g = [L::load(a), L::load(b), L::load(c)];
             for i in 0..3 {
                 let relative = moved[i] - origin[i];
                 for j in 0..3 {
@@ -79,16 +80,23 @@ impl Tets {
     #[inline(always)]
     pub(crate) fn resist<L: Lanes>(&self, stress: &Tensor<L>, forces: &mut Vectors) {
         let volume = L::load(&self.volume);
-        let [xx, yy, zz, xy, yz, zx] = stress.map(|s| s * volume);
+        let mut weighted = *stress;
+        for s in &mut weighted {
+            *s = *s * volume;
+        }
+        let [xx, yy, zz, xy, yz, zx] = weighted;
         let mut rest = [L::splat(0.0); 3];
         for node in 0..3 {
-            let [a, b, c] = self.gradients[node].each_ref().map(L::load);
+            let [a, b, c] = &self.gradients[node];
+            let (a, b, c) = (L::load(a), L::load(b), L::load(c));
             let force = [
                 xx.mul_add(a, xy.mul_add(b, zx * c)),
                 xy.mul_add(a, yy.mul_add(b, yz * c)),
                 zx.mul_add(a, yz.mul_add(b, zz * c)),
             ];
-            (0..3).for_each(|i| rest[i] = rest[i] - force[i]);
+            for i in 0..3 {
+                rest[i] = rest[i] - force[i];
+            }
             L::scatter(forces, &self.at[node + 1], force);
         }
         L::scatter(forces, &self.at[0], rest);

@@ -4,7 +4,7 @@
 use super::cloud::{Cloud, LANES, MOST_POINTS};
 use crate::geometry::faces::Faces;
 use crate::math::Vec3;
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 
 /// True only when the `faces` are triangles and, over `points`, the facets of their hull: every other point is below each, by
 /// more than rounding can hide.

@@ -8,7 +8,7 @@
 use super::cloud::{Cloud, LANES, MOST_GROUPS, MOST_POINTS};
 use crate::lanes::least_lane;
 use crate::math::Vec3;
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 
 /// Stands for: no corner.
 const NONE: u8 = u8::MAX;

@@ -3,7 +3,7 @@
 use super::bodies::{Bodies, MOST_MARGIN, widened};
 use super::contact::{LANES, V};
 use crate::math::{Aabb, Vec3};
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 

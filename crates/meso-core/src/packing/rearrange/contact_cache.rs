@@ -6,7 +6,7 @@
 use super::bodies::Bodies;
 use super::cell_list::CellList;
 use super::contact::{Contact, V, cross, direction_or_up, dot, gap_along, scale};
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 use std::ops::Range;
 
 /// Bodies whose pairs are kept, and rebuilt, together.

@@ -3,7 +3,7 @@
 use super::contact::{LANES, V, highest};
 use crate::geometry::CompactPolyhedron;
 use crate::packing::Turn;
-use crate::wide::{Wide, widest};
+use crate::simd::{Wide, widest};
 
 /// Turns the vertices of `shape` by `rotation` into `turned`, with copies of the first to the end; returns the box of
 /// the result.

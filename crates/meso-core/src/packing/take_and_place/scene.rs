@@ -8,7 +8,7 @@ use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
 use crate::packing::place::Task;
 use crate::prefetch::prefetch;
-use crate::wide::Wide;
+use crate::simd::Wide;
 
 /// Edge of the grid's cells, as a share of the middle grain's diameter: from 1 to 1.5 all take the same time, and this
 /// the least memory.

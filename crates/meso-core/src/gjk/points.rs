@@ -2,16 +2,17 @@
 
 use super::body::Body;
 use super::classical::{Classical, Until};
-use super::enhanced::{Enhanced, Found, Originals, Pair};
+use super::enhanced::Enhanced;
 use super::exact::{Decision, ExactPair};
 use super::nearest::SubAlgorithm;
-use super::simd::dispatch;
+use super::pair::{Found, Originals, Pair};
 use super::simplex::Corners;
 use crate::math::Vec3;
+use crate::simd::dispatch;
 use std::str::FromStr;
 
-/// Smallest and largest accepted magnitude of a coordinate that is not 0.
-const ACCEPTED: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+/// Magnitudes of coordinates, other than 0, whose products neither over- nor underflow. Beyond, exact arithmetic answers.
+const ORDINARY: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
 /// Which of the two bodies an error speaks of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,16 +47,6 @@ pub enum GjkError {
     /// A coordinate is NaN or infinite.
     #[error("{body}: point {index} has the coordinate {value}; coordinates must be finite")]
     NotFinite {
-        /// Which body.
-        body: Operand,
-        /// Row of the point.
-        index: usize,
-        /// The coordinate.
-        value: f64,
-    },
-    /// A coordinate is outside {0} and 1e-60 to 1e60.
-    #[error("{body}: point {index} has the coordinate {value:e}; magnitudes from 1e-60 to 1e60, and 0, are accepted")]
-    OutOfRange {
         /// Which body.
         body: Operand,
         /// Row of the point.
@@ -109,7 +100,7 @@ impl Method {
             Self::Enhanced => dispatch(Enhanced { pair, v }),
             Self::Classical => classical(SubAlgorithm::Johnson),
             Self::SignedVolumes => classical(SubAlgorithm::SignedVolumes),
-            Self::Exact => Found::Doubt(Corners::NONE),
+            Self::Exact => Found::Undecided(Corners::NONE),
         }
     }
 }
@@ -163,7 +154,7 @@ impl Verdict {
 /// True when the hulls of `a` and `b` (points in mm, any unit) share a point.
 ///
 /// # Errors
-/// A body without points; a coordinate that is not finite, or neither 0 nor of a magnitude from 1e-60 to 1e60.
+/// A body without points; a coordinate that is not finite.
 ///
 /// ```
 /// use meso_core::{gjk, math::Vec3};
@@ -261,17 +252,16 @@ fn check(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
     if points.is_empty() {
         return Err(GjkError::Empty { body });
     }
-    let accepted = |value: f64| value == 0.0 || ACCEPTED.contains(&value.abs());
     for (index, point) in points.iter().enumerate() {
-        if let Some(&value) = point.iter().find(|&&value| !accepted(value)) {
-            return Err(if value.is_finite() {
-                GjkError::OutOfRange { body, index, value }
-            } else {
-                GjkError::NotFinite { body, index, value }
-            });
+        if let Some(&value) = point.iter().find(|value| !value.is_finite()) {
+            return Err(GjkError::NotFinite { body, index, value });
         }
     }
     Ok(())
+}
+
+fn is_ordinary(points: &[Vec3]) -> bool {
+    points.iter().all(|point| point.iter().all(|&value| value == 0.0 || ORDINARY.contains(&value.abs())))
 }
 
 /// A pair near the origin and of a size near 1: each coordinate rounded once, by the shift; the scale is a power of two.
@@ -281,6 +271,8 @@ struct Scaled<'p> {
     originals: Originals<'p>,
     /// From the mean of A's points to the mean of B's.
     towards_b: Vec3,
+    /// Whether searches in floating point can tell anything.
+    ordinary: bool,
 }
 
 impl<'p> Scaled<'p> {
@@ -295,6 +287,7 @@ impl<'p> Scaled<'p> {
             a: Body::bare(a.iter().map(local)),
             b: Body::bare(b.iter().map(local)),
             originals: Originals { a, b, scale },
+            ordinary: is_ordinary(a) && is_ordinary(b),
         }
     }
 
@@ -309,14 +302,22 @@ impl<'p> Scaled<'p> {
     }
 
     fn search(&self, method: Method) -> Found {
-        method.search(self.pair(), self.start())
+        if self.ordinary { method.search(self.pair(), self.start()) } else { Found::Undecided(Corners::NONE) }
+    }
+
+    /// The distance search.
+    fn classical(&self, until: Until) -> Found {
+        if !self.ordinary {
+            return Found::Undecided(Corners::NONE);
+        }
+        dispatch(Classical { pair: self.pair(), v: self.start(), sub_algorithm: SubAlgorithm::SignedVolumes, until })
     }
 
     fn overlap(&self, method: Method) -> bool {
         match self.search(method) {
             Found::Apart(_) => false,
             Found::Overlap(_) => true,
-            Found::Doubt(corners) => matches!(self.exact().decide(corners.pairs()), Decision::Overlap(_)),
+            Found::Undecided(corners) => matches!(self.exact().decide(corners.pairs()), Decision::Overlap(_)),
         }
     }
 
@@ -324,7 +325,7 @@ impl<'p> Scaled<'p> {
         match self.search(method) {
             Found::Apart(direction) => Verdict::Separated { direction, proof: Proof::Margin },
             Found::Overlap(corners) => intersecting(corners.pairs(), Proof::Margin),
-            Found::Doubt(corners) => match self.exact().decide(corners.pairs()) {
+            Found::Undecided(corners) => match self.exact().decide(corners.pairs()) {
                 Decision::Overlap(pairs) => intersecting(&pairs, Proof::Exact),
                 Decision::Apart(v) => Verdict::Separated { direction: v.direction(), proof: Proof::Exact },
             },
@@ -332,11 +333,10 @@ impl<'p> Scaled<'p> {
     }
 
     fn distance(&self) -> f64 {
-        let (sub_algorithm, until) = (SubAlgorithm::SignedVolumes, Until::Nearest);
-        match dispatch(Classical { pair: self.pair(), v: self.start(), sub_algorithm, until }) {
+        match self.classical(Until::Nearest) {
             Found::Overlap(_) => 0.0,
             Found::Apart(_) => unreachable!("a search for the nearest point does not stop at a separation"),
-            Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.sqrt(),
+            Found::Undecided(corners) => self.exact().squared_distance(corners.pairs()).0.sqrt(),
         }
     }
 
@@ -344,10 +344,10 @@ impl<'p> Scaled<'p> {
         // The scale is a power of two: nothing is rounded, but what is left of a gap must not be nothing.
         let least = if gap > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
         let scaled = (gap * self.originals.scale).max(least);
-        match dispatch(Classical::beyond(self.pair(), self.start(), scaled)) {
+        match self.classical(Until::Apart(scaled)) {
             Found::Apart(_) => true,
             Found::Overlap(_) => false,
-            Found::Doubt(corners) => self.exact().squared_distance(corners.pairs()).0.exceeds(gap),
+            Found::Undecided(corners) => self.exact().squared_distance(corners.pairs()).0.exceeds(gap),
         }
     }
 
@@ -360,9 +360,9 @@ fn intersecting(pairs: &[(u32, u32)], proof: Proof) -> Verdict {
     Verdict::Intersecting { points: pairs.iter().map(|&(a, b)| (a as usize, b as usize)).collect(), proof }
 }
 
-/// 2^k with size 2^k in 1/2..=1; 1 for a size of 0.
+/// 2^k with size 2^k in 1/2..=1; 1 for sizes that no search is made of.
 fn power_of_two_near_inverse(size: f64) -> f64 {
-    if size == 0.0 {
+    if size < f64::MIN_POSITIVE || size > 1e300 {
         return 1.0;
     }
     let exponent = (size.to_bits() >> 52) as i64 - 1022;

@@ -1,6 +1,7 @@
 //! What must not change an answer, and what a verdict's witness must show.
 
 use super::families::{self, Dice};
+use super::reference;
 use meso_core::gjk::{self, GjkError, Method, Operand, Proof, Verdict};
 use meso_core::math::Vec3;
 
@@ -76,12 +77,47 @@ fn a_body_without_points_is_named() {
 }
 
 #[test]
-fn coordinates_beyond_the_accepted_range_are_named() {
-    let a = [Vec3::zeros()];
-    for bad in [1e61, -1e-61, f64::MIN_POSITIVE, 5e-324] {
-        let b = [Vec3::zeros(), Vec3::new(0.0, bad, 1.0)];
-        assert_eq!(gjk::intersects(&a, &b), Err(GjkError::OutOfRange { body: Operand::B, index: 1, value: bad }));
+fn every_finite_number_gets_the_exact_answer() {
+    let powers = [-1074, -1050, -1022, -700, -300, 0, 300, 700, 1000];
+    let mut overlaps = 0;
+    for (i, power) in powers.into_iter().enumerate() {
+        let scaled = |v: &Vec3| v.map(|x| libm::scalbn(x, power));
+        for (seed, mixed) in (0..40).zip([false, true].into_iter().cycle()) {
+            let mut dice = Dice::new(5000 + seed);
+            let [a, mut b] = [0, 1].map(|_| (0..5).map(|_| dice.integers(3)).collect::<Vec<_>>());
+            b.iter_mut().for_each(|p| *p += Vec3::new(3.0, 2.0, 0.0));
+            let truth = reference::intersects(&a, &b);
+            if !mixed {
+                let (a, b): (Vec<_>, Vec<_>) = (a.iter().map(scaled).collect(), b.iter().map(scaled).collect());
+                assert_eq!(gjk::intersects(&a, &b), Ok(truth), "2^{power}, seed {seed}");
+                let distance = gjk::distance(&a, &b).unwrap();
+                assert_eq!(distance == 0.0, truth, "2^{power}, seed {seed}: {distance:e}");
+                overlaps += u32::from(truth);
+            } else {
+                // One far point: magnitudes side by side that no scale brings together.
+                b.push(Vec3::new(0.5, f64::MAX, libm::scalbn(1.0, power)));
+                let far = reference::intersects(&a, &b);
+                for method in Method::ALL {
+                    assert_eq!(gjk::intersects_with(method, &a, &b), Ok(far), "power {i}, seed {seed}");
+                }
+            }
+        }
     }
+    assert!((18..=162).contains(&overlaps), "{overlaps} of 180 overlap");
+}
+
+#[test]
+fn the_largest_and_the_smallest_numbers_have_a_distance() {
+    let [low, high] = [-f64::MAX, f64::MAX].map(|x| [Vec3::new(x, 0.0, 0.0)]);
+    assert_eq!(gjk::distance(&low, &high), Ok(f64::INFINITY));
+    assert_eq!(gjk::distance(&[Vec3::zeros()], &high), Ok(f64::MAX));
+    assert_eq!(gjk::distance(&[Vec3::zeros()], &[Vec3::new(0.0, 5e-324, 0.0)]), Ok(5e-324));
+    assert_eq!(gjk::intersects(&[Vec3::zeros()], &[Vec3::new(0.0, 5e-324, 0.0)]), Ok(false));
+}
+
+#[test]
+fn coordinates_that_are_not_finite_are_named() {
+    let a = [Vec3::zeros()];
     for bad in [f64::NAN, f64::INFINITY] {
         assert!(matches!(gjk::distance(&[Vec3::new(bad, 0.0, 0.0)], &a), Err(GjkError::NotFinite { index: 0, .. })));
     }

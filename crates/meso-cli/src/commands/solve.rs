@@ -1,0 +1,310 @@
+//! `mesocrete solve`: the test itself, from a model, a spec or nothing to the stress-strain curve.
+
+mod division;
+mod folder;
+mod watch;
+
+use super::{names, values};
+use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::progress::Watch;
+use crate::{inputs, interrupt, stderr, threads};
+use division::Division;
+use folder::{Folder, Kept};
+use meso_core::mesh::{Mesh, MeshOptions};
+use meso_core::packing::Specimen;
+use meso_core::{Model, Spec};
+use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
+use meso_solve::{Ended, Kind, LawName, Response, Run, SolveError, Test};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use watch::Watching;
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// A saved model (.json; `-` is standard input), or what to pack (SPEC.toml); absent: a 150 mm cube, Fuller 5 to 20 mm,
+    /// 40 %, gaps of 1 mm, in elements of 4 mm
+    model: Option<PathBuf>,
+    /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    output: PathBuf,
+    #[arg(long, default_value = "compression", value_parser = names::parse::<Kind>)]
+    #[arg(help = format!("What is done to the specimen, along z: {}", names::list::<Kind>()))]
+    test: Kind,
+    /// Friction between plates and specimen; in tension the plates are glued on
+    #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
+    friction: f64,
+    /// Mean axial strain at the end [default: 0.005 in compression, 0.0005 in tension]
+    #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
+    strain: Option<f64>,
+    #[arg(long, default_value_t = LawText(Test::default().law), value_parser = law)]
+    #[arg(help = format!("The law of mortar and ITZ: {}", names::list::<LawName>()))]
+    law: LawText,
+    /// Frames of all fields, evenly over the test
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::count)]
+    #[arg(allow_negative_numbers = true)]
+    frames: u32,
+    /// Time of the whole test, s; short ones are not quasi-static [default: by the height and the strain]
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Time step that mass scaling keeps, s [default: by the element size]
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    time_step: Option<f64>,
+    /// Write checkpoint.bin every S seconds, for --resume
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    checkpoint: Option<f64>,
+    /// Go on from the checkpoint.bin in DIR, with the same other flags as before
+    #[arg(long)]
+    resume: bool,
+    /// Seed of the packing, where one is made
+    #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Volume of the aggregates over the specimen's, 0 to 1, where a packing is made
+    #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
+    fraction: Option<f64>,
+    /// Number of threads; all cores when absent. It changes the time, never the result
+    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
+    threads: Option<u16>,
+    /// Replace results that are there already
+    #[arg(short, long)]
+    force: bool,
+    /// Say nothing but warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    division: Division,
+}
+
+/// A law by its name, as clap shows it.
+#[derive(Clone, Copy, Debug)]
+struct LawText(LawName);
+
+impl std::fmt::Display for LawText {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&names::of(&self.0))
+    }
+}
+
+fn law(text: &str) -> Result<LawText, String> {
+    names::parse(text).map(LawText)
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    threads::with(args.threads, || on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    let started = Instant::now();
+    let (test, materials) = (args.test(), args.division.materials()?);
+    meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
+    args.validate()?;
+    let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.force)?;
+    let kept = if args.resume { Some(folder.kept()?) } else { None };
+    let mut seconds = Seconds::default();
+    let Some((model, options)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
+    let mesh = args.mesh(&model, &options, &mut seconds)?;
+    let source = Source::of(&model, &options);
+    let sample = sample_of(&mesh, &model, &options);
+    drop(model);
+    let begun = Instant::now();
+    let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
+    let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
+    args.announce(&run, &mesh);
+    let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.quiet);
+    let response = run.to_end(&watch);
+    (folder, seconds.solve) = (watch.folder()?, begun.elapsed().as_secs_f64());
+    finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
+}
+
+impl Args {
+    fn test(&self) -> Test {
+        Test {
+            kind: self.test,
+            friction: self.friction,
+            strain: self.strain,
+            duration_s: self.duration,
+            time_step_s: self.time_step,
+            frames: self.frames,
+            law: self.law.0,
+            itz: self.division.smeared(),
+            ..Test::default()
+        }
+    }
+
+    /// Refuses flags that cannot be meant, before any work.
+    fn validate(&self) -> Result<(), Failure> {
+        if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
+            return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
+        }
+        if self.packs() {
+            return Ok(());
+        }
+        for (flag, given) in [("--seed", self.seed.is_some()), ("--fraction", self.fraction.is_some())] {
+            if given {
+                let message = format!("{flag} is for a packing that is made here; the saved model is packed already");
+                return Err(Failure::Usage(message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether there is no saved model yet.
+    fn packs(&self) -> bool {
+        self.model.as_deref().is_none_or(is_spec)
+    }
+
+    /// The specimen, and how it is meshed; none where the user stopped the packing.
+    fn model(&self, seconds: &mut Seconds) -> Result<Option<(Model, MeshOptions)>, Failure> {
+        let options = |specimen: &Specimen| self.division.options(self.model.is_none(), specimen);
+        if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
+            let model = inputs::model(path)?;
+            let options = options(&model.spec.specimen)?;
+            return Ok(Some((model, options)));
+        }
+        let spec = self.spec()?;
+        let options = options(&spec.specimen)?;
+        if !self.quiet {
+            let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
+            let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
+            stderr::line(format!(
+                "packing a {kind} of {:.0} mm3: {percent} %, {} to {} mm, gaps of {gap} mm, seed {}",
+                spec.specimen.volume(),
+                sizes.0,
+                sizes.1,
+                spec.seed
+            ));
+        }
+        let mut watch = Watch::start(self.quiet);
+        let model = meso_core::pack(&spec, &watch);
+        watch.finish();
+        seconds.pack = watch.elapsed();
+        let model = model.map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok((!interrupt::asked()).then_some((model, options)))
+    }
+
+    /// What is packed: a SPEC.toml, or the paper's specimen, with what the flags change.
+    fn spec(&self) -> Result<Spec, Failure> {
+        let mut spec = self.model.as_deref().map_or_else(|| Ok(paper()), inputs::spec)?;
+        spec.seed = self.seed.unwrap_or(spec.seed);
+        spec.fraction = self.fraction.unwrap_or(spec.fraction);
+        spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(spec)
+    }
+
+    fn mesh(&self, model: &Model, options: &MeshOptions, seconds: &mut Seconds) -> Result<Mesh, Failure> {
+        let begun = Instant::now();
+        if !self.quiet {
+            let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
+            stderr::line(format!(
+                "meshing {} aggregates: {method}, {size} mm",
+                stderr::thousands(model.aggregates.len())
+            ));
+        }
+        let mesh = self.division.build(model, options, self.quiet)?;
+        seconds.mesh = begun.elapsed().as_secs_f64();
+        Ok(mesh)
+    }
+
+    fn announce(&self, run: &Run, mesh: &Mesh) {
+        if self.quiet {
+            return;
+        }
+        let (elements, steps) = (stderr::thousands(mesh.cell_count()), stderr::thousands(run.steps() as usize));
+        let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
+        stderr::line(format!(
+            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s, {:.0} MB",
+            self.friction,
+            run.time_step_s(),
+            run.bytes() as f64 / 1e6
+        ));
+    }
+}
+
+/// The paper's specimen (Sec. 3.1): 40 %, with gaps that elements of 4 mm show better than none.
+fn paper() -> Spec {
+    let mut spec = Spec { fraction: 0.4, ..Spec::default() };
+    spec.placement.min_gap_mm = 1.0;
+    spec
+}
+
+fn is_spec(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Takes in what a run before this one kept.
+fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<meso_solve::results::Moment>, Failure> {
+    run.resume(&mut kept.state).map_err(|error| Failure::Run(format!("{}: {error}", kept.path.display())))?;
+    Ok(kept.frames)
+}
+
+/// A run that came to its end.
+struct Finished<'a> {
+    mesh: &'a Mesh,
+    run: &'a Run<'a>,
+    response: Response,
+    source: Source,
+    started: Instant,
+    seconds: Seconds,
+}
+
+/// Writes the results and says the most of them; the exit code.
+fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Failure> {
+    let Finished { mesh, run, response, source, started, seconds } = finished;
+    let ended = &response.result.ended;
+    if *ended == Ended::Stopped && args.checkpoint.is_some() {
+        folder.keep(run)?;
+    }
+    // What a run that diverged holds now are no numbers.
+    let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
+    let seconds = Seconds { total: started.elapsed().as_secs_f64(), ..*seconds };
+    let frames = folder.frames().to_vec();
+    let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
+    folder.fill(&outcome)?;
+    let written = folder.commit(*ended == Ended::Completed)?;
+    tell(response, args.quiet);
+    if !args.quiet {
+        written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
+    }
+    Ok(match ended {
+        Ended::Completed => 0,
+        Ended::Stopped => INTERRUPTED,
+        Ended::Diverged(_) => RUN,
+    })
+}
+
+/// The curve's figures, then what is wrong with them.
+fn tell(response: &Response, quiet: bool) {
+    let (result, figures) = (&response.result, &response.result.figures);
+    if !quiet {
+        stderr::line(format!(
+            "peak {:.2} MPa at a strain of {:.5}, modulus {:.0} MPa, {:.2} MPa at the end",
+            figures.peak_mpa, figures.peak_strain, figures.modulus_mpa, figures.stress_at_end_mpa
+        ));
+        stderr::line(format!(
+            "kinetic over internal energy {:.2} %, energies off by {:.4} % of the work, {:.1} % of mass added",
+            100.0 * result.kinetic_over_internal_max,
+            100.0 * result.energy_balance_error,
+            result.added_mass_percent
+        ));
+    }
+    result.warnings.iter().for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
+    result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
+    if result.ended == Ended::Stopped {
+        let share = 100.0 * result.steps as f64 / result.steps_planned as f64;
+        stderr::line(format!("stopped after {share:.0} % of the steps; the curve is valid until there"));
+    }
+}
+
+/// What cannot be tested is wrong usage.
+fn wrong(error: &SolveError) -> Failure {
+    Failure::Usage(with_flags(&error.to_string()))
+}
+
+/// The engine speaks of `test.time_step_s`, the user typed `--time-step`.
+fn with_flags(text: &str) -> String {
+    let flags = ["duration_s", "time_step_s", "friction", "strain", "frames"];
+    flags.iter().fold(text.to_owned(), |text, key| {
+        let flag = key.trim_end_matches("_s").replace('_', "-");
+        text.replace(&format!("test.{key}"), &format!("--{flag}"))
+    })
+}

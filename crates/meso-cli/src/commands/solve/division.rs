@@ -1,0 +1,90 @@
+//! How a specimen is divided for a test, and of what it is made: the flags of `mesh` that a test needs, with a test's defaults.
+
+use crate::commands::{meshing, names, values};
+use crate::failure::Failure;
+use meso_core::Model;
+use meso_core::materials::Materials;
+use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName};
+use meso_core::packing::Specimen;
+use meso_solve::Itz;
+use serde::Deserialize;
+use std::path::PathBuf;
+
+/// Element size without a model, mm: the whole test then takes minutes.
+const QUICK_MM: f64 = 4.0;
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Mesh and materials")]
+pub(super) struct Division {
+    #[arg(long, default_value = "lattice", value_parser = names::parse::<MethodName>)]
+    #[arg(help = format!("How the specimen is divided: {}", names::list::<MethodName>()))]
+    method: MethodName,
+    /// Edge length of the elements, mm [default: 2; without a model 4]
+    #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true)]
+    element_size_mm: Option<f64>,
+    #[arg(long, default_value = "smeared", value_parser = names::parse::<Zone>)]
+    #[arg(help = format!("How the interfacial transition zone enters the test: {}", names::list::<Zone>()))]
+    itz: Zone,
+    #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
+    #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
+    fit: Fit,
+    /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
+    #[arg(allow_negative_numbers = true)]
+    subsamples: u32,
+    /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
+    /// The program gmsh, for --method conforming
+    #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
+    gmsh: PathBuf,
+}
+
+/// The interfacial transition zone in a test.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Zone {
+    /// Mortar cells at an aggregate have its strength.
+    Smeared,
+    /// Cells of its own.
+    Solid,
+    /// Cohesive elements.
+    Cohesive,
+    /// Mortar.
+    None,
+}
+
+impl Division {
+    /// What is asked of the mesh of `specimen`.
+    pub(super) fn options(&self, is_quick: bool, specimen: &Specimen) -> Result<MeshOptions, Failure> {
+        let usual = MeshTable::default();
+        let table = MeshTable {
+            method: self.method,
+            element_size_mm: self.element_size_mm.unwrap_or(if is_quick { QUICK_MM } else { usual.element_size_mm }),
+            itz: match self.itz {
+                Zone::Smeared | Zone::None => ItzForm::None,
+                Zone::Solid => ItzForm::Solid,
+                Zone::Cohesive => ItzForm::Cohesive,
+            },
+            fit: self.fit,
+            subsamples: self.subsamples,
+            ..usual
+        };
+        let options = MeshOptions::try_from(table).map_err(|error| meshing::wrong_mesh(&error))?;
+        meshing::check(&options, &self.gmsh, specimen)?;
+        Ok(options)
+    }
+
+    /// What mortar at an aggregate is.
+    pub(super) fn smeared(&self) -> Itz {
+        if self.itz == Zone::Smeared { Itz::Smeared } else { Itz::None }
+    }
+
+    pub(super) fn materials(&self) -> Result<Materials, Failure> {
+        meshing::materials(self.materials.as_deref())
+    }
+
+    pub(super) fn build(&self, model: &Model, options: &MeshOptions, quiet: bool) -> Result<Mesh, Failure> {
+        meshing::build(model, options, &self.gmsh, quiet)
+    }
+}

@@ -1,0 +1,182 @@
+//! Who watches a test: the line with strain, stress and the time left, frames and checkpoints, and Ctrl-C.
+
+use super::folder::Folder;
+use crate::failure::Failure;
+use crate::progress::{CLEAR, bar, show};
+use crate::{interrupt, stderr};
+use meso_core::mesh::Mesh;
+use meso_solve::results::{Moment, Snapshot};
+use meso_solve::{Frame, Observer, Progress, Run, Wish};
+use std::cell::{Cell, RefCell};
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
+
+/// Lines of a test where nobody sees a bar.
+const LINES: u64 = 10;
+/// How often the bar is drawn.
+const REDRAW: Duration = Duration::from_millis(100);
+
+/// What a user sees of a test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shown {
+    Nothing,
+    Lines,
+    Bar,
+}
+
+/// Watches one test.
+pub(super) struct Watching<'a> {
+    mesh: &'a Mesh,
+    folder: RefCell<Folder>,
+    failed: RefCell<Option<Failure>>,
+    shown: Shown,
+    started: Instant,
+    /// Steps that a run before this one took.
+    first: Cell<Option<u64>>,
+    /// Tenths of the test that have a line, and when the bar was drawn.
+    told: Cell<u64>,
+    drawn: Cell<Option<Instant>>,
+    every: Option<Duration>,
+    kept: Cell<Instant>,
+    _polling: interrupt::Polling,
+}
+
+impl<'a> Watching<'a> {
+    /// Starts the clock; `every` so many seconds the state is kept.
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        mut folder: Folder,
+        frames: Vec<Moment>,
+        every: Option<f64>,
+        quiet: bool,
+    ) -> Self {
+        folder.go_on(frames);
+        let seen = io::stderr().is_terminal();
+        let now = Instant::now();
+        Self {
+            mesh,
+            folder: RefCell::new(folder),
+            failed: RefCell::default(),
+            shown: if quiet {
+                Shown::Nothing
+            } else if seen {
+                Shown::Bar
+            } else {
+                Shown::Lines
+            },
+            started: now,
+            first: Cell::new(None),
+            told: Cell::new(0),
+            drawn: Cell::new(None),
+            every: every.map(Duration::from_secs_f64),
+            kept: Cell::new(now),
+            _polling: interrupt::Polling::begin(),
+        }
+    }
+
+    /// The folder with the frames, or what went wrong with them.
+    pub(super) fn folder(self) -> Result<Folder, Failure> {
+        if self.shown == Shown::Bar {
+            show(CLEAR);
+        }
+        self.failed.into_inner().map_or_else(|| Ok(self.folder.into_inner()), Err)
+    }
+
+    /// A failure ends the test.
+    fn try_to(&self, work: impl FnOnce(&mut Folder) -> Result<(), Failure>) {
+        if self.failed.borrow().is_none() {
+            *self.failed.borrow_mut() = work(&mut self.folder.borrow_mut()).err();
+        }
+    }
+
+    fn tell(&self, progress: &Progress) {
+        let left = self.left(progress);
+        match self.shown {
+            Shown::Nothing => {}
+            Shown::Lines => {
+                let tenth = LINES * progress.step / progress.steps;
+                if self.told.replace(tenth) < tenth {
+                    stderr::line(format!("{:>3} %: {}", 100 * tenth / LINES, figures(progress, left)));
+                }
+            }
+            Shown::Bar => {
+                if self.drawn.get().is_none_or(|drawn| drawn.elapsed() >= REDRAW) {
+                    self.drawn.set(Some(Instant::now()));
+                    show(&format!("{CLEAR}{}", line(progress, left)));
+                }
+            }
+        }
+    }
+
+    /// Seconds to the end, at the pace so far.
+    fn left(&self, progress: &Progress) -> f64 {
+        let first = self.first.get().unwrap_or_else(|| {
+            self.first.set(Some(progress.step));
+            progress.step
+        });
+        let pace = self.started.elapsed().as_secs_f64() / (progress.step - first).max(1) as f64;
+        pace * (progress.steps - progress.step) as f64
+    }
+}
+
+impl Observer for Watching<'_> {
+    fn progress(&self, progress: &Progress) -> Wish {
+        self.tell(progress);
+        match self.every {
+            Some(every) if self.kept.get().elapsed() >= every => Wish::Keep,
+            _ => Wish::GoOn,
+        }
+    }
+
+    fn stops(&self) -> bool {
+        interrupt::asked() || self.failed.borrow().is_some()
+    }
+
+    fn frame(&self, frame: &Frame) {
+        self.try_to(|folder| folder.add(self.mesh, &Snapshot::of(frame)));
+    }
+
+    fn keep(&self, run: &Run) {
+        self.try_to(|folder| folder.keep(run));
+        self.kept.set(Instant::now());
+    }
+}
+
+fn line(progress: &Progress, left: f64) -> String {
+    let share = progress.step as f64 / progress.steps as f64;
+    format!("solving {} {}", bar(share), figures(progress, left))
+}
+
+fn figures(progress: &Progress, left: f64) -> String {
+    let (strain, stress, left) = (progress.row.strain, progress.row.stress_mpa, time(left));
+    format!("strain {strain:.5}, {stress:.2} MPa, {left} left")
+}
+
+/// Seconds as one reads them: 42 s, 3:05 min, 1:20 h.
+fn time(seconds: f64) -> String {
+    let whole = seconds.round().max(0.0) as u64;
+    match whole {
+        0..60 => format!("{whole} s"),
+        60..3600 => format!("{}:{:02} min", whole / 60, whole % 60),
+        _ => format!("{}:{:02} h", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_solve::Row;
+
+    #[test]
+    fn the_line_fits_a_terminal() {
+        let row = Row { strain: 0.00213, stress_mpa: 31.42, ..Row::default() };
+        let text = line(&Progress { step: 500, steps: 1000, row: &row }, 185.2);
+        assert_eq!(text, "solving [========        ] strain 0.00213, 31.42 MPa, 3:05 min left");
+        assert!(text.len() < 80);
+    }
+
+    #[test]
+    fn times_are_told_as_one_reads_them() {
+        assert_eq!([0.2, 59.4, 60.0, 3599.4, 4805.0].map(time), ["0 s", "59 s", "1:00 min", "59:59 min", "1:20 h"]);
+    }
+}

@@ -1,0 +1,123 @@
+//! Many pairs at a time past their bounds: the steps of [`ellipsoid`](super::super::ellipsoid), lane by lane, in f64.
+
+use super::super::ellipsoid::SLACK;
+use super::super::pair_query::PairQuery;
+use super::pending::Pending;
+use super::vectors::{Vectors, first_lanes};
+use crate::simd::{Lanes, MOST_LANES, Simd, Vectorized, for_each_lane};
+
+/// Answers what the bounds tell: true where a pair is not more than `gap` apart; the rest goes to `pending`, which is empty.
+///
+/// Returns how many pairs the inscribed spheres decided.
+pub(in super::super) struct Glance<'a, 'q> {
+    pub(in super::super) queries: &'a [PairQuery<'q>],
+    pub(in super::super) gap: f64,
+    pub(in super::super) answers: &'a mut [Option<bool>],
+    pub(in super::super) pending: &'a mut Pending,
+}
+
+impl Vectorized for Glance<'_, '_> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> u64 {
+        // Not compiled where it is not taken.
+        if !S::LOCKSTEP_PAYS {
+            return 0;
+        }
+        let Self { queries, gap, answers, pending } = self;
+        let lanes = S::F64::LANES;
+        pending.make_room(queries.len() + lanes);
+        let mut by_spheres = 0;
+        for (i, (queries, answers)) in queries.chunks(lanes).zip(answers.chunks_mut(lanes)).enumerate() {
+            by_spheres += u64::from(glance_at_lanes(simd, i * lanes, queries, gap, answers, pending).count_ones());
+        }
+        by_spheres
+    }
+}
+
+/// Returns the lanes that the inscribed spheres decide.
+#[inline(always)]
+fn glance_at_lanes<S: Simd>(
+    simd: S,
+    first: usize,
+    queries: &[PairQuery<'_>],
+    gap: f64,
+    answers: &mut [Option<bool>],
+    pending: &mut Pending,
+) -> u32 {
+    let last = queries.len() - 1;
+    let (mut rows_a, mut rows_b) = ([&[0.0; 8]; MOST_LANES], [&[0.0; 8]; MOST_LANES]);
+    let mut x = [[0.0; MOST_LANES]; 3];
+    for l in 0..S::F64::LANES {
+        let query = &queries[l.min(last)];
+        (rows_a[l], rows_b[l]) = (&query.a.bounds.row, &query.b.bounds.row);
+        [x[0][l], x[1][l], x[2][l]] = query.b_from_a.into();
+    }
+    let (a, b) = (simd.columns(&rows_a), simd.columns(&rows_b));
+    let x = Vectors::load(simd, &x);
+    let zero = S::F64::all(simd, 0.0);
+    let (n, determinant) = axis(&a, &b, x);
+    let (along, q_a, q_b) = (n.dot(x), n.dot(times(matrix(&a), n)), n.dot(times(matrix(&b), n)));
+    let (sum, product) = (q_a + q_b, q_a * q_b);
+    let beyond = along.above(zero);
+    let apart = beyond & apart(simd, along, sum, product, gap, n);
+    let square = determinant * determinant;
+    let inside = a[7] + b[7];
+    let spheres = (inside * inside * S::F64::all(simd, 1.0 - SLACK)).above(x.dot(x));
+    let common = (a[6] * square).above(q_a) & (b[6] * square).above(q_b) & beyond;
+    let hit = (spheres | common) & !apart;
+    let decided = apart | hit;
+    for (l, answer) in answers.iter_mut().enumerate() {
+        *answer = (decided >> l & 1 == 1).then_some(hit >> l & 1 == 1);
+    }
+    let filled = first_lanes(queries.len());
+    push(pending, filled & !decided, first, x.or(beyond, n), along * along / sum);
+    spheres & filled
+}
+
+/// Lists the lanes of the mask.
+#[inline(always)]
+fn push<L: Lanes<T = f64>>(pending: &mut Pending, mask: u32, first: usize, v: Vectors<L>, closeness: L) {
+    let end = pending.len();
+    let [x, y, z, close] = &mut pending.columns;
+    v.x.front(mask).store(x, end);
+    v.y.front(mask).store(y, end);
+    v.z.front(mask).store(z, end);
+    closeness.front(mask).store(close, end);
+    for_each_lane(mask, |l| pending.add((first + l) as u32));
+}
+
+/// along > sqrt(q_a) + sqrt(q_b) + gap |n|, certainly, where along is positive.
+#[inline(always)]
+fn apart<S: Simd>(simd: S, along: S::F64, sum: S::F64, product: S::F64, gap: f64, n: Vectors<S::F64>) -> u32 {
+    if gap == 0.0 {
+        let rest = along * along * S::F64::all(simd, 1.0 - SLACK) - sum;
+        return rest.above(S::F64::all(simd, 0.0))
+            & (rest * rest).above(product * S::F64::all(simd, 4.0 + 4.0 * SLACK));
+    }
+    // sqrt(q_a) + sqrt(q_b), squared.
+    let squared = sum + product.sqrt() * S::F64::all(simd, 2.0);
+    along.above((squared.sqrt() + n.dot(n).sqrt() * S::F64::all(simd, gap)) * S::F64::all(simd, 1.0 + SLACK))
+}
+
+/// (S_a + S_b)^-1 x times the determinant, and the determinant.
+#[inline(always)]
+fn axis<L: Lanes>(a: &[L; 8], b: &[L; 8], x: Vectors<L>) -> (Vectors<L>, L) {
+    let (xx, yy, zz) = (a[0] + b[0], a[1] + b[1], a[2] + b[2]);
+    let (xy, xz, yz) = (a[3] + b[3], a[4] + b[4], a[5] + b[5]);
+    let (c0, c1, c2) = (yy.times_minus(zz, yz * yz), xx.times_minus(zz, xz * xz), xx.times_minus(yy, xy * xy));
+    let (c3, c4, c5) = (xz.times_minus(yz, xy * zz), xy.times_minus(yz, xz * yy), xy.times_minus(xz, yz * xx));
+    (times([c0, c1, c2, c3, c4, c5], x), xx.times_plus(c0, xy.times_plus(c3, xz * c4)))
+}
+
+#[inline(always)]
+fn matrix<L: Lanes>(&[xx, yy, zz, xy, xz, yz, ..]: &[L; 8]) -> [L; 6] {
+    [xx, yy, zz, xy, xz, yz]
+}
+
+#[inline(always)]
+fn times<L: Lanes>([xx, yy, zz, xy, xz, yz]: [L; 6], v: Vectors<L>) -> Vectors<L> {
+    let (x, y, z) = (Vectors { x: xx, y: xy, z: xz }, Vectors { x: xy, y: yy, z: yz }, Vectors { x: xz, y: yz, z: zz });
+    Vectors { x: x.dot(v), y: y.dot(v), z: z.dot(v) }
+}

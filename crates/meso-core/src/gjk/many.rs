@@ -1,0 +1,160 @@
+//! Many questions at once: pairs in lockstep through the same stages as a single one.
+//!
+//! The answers are those of [`overlap`](super::overlap), in any order and on any machine: both are exact. Where lockstep does
+//! not pay, on the instruction set or with few pairs, they are asked one by one.
+
+use super::cascade::Counters;
+use super::lockstep::{Glance, Pending, Search, Undecided};
+use super::pair_query::PairQuery;
+use crate::simd::{Simd, Vectorized, dispatch};
+use std::cell::RefCell;
+use std::ops::Range;
+
+/// Pairs below which they are asked one by one: less than a register's lanes, twice.
+const FEW: usize = 8;
+
+/// [`overlap`](super::overlap) for each of many pairs, in their order.
+///
+/// ```
+/// use meso_core::{gjk::{Body, PairQuery, overlap_many}, math::Vec3};
+/// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+/// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
+/// assert_eq!(overlap_many(&[query(1.0), query(2.0), query(3.0)]), [true, true, false]);
+/// ```
+pub fn overlap_many(queries: &[PairQuery<'_>]) -> Vec<bool> {
+    if queries.len() < FEW || !lockstep_pays() {
+        return queries.iter().map(|q| !q.query(0.0).apart(&mut Counters::default())).collect();
+    }
+    with_work(|work| {
+        work.glance(queries, 0.0);
+        work.chosen.extend(0..work.pending.len() as u32);
+        work.search(queries, 0.0);
+        work.answers.iter().map(|&answer| answer == Some(true)).collect()
+    })
+}
+
+/// True on instruction sets where many pairs in lockstep take less than two thirds of the time of one after the other.
+fn lockstep_pays() -> bool {
+    struct Pays;
+    impl Vectorized for Pays {
+        type Output = bool;
+        #[inline(always)]
+        fn run<S: Simd>(self, _: S) -> bool {
+            S::LOCKSTEP_PAYS
+        }
+    }
+    dispatch(Pays)
+}
+
+/// Which of many attempts are clear: attempt i asks `asks[ends[i - 1]..ends[i]]`, and is clear if all of these are more
+/// than `gap` (mm, at least 0) apart.
+///
+/// Bounds first, for all; then, attempt by attempt, the pair that seems closest; then what is left. Most attempts of a
+/// dense packing fail, most of them without a look at a vertex.
+///
+/// ```
+/// use meso_core::{gjk::{Body, PairQuery, clear_many}, math::Vec3};
+/// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+/// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
+/// // Two places for one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.
+/// assert_eq!(clear_many(&[query(4.0), query(4.0), query(2.5)], &[1, 3], 0.6), [true, false]);
+/// ```
+///
+/// # Panics
+/// When `ends` does not ascend to the number of `queries`.
+pub fn clear_many(queries: &[PairQuery<'_>], ends: &[u32], gap: f64) -> Vec<bool> {
+    assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
+    if !lockstep_pays() {
+        let apart = |q: &PairQuery<'_>| q.query(gap).apart(&mut Counters::default());
+        return attempts(ends).map(|attempt| queries[attempt].iter().all(apart)).collect();
+    }
+    with_work(|work| {
+        work.glance(queries, gap);
+        work.choose_closest(ends);
+        work.search(queries, gap);
+        work.choose_rest();
+        work.search(queries, gap);
+        // All that is open still belongs to an attempt that has failed.
+        let clear = |attempt: Range<usize>| !any(&work.answers[attempt], |answer| answer != Some(false));
+        attempts(ends).map(clear).collect()
+    })
+}
+
+fn attempts(ends: &[u32]) -> impl Iterator<Item = Range<usize>> + '_ {
+    (0..ends.len()).map(|i| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize)
+}
+
+/// Runs with the memory that each thread keeps from one batch to the next: fresh memory would cost a sixth of the time.
+fn with_work<R>(run: impl FnOnce(&mut Work) -> R) -> R {
+    thread_local! {
+        static WORK: RefCell<Work> = RefCell::default();
+    }
+    WORK.with_borrow_mut(run)
+}
+
+/// Questions on their way through the stages.
+#[derive(Default)]
+struct Work {
+    /// `Some(true)`: not more than the gap apart.
+    answers: Vec<Option<bool>>,
+    pending: Pending,
+    /// Entries of `pending` to search next.
+    chosen: Vec<u32>,
+    undecided: Vec<Undecided>,
+    /// The attempts of which the closest pair was searched: their entries of `pending`.
+    begun: Vec<Range<u32>>,
+}
+
+impl Work {
+    fn glance(&mut self, queries: &[PairQuery<'_>], gap: f64) {
+        self.answers.clear();
+        self.answers.resize(queries.len(), None);
+        self.pending.clear();
+        dispatch(Glance { queries, gap, answers: &mut self.answers, pending: &mut self.pending });
+    }
+
+    /// Answers the chosen questions.
+    fn search(&mut self, queries: &[PairQuery<'_>], gap: f64) {
+        let Self { answers, pending, chosen, undecided, .. } = self;
+        dispatch(Search { queries, gap, pending, chosen, answers, undecided });
+        chosen.clear();
+        for Undecided { entry, portal } in undecided.drain(..) {
+            let i = pending.queries()[entry as usize] as usize;
+            let v = pending.direction(entry as usize);
+            answers[i] = Some(!queries[i].query(gap).settle_from(&v, portal, &mut Counters::default()));
+        }
+    }
+
+    /// The closest open question of every attempt that has not failed.
+    fn choose_closest(&mut self, ends: &[u32]) {
+        self.begun.clear();
+        let (pending, mut at) = (&self.pending, 0);
+        for attempt in attempts(ends) {
+            let (start, mut closest) = (at, at);
+            while at < pending.len() && (pending.queries()[at] as usize) < attempt.end {
+                closest = if pending.closeness(at) < pending.closeness(closest) { at } else { closest };
+                at += 1;
+            }
+            if at > start && !any(&self.answers[attempt], |answer| answer == Some(true)) {
+                self.chosen.push(closest as u32);
+                self.begun.push(start as u32..at as u32);
+            }
+        }
+    }
+
+    /// Every question that is open still, of every attempt that has not failed since.
+    fn choose_rest(&mut self) {
+        let answer = |entry: u32| self.answers[self.pending.queries()[entry as usize] as usize];
+        for entries in &self.begun {
+            if !entries.clone().any(|entry| answer(entry) == Some(true)) {
+                self.chosen.extend(entries.clone().filter(|&entry| answer(entry).is_none()));
+            }
+        }
+    }
+}
+
+/// Without a branch for each: nobody could foretell them.
+#[inline(always)]
+fn any(answers: &[Option<bool>], is_so: impl Fn(Option<bool>) -> bool) -> bool {
+    answers.iter().fold(false, |any, &answer| any | is_so(answer))
+}

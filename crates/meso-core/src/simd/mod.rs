@@ -1,0 +1,210 @@
+//! The widest vector instructions of the machine: one choice, at run time, for the whole crate.
+//!
+//! [`widest`] runs plain loops, which the compiler vectorizes; [`dispatch`] runs code that is written with [`Lanes`]. The
+//! compiler never fuses or reorders floating-point operations, and fused multiply-adds are exact to define, so every
+//! instruction set finds the same bits. A value of a vector type is made from a token of its instruction set, and a token
+//! only by [`dispatch`], after detection: so the operations on it are safe.
+#![allow(unsafe_code)]
+
+mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use std::ops::{Add, Div, Mul, Sub};
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// A set of vector instructions, the narrowest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Isa {
+    /// What every machine of the target has: SSE2 on x86-64, NEON on arm64.
+    Scalar,
+    /// AVX2 and FMA.
+    Avx2,
+    /// AVX-512 F, BW, DQ and VL.
+    Avx512,
+}
+
+impl Isa {
+    /// All, the narrowest first.
+    pub const ALL: [Self; 3] = [Self::Scalar, Self::Avx2, Self::Avx512];
+
+    /// `scalar`, `avx2` or `avx512`.
+    pub fn name(self) -> &'static str {
+        ["scalar", "avx2", "avx512"][self as usize]
+    }
+
+    /// What the machine has.
+    fn best() -> Self {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::is_x86_feature_detected as has;
+            if has!("avx2") && has!("fma") {
+                let wide = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
+                return if wide { Self::Avx512 } else { Self::Avx2 };
+            }
+        }
+        Self::Scalar
+    }
+}
+
+/// What [`dispatch`] uses, and 1 more; 0 before it is known. Never more than the machine has.
+static CHOSEN: AtomicU8 = AtomicU8::new(0);
+
+/// The instructions in use.
+#[inline(always)]
+pub fn isa() -> Isa {
+    match CHOSEN.load(Ordering::Relaxed) {
+        1 => Isa::Scalar,
+        2 => Isa::Avx2,
+        3 => Isa::Avx512,
+        _ => choose(Isa::Avx512),
+    }
+}
+
+/// Uses `isa`, or what the machine has where that is less, from now on and in all threads; returns what is used.
+///
+/// Results do not change, only their run time: for tests and benches.
+#[cold]
+pub fn choose(isa: Isa) -> Isa {
+    let isa = isa.min(Isa::best());
+    CHOSEN.store(isa as u8 + 1, Ordering::Relaxed);
+    isa
+}
+
+/// Work written with the vector types of an instruction set.
+pub(crate) trait Vectorized {
+    /// What comes of it.
+    type Output;
+    /// Does the work; must be `#[inline(always)]`, with all it calls, to be compiled for the instructions of `simd`.
+    fn run<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// Runs `work` on the widest registers there are.
+#[inline]
+pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
+    #[cfg(target_arch = "x86_64")]
+    match isa() {
+        // SAFETY: `isa` is at most what was detected; so below.
+        Isa::Avx512 => return unsafe { x86::on_avx512(work) },
+        Isa::Avx2 => return unsafe { x86::on_avx2(work) },
+        Isa::Scalar => {}
+    }
+    work.run(portable::Portable::new())
+}
+
+/// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one that must
+/// be inlined, and what is not inlined is compiled for narrow registers.
+pub(crate) trait Wide {
+    /// What comes of it.
+    type Output;
+    /// Does the work. Give it `#[inline(always)]`, and all that it calls.
+    fn run(self) -> Self::Output;
+}
+
+/// Runs `work`, compiled for the widest registers there are.
+#[inline]
+pub(crate) fn widest<W: Wide>(work: W) -> W::Output {
+    struct Plain<W>(W);
+    impl<W: Wide> Vectorized for Plain<W> {
+        type Output = W::Output;
+        #[inline(always)]
+        fn run<S: Simd>(self, _: S) -> W::Output {
+            self.0.run()
+        }
+    }
+    dispatch(Plain(work))
+}
+
+/// The token of an instruction set.
+pub(crate) trait Simd: Copy {
+    /// Its register of f32.
+    type F32: Lockstep<Token = Self>;
+    /// Its register of f64.
+    type F64: Lanes<T = f64, Token = Self>;
+    /// True where many pairs in lockstep take less than two thirds of the time of one after the other: as measured.
+    const LOCKSTEP_PAYS: bool;
+
+    /// The columns of as many rows as a register has f64.
+    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F64; 8];
+
+    /// The same memory, of which the compiler knows nothing.
+    ///
+    /// Else it loads the points once for all supports of a search: into registers that it does not have, hence onto the
+    /// stack, where a first support took twice its time.
+    #[inline(always)]
+    #[allow(clippy::pointers_in_nomem_asm_block, reason = "what it points to is not touched")]
+    fn afresh<T>(self, there: &T) -> &T {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let mut at: *const T = there;
+            // SAFETY: nothing is done, so the pointer is what it was.
+            unsafe {
+                std::arch::asm!("/* {0} */", inout(reg) at, options(nomem, nostack, preserves_flags));
+                &*at
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        there
+    }
+}
+
+/// The most lanes of any register.
+pub(crate) const MOST_LANES: usize = 16;
+/// Slots whose number fits into the low bits of a key.
+pub(crate) const SLOTS: usize = 32;
+
+/// A register: numbers side by side, lane 0 first. Masks have bit `l` for lane `l`.
+pub(crate) trait Lanes:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// f32 or f64.
+    type T: Copy;
+    /// What proves that the machine has the instructions.
+    type Token: Copy;
+    /// Number of lanes, at most [`MOST_LANES`].
+    const LANES: usize;
+
+    /// The same number in all lanes.
+    fn all(token: Self::Token, value: Self::T) -> Self;
+    /// The numbers from `from[at]` on.
+    fn load(token: Self::Token, from: &[Self::T], at: usize) -> Self;
+    /// Stores all lanes from `to[at]` on.
+    fn store(self, to: &mut [Self::T], at: usize);
+    /// self * factor + term, rounded once.
+    fn times_plus(self, factor: Self, term: Self) -> Self;
+    /// self * factor - term, rounded once.
+    fn times_minus(self, factor: Self, term: Self) -> Self;
+    /// The square root.
+    fn sqrt(self) -> Self;
+    /// The magnitude.
+    fn abs(self) -> Self;
+    /// The larger number of each lane.
+    fn max(self, other: Self) -> Self;
+    /// The lanes where `self` is larger; none for NaN.
+    fn above(self, other: Self) -> u32;
+    /// `other` in the lanes of the mask.
+    fn or(self, mask: u32, other: Self) -> Self;
+    /// The lanes of the mask, moved to the front; what is behind them has no meaning.
+    fn front(self, mask: u32) -> Self;
+    /// The numbers with their lowest five bits replaced by the slots `at`, `at` + 1, ...
+    fn keyed(self, at: usize) -> Self;
+    /// The largest lane.
+    fn largest(self) -> Self::T;
+}
+
+/// What only a search in lockstep asks for.
+pub(crate) trait Lockstep: Lanes<T = f32> {
+    /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are lanes.
+    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self;
+    /// The largest lane of each of as many registers as there are lanes, in their order.
+    fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self;
+}
+
+/// Calls `act` with each lane of the mask.
+#[inline(always)]
+pub(crate) fn for_each_lane(mut mask: u32, mut act: impl FnMut(usize)) {
+    while mask != 0 {
+        act(mask.trailing_zeros() as usize);
+        mask &= mask - 1;
+    }
+}

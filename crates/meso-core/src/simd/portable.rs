@@ -1,0 +1,152 @@
+//! Vector types for any machine: arrays, which the compiler turns into what registers there are.
+
+use super::{Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
+use std::ops::{Add, Div, Mul, Sub};
+
+/// The token of every machine.
+#[derive(Clone, Copy)]
+pub(crate) struct Portable(());
+
+impl Portable {
+    pub(super) fn new() -> Self {
+        Self(())
+    }
+}
+
+impl Simd for Portable {
+    type F32 = Array<f32>;
+    type F64 = Array<f64>;
+    // Not measured on arm64; on x86-64 without FMA it loses.
+    const LOCKSTEP_PAYS: bool = false;
+
+    #[inline(always)]
+    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f64>; 8] {
+        std::array::from_fn(|column| Array(std::array::from_fn(|l| f64::from(rows[l][column]))))
+    }
+}
+
+const LANES: usize = 4;
+
+/// Four numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Array<T>([T; LANES]);
+
+macro_rules! operator {
+    ($trait:ident, $method:ident) => {
+        impl<T: Copy + $trait<Output = T>> $trait for Array<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(std::array::from_fn(|l| self.0[l].$method(other.0[l])))
+            }
+        }
+    };
+}
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+macro_rules! lanes {
+    ($t:ty, $bits:ty) => {
+        impl Lanes for Array<$t> {
+            type T = $t;
+            type Token = Portable;
+            const LANES: usize = LANES;
+
+            #[inline(always)]
+            fn all(_: Portable, value: $t) -> Self {
+                Self([value; LANES])
+            }
+
+            #[inline(always)]
+            fn load(_: Portable, from: &[$t], at: usize) -> Self {
+                Self(std::array::from_fn(|l| from[at + l]))
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut [$t], at: usize) {
+                to[at..at + LANES].copy_from_slice(&self.0);
+            }
+
+            #[inline(always)]
+            fn times_plus(self, factor: Self, term: Self) -> Self {
+                Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], term.0[l])))
+            }
+
+            #[inline(always)]
+            fn times_minus(self, factor: Self, term: Self) -> Self {
+                Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], -term.0[l])))
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self(self.0.map(<$t>::sqrt))
+            }
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                Self(self.0.map(<$t>::abs))
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                Self(std::array::from_fn(|l| if self.0[l] > other.0[l] { self.0[l] } else { other.0[l] }))
+            }
+
+            #[inline(always)]
+            fn above(self, other: Self) -> u32 {
+                (0..LANES).fold(0, |mask, l| mask | u32::from(self.0[l] > other.0[l]) << l)
+            }
+
+            #[inline(always)]
+            fn or(self, mask: u32, other: Self) -> Self {
+                Self(std::array::from_fn(|l| if mask >> l & 1 == 1 { other.0[l] } else { self.0[l] }))
+            }
+
+            #[inline(always)]
+            fn front(self, mask: u32) -> Self {
+                let mut front = self;
+                let mut end = 0;
+                super::for_each_lane(mask, |l| {
+                    front.0[end] = self.0[l];
+                    end += 1;
+                });
+                front
+            }
+
+            #[inline(always)]
+            fn keyed(self, at: usize) -> Self {
+                let key = |l: usize| self.0[l].to_bits() & !(SLOTS as $bits - 1) | (at + l) as $bits;
+                Self(std::array::from_fn(|l| <$t>::from_bits(key(l))))
+            }
+
+            #[inline(always)]
+            fn largest(self) -> $t {
+                let [a, b, c, d] = self.0;
+                let (p, q) = (if a > b { a } else { b }, if c > d { c } else { d });
+                if p > q { p } else { q }
+            }
+        }
+    };
+}
+lanes!(f32, u32);
+lanes!(f64, u64);
+
+impl Lockstep for Array<f32> {
+    #[inline(always)]
+    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
+        let mut refilled = self;
+        let mut next = at;
+        super::for_each_lane(mask, |l| {
+            refilled.0[l] = from[next];
+            next += 1;
+        });
+        refilled
+    }
+
+    #[inline(always)]
+    fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self {
+        Self(std::array::from_fn(|l| registers[l].largest()))
+    }
+}

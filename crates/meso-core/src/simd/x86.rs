@@ -1,0 +1,523 @@
+//! Vector types of x86-64: AVX2 with FMA, and AVX-512.
+
+use super::{Lanes, Lockstep, MOST_LANES, SLOTS, Simd, Vectorized};
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// The token of AVX2 and FMA: made in [`on_avx2`] alone.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx2(());
+
+/// The token of AVX-512: made in [`on_avx512`] alone.
+#[derive(Clone, Copy)]
+pub(crate) struct Avx512(());
+
+#[target_feature(enable = "avx2,fma")]
+pub(super) fn on_avx2<V: Vectorized>(work: V) -> V::Output {
+    work.run(Avx2(()))
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
+pub(super) fn on_avx512<V: Vectorized>(work: V) -> V::Output {
+    work.run(Avx512(()))
+}
+
+impl Simd for Avx2 {
+    type F32 = F32x8;
+    type F64 = F64x4;
+    const LOCKSTEP_PAYS: bool = true;
+
+    #[inline(always)]
+    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F64x4; 8] {
+        // SAFETY: see `operator`; a row is eight floats.
+        unsafe {
+            let (r0, r1) = (_mm256_loadu_ps(rows[0].as_ptr()), _mm256_loadu_ps(rows[1].as_ptr()));
+            let (r2, r3) = (_mm256_loadu_ps(rows[2].as_ptr()), _mm256_loadu_ps(rows[3].as_ptr()));
+            let (p0, p1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+            let (p2, p3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+            let (q0, q1) = (_mm256_shuffle_ps::<0x44>(p0, p2), _mm256_shuffle_ps::<0xEE>(p0, p2));
+            let (q2, q3) = (_mm256_shuffle_ps::<0x44>(p1, p3), _mm256_shuffle_ps::<0xEE>(p1, p3));
+            [
+                F64x4(_mm256_cvtps_pd(_mm256_castps256_ps128(q0))),
+                F64x4(_mm256_cvtps_pd(_mm256_castps256_ps128(q1))),
+                F64x4(_mm256_cvtps_pd(_mm256_castps256_ps128(q2))),
+                F64x4(_mm256_cvtps_pd(_mm256_castps256_ps128(q3))),
+                F64x4(_mm256_cvtps_pd(_mm256_extractf128_ps::<1>(q0))),
+                F64x4(_mm256_cvtps_pd(_mm256_extractf128_ps::<1>(q1))),
+                F64x4(_mm256_cvtps_pd(_mm256_extractf128_ps::<1>(q2))),
+                F64x4(_mm256_cvtps_pd(_mm256_extractf128_ps::<1>(q3))),
+            ]
+        }
+    }
+}
+
+impl Simd for Avx512 {
+    type F32 = F32x16;
+    type F64 = F64x8;
+    const LOCKSTEP_PAYS: bool = true;
+
+    #[inline(always)]
+    fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F64x8; 8] {
+        // SAFETY: see `operator`; a row is eight floats.
+        unsafe {
+            let (r0, r1) = (_mm256_loadu_ps(rows[0].as_ptr()), _mm256_loadu_ps(rows[1].as_ptr()));
+            let (r2, r3) = (_mm256_loadu_ps(rows[2].as_ptr()), _mm256_loadu_ps(rows[3].as_ptr()));
+            let (r4, r5) = (_mm256_loadu_ps(rows[4].as_ptr()), _mm256_loadu_ps(rows[5].as_ptr()));
+            let (r6, r7) = (_mm256_loadu_ps(rows[6].as_ptr()), _mm256_loadu_ps(rows[7].as_ptr()));
+            let (p0, p1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+            let (p2, p3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+            let (p4, p5) = (_mm256_unpacklo_ps(r4, r5), _mm256_unpackhi_ps(r4, r5));
+            let (p6, p7) = (_mm256_unpacklo_ps(r6, r7), _mm256_unpackhi_ps(r6, r7));
+            let (q0, q1) = (_mm256_shuffle_ps::<0x44>(p0, p2), _mm256_shuffle_ps::<0xEE>(p0, p2));
+            let (q2, q3) = (_mm256_shuffle_ps::<0x44>(p1, p3), _mm256_shuffle_ps::<0xEE>(p1, p3));
+            let (q4, q5) = (_mm256_shuffle_ps::<0x44>(p4, p6), _mm256_shuffle_ps::<0xEE>(p4, p6));
+            let (q6, q7) = (_mm256_shuffle_ps::<0x44>(p5, p7), _mm256_shuffle_ps::<0xEE>(p5, p7));
+            [
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x20>(q0, q4))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x20>(q1, q5))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x20>(q2, q6))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x20>(q3, q7))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x31>(q0, q4))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x31>(q1, q5))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x31>(q2, q6))),
+                F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x31>(q3, q7))),
+            ]
+        }
+    }
+}
+
+/// 0, 1, 2, ...: the slots of points, as bits.
+#[repr(align(64))]
+struct Counting<T>([T; SLOTS]);
+static SLOTS_32: Counting<u32> = Counting(counting_32());
+static SLOTS_64: Counting<u64> = Counting(counting_64());
+
+const fn counting_32() -> [u32; SLOTS] {
+    let mut slots = [0; SLOTS];
+    let mut slot = 0;
+    while slot < SLOTS {
+        slots[slot] = slot as u32;
+        slot += 1;
+    }
+    slots
+}
+
+const fn counting_64() -> [u64; SLOTS] {
+    let mut slots = [0; SLOTS];
+    let mut slot = 0;
+    while slot < SLOTS {
+        slots[slot] = slot as u64;
+        slot += 1;
+    }
+    slots
+}
+
+/// For each mask of eight lanes, a byte per lane: the lane to take so that those of the mask come first.
+static TO_FRONT: [u64; 256] = permutations(true);
+/// The lane to take so that the first ones come to those of the mask.
+static FROM_FRONT: [u64; 256] = permutations(false);
+
+const fn permutations(to_front: bool) -> [u64; 256] {
+    let mut all = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut taken) = (0, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                let (from, to) = if to_front { (lane, taken) } else { (taken, lane) };
+                all[mask] |= from << (8 * to);
+                taken += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    all
+}
+
+macro_rules! operator {
+    ($name:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: a value is made from a token, which is made where the instructions were detected; so for all
+                // operations of this file. Loads and stores assert that the memory is there.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+macro_rules! lanes {
+    (
+        $name:ident($register:ty), $lanes:literal of $t:ty, with $token:ty,
+        [$add:ident, $sub:ident, $mul:ident, $div:ident, $max:ident, $sqrt:ident, $fmadd:ident, $fmsub:ident],
+        [$set1:ident, $loadu:ident, $storeu:ident],
+        $($special:item)*
+    ) => {
+        /// A register.
+        #[derive(Clone, Copy)]
+        pub(crate) struct $name($register);
+        operator!($name, Add, add, $add);
+        operator!($name, Sub, sub, $sub);
+        operator!($name, Mul, mul, $mul);
+        operator!($name, Div, div, $div);
+
+        impl Lanes for $name {
+            type T = $t;
+            type Token = $token;
+            const LANES: usize = $lanes;
+
+            #[inline(always)]
+            fn all(_: $token, value: $t) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $set1(value) })
+            }
+
+            #[inline(always)]
+            fn load(_: $token, from: &[$t], at: usize) -> Self {
+                assert!(at + $lanes <= from.len());
+                // SAFETY: the numbers are there.
+                Self(unsafe { $loadu(from.as_ptr().add(at).cast()) })
+            }
+
+            #[inline(always)]
+            fn store(self, to: &mut [$t], at: usize) {
+                assert!(at + $lanes <= to.len());
+                // SAFETY: there is room.
+                unsafe { $storeu(to.as_mut_ptr().add(at).cast(), self.0) };
+            }
+
+            #[inline(always)]
+            fn times_plus(self, factor: Self, term: Self) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $fmadd(self.0, factor.0, term.0) })
+            }
+
+            #[inline(always)]
+            fn times_minus(self, factor: Self, term: Self) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $fmsub(self.0, factor.0, term.0) })
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $sqrt(self.0) })
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $max(self.0, other.0) })
+            }
+
+            $($special)*
+        }
+    };
+}
+
+lanes! {
+    F32x8(__m256), 8 of f32, with Avx2,
+    [_mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps, _mm256_max_ps, _mm256_sqrt_ps, _mm256_fmadd_ps, _mm256_fmsub_ps],
+    [_mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps],
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> u32 {
+        // SAFETY: see `operator`.
+        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0)) as u32 }
+    }
+
+    #[inline(always)]
+    fn or(self, mask: u32, other: Self) -> Self {
+        // SAFETY: see `operator`. The sign of each lane chooses.
+        unsafe {
+            let signs = _mm256_sllv_epi32(_mm256_set1_epi32(mask as i32), _mm256_set_epi32(24, 25, 26, 27, 28, 29, 30, 31));
+            Self(settled(_mm256_blendv_ps(self.0, other.0, _mm256_castsi256_ps(signs))))
+        }
+    }
+
+    #[inline(always)]
+    fn front(self, mask: u32) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm256_permutevar8x32_ps(self.0, permutation(&TO_FRONT, mask)) })
+    }
+
+    #[inline(always)]
+    fn keyed(self, at: usize) -> Self {
+        // SAFETY: see `operator`.
+        unsafe {
+            let mask = _mm256_castsi256_ps(_mm256_set1_epi32(SLOTS as i32 - 1));
+            let slots = _mm256_loadu_ps(SLOTS_32.0[at..at + 8].as_ptr().cast());
+            Self(_mm256_or_ps(_mm256_andnot_ps(mask, self.0), slots))
+        }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        // SAFETY: see `operator`.
+        unsafe {
+            let four = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
+}
+
+impl Lockstep for F32x8 {
+    #[inline(always)]
+    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
+        assert!(at + 8 <= from.len());
+        // SAFETY: the numbers are there.
+        let spread = unsafe {
+            let from = _mm256_loadu_ps(from.as_ptr().add(at));
+            Self(_mm256_permutevar8x32_ps(from, permutation(&FROM_FRONT, mask)))
+        };
+        self.or(mask, spread)
+    }
+
+    #[inline(always)]
+    fn largest_of_each(k: &[Self; MOST_LANES]) -> Self {
+        let (u0, u1) = (k[0].four([k[1], k[2], k[3]]), k[4].four([k[5], k[6], k[7]]));
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let (low, high) = (_mm256_permute2f128_ps::<0x20>(u0.0, u1.0), _mm256_permute2f128_ps::<0x31>(u0.0, u1.0));
+            _mm256_max_ps(low, high)
+        })
+    }
+}
+
+impl F32x8 {
+    /// Per 128 bits: the largest of this register's four numbers, and of three others'.
+    #[inline(always)]
+    fn four(self, [b, c, d]: [Self; 3]) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let p = _mm256_max_ps(_mm256_unpacklo_ps(self.0, b.0), _mm256_unpackhi_ps(self.0, b.0));
+            let q = _mm256_max_ps(_mm256_unpacklo_ps(c.0, d.0), _mm256_unpackhi_ps(c.0, d.0));
+            _mm256_max_ps(_mm256_shuffle_ps::<0x44>(p, q), _mm256_shuffle_ps::<0xEE>(p, q))
+        })
+    }
+}
+
+/// The same register, of which the compiler knows nothing: else it makes a masked store of a blend that is stored, which takes
+/// AMD's machines some 20 cycles.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn settled(mut register: __m256) -> __m256 {
+    // SAFETY: nothing is done.
+    unsafe { std::arch::asm!("/* {0} */", inout(ymm_reg) register, options(pure, nomem, nostack, preserves_flags)) };
+    register
+}
+
+#[inline(always)]
+unsafe fn permutation(table: &[u64; 256], mask: u32) -> __m256i {
+    // SAFETY: called on AVX2.
+    unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(table[mask as usize & 0xFF] as i64)) }
+}
+
+lanes! {
+    F64x4(__m256d), 4 of f64, with Avx2,
+    [_mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd, _mm256_max_pd, _mm256_sqrt_pd, _mm256_fmadd_pd, _mm256_fmsub_pd],
+    [_mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd],
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> u32 {
+        // SAFETY: see `operator`.
+        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u32 }
+    }
+
+    #[inline(always)]
+    fn or(self, mask: u32, other: Self) -> Self {
+        // SAFETY: see `operator`. The sign of each lane chooses.
+        unsafe {
+            let signs = _mm256_sllv_epi64(_mm256_set1_epi64x(i64::from(mask)), _mm256_set_epi64x(60, 61, 62, 63));
+            Self(_mm256_blendv_pd(self.0, other.0, _mm256_castsi256_pd(signs)))
+        }
+    }
+
+    #[inline(always)]
+    fn front(self, mask: u32) -> Self {
+        // SAFETY: see `operator`.
+        unsafe {
+            let halves = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), permutation(&TO_FRONT, in_pairs(mask)));
+            Self(_mm256_castps_pd(halves))
+        }
+    }
+
+    #[inline(always)]
+    fn keyed(self, at: usize) -> Self {
+        // SAFETY: see `operator`.
+        unsafe {
+            let mask = _mm256_castsi256_pd(_mm256_set1_epi64x(SLOTS as i64 - 1));
+            let slots = _mm256_loadu_pd(SLOTS_64.0[at..at + 4].as_ptr().cast());
+            Self(_mm256_or_pd(_mm256_andnot_pd(mask, self.0), slots))
+        }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        // SAFETY: see `operator`.
+        unsafe {
+            let two = _mm_max_pd(_mm256_castpd256_pd128(self.0), _mm256_extractf128_pd::<1>(self.0));
+            _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
+        }
+    }
+}
+
+/// Each bit twice: a lane of 64 bits is two of 32.
+#[inline(always)]
+fn in_pairs(mask: u32) -> u32 {
+    (mask & 1) * 3 | (mask >> 1 & 1) * 12 | (mask >> 2 & 1) * 48 | (mask >> 3 & 1) * 192
+}
+
+lanes! {
+    F32x16(__m512), 16 of f32, with Avx512,
+    [_mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps, _mm512_max_ps, _mm512_sqrt_ps, _mm512_fmadd_ps, _mm512_fmsub_ps],
+    [_mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps],
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_abs_ps(self.0) })
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> u32 {
+        // SAFETY: see `operator`.
+        unsafe { u32::from(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn or(self, mask: u32, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_mask_mov_ps(self.0, mask as u16, other.0) })
+    }
+
+    #[inline(always)]
+    fn front(self, mask: u32) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_maskz_compress_ps(mask as u16, self.0) })
+    }
+
+    #[inline(always)]
+    fn keyed(self, at: usize) -> Self {
+        // SAFETY: see `operator`. Bits of the slot where the mask is set, of the height elsewhere.
+        unsafe {
+            let (mask, slots) =
+                (_mm512_set1_epi32(SLOTS as i32 - 1), _mm512_loadu_si512(SLOTS_32.0[at..at + 16].as_ptr().cast()));
+            let key = _mm512_ternarylogic_epi32::<0xCA>(mask, slots, _mm512_castps_si512(self.0));
+            Self(_mm512_castsi512_ps(key))
+        }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        // SAFETY: see `operator`.
+        unsafe {
+            let eight = _mm256_max_ps(_mm512_castps512_ps256(self.0), _mm512_extractf32x8_ps::<1>(self.0));
+            let four = _mm_max_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+        }
+    }
+}
+
+impl Lockstep for F32x16 {
+    #[inline(always)]
+    fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self {
+        assert!(at + 16 <= from.len());
+        // SAFETY: the numbers are there.
+        Self(unsafe { _mm512_mask_expand_ps(self.0, mask as u16, _mm512_loadu_ps(from.as_ptr().add(at))) })
+    }
+
+    #[inline(always)]
+    fn largest_of_each(k: &[Self; MOST_LANES]) -> Self {
+        let (u0, u1) = (k[0].four([k[1], k[2], k[3]]), k[4].four([k[5], k[6], k[7]]));
+        let (u2, u3) = (k[8].four([k[9], k[10], k[11]]), k[12].four([k[13], k[14], k[15]]));
+        u0.blocks(u1).blocks(u2.blocks(u3))
+    }
+}
+
+impl F32x16 {
+    /// Per 128 bits: the largest of this register's four numbers, and of three others'.
+    #[inline(always)]
+    fn four(self, [b, c, d]: [Self; 3]) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let p = _mm512_max_ps(_mm512_unpacklo_ps(self.0, b.0), _mm512_unpackhi_ps(self.0, b.0));
+            let q = _mm512_max_ps(_mm512_unpacklo_ps(c.0, d.0), _mm512_unpackhi_ps(c.0, d.0));
+            _mm512_max_ps(_mm512_shuffle_ps::<0x44>(p, q), _mm512_shuffle_ps::<0xEE>(p, q))
+        })
+    }
+
+    /// The larger of neighbouring blocks of 128 bits, of this register and then of the other.
+    #[inline(always)]
+    fn blocks(self, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let even = _mm512_shuffle_f32x4::<0b10_00_10_00>(self.0, other.0);
+            _mm512_max_ps(even, _mm512_shuffle_f32x4::<0b11_01_11_01>(self.0, other.0))
+        })
+    }
+}
+
+lanes! {
+    F64x8(__m512d), 8 of f64, with Avx512,
+    [_mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd, _mm512_max_pd, _mm512_sqrt_pd, _mm512_fmadd_pd, _mm512_fmsub_pd],
+    [_mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd],
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_abs_pd(self.0) })
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> u32 {
+        // SAFETY: see `operator`.
+        unsafe { u32::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn or(self, mask: u32, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_mask_mov_pd(self.0, mask as u8, other.0) })
+    }
+
+    #[inline(always)]
+    fn front(self, mask: u32) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_maskz_compress_pd(mask as u8, self.0) })
+    }
+
+    #[inline(always)]
+    fn keyed(self, at: usize) -> Self {
+        // SAFETY: see `operator`. Bits of the slot where the mask is set, of the height elsewhere.
+        unsafe {
+            let (mask, slots) =
+                (_mm512_set1_epi64(SLOTS as i64 - 1), _mm512_loadu_si512(SLOTS_64.0[at..at + 8].as_ptr().cast()));
+            let key = _mm512_ternarylogic_epi64::<0xCA>(mask, slots, _mm512_castpd_si512(self.0));
+            Self(_mm512_castsi512_pd(key))
+        }
+    }
+
+    #[inline(always)]
+    fn largest(self) -> f64 {
+        // SAFETY: see `operator`.
+        unsafe { _mm512_reduce_max_pd(self.0) }
+    }
+}

@@ -1,0 +1,337 @@
+//! `Mesh.solve` and what it returns: the curve, figures and fields of a test.
+
+use crate::arrays;
+use crate::boundary::guard;
+use crate::files;
+use crate::mesh::PyMesh;
+use crate::packing::call_view;
+use crate::run::{Watch, beside_python_on, check_callable};
+use crate::spec::options;
+use crate::tree;
+use meso_core::Progress as _;
+use meso_core::materials::Materials;
+use meso_core::mesh::Mesh;
+use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
+use meso_solve::{Ended, Frame, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Everything that a test gave.
+struct Tested {
+    mesh: Arc<Mesh>,
+    response: Response,
+    source: Source,
+    frames: Vec<Arc<Snapshot>>,
+    /// The end; none of a run that diverged.
+    last: Option<Arc<Snapshot>>,
+    seconds: Seconds,
+}
+
+impl Tested {
+    fn with_outcome<T>(&self, work: impl FnOnce(&Outcome) -> T) -> T {
+        let moments: Vec<results::Moment> = self.frames.iter().map(|frame| frame.moment).collect();
+        work(&Outcome {
+            mesh: &self.mesh,
+            response: &self.response,
+            source: &self.source,
+            frames: &moments,
+            last: self.last.as_deref(),
+            seconds: self.seconds,
+        })
+    }
+}
+
+/// The test of a mesh: stress and strain, energies, figures and fields.
+#[pyclass(name = "Response", module = "mesocrete", frozen)]
+pub(crate) struct PyResponse(Arc<Tested>);
+
+/// The fields of a moment of a test.
+#[pyclass(name = "Frame", module = "mesocrete", frozen)]
+pub(crate) struct PyFrame(Arc<Mesh>, Arc<Snapshot>);
+
+/// What stands in the keywords of [`solve`].
+pub(crate) struct Asked {
+    test: Test,
+    materials: Materials,
+    threads: Option<usize>,
+}
+
+impl Asked {
+    /// Reads and checks the keywords, before any work.
+    pub(crate) fn new(
+        kind: &str,
+        materials: Option<&Bound<'_, PyDict>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        keywords: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        keywords.set_item("kind", kind)?;
+        let (test, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
+        meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
+        Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()? })
+    }
+}
+
+fn checked_threads(threads: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let number: Option<usize> = threads.extract().ok().filter(|number| (1..=1024).contains(number));
+    number.ok_or_else(|| PyValueError::new_err(format!("threads is {threads}; it must be an int from 1 to 1024")))
+}
+
+/// A keyword's name is the test's own.
+fn wrong(error: &SolveError) -> PyErr {
+    let text = error.to_string();
+    PyValueError::new_err(text.strip_prefix("test.").unwrap_or(&text).to_owned())
+}
+
+/// Tests a mesh beside Python.
+pub(crate) fn solve(
+    py: Python<'_>,
+    mesh: &PyMesh,
+    asked: Asked,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PyResponse> {
+    check_callable(progress)?;
+    let (threads, mesh) = (asked.threads, mesh.clone());
+    let tested = beside_python_on(py, threads, progress, move |watch| {
+        watch.stops_soon();
+        test(&mesh, &asked, watch)
+    })?;
+    Ok(PyResponse(Arc::new(tested.map_err(|error| wrong(&error))?)))
+}
+
+fn test(PyMesh(mesh, model, options): &PyMesh, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
+    let begun = watch.seconds();
+    // Progress is asked for while the test is still prepared.
+    watch.update(0.0, asked.test.strain());
+    let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
+    let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
+    let response = run.to_end(&watching);
+    // What a run that diverged holds now are no numbers.
+    let diverged = matches!(response.result.ended, Ended::Diverged(_));
+    let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
+    let solve = watch.seconds() - begun;
+    let seconds = Seconds { solve, total: solve, ..Seconds::default() };
+    let frames = watching.frames.into_inner();
+    Ok(Tested { mesh: Arc::clone(mesh), response, source: Source::of(model, options), frames, last, seconds })
+}
+
+/// Tells Python how far the test is, and gathers its frames.
+struct Watching<'a> {
+    watch: &'a Watch,
+    strain: f64,
+    frames: RefCell<Vec<Arc<Snapshot>>>,
+}
+
+impl Observer for Watching<'_> {
+    fn progress(&self, progress: &Progress) -> Wish {
+        if self.watch.update(progress.row.strain, self.strain) { Wish::GoOn } else { Wish::Stop }
+    }
+
+    fn frame(&self, frame: &Frame) {
+        self.frames.borrow_mut().push(Arc::new(Snapshot::of(frame)));
+    }
+
+    fn stops(&self) -> bool {
+        !self.watch.goes_on()
+    }
+}
+
+#[pymethods]
+impl PyResponse {
+    /// The curve, row by row: a dict of arrays, float64, by the names of `curve.csv`; copies.
+    ///
+    /// `strain` and `stress_mpa` are positive in the test's own sense; `kinetic`, `internal`, `external`, `friction_work`,
+    /// `hourglass` and `dissipated` are energies in mJ.
+    #[getter]
+    fn curve<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let curve = PyDict::new(py);
+        for (column, name) in Row::COLUMNS.into_iter().enumerate() {
+            let values = self.0.response.curve.iter().map(|row| row.values()[column]).collect();
+            curve.set_item(name, PyArray1::from_vec(py, values))?;
+        }
+        Ok(curve)
+    }
+
+    /// The figures of the test, as in `result.json`: a dict; a copy.
+    #[getter]
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let figures = self.0.with_outcome(results::figures);
+        tree::to_python(py, &figures.map_err(|error| PyValueError::new_err(error.to_string()))?)
+    }
+
+    /// The frames that were asked for, in their order: a list.
+    #[getter]
+    fn frames(&self) -> Vec<PyFrame> {
+        let tested = &self.0;
+        tested.frames.iter().map(|frame| PyFrame(Arc::clone(&tested.mesh), Arc::clone(frame))).collect()
+    }
+
+    /// The end of the test; None where it diverged.
+    #[getter]
+    fn last(&self) -> Option<PyFrame> {
+        self.0.last.as_ref().map(|last| PyFrame(Arc::clone(&self.0.mesh), Arc::clone(last)))
+    }
+
+    /// Draws stress over strain with the peak; returns the matplotlib axes (extra `plot`).
+    ///
+    /// `ax` are axes to draw on; further `options` go to `Axes.plot`.
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("plot_response", slf, options)
+    }
+
+    /// A frame, by its place in `frames`, or the end, as a PyVista grid with all fields (extra `plot`).
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     Where there is no such frame; ask for `frames` when solving.
+    #[pyo3(signature = (frame=None))]
+    fn to_pyvista<'py>(&self, py: Python<'py>, frame: Option<isize>) -> PyResult<Bound<'py, PyAny>> {
+        let frames = &self.0.frames;
+        let found = match frame {
+            None => self.0.last.as_ref(),
+            Some(place) if place < 0 => frames.len().checked_add_signed(place).and_then(|place| frames.get(place)),
+            Some(place) => frames.get(place as usize),
+        };
+        let found = found.ok_or_else(|| {
+            let asked = frame.map_or("the end".to_owned(), |place| place.to_string());
+            PyIndexError::new_err(format!("there is no frame {asked}; this test has {}", frames.len()))
+        })?;
+        let frame = Bound::new(py, PyFrame(Arc::clone(&self.0.mesh), Arc::clone(found)))?;
+        call_view("frame_to_pyvista", &frame, None)
+    }
+
+    /// Writes `curve.csv`, `result.json`, `frames.pvd` with a `.vtu` for each frame, and `result.html`, all or none.
+    ///
+    /// Parameters
+    /// ----------
+    /// folder : path
+    ///     Where they go; made where it is not there.
+    /// overwrite : bool
+    ///     Whether results that are there already are replaced.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     Where they cannot be written, or are there already.
+    #[pyo3(signature = (folder, *, overwrite=true))]
+    fn write(&self, py: Python<'_>, folder: PathBuf, overwrite: bool) -> PyResult<()> {
+        guard(|| {
+            let tested = Arc::clone(&self.0);
+            beside_python_on(py, None, None, move |watch| {
+                tested.with_outcome(|outcome| files::write_results(outcome, &tested.frames, &folder, overwrite, watch))
+            })?
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let figures = &self.0.response.result.figures;
+        let (rows, frames) = (self.0.response.curve.len(), self.0.frames.len());
+        format!(
+            "Response(peak {:.2} MPa at a strain of {:.5}, {rows} rows, {frames} frames)",
+            figures.peak_mpa, figures.peak_strain
+        )
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+}
+
+#[pymethods]
+impl PyFrame {
+    /// Mean axial strain, positive in the test's sense.
+    #[getter]
+    fn strain(&self) -> f64 {
+        self.1.moment.strain
+    }
+
+    /// Stress of the curve's latest row, MPa, positive in the test's sense.
+    #[getter]
+    fn stress_mpa(&self) -> f64 {
+        self.1.moment.stress_mpa
+    }
+
+    /// Time in the test, s.
+    #[getter]
+    fn time_s(&self) -> f64 {
+        self.1.moment.time_s
+    }
+
+    /// Displacement of every node: ndarray, shape (n, 3), float32, mm; a copy.
+    #[getter]
+    fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        rows(py, &self.1.displacement)
+    }
+
+    /// Stress in every cell, xx yy zz xy yz zx: ndarray, shape (m, 6), float32, MPa; tension is positive; a copy.
+    #[getter]
+    fn stress<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        rows(py, &self.1.stress)
+    }
+
+    /// Share of its stiffness that every cell has lost, 0 to 1: ndarray, shape (m,), float32; a copy.
+    #[getter]
+    fn damage<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, &self.1.damage)
+    }
+
+    /// Damage in tension, 0 to 1: ndarray, shape (m,), float32; a copy.
+    #[getter]
+    fn damage_tension<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, &self.1.tension)
+    }
+
+    /// Damage in compression, 0 to 1: ndarray, shape (m,), float32; a copy.
+    #[getter]
+    fn damage_compression<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, &self.1.compression)
+    }
+
+    /// Opening of the crack in every cell: ndarray, shape (m,), float32, mm; a copy.
+    #[getter]
+    fn crack_opening_mm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        PyArray1::from_slice(py, &self.1.opening_mm)
+    }
+
+    /// Phase that every cell has in the test: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
+    #[getter]
+    fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        PyArray1::from_vec(py, self.1.phases.iter().map(|&phase| phase as u8).collect())
+    }
+
+    /// Points, cells and the VTK type of the cells, for `to_pyvista`.
+    fn _mesh<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, &'static str)> {
+        let mesh = &self.0;
+        let cells = arrays::from_indices(py, mesh.cells.iter().copied(), mesh.kind.nodes())?;
+        Ok((arrays::from_points(py, &mesh.points)?, cells, crate::mesh::cell_type(mesh.kind)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Frame(strain {:.5}, {:.2} MPa)", self.strain(), self.stress_mpa())
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+}
+
+fn rows<'py, const N: usize>(py: Python<'py>, values: &[[f32; N]]) -> PyResult<Bound<'py, PyArray2<f32>>> {
+    PyArray1::from_slice(py, values.as_flattened()).reshape([values.len(), N])
+}

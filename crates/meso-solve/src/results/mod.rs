@@ -1,0 +1,201 @@
+//! What a test leaves behind: a curve, figures, frames and a page, each written to an `impl Write`.
+//!
+//! Both fronts, the command and Python, write the same [`ResultFile`]s of one [`Outcome`]; files are theirs.
+
+mod cracks;
+mod page;
+mod png;
+mod section;
+mod snapshot;
+
+pub use snapshot::{Moment, Snapshot};
+
+use crate::curve::Row;
+use crate::response::Response;
+use crate::sample::Sample;
+use meso_core::Model;
+use meso_core::mesh::{Mesh, MeshOptions, Phase, PhaseVolumes};
+use serde::Serialize;
+use std::io::{self, Write};
+
+/// The mesh of `model` that `options` gave, ready to be tested, with the exact volumes of its phases.
+pub fn sample_of<'a>(mesh: &'a Mesh, model: &Model, options: &MeshOptions) -> Sample<'a> {
+    let is_solid = mesh.phase.contains(&Phase::Itz);
+    let shell = |aggregate: &meso_core::aggregate::Aggregate| if is_solid { aggregate.itz_thickness_mm } else { 0.0 };
+    let exact = PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, shell).ok();
+    Sample { exact, ..Sample::of(mesh, &model.spec.specimen, options) }
+}
+
+/// A test that came to its end, and what belongs to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome<'a> {
+    /// What was tested.
+    pub mesh: &'a Mesh,
+    /// What came out.
+    pub response: &'a Response,
+    /// Where the mesh came from.
+    pub source: &'a Source,
+    /// The frames that have a file.
+    pub frames: &'a [Moment],
+    /// The moment that the page shows; a run that diverged at once has none.
+    pub last: Option<&'a Snapshot>,
+    /// How long it took.
+    pub seconds: Seconds,
+}
+
+/// Where a tested mesh came from.
+#[derive(Clone, Debug, Serialize)]
+pub struct Source {
+    /// Of mesocrete.
+    pub version: &'static str,
+    /// Seed of the packing.
+    pub seed: u64,
+    /// Volume of the aggregates over the specimen's.
+    pub fraction: f64,
+    /// What was asked of the mesh.
+    pub mesh: MeshOptions,
+}
+
+impl Source {
+    /// That of a mesh of `model`.
+    pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
+        let (seed, fraction) = (model.report.seed, model.report.fraction);
+        Self { version: env!("CARGO_PKG_VERSION"), seed, fraction, mesh: mesh.clone() }
+    }
+}
+
+/// How long the parts took, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Seconds {
+    /// Packing; 0 where a saved model was read.
+    pub pack: f64,
+    /// Meshing.
+    pub mesh: f64,
+    /// From the mesh to the end of the curve, frames included.
+    pub solve: f64,
+    /// All of it until the results are written.
+    pub total: f64,
+}
+
+/// A file of results; frames have their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResultFile {
+    /// The curve.
+    Curve,
+    /// The figures.
+    Figures,
+    /// The list of frames.
+    Collection,
+    /// The page.
+    Page,
+}
+
+impl ResultFile {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Curve, Self::Figures, Self::Collection, Self::Page];
+
+    /// Its name in the folder of results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Curve => "curve.csv",
+            Self::Figures => "result.json",
+            Self::Collection => "frames.pvd",
+            Self::Page => "result.html",
+        }
+    }
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(self, outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Curve => write_curve(&outcome.response.curve, out),
+            Self::Figures => write_figures(outcome, out),
+            Self::Collection => write_collection(outcome.frames, out),
+            Self::Page => page::write(outcome, out),
+        }
+    }
+}
+
+/// Writes a header of [`Row::COLUMNS`] and a line for every row, in digits that read back to the same numbers; no zero has a
+/// sign.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_curve(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
+    let mut out = io::BufWriter::new(out);
+    writeln!(out, "{}", Row::COLUMNS.join(","))?;
+    for row in rows {
+        writeln!(out, "{}", row.values().map(|value| format!("{:?}", value + 0.0)).join(","))?;
+    }
+    out.flush()
+}
+
+/// What `result.json` holds.
+#[derive(Serialize)]
+struct Figures<'a> {
+    #[serde(flatten)]
+    response: &'a Response,
+    frames: Vec<FrameFigures<'a>>,
+    #[serde(flatten)]
+    source: &'a Source,
+    seconds: Seconds,
+}
+
+#[derive(Serialize)]
+struct FrameFigures<'a> {
+    file: String,
+    #[serde(flatten)]
+    moment: &'a Moment,
+}
+
+/// The figures of an outcome as a tree: what `result.json` holds.
+///
+/// # Errors
+/// None that is known.
+pub fn figures(outcome: &Outcome) -> serde_json::Result<serde_json::Value> {
+    let Outcome { response, source, seconds, .. } = *outcome;
+    let frames = outcome.frames.iter().map(|moment| FrameFigures { file: moment.file(), moment }).collect();
+    serde_json::to_value(Figures { response, frames, source, seconds })
+}
+
+fn write_figures(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *out, &figures(outcome)?)?;
+    writeln!(out)
+}
+
+/// The frames as ParaView and PyVista read them; their time is the strain.
+fn write_collection(frames: &[Moment], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>")?;
+    for moment in frames {
+        writeln!(out, "<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>", moment.strain, moment.file())?;
+    }
+    writeln!(out, "</Collection>\n</VTKFile>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_reads_back_to_the_same_numbers() {
+        let row = Row { strain: 1.0 / 3.0, stress_mpa: 1e-300, time_s: 0.1 + 0.2, ..Row::default() };
+        let mut text = Vec::new();
+        write_curve(&[row], &mut text).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let mut lines = text.lines();
+        assert_eq!(lines.next().unwrap(), Row::COLUMNS.join(","));
+        let read: Vec<f64> = lines.next().unwrap().split(',').map(|value| value.parse().unwrap()).collect();
+        assert_eq!((read, lines.next()), (row.values().to_vec(), None));
+    }
+
+    #[test]
+    fn a_collection_names_its_frames_by_strain() {
+        let moment = |number: u32| Moment { number, strain: 0.001 * f64::from(number), ..Moment::default() };
+        let mut text = Vec::new();
+        write_collection(&[moment(1), moment(2)], &mut text).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        assert!(text.contains("timestep=\"0.002\" part=\"0\" file=\"frame_0002.vtu\""), "{text}");
+    }
+}

@@ -1,0 +1,95 @@
+//! Fields that outlive their moment: what the frames' files and the page's pictures are made of.
+
+use crate::frame::Frame;
+use crate::run::Run;
+use meso_core::export::vtk::Encoding;
+use meso_core::export::vtu_mesh::{self, Field};
+use meso_core::mesh::{Mesh, Phase};
+use serde::{Deserialize, Serialize};
+use std::io::{self, Write};
+
+/// When a frame was taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Moment {
+    /// From 1 to the test's number of frames.
+    pub number: u32,
+    /// Mean axial strain, positive in the test's sense.
+    pub strain: f64,
+    /// Stress of the latest row of the curve, MPa.
+    pub stress_mpa: f64,
+    /// s.
+    pub time_s: f64,
+}
+
+impl Moment {
+    /// Name of the frame's file.
+    pub fn file(&self) -> String {
+        format!("frame_{:04}.vtu", self.number)
+    }
+
+    /// The frame's number, where `name` is that of its file.
+    pub fn number_of(name: &str) -> Option<u32> {
+        name.strip_prefix("frame_")?.strip_suffix(".vtu")?.parse().ok()
+    }
+}
+
+/// All fields of a moment.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// When.
+    pub moment: Moment,
+    /// Of the mesh's nodes, mm.
+    pub displacement: Vec<[f32; 3]>,
+    /// The phase that every cell has in the test.
+    pub phases: Vec<Phase>,
+    /// xx yy zz xy yz zx in every cell, MPa; tension is positive.
+    pub stress: Vec<[f32; 6]>,
+    /// 1 less the share of the stiffness that is left, in every cell.
+    pub damage: Vec<f32>,
+    /// Damage in tension, 0 to 1.
+    pub tension: Vec<f32>,
+    /// Damage in compression, 0 to 1.
+    pub compression: Vec<f32>,
+    /// Opening of the crack in every cell, mm.
+    pub opening_mm: Vec<f32>,
+}
+
+impl Snapshot {
+    /// That of `frame`.
+    pub fn of(frame: &Frame) -> Self {
+        let (number, strain) = (frame.number(), frame.strain());
+        Self {
+            moment: Moment { number, strain, stress_mpa: frame.stress_mpa(), time_s: frame.time_s() },
+            displacement: frame.displacement(),
+            phases: frame.phases().to_vec(),
+            // One field at a time: a point of all of them would be held twice.
+            stress: frame.cells(|point| point.stress),
+            damage: frame.cells(|point| point.damage),
+            tension: frame.cells(|point| point.tension),
+            compression: frame.cells(|point| point.compression),
+            opening_mm: frame.cells(|point| point.opening_mm),
+        }
+    }
+
+    /// That of `run` as it stands, with the number 0.
+    pub fn now(run: &Run) -> Self {
+        Self::of(&Frame::new(run, 0))
+    }
+
+    /// Writes it as a `.vtu` of `mesh`, which it belongs to.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&self, mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
+        let scalar = |name, values| Field { name, components: 1, values };
+        let moved = Field { name: "displacement_mm", components: 3, values: self.displacement.as_flattened() };
+        let cells = [
+            scalar("damage", &self.damage),
+            scalar("damage_tension", &self.tension),
+            scalar("damage_compression", &self.compression),
+            scalar("crack_opening_mm", &self.opening_mm),
+            Field { name: "stress_mpa", components: 6, values: self.stress.as_flattened() },
+        ];
+        vtu_mesh::write_fields(mesh, &self.phases, &[moved], &cells, Encoding::Compressed, out)
+    }
+}

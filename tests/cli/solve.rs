@@ -1,0 +1,247 @@
+//! The test itself by the command: whole results, the same bytes on any number of threads, after a kill, and after Ctrl-C.
+
+use crate::command::{Folder, Run};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// Flags of a test of a moment: elements of 5 mm in a cube of 40 mm.
+const QUICK: [&str; 4] = ["--element-size-mm", "5", "--strain", "0.003"];
+
+fn solve(folder: &Folder, args: &[&str]) -> Run {
+    folder.run(&[&["solve"], args, &QUICK].concat())
+}
+
+fn result(folder: &Folder, name: &str) -> Value {
+    serde_json::from_slice(&folder.read(name)).unwrap()
+}
+
+/// The columns of a curve, by name.
+fn curve(folder: &Folder, name: &str) -> BTreeMap<String, Vec<f64>> {
+    let text = String::from_utf8(folder.read(name)).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    let rows: Vec<Vec<f64>> = lines.map(|row| row.iter().map(|value| value.parse().unwrap()).collect()).collect();
+    let column = |i: usize| rows.iter().map(|row| row[i]).collect();
+    names.iter().enumerate().map(|(i, name)| ((*name).to_owned(), column(i))).collect()
+}
+
+#[test]
+fn a_test_leaves_a_curve_its_figures_frames_and_a_page() {
+    let folder = Folder::with_model();
+    let run = solve(&folder, &["small.json", "-o", "out", "--frames", "2"]);
+    assert_eq!((run.code, run.stdout()), (0, ""), "{}", run.stderr);
+    let files = ["curve.csv", "frame_0001.vtu", "frame_0002.vtu", "frames.pvd", "result.html", "result.json"];
+    assert_eq!(folder.names_in("out"), files);
+    assert!(run.stderr.contains("wrote out/result.html") && run.stderr.contains(" 50 %: strain 0.0"), "{}", run.stderr);
+    let curve = curve(&folder, "out/curve.csv");
+    let columns = ["strain", "stress_mpa", "kinetic", "internal", "external", "friction_work", "hourglass"];
+    assert!(columns.iter().all(|name| curve[*name].iter().all(|value| value.is_finite())));
+    let (strain, stress) = (&curve["strain"], &curve["stress_mpa"]);
+    assert!(strain.is_sorted() && strain.len() > 100 && (strain[strain.len() - 1] / 0.003 - 1.0).abs() < 0.01);
+    let peak = stress.iter().copied().fold(0.0, f64::max);
+    let result = result(&folder, "out/result.json");
+    assert_eq!(result["peak_mpa"].as_f64(), Some(peak));
+    for (key, value) in [("test", "compression"), ("law", "cdp"), ("ended", "completed"), ("version", "0.1.0")] {
+        assert_eq!(result[key], value, "{key}");
+    }
+    for key in [
+        "friction",
+        "elements",
+        "steps",
+        "time_step_s",
+        "added_mass_percent",
+        "modulus_mpa",
+        "peak_strain",
+        "stress_at_end_mpa",
+        "kinetic_over_internal_max",
+        "energy_balance_error",
+        "hourglass_over_internal",
+        "joined_pairs",
+    ] {
+        assert!(result[key].is_number(), "{key} is {}", result[key]);
+    }
+    assert!(result["softened"].is_boolean() && result["warnings"].is_array());
+    assert!(result["seconds"]["mesh"].as_f64() > Some(0.0) && result["seconds"]["solve"].as_f64() > Some(0.0));
+    for phase in result["phases"].as_array().unwrap() {
+        let keys = ["volume_fraction", "exact_fraction", "dissipated_mj"];
+        assert!(phase["name"].is_string() && keys.iter().all(|key| phase[key].is_number()), "{phase}");
+    }
+    let frames = String::from_utf8(folder.read("out/frames.pvd")).unwrap();
+    assert_eq!(frames.matches("file=\"frame_000").count(), 2);
+}
+
+#[test]
+fn the_page_of_a_test_is_whole_in_itself() {
+    let folder = Folder::with_model();
+    assert_eq!(solve(&folder, &["small.json", "-q"]).code, 0);
+    let page = String::from_utf8(folder.read("out/result.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    for foreign in ["http", "@import", "NaN", "Infinity", "<link", "src=\"/"] {
+        assert!(!page.contains(foreign), "the page has {foreign:?}");
+    }
+    assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
+    assert_eq!((page.matches("<svg").count(), page.matches("</svg>").count()), (3, 3));
+    for part in ["<canvas id=\"cracks\"", "id=\"corners\"", "Stress over strain", "strain at the peak", "x = 20 mm"] {
+        assert!(page.contains(part), "the page lacks {part:?}");
+    }
+}
+
+#[test]
+fn results_are_the_same_bytes_on_1_and_2_threads() {
+    let folder = Folder::with_model();
+    for threads in ["1", "2"] {
+        let run = solve(&folder, &["small.json", "-o", threads, "--threads", threads, "--frames", "2", "-q"]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+    }
+    for file in ["curve.csv", "frame_0001.vtu", "frame_0002.vtu", "frames.pvd", "result.html"] {
+        assert!(folder.read(&format!("1/{file}")) == folder.read(&format!("2/{file}")), "{file} differs");
+    }
+}
+
+#[test]
+fn a_spec_is_packed_and_tested_in_one_go() {
+    let folder = Folder::with_spec();
+    let flags = ["--test", "tension", "--element-size-mm", "5", "--seed", "3", "--method", "voxel"];
+    let run = folder.run(&[&["solve", "small.toml"], &flags[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(
+        run.stderr.contains("packing a cube of 64000 mm3: 30 %, 6 to 12 mm, gaps of 0 mm, seed 3"),
+        "{}",
+        run.stderr
+    );
+    let result = result(&folder, "out/result.json");
+    assert_eq!(
+        (&result["test"], result["seed"].as_u64(), result["elements"].as_u64()),
+        (&"tension".into(), Some(3), Some(512))
+    );
+    let peak = result["peak_mpa"].as_f64().unwrap();
+    assert!((1.5..4.0).contains(&peak), "{peak}");
+}
+
+#[test]
+fn results_that_are_there_are_kept_unless_forced() {
+    let folder = Folder::with_model();
+    assert_eq!(solve(&folder, &["small.json", "--frames", "3", "-q"]).code, 0);
+    let before = folder.read("out/curve.csv");
+    let run = solve(&folder, &["small.json", "--friction", "0.5"]);
+    assert_eq!((run.code, run.stderr.as_str()), (1, "error: out/curve.csv exists; --force replaces it\n"));
+    assert!(folder.read("out/curve.csv") == before);
+    assert_eq!(solve(&folder, &["small.json", "--friction", "0.5", "--frames", "1", "--force", "-q"]).code, 0);
+    assert!(folder.read("out/curve.csv") != before);
+    // Frames of the run before would be taken for its own.
+    assert_eq!(folder.names_in("out"), ["curve.csv", "frame_0001.vtu", "frames.pvd", "result.html", "result.json"]);
+}
+
+#[test]
+fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
+    let folder = Folder::with_model();
+    folder.write("soft.toml", "[materials.mortar]\nyoungs_modulus_mpa = -5\n");
+    folder.write("broken.json", "{");
+    let before = folder.names();
+    for (args, code, part) in [
+        (&["none.json"][..], 1, "none.json: No such file or directory; check the name and the folder"),
+        (&["none.toml"], 1, "none.toml: No such file or directory"),
+        (&["broken.json"], 1, "broken.json: "),
+        (&["small.json", "--friction", "-1"], 2, "--friction is -1; it must be 0 to 10"),
+        (&["small.json", "--friction", "nan"], 2, "--friction is NaN;"),
+        (&["small.json", "--strain", "0"], 2, "--strain is 0; it must lie above 0"),
+        (&["small.json", "--strain", "1"], 2, "--strain is 1;"),
+        (&["small.json", "--duration", "-1"], 2, "--duration is -1; it must be a positive number"),
+        (&["small.json", "--time-step", "0"], 2, "--time-step is 0; it must be a positive number"),
+        (&["small.json", "--time-step", "1"], 2, "--time-step is 1;"),
+        (&["small.json", "--frames", "0"], 2, "'--frames <N>': it must be a whole number from 1"),
+        (&["small.json", "--law", "steel"], 2, "it must be one of elastic, cdp"),
+        (&["small.json", "--test", "bending"], 2, "it must be one of compression, tension"),
+        (&["small.json", "--itz", "thick"], 2, "it must be one of smeared, solid, cohesive, none"),
+        (&["small.json", "--order", "2"], 2, "--order"),
+        (&["small.json", "--element-size-mm", "90"], 2, "--element-size-mm is 90; it must lie within"),
+        (&["small.json", "--materials", "soft.toml"], 2, "materials.mortar.youngs_modulus_mpa is -5"),
+        (&["small.json", "--checkpoint", "-1"], 2, "--checkpoint must be a number of seconds"),
+        (&["small.json", "--checkpoint", "1e300"], 2, "--checkpoint must be a number of seconds"),
+        (&["small.json", "--resume"], 1, "there is no out/checkpoint.bin to resume from"),
+        (&["small.json", "--seed", "3"], 2, "--seed is for a packing that is made here"),
+        (&["small.json", "-o", "none/out"], 1, "none/out: No such file or directory"),
+        (&["small.json", "-o", "small.json"], 1, "small.json is no folder"),
+    ] {
+        let run = folder.run(&[&["solve"], args].concat());
+        assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
+        assert!(run.stderr.contains("error: ") && run.stderr.contains(part), "{args:?}: {}", run.stderr);
+        assert_eq!(folder.names(), before, "{args:?}");
+    }
+}
+
+#[cfg(unix)]
+mod signals {
+    use super::*;
+    use std::io::{BufRead, BufReader};
+    use std::process::{Child, Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    /// The quick test in so many steps that it can be caught on its way.
+    const LONG: [&str; 10] =
+        ["solve", "small.json", "--element-size-mm", "5", "--strain", "0.003", "--frames", "4", "--time-step", "2e-8"];
+
+    fn signal(child: &Child, name: &str) {
+        assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+    }
+
+    /// Waits for `event`, as long as the child runs.
+    fn wait_for(child: &mut Child, mut event: impl FnMut() -> bool) {
+        let begun = Instant::now();
+        while !event() {
+            assert!(child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(120), "too late");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    #[test]
+    fn a_killed_test_is_resumed_to_the_same_bytes() {
+        let folder = Folder::with_model();
+        assert_eq!(folder.run(&[&LONG[..], &["-o", "whole", "-q"]].concat()).code, 0);
+        let mut child =
+            folder.command(&[&LONG[..], &["-o", "cut", "--checkpoint", "0", "-q"]].concat()).spawn().unwrap();
+        // Behind the second frame, and a checkpoint after it.
+        wait_for(&mut child, || folder.path("cut/frame_0002.vtu").exists());
+        let there = folder.read("cut/checkpoint.bin");
+        wait_for(&mut child, || folder.read("cut/checkpoint.bin") != there);
+        signal(&child, "-KILL");
+        child.wait().unwrap();
+        assert!(!folder.path("cut/curve.csv").exists() && folder.path("cut/checkpoint.bin").exists());
+        let refused = folder.run(&[&LONG[..], &["-o", "cut"]].concat());
+        assert!(refused.code == 1 && refused.stderr.contains("--resume goes on from it"), "{}", refused.stderr);
+        let other = folder.run(&[&LONG[..], &["-o", "cut", "--resume", "--friction", "0.2"]].concat());
+        assert!(other.code == 1 && other.stderr.contains("it belongs to another mesh"), "{}", other.stderr);
+        let resumed = folder.run(&[&LONG[..], &["-o", "cut", "--resume", "-q"]].concat());
+        assert_eq!(resumed.code, 0, "{}", resumed.stderr);
+        let names: Vec<String> = folder.names_in("cut").into_iter().filter(|name| !name.ends_with(".tmp")).collect();
+        assert_eq!(names, folder.names_in("whole"));
+        for file in names.iter().filter(|name| *name != "result.json") {
+            assert!(folder.read(&format!("whole/{file}")) == folder.read(&format!("cut/{file}")), "{file} differs");
+        }
+        let [mut whole, mut cut] = ["whole", "cut"].map(|name| result(&folder, &format!("{name}/result.json")));
+        for result in [&mut whole, &mut cut] {
+            result["seconds"] = Value::Null;
+        }
+        assert_eq!(whole, cut);
+    }
+
+    #[test]
+    fn an_interrupt_keeps_the_curve_so_far() {
+        let folder = Folder::with_model();
+        let mut child = folder.command(&LONG).stderr(Stdio::piped()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        assert!(lines.any(|line| line.unwrap().starts_with(" 30 %")));
+        let asked = Instant::now();
+        signal(&child, "-INT");
+        let rest: Vec<String> = lines.map(Result::unwrap).collect();
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
+        assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
+        let result = result(&folder, "out/result.json");
+        let (steps, planned) = (result["steps"].as_u64().unwrap(), result["steps_planned"].as_u64().unwrap());
+        assert!(result["ended"] == "stopped" && steps > planned / 4 && steps < planned, "{steps} of {planned}");
+        let rows = curve(&folder, "out/curve.csv")["strain"].len();
+        assert!(rows > 50 && rows < 390, "{rows}");
+        assert!(folder.read("out/result.html").ends_with(b"</html>\n"));
+        assert!(!folder.names_in("out").iter().any(|name| name.ends_with(".tmp")));
+    }
+}

@@ -1,0 +1,203 @@
+"""The test itself from Python: arrays, figures, files, and the way out of a long one."""
+
+import csv
+import json
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import mesocrete as mc
+
+CUBE = {
+    "specimen": {"kind": "cube", "side_mm": 24.0},
+    "fraction": 0.3,
+    "seed": 3,
+    "grading": {"d_min_mm": 4.0, "d_max_mm": 10.0},
+    "placement": {"min_gap_mm": 0.5},
+}
+# A test of a moment.
+QUICK = {"strain": 0.004, "materials": {"mortar_strength": {"crushing_energy_n_per_mm": 0.5}}}
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return mc.pack(CUBE).mesh(method="lattice", element_size=3.0, itz="none")
+
+
+@pytest.fixture(scope="module")
+def response(mesh):
+    return mesh.solve(friction=0.1, frames=2, **QUICK)
+
+
+def test_the_curve_is_a_dict_of_arrays(response):
+    curve, result = response.curve, response.result
+    assert {"strain", "stress_mpa", "kinetic", "internal", "external", "friction_work", "hourglass"} <= set(curve)
+    assert {len(column) for column in curve.values()} == {len(curve["strain"])}
+    assert all(column.dtype == np.float64 and np.isfinite(column).all() for column in curve.values())
+    assert (np.diff(curve["strain"]) > 0).all()
+    assert curve["stress_mpa"].max() == result["peak_mpa"]
+    assert curve["strain"][-1] == pytest.approx(0.004, rel=0.01)
+    lost = curve["external"] - curve["internal"] - curve["kinetic"] - curve["friction_work"]
+    assert abs(lost).max() < 1e-3 * curve["external"].max()
+
+
+def test_the_result_has_the_keys_of_the_file(response):
+    result = response.result
+    assert (result["test"], result["friction"], result["ended"]) == ("compression", 0.1, "completed")
+    assert 15 < result["peak_mpa"] < 80
+    assert 20_000 < result["modulus_mpa"] < 50_000
+    assert [frame["file"] for frame in result["frames"]] == ["frame_0001.vtu", "frame_0002.vtu"]
+    assert {phase["name"] for phase in result["phases"]} == {"aggregate", "itz", "mortar"}
+
+
+def test_frames_hold_the_fields(mesh, response):
+    first, second = response.frames
+    assert first.strain < second.strain == response.last.strain
+    assert second.displacement.shape == mesh.points.shape
+    assert second.stress.shape == (len(mesh), 6)
+    assert (second.damage >= first.damage - 1e-6).mean() > 0.95
+    assert second.damage.max() > 0.5
+    assert second.damage[second.phase == 2].max() == 0
+    # The mean axial stress of the cells is the plates' own.
+    points, cells = mesh.points, mesh.cells
+    edges = points[cells[:, 1:]] - points[cells[:, :1]]
+    volume = abs(np.linalg.det(edges)) / 6
+    mean = -(second.stress[:, 2] * volume).sum() / volume.sum()
+    assert mean == pytest.approx(second.stress_mpa, rel=0.05)
+    # The upper nodes went down by the strain times the height.
+    top = points[:, 2] == points[:, 2].max()
+    assert -second.displacement[top, 2].min() == pytest.approx(second.strain * 24, rel=0.02)
+
+
+def test_threads_change_nothing(mesh, response):
+    for threads in (1, 2):
+        again = mesh.solve(friction=0.1, threads=threads, **QUICK)
+        assert all((again.curve[name] == column).all() for name, column in response.curve.items())
+        assert (again.last.damage == response.last.damage).all()
+
+
+def test_files_are_those_of_the_command(response, tmp_path):
+    folder = tmp_path / "out"
+    response.write(folder)
+    names = ["curve.csv", "frame_0001.vtu", "frame_0002.vtu", "frames.pvd", "result.html", "result.json"]
+    assert sorted(path.name for path in folder.iterdir()) == names
+    assert json.loads((folder / "result.json").read_text()) == response.result
+    with (folder / "curve.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    for name, column in response.curve.items():
+        assert [float(row[name]) for row in rows] == column.tolist()
+    with pytest.raises(FileExistsError, match=r"exists; overwrite=True replaces it"):
+        response.write(folder, overwrite=False)
+    with pytest.raises(FileNotFoundError):
+        response.write(tmp_path / "none" / "out")
+
+
+def test_frames_open_in_pyvista(response, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    response.write(tmp_path)
+    reader = pyvista.get_reader(tmp_path / "frames.pvd")
+    assert reader.time_values == [frame.strain for frame in response.frames]
+    reader.set_active_time_value(reader.time_values[-1])
+    read, made = reader.read()[0], response.to_pyvista(-1)
+    assert read.n_cells == made.n_cells
+    assert set(made.cell_data.keys()) <= set(read.cell_data.keys())
+    for name in made.cell_data.keys():
+        assert (read.cell_data[name] == made.cell_data[name]).all(), name
+    assert (read.point_data["displacement_mm"] == made.point_data["displacement_mm"]).all()
+    assert (response.to_pyvista().cell_data["damage"] == response.last.damage).all()
+
+
+def test_frames_open_in_meshio(response, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    response.write(tmp_path)
+    read = meshio.read(tmp_path / "frame_0002.vtu")
+    assert (read.cell_data["stress_mpa"][0] == response.last.stress).all()
+
+
+def test_the_curve_is_plotted(response):
+    pytest.importorskip("matplotlib").use("Agg")
+    axes = response.plot()
+    assert axes.lines[0].get_ydata().max() == response.result["peak_mpa"]
+    assert axes.get_legend().get_texts()[0].get_text().startswith("peak ")
+
+
+def test_tension_pulls(mesh):
+    result = mesh.solve("tension").result
+    assert result["test"] == "tension"
+    assert 1.5 < result["peak_mpa"] < 4
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"friction": -1.0}, "friction is -1; it must be 0 to 10"),
+        ({"strain": 0.0}, "strain is 0; it must lie above 0"),
+        ({"test": "bending"}, "kind is .bending.; .*compression"),
+        ({"law": "steel"}, "law is .steel.; .*elastic"),
+        ({"frictoin": 0.1}, "frictoin is not a known key; did you mean friction"),
+        ({"materials": {"mortar": {"poisson_ratio": 0.7}}}, "materials.mortar.poisson_ratio is 0.7"),
+        ({"threads": 0}, "threads is 0; it must be an int from 1 to 1024"),
+        ({"time_step_s": 1.0}, "time_step_s is 1"),
+    ],
+)
+def test_values_that_cannot_be_are_named(mesh, options, message):
+    with pytest.raises(ValueError, match=message):
+        mesh.solve(**options)
+
+
+def test_wrong_types_are_named(mesh):
+    with pytest.raises(TypeError, match="friction"):
+        mesh.solve(friction="rough")
+    with pytest.raises(TypeError, match="progress"):
+        mesh.solve(progress=3)
+
+
+def test_second_order_is_refused():
+    mesh = mc.pack(CUBE).mesh(method="lattice", element_size=6.0, itz="none", order=2)
+    with pytest.raises(ValueError, match="second order"):
+        mesh.solve()
+
+
+def test_there_is_no_frame_that_was_not_asked_for(mesh, response):
+    for place in (2, -3):
+        with pytest.raises(IndexError, match=f"there is no frame {place}; this test has 2"):
+            response.to_pyvista(place)
+
+
+def test_progress_is_told_and_can_stop(mesh):
+    told = []
+
+    def progress(strain, target):
+        told.append((strain, target))
+        return strain < 0.001
+
+    response = mesh.solve(progress=progress, time_step_s=2e-8, **QUICK)
+    assert response.result["ended"] == "stopped"
+    assert all(target == 0.004 for _, target in told)
+    assert 0.0005 < response.curve["strain"][-1] < 0.003
+    assert len(response.curve["strain"]) > 10
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
+def test_ctrl_c_ends_the_test_within_half_a_second(mesh):
+    sent = []
+
+    def send():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.7, send)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        mesh.solve(time_step_s=1e-9)
+    assert time.monotonic() - sent[0] < 0.5
+    timer.join()
+    # Nothing goes on behind our back.
+    time.sleep(0.3)
+    before = time.process_time()
+    time.sleep(0.3)
+    assert time.process_time() - before < 0.1
