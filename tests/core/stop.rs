@@ -38,8 +38,8 @@ fn model() -> Model {
 #[test]
 fn meshes_checks_and_statistics_end_when_they_are_told_to() {
     let model = model();
-    // The promise is half a second; a busy machine takes more.
-    let most = Duration::from_secs(2);
+    // The promise is half a second on a machine with nothing else to do; without points the meshes take ten and more.
+    let most = Duration::from_secs(4);
     for (begun, method, element_size_mm) in
         [(10, Method::VOXEL, 0.25), (100, Method::FITTED, 0.5), (700, Method::FITTED, 0.5), (3000, Method::FITTED, 0.5)]
     {

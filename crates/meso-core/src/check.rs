@@ -167,7 +167,7 @@ pub fn check(model: &Model) -> Check {
     let bodies = model.bodies();
     let placed = placed(model, &bodies, container.aabb());
     let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
-    findings.par_extend(bodies.par_iter().flat_map_iter(|body| single(model, &*container, body)));
+    findings.par_extend(bodies.par_iter().panic_fuse().flat_map_iter(|body| single(model, &*container, body)));
     // Summed in the order of the aggregates, whatever the threads.
     let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
     let fraction = volumes.iter().sum::<f64>() / container.volume();

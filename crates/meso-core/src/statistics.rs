@@ -149,7 +149,7 @@ fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sy
         stop::point();
         figure(aggregate)
     };
-    aggregates.par_iter().map(figure).collect::<Vec<_>>().iter().sum()
+    aggregates.par_iter().panic_fuse().map(figure).collect::<Vec<_>>().iter().sum()
 }
 
 /// Joins the figures of numbered batches in their order; only a bounded number is held at a time.
@@ -161,7 +161,7 @@ fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut
             stop::point();
             figures(batch)
         };
-        let held: Vec<T> = (first..last).into_par_iter().map(figures).collect();
+        let held: Vec<T> = (first..last).into_par_iter().panic_fuse().map(figures).collect();
         held.into_iter().for_each(&mut join);
     }
 }

@@ -22,6 +22,9 @@ pub fn listen(flag: Arc<AtomicBool>) {
 }
 
 /// Unwinds where the thread's flag is true. It takes 2 ns; pass one about every microsecond to millisecond.
+///
+/// A parallel loop of many short steps with a point needs rayon's `panic_fuse()`. Without it every piece of the loop unwinds
+/// by itself, and pieces are split on down to single steps: of 3.5 million that took 19 s.
 #[inline]
 pub(crate) fn point() {
     let stop = FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)));

@@ -23,7 +23,7 @@ pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Findin
     let boxes: Vec<Aabb> = all.par_iter().map(|it| Aabb::around(&*it.vertices).grown(margin)).collect();
     let buckets = Buckets::new(&boxes);
     let answers: Vec<(u64, Vec<Finding>)> =
-        (0..bodies).into_par_iter().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
+        (0..bodies).into_par_iter().panic_fuse().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
     let tested = answers.iter().map(|answer| answer.0).sum();
     (tested, answers.into_iter().flat_map(|answer| answer.1).collect())
 }

@@ -36,7 +36,7 @@ fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Ve
     if aggregates.len() < 2 {
         return Ok(vec![f64::INFINITY; count]);
     }
-    (0..count as u32).into_par_iter().map(|a| nearest(aggregates, index, a)).collect()
+    (0..count as u32).into_par_iter().panic_fuse().map(|a| nearest(aggregates, index, a)).collect()
 }
 
 /// Looks into a growing box around the aggregate until the nearest found is nearer than the box reaches.

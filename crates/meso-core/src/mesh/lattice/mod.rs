@@ -50,7 +50,7 @@ pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOpt
         .collect();
     let cells = layers.concat();
     let located: Vec<(Phase, u32)> =
-        cells.par_iter().map(|cell| locate(&facets, &locator, &centroid(cell, &points))).collect();
+        cells.par_iter().panic_fuse().map(|cell| locate(&facets, &locator, &centroid(cell, &points))).collect();
     let (phase, owner) = located.into_iter().unzip();
     Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }
 }

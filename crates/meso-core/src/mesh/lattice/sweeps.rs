@@ -41,6 +41,7 @@ pub(super) fn fit(
     let exact = Exact { surfaces, boundary, size };
     let mut sweeps = Sweeps::new(Patches::new(mesh, &active, domain, size * PATCH), mesh.points.len());
     for round in 0..ROUNDS {
+        stop::point();
         if RELABELLED.contains(&round) {
             relabel(mesh, locator);
             let before = std::mem::replace(&mut roles_now, roles(mesh, domain, boundary));
@@ -93,7 +94,7 @@ impl Sweeps {
                     self.patches.nodes[patch as usize].iter().for_each(|&node| step(&mut turn, node));
                     turn.done
                 };
-                self.patches.colours[colour].par_iter().map(of_patch).collect()
+                self.patches.colours[colour].par_iter().panic_fuse().map(of_patch).collect()
             };
             for (&patch, done) in self.patches.colours[colour].iter().zip(done) {
                 for ((&node, point), waiting) in

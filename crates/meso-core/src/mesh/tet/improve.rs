@@ -73,7 +73,7 @@ pub(in crate::mesh) trait Improver: Sync {
 /// ties.
 pub(in crate::mesh) fn improve(improver: &mut impl Improver, mut suspects: Vec<u32>, rounds: usize) -> Vec<u32> {
     for _ in 0..rounds {
-        let poor: Vec<u32> = suspects.into_par_iter().filter(|&cell| improver.is_poor(cell)).collect();
+        let poor: Vec<u32> = suspects.into_par_iter().panic_fuse().filter(|&cell| improver.is_poor(cell)).collect();
         if poor.is_empty() {
             return poor;
         }
