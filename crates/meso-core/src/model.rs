@@ -30,6 +30,7 @@ pub struct Model {
 pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
     spec.has_room()?;
+    spec.is_reachable_at_random()?;
     let start = progress.seconds();
     let (grains, complete) = take_grains(spec, progress, start)?;
     let largest = largest_body(spec, &grains)?;

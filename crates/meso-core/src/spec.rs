@@ -13,6 +13,7 @@ mod messages;
 mod mix_design;
 mod read;
 mod sieves;
+mod slender;
 mod surface;
 mod tree;
 
