@@ -1,5 +1,6 @@
 //! Why a mesh cannot be made.
 
+use super::phase_error::PhaseOff;
 use crate::math::Vec3;
 use std::io;
 use std::path::PathBuf;
@@ -31,6 +32,17 @@ pub enum MeshError {
         cells: usize,
         /// A node of the first one, mm.
         at: [f64; 3],
+    },
+    /// A phase has far from its own volume.
+    #[error(
+        "the {} takes {:.4} of the specimen in the mesh and {:.4} in the packing: {:+.0} %, where 10 % are accepted; take {ways}",
+        off.phase.in_words(), off.meshed, off.exact, 100.0 * off.error()
+    )]
+    PhaseError {
+        /// The phase that is farthest off.
+        off: PhaseOff,
+        /// What keeps it.
+        ways: String,
     },
     /// A conforming mesh was asked for where gmsh cannot run.
     #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
