@@ -15,10 +15,10 @@ use meso_core::{Model, Silent, import, pack, saved};
 use std::io;
 
 /// A target by its name.
-pub type Target = (&'static str, fn(&[u8]));
+pub(crate) type Target = (&'static str, fn(&[u8]));
 
 /// All of them.
-pub const TARGETS: [Target; 9] = [
+pub(crate) const TARGETS: [Target; 9] = [
     ("spec", spec),
     ("saved-model", saved_model),
     ("stl", stl),
@@ -47,7 +47,7 @@ impl Files for One<'_> {
 }
 
 /// A spec that is read is valid, and is read again from what it says of itself.
-pub fn spec(bytes: &[u8]) {
+pub(crate) fn spec(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let Ok(spec) = Spec::from_toml(text) else { return };
     spec.validate().expect("what was read is valid");
@@ -57,7 +57,7 @@ pub fn spec(bytes: &[u8]) {
 }
 
 /// A model that is read can be checked, written, and read again as the same.
-pub fn saved_model(bytes: &[u8]) {
+pub(crate) fn saved_model(bytes: &[u8]) {
     let Ok(model) = saved::read(bytes) else { return };
     if model.spec.estimated_aggregates() < MOST && model.aggregates.len() < 1000 {
         let _ = check(&model).findings.len();
@@ -68,7 +68,7 @@ pub fn saved_model(bytes: &[u8]) {
 }
 
 /// A surface that is read has corners for its triangles; as a specimen it encloses something or is refused.
-pub fn stl(bytes: &[u8]) {
+pub(crate) fn stl(bytes: &[u8]) {
     if let Ok(surface) = import::stl::read(bytes) {
         assert!(surface.triangles.iter().flatten().all(|&corner| (corner as usize) < surface.vertices.len()));
     }
@@ -83,7 +83,7 @@ pub fn stl(bytes: &[u8]) {
 }
 
 /// A sieve table that is read ascends from at least 0 to 1.
-pub fn sieve_table(bytes: &[u8]) {
+pub(crate) fn sieve_table(bytes: &[u8]) {
     let text = "[grading]\ncurve = { kind = 'sieves', file = 'a.csv' }\nd_min_mm = 4\nd_max_mm = 16\n";
     let Ok(spec) = Spec::from_toml_with(text, &mut One(bytes)) else { return };
     let shares: f64 = spec.grading.classes().iter().map(|class| class.share).sum();
@@ -91,7 +91,7 @@ pub fn sieve_table(bytes: &[u8]) {
 }
 
 /// Materials that are read have finite figures.
-pub fn materials(bytes: &[u8]) {
+pub(crate) fn materials(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let Ok(materials) = options_from_toml::<Materials>(text) else { return };
     let _ = materials.mortar.wave_speed_mm_per_s();
@@ -104,7 +104,7 @@ fn points(bytes: &[u8]) -> Vec<Vec3> {
 }
 
 /// A hull has all points inside, by the exact answer of a query of its own.
-pub fn hull(bytes: &[u8]) {
+pub(crate) fn hull(bytes: &[u8]) {
     let points = points(bytes);
     let Ok(hull) = convex_hull(&points) else { return };
     assert!(hull.volume() > 0.0);
@@ -115,7 +115,7 @@ pub fn hull(bytes: &[u8]) {
 }
 
 /// An inner body lies within its outer one and is smaller.
-pub fn offset(bytes: &[u8]) {
+pub(crate) fn offset(bytes: &[u8]) {
     let Some((&depth, rest)) = bytes.split_first() else { return };
     let Ok(body) = convex_hull(&points(rest)) else { return };
     let thickness = f64::from(depth) / 64.0;
@@ -130,7 +130,7 @@ pub fn offset(bytes: &[u8]) {
 }
 
 /// All searches agree, whichever body comes first, and a distance is 0 on contact alone.
-pub fn collision(bytes: &[u8]) {
+pub(crate) fn collision(bytes: &[u8]) {
     let points = points(bytes);
     if points.len() < 2 {
         return;
@@ -145,7 +145,7 @@ pub fn collision(bytes: &[u8]) {
 }
 
 /// A tiny packing of a spec is sound, and its meshes have cells that fill the specimen.
-pub fn tiny_mesh(bytes: &[u8]) {
+pub(crate) fn tiny_mesh(bytes: &[u8]) {
     let Some(model) = tiny(bytes) else { return };
     let found = check(&model).findings;
     assert!(found.is_empty(), "{found:?}");
