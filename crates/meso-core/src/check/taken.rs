@@ -2,8 +2,7 @@
 //! by its ITZ to the last bit, and by its volume.
 
 use super::Finding;
-use crate::aggregate::take::Grain;
-use crate::aggregate::{Aggregate, Kind};
+use crate::aggregate::{Aggregate, Grain, Kind};
 use crate::model::{self, Model};
 use crate::packing::{Outcome, StopReason, Strategy, Tally, Work};
 use std::cmp::Ordering;

@@ -1,6 +1,5 @@
 //! Why a mesh cannot be made.
 
-use super::phase_error::PhaseOff;
 use crate::math::Vec3;
 use std::io;
 use std::path::PathBuf;
@@ -35,12 +34,17 @@ pub enum MeshError {
     },
     /// A phase has far from its own volume.
     #[error(
-        "the {} takes {:.4} of the specimen in the mesh and {:.4} in the packing: {:+.0} %, where 10 % are accepted; take {ways}",
-        off.phase.in_words(), off.meshed, off.exact, 100.0 * off.error()
+        "the {phase} takes {meshed:.4} of the specimen in the mesh and {exact:.4} in the packing: {:+.0} %, where 10 % are accepted; \
+         take {ways}",
+        100.0 * (meshed / exact - 1.0)
     )]
     PhaseError {
-        /// The phase that is farthest off.
-        off: PhaseOff,
+        /// The phase that is farthest off, in words.
+        phase: &'static str,
+        /// Its volume in the mesh over the specimen's.
+        meshed: f64,
+        /// That of its bodies.
+        exact: f64,
         /// What keeps it.
         ways: String,
     },

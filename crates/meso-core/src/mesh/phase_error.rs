@@ -53,7 +53,10 @@ pub fn phases_kept(
     let off = PhaseOff::of(mesh, bodies, specimen, options);
     match off.filter(|off| off.error().abs() > ACCEPTED_PHASE_ERROR) {
         None => Ok(()),
-        Some(off) => Err(MeshError::PhaseError { off, ways: ways_out(off.phase, options) }),
+        Some(PhaseOff { phase, meshed, exact }) => {
+            let ways = ways_out(phase, options);
+            Err(MeshError::PhaseError { phase: phase.in_words(), meshed, exact, ways })
+        }
     }
 }
 
