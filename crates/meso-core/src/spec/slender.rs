@@ -1,13 +1,12 @@
 //! Slender grains of a library that cannot be that dense at random, named before any work starts.
 //!
 //! Bodies that lie at random meet as many others as there are centres in their excluded volume, and no stable packing has
-//! more than some ten contacts a body. Philipse's limit of rods (see [`inclusions`](super::inclusions)) is this very rule:
+//! more than some ten contacts a body. Philipse's limit of rods (see `limits::inclusions`) is this very rule:
 //! with the excluded volume of rods, 2 L / D of their own, 5.4 D / L is 10.8 meetings. For other convex bodies the excluded
 //! volume is that of A. Isihara (J. Chem. Phys. 18 (1950) 1446): V1 + V2 + (A1 M2 + A2 M1) / (4 pi), A the surface and
 //! M = 2 pi times the mean width. Compact grains never come near: packed at 0.70 they have 7.
 
-use super::inclusions::RANDOM_RODS;
-use super::limits::Checked;
+use super::limits::{Checked, RANDOM_RODS};
 use super::messages::number;
 use super::{Spec, SpecError};
 use crate::aggregate::{Grading, ShapeKind, Template};
