@@ -68,8 +68,22 @@ impl Chance {
 
 /// What breaks numbers, lists and lengths.
 const WORDS: [&[u8]; 16] = [
-    b"-1", b"0", b"1e308", b"1e-320", b"nan", b"inf", b"[", b"]", b"{}", b"null", b"true", b"18446744073709551616", b"\"",
-    b"\xff\xff\xff\xff", b"\n", b"=",
+    b"-1",
+    b"0",
+    b"1e308",
+    b"1e-320",
+    b"nan",
+    b"inf",
+    b"[",
+    b"]",
+    b"{}",
+    b"null",
+    b"true",
+    b"18446744073709551616",
+    b"\"",
+    b"\xff\xff\xff\xff",
+    b"\n",
+    b"=",
 ];
 
 /// Up to four changes: a byte, a word, a number, a part taken out, doubled or moved.

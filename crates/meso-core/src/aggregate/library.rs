@@ -2,8 +2,8 @@
 
 use crate::geometry::{HullError, convex_hull, principal_axes};
 use crate::math::{Vec3, longest_distance};
-use std::f64::consts::PI;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::f64::consts::PI;
 
 /// One grain of a library, of any size: the vertices of a convex polyhedron, mm.
 ///

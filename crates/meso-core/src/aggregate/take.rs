@@ -73,7 +73,8 @@ fn fill(
         // With no grain yet this is NaN, and NaN.min(CHUNK) is CHUNK.
         let expected = (target - volume) / volume * f64::from(made);
         let count = CHUNK.min((expected.min(f64::from(CHUNK)) as u32).saturating_add(SPARE));
-        let chunk: Vec<Grain> = (made..made + count).into_par_iter().panic_fuse().map(&make).collect::<Result<_, _>>()?;
+        let chunk: Vec<Grain> =
+            (made..made + count).into_par_iter().panic_fuse().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
             // The last grain is included when that brings the class nearer to its target.
             if volume + grain.volume() / 2.0 >= target {

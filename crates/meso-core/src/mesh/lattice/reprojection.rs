@@ -39,7 +39,8 @@ const PARTS: [f64; 3] = [0.9, 0.6, 0.3];
 /// That leaves all angles above `least_deg`, or as they were.
 pub(super) fn reproject(nodes: &mut Nodes, suspects: Vec<u32>, least_deg: f64) -> Vec<u32> {
     let all = &*nodes;
-    let mut off = ascending(suspects.into_par_iter().panic_fuse().filter(|&node| is_off(all, node)).collect::<Vec<u32>>());
+    let mut off =
+        ascending(suspects.into_par_iter().panic_fuse().filter(|&node| is_off(all, node)).collect::<Vec<u32>>());
     for _ in 0..TURNS {
         let before = off.len();
         off.retain(|&node| is_off(nodes, node) && !returns(nodes, node, cos2_of(least_deg)));

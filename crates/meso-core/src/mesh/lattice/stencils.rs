@@ -39,7 +39,8 @@ type Cells = Vec<([u32; 4], u32)>;
 impl<'a> Cutter<'a> {
     pub(super) fn new(field: &'a Field<'a>, locator: &'a Locator<'a>) -> Self {
         let nodes = 0..field.points.len() as u32;
-        let edges: Vec<(u32, u32)> = nodes.into_par_iter().panic_fuse().flat_map_iter(|node| cut_edges(field, node)).collect();
+        let edges: Vec<(u32, u32)> =
+            nodes.into_par_iter().panic_fuse().flat_map_iter(|node| cut_edges(field, node)).collect();
         let cuts: Vec<Vec3> = edges.par_iter().map(|&(a, b)| field.at(a, b, crossing(field, a, b))).collect();
         let points = [field.points.as_slice(), cuts.as_slice()].concat();
         Self { field, locator, edges, points }

@@ -86,7 +86,8 @@ impl<'a> Field<'a> {
         let moves = self.each_node(|node| self.first_move(node, |a, b| a != OUTSIDE && b != OUTSIDE));
         touched.extend(self.apply(moves));
         for _ in 0..ROUNDS {
-            let changes: Vec<Change> = touched.par_iter().panic_fuse().flat_map_iter(|&node| self.second_look(node)).collect();
+            let changes: Vec<Change> =
+                touched.par_iter().panic_fuse().flat_map_iter(|&node| self.second_look(node)).collect();
             touched = self.apply(changes);
             if touched.is_empty() {
                 break;
