@@ -19,8 +19,11 @@ mod exact;
 mod export;
 mod folder;
 mod grading;
+mod hostile;
 mod hull;
 mod inclusions;
+mod lies;
+mod matrix;
 mod mesh;
 mod mesh_distance;
 mod mesh_itz;
@@ -40,3 +43,6 @@ mod solids;
 mod spec;
 mod specimens;
 mod statistics;
+mod stop;
+#[path = "../hostile/targets.rs"]
+mod targets;

@@ -59,6 +59,9 @@ mod simd;
 pub mod spec;
 #[cfg(feature = "concrete")]
 pub mod statistics;
+#[cfg(feature = "concrete")]
+#[doc(hidden)]
+pub mod stop;
 
 /// What the tests and benches of this workspace look into; no promise covers it.
 #[doc(hidden)]

@@ -12,6 +12,7 @@ mod messages;
 mod mix_design;
 mod read;
 mod sieves;
+mod slender;
 mod surface;
 mod tree;
 

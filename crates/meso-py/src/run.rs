@@ -1,7 +1,7 @@
 //! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
 
 use crate::boundary::bug;
-use meso_core::Progress;
+use meso_core::{Progress, stop};
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,6 +23,8 @@ const FILES_GRACE: u64 = 3000;
 /// What the worker and the waiting thread share.
 pub(crate) struct Watch {
     go_on: AtomicBool,
+    /// Nobody waits for the result any more.
+    abandoned: Arc<AtomicBool>,
     fraction: AtomicU64,
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
@@ -62,7 +64,7 @@ impl Progress for Watch {
 /// Runs `work` on a thread of its own, with a rayon pool of its own, while this one waits for it and for signals.
 ///
 /// The core checks the flag only between its own steps, which may be long. So on Ctrl-C the caller returns to Python
-/// at once, and the worker, which shares nothing with Python, ends at its next check. The pool lives only as long as
+/// at once, and the worker, which shares nothing with Python, unwinds at its next check ([`stop`]). The pool lives only as long as
 /// the work: a process forked in between inherits no dead threads.
 pub(crate) fn beside_python<T: Send + 'static>(
     py: Python<'_>,
@@ -81,14 +83,17 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
 ) -> PyResult<T> {
     let watch = Arc::new(Watch {
         go_on: AtomicBool::new(true),
+        abandoned: Arc::new(AtomicBool::new(false)),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
         grace: AtomicU64::new(GRACE),
         start: Instant::now(),
     });
+    let abandoned = Arc::clone(&watch.abandoned);
     // Of none, as many as there are cores.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
+        .start_handler(move |_| stop::listen(Arc::clone(&abandoned)))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();
@@ -110,6 +115,7 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
+                    watch.abandoned.store(true, Relaxed);
                     let _ = wait(Duration::from_millis(watch.grace.load(Relaxed)));
                     return Err(error);
                 }

@@ -34,6 +34,16 @@ impl Phase {
         }
     }
 
+    /// What messages call it.
+    pub(crate) fn in_words(self) -> &'static str {
+        match self {
+            Self::Mortar => "mortar",
+            Self::Itz => "ITZ",
+            Self::Aggregate => "phase of the aggregates",
+            Self::Fibre => "phase of the fibres",
+        }
+    }
+
     /// The name of its element set and of its material.
     pub fn name(self) -> &'static str {
         match self {

@@ -15,6 +15,7 @@ mod layer;
 mod location;
 mod options;
 mod own_volume;
+mod phase_error;
 pub mod quality;
 #[doc(hidden)]
 pub mod sides;
@@ -35,4 +36,5 @@ pub use fidelity::InterfaceDistance;
 pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
 #[doc(hidden)]
 pub use options::{MeshTable, MethodName};
+pub use phase_error::{ACCEPTED_PHASE_ERROR, PhaseOff, phases_kept};
 pub use quality::PhaseVolumes;

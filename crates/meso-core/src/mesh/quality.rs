@@ -15,6 +15,7 @@ use crate::geometry::OffsetError;
 use crate::materials::Materials;
 use crate::math::Vec3;
 use crate::packing::Specimen;
+use crate::stop;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -38,10 +39,11 @@ pub struct CellQuality {
 /// Every cell's measures, in the cells' order.
 #[doc(hidden)]
 pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
-    mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(|cell| measured(mesh, cell)).collect()
+    mesh.cells.par_chunks_exact(mesh.kind.nodes()).panic_fuse().map(|cell| measured(mesh, cell)).collect()
 }
 
 fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
+    stop::point();
     match mesh.kind {
         CellKind::Hexahedron => voxel(cell, mesh),
         _ => {

@@ -15,8 +15,8 @@ pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
 pub(crate) use place::place;
-pub(crate) use report::report;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
+pub(crate) use report::{NOT_RECORDED, report};
 #[doc(hidden)]
 pub use specimen::{Built, Container, ContainerError, Period, Surface};
 pub(crate) use specimen::{Largest, Obstacle};
