@@ -20,3 +20,4 @@ mod outputs;
 mod report;
 mod same_bytes;
 mod solve;
+mod study;

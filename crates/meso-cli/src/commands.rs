@@ -11,6 +11,7 @@ pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
 pub(crate) mod solve;
+pub(crate) mod study;
 mod values;
 
 use clap::{Parser, Subcommand};
@@ -42,6 +43,8 @@ pub(crate) enum Command {
     Mesh(mesh::Args),
     /// Crush or pull a specimen here: from a model, a spec or nothing to the stress-strain curve
     Solve(Box<solve::Args>),
+    /// Pack, mesh and test every combination of some options; a killed study goes on where it was
+    Study(study::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     Check(check::Args),
     /// Write one page about a saved model: pictures, grading plot, statistics; or the statistics alone

@@ -11,6 +11,7 @@ mod library;
 mod limits;
 mod messages;
 mod mix_design;
+mod overlay;
 mod read;
 mod sieves;
 mod surface;
@@ -20,6 +21,7 @@ pub use error::{SpecError, SpecErrorKind};
 pub use files::{Files, NoFiles};
 pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
 pub use mix_design::MixDesign;
+pub use overlay::overlay;
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use crate::packing::{Placement, Specimen};
