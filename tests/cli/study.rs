@@ -79,15 +79,13 @@ fn meshes_and_their_figures_are_of_each_case() {
 
 #[test]
 fn a_case_that_fails_is_kept_with_its_message() {
-    // Plates find no face at the tip of a spike, which the mesh alone can tell.
-    let study = "spec = { fraction = 0.1, grading = { d_min_mm = 5, d_max_mm = 8 } }\n\
-        [mesh]\noutput = 'm.inp'\nanalysis = 'compression'\nelement-size-mm = 5\n[over]\nspecimen = [{ kind = 'cube', \
-        side_mm = 20 }, { kind = 'polyhedron', vertices_mm = [[0, 0, 0], [30, 0, 0], [0, 30, 0], [10, 10, 60]] }]\n";
+    // Gaps as wide as grains: found out when the specimen is packed.
+    let study = "spec = 'small.toml'\n[over]\nplacement.min_gap_mm = [0, 9]\n";
     let folder = folder(study);
     let run = folder.run(&["study", "STUDY.toml"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("1 of 2 cases done (0 before), 1 failed; --retry-failed"), "{}", run.stderr);
-    assert!(run.stderr.contains("warning: specimen-polyhedron_"), "{}", run.stderr);
+    assert!(run.stderr.contains("warning: min_gap_mm-9_"), "{}", run.stderr);
     let again = folder.run(&["study", "STUDY.toml"]);
     assert!(again.stderr.contains("1 of 2 cases done (2 before), 1 failed"), "{}", again.stderr);
     let retried = folder.run(&["study", "STUDY.toml", "--retry-failed"]);
