@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and its action.
 
 pub(crate) mod check;
+pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod init;
 pub(crate) mod mesh;
@@ -10,6 +11,7 @@ mod names;
 pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
+pub(crate) mod schema;
 pub(crate) mod solve;
 pub(crate) mod study;
 mod values;
@@ -55,4 +57,10 @@ pub(crate) enum Command {
     Init(init::Args),
     /// List the specimens that `init` knows
     Recipes,
+    /// Write the options of a SPEC.toml as a JSON Schema, so that editors complete and check it
+    Schema(schema::Args),
+    /// Write a shell's completions
+    Completions(completions::Args),
+    /// Write the manual pages
+    Man(completions::ManArgs),
 }

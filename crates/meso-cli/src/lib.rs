@@ -42,6 +42,9 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Report(args) => commands::report::run(&args),
         Command::Convert(args) => commands::convert::run(&args),
         Command::Init(args) => commands::init::run(&args),
+        Command::Schema(args) => commands::schema::run(&args),
+        Command::Completions(args) => commands::completions::run(&args),
+        Command::Man(args) => commands::completions::man(&args),
         Command::Recipes => commands::recipes::run(),
     }
 }

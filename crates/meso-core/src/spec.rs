@@ -13,6 +13,8 @@ mod messages;
 mod mix_design;
 mod overlay;
 mod read;
+#[cfg(feature = "schema")]
+mod schema;
 mod sieves;
 mod surface;
 mod tree;
@@ -22,6 +24,8 @@ pub use files::{Files, NoFiles};
 pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
 pub use mix_design::MixDesign;
 pub use overlay::overlay;
+#[cfg(feature = "schema")]
+pub use schema::{of_options, schema};
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use crate::packing::{Placement, Specimen};
@@ -29,6 +33,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything that decides a model, with the paper's specimen as default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Spec {
     /// Seed of all randomness.

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// One aggregate, or one void or fibre, at its place in the specimen.
 #[pyclass(name = "Aggregate", module = "mesocrete", frozen, eq)]
 #[derive(PartialEq)]
-pub(crate) struct PyAggregate(Aggregate);
+pub(crate) struct PyAggregate(pub(crate) Aggregate);
 
 /// The aggregates of a packing, in descending volume: a sequence.
 #[pyclass(name = "Aggregates", module = "mesocrete", frozen, sequence)]

@@ -168,10 +168,6 @@ impl PyStudyPlan {
     fn __len__(&self) -> usize {
         self.0.cases.len()
     }
-
-    fn __reduce__(&self) -> PyResult<()> {
-        Err(PyTypeError::new_err("a study's plan stays where it was made"))
-    }
 }
 
 impl PyStudyPlan {

@@ -28,6 +28,7 @@ pub enum Kind {
 
 /// Spherical voids, `[voids]` in a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Voids {
     /// Their volume over the specimen's, 0 to 1.
@@ -38,6 +39,7 @@ pub struct Voids {
 
 /// Straight fibres, `[fibres]` in a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Fibres {
     /// Their volume over the specimen's, 0 to 1.
@@ -54,6 +56,7 @@ pub struct Fibres {
 
 /// The directions within an angle of one direction, all equally likely.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Cone {
     /// Its axis, of any length; a fibre has no front and no back.
