@@ -14,8 +14,8 @@ use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
 use collision::table::save;
 use collision::{Measured, machine};
-use meso_core::gjk::{self, Counters, Method, PairQuery};
-use meso_core::testing::isa;
+use meso_core::gjk::{self, Method, PairQuery};
+use meso_core::testing::{Counters, isa, overlap_counted, overlap_with};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -30,7 +30,7 @@ fn mesocrete<'a>() -> AskOne<'a> {
 }
 
 fn method<'a>(method: Method) -> AskOne<'a> {
-    Box::new(move |q, a, b| gjk::overlap_with(method, &a.body, &b.body, &q.x))
+    Box::new(move |q, a, b| overlap_with(method, &a.body, &b.body, &q.x))
 }
 
 fn parry<'a>() -> AskOne<'a> {
@@ -104,7 +104,7 @@ fn pair_sets(ccd: Option<&Ccd>) {
 fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Measured) {
     let mut counters = Counters::default();
     for q in queries {
-        gjk::overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
+        overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
     }
     println!(
         "\n{name}: {} pairs, {} after the spheres, {} after the ellipsoids, {} exact",

@@ -7,9 +7,9 @@
 #[allow(dead_code, unreachable_pub, reason = "each bench uses its part")]
 mod clock;
 
-use meso_core::aggregate::random::{Purpose, Stream};
-use meso_core::geometry::{HullBuilder, Polyhedron, convex_hull, inscribed_ball, inward_offset};
+use meso_core::geometry::{Polyhedron, convex_hull, inscribed_ball, inward_offset};
 use meso_core::math::Vec3;
+use meso_core::testing::{HullBuilder, Purpose, Stream};
 use std::fmt::Write as _;
 use std::hint::black_box;
 

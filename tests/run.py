@@ -122,6 +122,7 @@ def stages(python: Path, *, slow: bool) -> list[tuple[str, list[str]]]:
     tier = ["--", "--include-ignored"] if slow else []
     return [
         ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
+        ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("cargo test", ["cargo", "test", "--no-fail-fast", *tier]),
         ("stubtest", [str(python), "-m", "mypy.stubtest", "mesocrete"]),
         ("pytest", [str(python), "-m", "pytest", *(["--slow"] if slow else [])]),

@@ -5,9 +5,10 @@ mod plans;
 mod records;
 mod tables;
 
-use meso_core::spec::NoFiles;
+use meso_files::Beside;
 use meso_study::{Axis, Plan, PlanError};
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// A plan of cubes of 30 mm, with these axes.
 pub(crate) fn plan(axes: &[(&str, Value)]) -> Result<Plan, PlanError> {
@@ -16,5 +17,5 @@ pub(crate) fn plan(axes: &[(&str, Value)]) -> Result<Plan, PlanError> {
         key: (*key).to_owned(),
         values: values.as_array().expect("a list").clone(),
     };
-    Plan::new(&base, &axes.iter().map(axis).collect::<Vec<_>>(), &json!({}), &mut NoFiles)
+    Plan::new(&base, &axes.iter().map(axis).collect::<Vec<_>>(), &json!({}), &mut Beside(Path::new("")))
 }

@@ -1,10 +1,10 @@
 //! What `mesocrete.study` takes from Rust: cases with hashes and folder names, their state, records and tables.
 
 use crate::boundary::{file_error, guard};
-use crate::packing::{PyPacking, plain};
+use crate::packing::PyPacking;
 use crate::spec::{self, spec_error};
-use crate::tree;
-use meso_cli::Beside;
+use crate::tree::{self, plain};
+use meso_files::Beside;
 use meso_study::{Axis, Case, Plan, PlanError, Record, State, Status, Table, ensemble, of_packing, save_tables};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

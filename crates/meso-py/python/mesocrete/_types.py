@@ -160,7 +160,7 @@ class Placement(TypedDict, total=False):
     """How aggregates are placed."""
 
     attempts: int | None
-    """Random positions tried per aggregate; absent: up to `DEFAULT_ATTEMPTS`."""
+    """Random positions tried per aggregate; absent: up to 50,000."""
     min_gap_mm: float
     """Smallest distance between two aggregates, mm; 0 means: proved apart."""
     strategy: Strategy

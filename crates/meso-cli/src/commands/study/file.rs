@@ -3,9 +3,10 @@
 use super::beside;
 use super::steps::Steps;
 use crate::failure::Failure;
-use crate::inputs::{self, Beside};
+use crate::inputs;
 use meso_core::recipes;
 use meso_core::spec::options_from_toml;
+use meso_files::Beside;
 use meso_study::{Axis, Case, Plan, digest};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};

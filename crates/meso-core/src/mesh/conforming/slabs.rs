@@ -6,7 +6,7 @@
 //! Bodies too close to each other or to the specimen's surface for a conforming mesh are refused before gmsh starts.
 
 use crate::aggregate::Aggregate;
-use crate::aggregate::take::rounded_to;
+use crate::aggregate::grain::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
