@@ -48,6 +48,8 @@ class Types:
 
     def __init__(self) -> None:
         self.text: dict[str, str] = {}
+        # Choices of a few names stand where they are used.
+        self.choices: dict[str, str] = {}
         self.prefix = ""
 
     def name(self, key: str) -> str:
@@ -57,8 +59,14 @@ class Types:
     def add(self, name: str, schema: dict[str, Any]) -> None:
         """Add a schema and all its definitions."""
         self.prefix = name.removesuffix("Options")
-        for key, definition in schema.get("$defs", {}).items():
-            self.text[self.name(key)] = self.definition(self.name(key), definition)
+        definitions = schema.get("$defs", {})
+        for key, definition in definitions.items():
+            text = "" if "properties" in json.dumps(definition) else self.type(definition, key)
+            if text.startswith("Literal["):
+                self.choices[self.name(key)] = text
+        for key, definition in definitions.items():
+            if self.name(key) not in self.choices:
+                self.text[self.name(key)] = self.definition(self.name(key), definition)
         self.text[name] = self.table(name, schema)
 
     def definition(self, name: str, schema: dict[str, Any]) -> str:
@@ -91,7 +99,8 @@ class Types:
     def type(self, schema: dict[str, Any], where: str) -> str:
         """Return the Python type of a schema."""
         if "$ref" in schema:
-            return self.name(schema["$ref"].rsplit("/", 1)[1])
+            name = self.name(schema["$ref"].rsplit("/", 1)[1])
+            return self.choices.get(name, name)
         if "const" in schema:
             return f"Literal[{json.dumps(schema['const'])}]"
         if "enum" in schema:

@@ -313,7 +313,7 @@ class Packing:
         """
 
     def mesh(
-        self, *, method: _types.MethodName | None = None, element_size: float | None = None, **options: Unpack[MeshOptions]
+        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, **options: Unpack[MeshOptions]
     ) -> Mesh:
         """Meshes the packing.
 

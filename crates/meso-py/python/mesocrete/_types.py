@@ -95,7 +95,7 @@ class StandardCurve(TypedDict, total=False):
 
     kind: Literal["standard"]
     """Options: kind."""
-    name: Standard
+    name: Literal["din-1045-2-a8", "din-1045-2-b8", "din-1045-2-c8", "din-1045-2-a16", "din-1045-2-b16", "din-1045-2-c16", "din-1045-2-a32", "din-1045-2-b32", "din-1045-2-c32", "en-12620-4-8", "en-12620-8-16", "en-12620-16-32", "astm-c33-1", "astm-c33-2", "astm-c33-3", "astm-c33-357", "astm-c33-4", "astm-c33-467", "astm-c33-5", "astm-c33-56", "astm-c33-57", "astm-c33-6", "astm-c33-67", "astm-c33-7", "astm-c33-8", "astm-c33-89", "astm-c33-9", "gbt-14685-5-16", "gbt-14685-5-20", "gbt-14685-5-25", "gbt-14685-5-31.5", "gbt-14685-5-40"]
     """Which."""
 
 
@@ -124,9 +124,6 @@ class Fibres(TypedDict, total=False):
     """Directions before placement; all are equally likely where it is absent. Rearrangement rotates the fibres further: the statistics report by how much."""
 
 
-Form = Literal["normalised", "raw"]
-
-
 class Grading(TypedDict, total=False):
     """What is asked of the aggregate sizes."""
 
@@ -138,11 +135,11 @@ class Grading(TypedDict, total=False):
     """Largest aggregate, mm."""
     d_min_mm: float
     """Smallest aggregate, mm."""
-    form: Form
+    form: Literal["normalised", "raw"]
     """How the part of the curve outside `d_min_mm` to `d_max_mm` is treated."""
-    size: SizeDefinition
+    size: Literal["longest-axis", "sieve"]
     """Which length of an aggregate is its size."""
-    size_law: SizeLaw
+    size_law: Literal["uniform", "volume-uniform"]
     """How sizes are distributed within a class."""
 
 
@@ -163,7 +160,7 @@ class Placement(TypedDict, total=False):
     """Random positions tried per aggregate; absent: up to 50,000."""
     min_gap_mm: float
     """Smallest distance between two aggregates, mm; 0 means: proved apart."""
-    strategy: Strategy
+    strategy: Literal["auto", "take-and-place", "rearrange"]
     """Which strategy places."""
     surplus: float
     """Volume generated beyond the target, as a share of it (the paper's 2 to 3 %)."""
@@ -182,21 +179,12 @@ class Shape(TypedDict, total=False):
     """Law of c/b, the shortest over the intermediate axis; of no meaning for a library."""
     grains: Sequence[Template]
     """The grains of a library."""
-    kind: ShapeKind
+    kind: Literal["polyhedron", "rounded", "crushed", "library"]
     """Which kind of polyhedron."""
     library: str | Sequence[str]
     """A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec."""
     vertices: Sequence[int]
     """Fewest and most vertices; of no meaning for a library."""
-
-
-ShapeKind = Literal["polyhedron", "rounded", "crushed", "library"]
-
-
-SizeDefinition = Literal["longest-axis", "sieve"]
-
-
-SizeLaw = Literal["uniform", "volume-uniform"]
 
 
 class CubeSpecimen(TypedDict, total=False):
@@ -322,12 +310,6 @@ class MeshFileSpecimen(TypedDict, total=False):
 Specimen = CubeSpecimen | BoxSpecimen | PrismSpecimen | CylinderSpecimen | SphereSpecimen | NotchedPrismSpecimen | DogboneSpecimen | PolyhedronSpecimen | MeshSpecimen | MeshFileSpecimen
 
 
-Standard = Literal["din-1045-2-a8", "din-1045-2-b8", "din-1045-2-c8", "din-1045-2-a16", "din-1045-2-b16", "din-1045-2-c16", "din-1045-2-a32", "din-1045-2-b32", "din-1045-2-c32", "en-12620-4-8", "en-12620-8-16", "en-12620-16-32", "astm-c33-1", "astm-c33-2", "astm-c33-3", "astm-c33-357", "astm-c33-4", "astm-c33-467", "astm-c33-5", "astm-c33-56", "astm-c33-57", "astm-c33-6", "astm-c33-67", "astm-c33-7", "astm-c33-8", "astm-c33-89", "astm-c33-9", "gbt-14685-5-16", "gbt-14685-5-20", "gbt-14685-5-25", "gbt-14685-5-31.5", "gbt-14685-5-40"]
-
-
-Strategy = Literal["auto", "take-and-place", "rearrange"]
-
-
 Template = Sequence[_Numbers]
 
 
@@ -365,29 +347,14 @@ class SpecOptions(TypedDict, total=False):
     """Spherical voids, if any."""
 
 
-Fit = Literal["fitted", "plain"]
-
-
-ItzForm = Literal["solid", "cohesive", "smeared", "none"]
-
-
-Joined = Literal["keep", "mortar"]
-
-
-MethodName = Literal["voxel", "lattice", "conforming"]
-
-
-Volumes = Literal["fitted", "exact"]
-
-
 class MeshOptions(TypedDict, total=False):
     """`MeshOptions` as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must keep its default."""
 
-    fit: Fit
+    fit: Literal["fitted", "plain"]
     """Lattices alone."""
-    itz: ItzForm
+    itz: Literal["solid", "cohesive", "smeared", "none"]
     """As `MeshOptions.itz`."""
-    joined: Joined
+    joined: Literal["keep", "mortar"]
     """As `MeshOptions.joined`."""
     order: int
     """1 or 2; voxels take 1."""
@@ -397,11 +364,8 @@ class MeshOptions(TypedDict, total=False):
     """Voxels alone."""
     thin_itz: bool
     """Voxels alone."""
-    volumes: Volumes
+    volumes: Literal["fitted", "exact"]
     """As `MeshOptions.volumes`."""
-
-
-DeckAnalysis = Literal["none", "elastic", "compression", "tension"]
 
 
 class DeckElastic(TypedDict, total=False):
@@ -488,7 +452,7 @@ class DeckOptions(TypedDict, total=False):
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
-    analysis: DeckAnalysis
+    analysis: Literal["none", "elastic", "compression", "tension"]
     """The analysis the deck runs; `geometry_only` leaves it out."""
     geometry_only: bool
     """Write nodes, elements, sets and surfaces alone, for `*INCLUDE`."""
@@ -510,9 +474,6 @@ class DeckOptions(TypedDict, total=False):
     """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
 
 
-SolveInstructionSet = Literal["portable", "avx2", "avx512"]
-
-
 class SolveInterface(TypedDict, total=False):
     """Cohesive faces between aggregates and mortar."""
 
@@ -524,18 +485,6 @@ class SolveInterface(TypedDict, total=False):
     """Fracture energy in sliding over that in opening."""
     stiffness_n_per_mm3: float | None
     """Stiffness, N/mm3; absent, twenty times E / h of the mortar, h the element size, so that the specimen is no softer."""
-
-
-SolveItz = Literal["smeared", "none"]
-
-
-SolveJoined = Literal["mortar", "keep"]
-
-
-SolveKind = Literal["compression", "tension"]
-
-
-SolveLawName = Literal["elastic", "cdp", "cdpm2"]
 
 
 class SolveOptions(TypedDict, total=False):
@@ -551,11 +500,11 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra alone)."""
     interface: SolveInterface
     """Cohesive faces."""
-    itz: SolveItz
+    itz: Literal["smeared", "none"]
     """What a mesh without an ITZ has at the aggregates."""
-    joined: SolveJoined
+    joined: Literal["mortar", "keep"]
     """What becomes of aggregates that share nodes."""
-    law: SolveLawName
+    law: Literal["elastic", "cdp", "cdpm2"]
     """The law of mortar and ITZ."""
     ramp: float
     """Share of the time in which the plate gains its speed."""
