@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 /// Values of the phases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Materials {
     /// Aggregate cores, which stay elastic.
@@ -39,6 +40,7 @@ pub struct Materials {
 
 /// Isotropic linear elasticity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Elastic {
     /// Young's modulus, MPa.
@@ -51,6 +53,7 @@ pub struct Elastic {
 
 /// What the uniaxial curves are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Strength {
     /// Compressive strength, MPa.
@@ -67,6 +70,7 @@ pub struct Strength {
 
 /// Parameters of `*CONCRETE DAMAGED PLASTICITY`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Plasticity {
     /// Dilation angle, degrees.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Test {
     /// Compression or tension.
@@ -40,6 +41,7 @@ pub struct Test {
 
 /// Which way the upper plate moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Down, between plates that press and rub.
@@ -50,6 +52,7 @@ pub enum Kind {
 
 /// The law of mortar and ITZ; aggregates and fibres are elastic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LawName {
     /// Linear elasticity.
@@ -62,6 +65,7 @@ pub enum LawName {
 
 /// What a mesh without an ITZ has at the aggregates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Itz {
     /// Mortar cells with a face on an aggregate have the ITZ's strength.
@@ -72,6 +76,7 @@ pub enum Itz {
 
 /// What becomes of aggregates that share nodes: elastic, they would form a skeleton that never breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Joined {
     /// Of the aggregates' cells at a shared node those of one stay, and the others become mortar.
@@ -82,6 +87,7 @@ pub enum Joined {
 
 /// What cohesive faces between aggregates and mortar have beside `[materials]`, and a deck cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Interface {
     /// Coulomb's coefficient in a crack.

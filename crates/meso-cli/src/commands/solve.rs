@@ -131,6 +131,13 @@ impl Args {
         }
     }
 
+    /// Refuses what a packing of `spec` cannot be tested with, before it is packed.
+    pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        self.validate()?;
+        self.division.options(false, &spec.specimen).map(drop)
+    }
+
     /// Refuses flags that cannot be meant, before any work.
     fn validate(&self) -> Result<(), Failure> {
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {

@@ -28,6 +28,7 @@ use std::io::{self, Write};
 
 /// What a deck holds besides the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct DeckOptions {
     /// Write nodes, elements, sets and surfaces alone, for `*INCLUDE`.
@@ -59,6 +60,7 @@ const SOFTENS_WITHIN: f64 = 3.0;
 
 /// What a deck computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Analysis {
     /// Nothing: mesh, materials and sections, ready for one's own steps.
@@ -75,6 +77,7 @@ pub enum Analysis {
 
 /// How the explicit analyses are loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Loading {
     /// Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6.
