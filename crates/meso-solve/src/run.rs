@@ -155,8 +155,8 @@ impl<'a> Run<'a> {
             }
             let step = self.state.step;
             let is_row = step % self.outline.stride == 0 || step == self.outline.steps;
-            if is_row {
-                self.add_row();
+            if is_row && !self.add_row() {
+                return Ended::Diverged(self.culprit());
             }
             if let Some(number) = self.frame_at(step) {
                 observer.frame(&Frame::new(self, number));
@@ -222,8 +222,8 @@ impl<'a> Run<'a> {
         });
     }
 
-    /// A row of the curve from the steps since the last one.
-    fn add_row(&mut self) {
+    /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
+    fn add_row(&mut self) -> bool {
         let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
         let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
         let stress = |force: f64| sign * force / count / self.sample.section_mm2;
@@ -242,7 +242,11 @@ impl<'a> Run<'a> {
             stress_top_mpa: stress(top),
             time_s: state.time,
         };
-        self.state.rows.push(row);
+        let is_sound = row.values().iter().all(|value| value.is_finite());
+        if is_sound {
+            self.state.rows.push(row);
+        }
+        is_sound
     }
 
     /// Volume of the cells of every phase in the test, mm3.
@@ -357,3 +361,6 @@ fn steps(sample: &Sample, test: &Test, height_mm: f64) -> Result<(u64, f64), Sol
     }
     Ok((steps as u64, duration / steps))
 }
+
+#[cfg(test)]
+mod tests;
