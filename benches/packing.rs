@@ -5,6 +5,8 @@
 //! `-- --scale` the last alone, up to a million grains (an hour). Times are CPU seconds, memory is the peak of the whole
 //! process, both as Linux counts them; elsewhere those columns stay empty.
 
+#![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
+
 #[path = "collision/plot.rs"]
 mod plot;
 #[path = "collision/table.rs"]

@@ -1,5 +1,7 @@
 //! Tests of the `mesocrete` command, run as a user runs it.
 
+#![allow(clippy::print_stderr, reason = "a test that skips says why")]
+
 #[path = "../angle_piece.rs"]
 mod angle_piece;
 mod bad_input;

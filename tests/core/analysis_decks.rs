@@ -26,7 +26,7 @@ fn meshed(options: MeshOptions) -> Mesh {
 }
 
 fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
-    meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
+    meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0 })
 }
 
 fn compression() -> DeckOptions {

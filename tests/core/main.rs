@@ -1,5 +1,7 @@
 //! Tests of meso-core through its public interface, one module per subject.
 
+#![allow(clippy::print_stderr, reason = "a test that skips says why")]
+
 mod analysis_decks;
 #[path = "../angle_piece.rs"]
 mod angle_piece;

@@ -112,7 +112,7 @@ fn regular_solids() -> Vec<(String, Vec<Vec3>)> {
         let apothem = libm::cos(std::f64::consts::PI / sides as f64);
         let corner = |k: usize| {
             let (y, x) = libm::sincos(std::f64::consts::TAU * (k / 2) as f64 / sides as f64);
-            Vec3::new(x / apothem, y / apothem, if k % 2 == 0 { -1.0 } else { 1.0 })
+            Vec3::new(x / apothem, y / apothem, if k.is_multiple_of(2) { -1.0 } else { 1.0 })
         };
         all.push((format!("prism of {sides} sides"), (0..2 * sides).map(corner).collect()));
     }
@@ -128,7 +128,7 @@ fn solids_of_known_erosion(source: &mut Source, count: usize, noise: f64) -> Vec
             (source.rotation(), 1.0 + 9.0 * source.unit(), source.direction() * 10.0 * source.unit());
         let body = convex_hull(corners).unwrap();
         let radius = inscribed_ball(&body).radius;
-        let strewn = if k % 3 == 0 { [100, 500, 2000][k / 3 % 3] } else { 0 };
+        let strewn = if k.is_multiple_of(3) { [100, 500, 2000][k / 3 % 3] } else { 0 };
         let points: Vec<Vec3> = corners.iter().copied().chain(on_faces(source, &body, strewn, noise)).collect();
         let points = points.iter().map(|p| turn * p * scale + away).collect();
         Regular { name: format!("{name} {k}, {strewn} points on it"), points, radius: radius * scale }

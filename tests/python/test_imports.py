@@ -22,7 +22,6 @@ OPEN = {
         {"spec::inclusions", "spec::limits"},
     ],
     "meso-py": [{"aggregate", "mesh", "packing", "response"}],
-    "meso-solve": [{"frame", "observer", "response", "run"}],
 }
 # `mesh::build` takes a whole `Model`.
 UPWARDS = {("mesh::build", "model")}

@@ -19,15 +19,32 @@ def test_the_python_example_runs(tmp_path, monkeypatch, capsys):
     assert {path.name for path in tmp_path.iterdir()} == {"model.vtu", "mesh.inp"}
 
 
-def test_the_commands_run(run, tmp_path):
+def commands_of_the_readme():
+    """Split the README's commands into those of a moment and those whose comment ends in "minutes"."""
     blocks = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    lines = [line.partition("#")[0].split() for block in blocks for line in block.splitlines()]
-    commands = [words[1:] for words in lines if words[:1] == ["mesocrete"]]
+    lines = [line for block in blocks for line in block.splitlines() if line.startswith("mesocrete ")]
+    moments = [line for line in lines if not line.endswith("minutes")]
+    words = [[line.partition("#")[0].split()[1:] for line in kind] for kind in (moments, lines)]
+    return words[0], [command for command in words[1] if command not in words[0]]
+
+
+def test_the_commands_run(run, tmp_path):
+    commands, _ = commands_of_the_readme()
     assert len(commands) >= 4
     for command in commands:
         process = run(*command)
         assert process.returncode == 0, (command, process.stderr)
     assert {"SPEC.toml", "model.json", "mesh.inp"} <= {path.name for path in tmp_path.iterdir()}
+
+
+@pytest.mark.slow
+def test_the_long_commands_run(run, tmp_path):
+    _, commands = commands_of_the_readme()
+    assert commands
+    for command in commands:
+        process = run(*command, timeout=1800)
+        assert process.returncode == 0, (command, process.stderr)
+    assert (tmp_path / "out" / "result.html").exists()
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -80,9 +80,12 @@ fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
     assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
 }
 
+/// A frame's strain, and phase and damage of its cells.
+type Cells = (f64, Vec<(Phase, f32)>);
+
 /// Damage of the cells in every frame.
 #[derive(Default)]
-struct Damage(RefCell<Vec<(f64, Vec<(Phase, f32)>)>>);
+struct Damage(RefCell<Vec<Cells>>);
 
 impl Observer for Damage {
     fn frame(&self, frame: &Frame) {

@@ -7,6 +7,11 @@ use pyo3::prelude::*;
 use pyo3::type_object::PyTypeInfo;
 use pyo3::types::PyDict;
 
+/// Points by rows: shape (n, 3), float64.
+pub(crate) type PointArray<'py> = Bound<'py, PyArray2<f64>>;
+/// Indices by rows: shape (n, width), int64.
+pub(crate) type IndexArray<'py> = Bound<'py, PyArray2<i64>>;
+
 /// From 2^53 on, f64 cannot represent neighbouring integers apart.
 const FIRST_DOUBTFUL_INTEGER: f64 = 9_007_199_254_740_992.0;
 
@@ -128,7 +133,7 @@ fn triple(p: &Vec3) -> String {
 }
 
 /// `points` as a new (n, 3) float64 array that belongs to the caller.
-pub(crate) fn from_points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+pub(crate) fn from_points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<PointArray<'py>> {
     let flat: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     PyArray1::from_vec(py, flat).reshape([points.len(), 3])
 }
@@ -138,7 +143,7 @@ pub(crate) fn from_indices<'py>(
     py: Python<'py>,
     flat: impl IntoIterator<Item = u32>,
     width: usize,
-) -> PyResult<Bound<'py, PyArray2<i64>>> {
+) -> PyResult<IndexArray<'py>> {
     let flat: Vec<i64> = flat.into_iter().map(i64::from).collect();
     let rows = flat.len() / width;
     PyArray1::from_vec(py, flat).reshape([rows, width])

@@ -1,6 +1,7 @@
 //! `Packing`: the result of `pack`, `load` and `pickle`.
 
 use crate::aggregate::{PyAggregate, PyAggregates, inclusions};
+use crate::arrays::{IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
 use crate::run::beside_python;
@@ -146,10 +147,7 @@ impl PyPacking {
     /// The specimen's surface: points (n, 3), mm, and triangles (m, 3), counter-clockwise from outside.
     ///
     /// Exact for planes; curved walls are polygons within 1e-3 of their size.
-    fn specimen_surface<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>)> {
+    fn specimen_surface<'py>(&self, py: Python<'py>) -> PyResult<(PointArray<'py>, IndexArray<'py>)> {
         let surface = self.0.spec.specimen.container().surface();
         Ok((arrays::from_points(py, &surface.points)?, arrays::from_indices(py, surface.triangles().flatten(), 3)?))
     }

@@ -1,6 +1,6 @@
 //! `Mesh.solve` and what it returns: the curve, figures and fields of a test.
 
-use crate::arrays;
+use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::files;
 use crate::mesh::PyMesh;
@@ -310,10 +310,7 @@ impl PyFrame {
     }
 
     /// Points, cells and the VTK type of the cells, for `to_pyvista`.
-    fn _mesh<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, &'static str)> {
+    fn _mesh<'py>(&self, py: Python<'py>) -> PyResult<(PointArray<'py>, IndexArray<'py>, &'static str)> {
         let mesh = &self.0;
         let cells = arrays::from_indices(py, mesh.cells.iter().copied(), mesh.kind.nodes())?;
         Ok((arrays::from_points(py, &mesh.points)?, cells, crate::mesh::cell_type(mesh.kind)))

@@ -9,6 +9,7 @@ mod assembly;
 mod block;
 mod checkpoint;
 mod curve;
+mod drive;
 mod element;
 mod error;
 mod frame;

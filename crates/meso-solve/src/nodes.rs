@@ -87,16 +87,16 @@ impl Nodes {
         self.shares.len()
     }
 
-    /// Moves all nodes on by `dt` under the blocks' `forces`.
-    pub(crate) fn advance(&mut self, forces: &[[f32; 4]], plates: &Plates, motion: &Motion, dt: f64) -> Sums {
+    /// Moves all nodes on by a step under the blocks' `forces`.
+    pub(crate) fn advance(&mut self, forces: &[[f32; 4]], plates: &Plates, motion: &Motion) -> Sums {
         let Self { displacement, velocity, mass, first, shares } = self;
         let runs = displacement.par_chunks_mut(RUN).zip(velocity.par_chunks_mut(RUN)).enumerate();
-        let advance = |(number, (u, v)): (usize, (&mut [[f64; 3]], &mut [[f64; 3]]))| {
+        let runs = runs.map(|(number, (u, v))| {
             let start = number * RUN;
-            let run = Run { start, mass: &mass[start..], first: &first[start..], shares, forces, plates, motion, dt };
+            let run = Run { start, mass: &mass[start..], first: &first[start..], shares, forces, plates, motion };
             run.advance(u, v)
-        };
-        let sums: Vec<Sums> = runs.map(advance).collect();
+        });
+        let sums: Vec<Sums> = runs.collect();
         sums.iter().fold(Sums::default(), Sums::with)
     }
 }
@@ -111,27 +111,26 @@ struct Run<'a> {
     forces: &'a [[f32; 4]],
     plates: &'a Plates,
     motion: &'a Motion,
-    dt: f64,
 }
 
 impl Run<'_> {
     fn advance(&self, u: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> Sums {
         let mut contacts = self.plates.among(self.start, self.start + u.len()).iter().peekable();
-        let mut sums = Sums::default();
+        let (mut sums, dt) = (Sums::default(), self.motion.dt);
         for (i, (u, v)) in u.iter_mut().zip(v).enumerate() {
             let (force, m) = (self.force(i), self.mass[i]);
             let before = *v;
-            let push = self.dt / m;
+            let push = dt / m;
             (0..3).for_each(|k| v[k] -= force[k] * push);
             if let Some(contact) = contacts.next_if(|contact| contact.node as usize == self.start + i) {
-                let impact = self.plates.meet(contact, self.motion, self.dt, m, u, &before, v);
+                let impact = self.plates.meet(contact, self.motion, m, u, &before, v);
                 sums.plates[contact.plate] += impact.force;
                 sums.external += impact.work;
                 sums.friction += impact.friction;
             }
-            sums.internal += 0.5 * self.dt * (0..3).map(|k| force[k] * (before[k] + v[k])).sum::<f64>();
+            sums.internal += 0.5 * dt * (0..3).map(|k| force[k] * (before[k] + v[k])).sum::<f64>();
             sums.kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-            (0..3).for_each(|k| u[k] += self.dt * v[k]);
+            (0..3).for_each(|k| u[k] += dt * v[k]);
         }
         sums
     }

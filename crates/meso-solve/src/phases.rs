@@ -53,7 +53,7 @@ impl Phases {
                 let owner = owners.aggregate(cell[face[0]]);
                 owner != NO_AGGREGATE && face.iter().all(|&corner| owners.aggregate(cell[corner]) == owner)
             };
-            if *phase == Phase::Mortar && mesh.kind.faces().iter().any(|face| touches(face)) {
+            if *phase == Phase::Mortar && mesh.kind.faces().iter().any(touches) {
                 *phase = Phase::Itz;
                 self.smeared_cells += 1;
             }
@@ -96,7 +96,7 @@ impl Owners {
         members.sort_unstable();
         members.dedup();
         let at_node = members.chunk_by(|a, b| a.0 == b.0);
-        let mut pairs: Vec<(u32, u32)> = at_node.flat_map(|owners| each_pair(owners)).collect();
+        let mut pairs: Vec<(u32, u32)> = at_node.flat_map(each_pair).collect();
         pairs.sort_unstable();
         pairs.dedup();
         pairs.len()

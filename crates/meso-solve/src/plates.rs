@@ -33,9 +33,11 @@ pub(crate) struct Plates {
     ramp_s: f64,
 }
 
-/// Where the upper plate is, and how fast, upwards: mm, mm/s.
+/// A step of the upper plate: where it is, and how fast, upwards, mm, mm/s.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
+    /// Length of the step, s.
+    pub(crate) dt: f64,
     /// At the end of the step.
     pub(crate) travel: f64,
     /// Mean of this step and the one before: what forces at whole steps work along.
@@ -100,12 +102,12 @@ impl Plates {
         &self,
         contact: &Contact,
         motion: &Motion,
-        dt: f64,
         m: f64,
         u: &[f64; 3],
         before: &[f64; 3],
         v: &mut [f64; 3],
     ) -> Impact {
+        let Motion { dt, .. } = *motion;
         let (travel, speed) = if contact.plate == 1 { (motion.travel, motion.mean_speed) } else { (0.0, 0.0) };
         let free = *v;
         match self.kind {

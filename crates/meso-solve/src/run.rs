@@ -9,27 +9,20 @@ use crate::block::{Block, Common, Pass, Scratch};
 use crate::curve::Row;
 use crate::element::face::CohesionValues;
 use crate::error::SolveError;
-use crate::frame::Frame;
 use crate::lanes::InstructionSet;
 use crate::matter::{self, Matter};
 use crate::nodes::Nodes;
-use crate::observer::{Observer, Progress, Wish};
 use crate::phases::Phases;
 use crate::plates::{Motion, Plates};
-use crate::response::{Ended, Response};
 use crate::sample::Sample;
 use crate::test::{Kind, LawName, Test};
 use meso_core::materials::Materials;
-use meso_core::math::Vec3;
 use meso_core::mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
 /// Stiffness of a cohesive face over E / h.
 const COHESIVE_STIFFNESS: f64 = 20.0;
-/// Kinetic energy above this share of the plates' work is no test any more but a runaway.
-const RUNAWAY: f64 = 4.0;
-
 /// Strength of interfaces in an elastic test, MPa.
 const UNBREAKABLE: f64 = 1e6;
 
@@ -44,7 +37,7 @@ pub struct Run<'a> {
     /// The mesh's number of every node of the engine.
     pub(crate) order: Vec<u32>,
     forces: Vec<[f32; 4]>,
-    plates: Plates,
+    pub(crate) plates: Plates,
     pub(crate) set: InstructionSet,
     pub(crate) outline: Outline,
     pub(crate) state: State,
@@ -141,59 +134,15 @@ impl<'a> Run<'a> {
         blocks + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces) + phases
     }
 
-    /// Goes on to the end of the test, or until the observer stops it or it diverges.
-    pub fn to_end(&mut self, observer: &dyn Observer) -> Response {
-        let ended = self.go(observer);
-        Response::of(self, ended)
-    }
-
-    fn go(&mut self, observer: &dyn Observer) -> Ended {
-        while self.state.step < self.outline.steps {
-            self.advance();
-            if !self.is_sound() {
-                return Ended::Diverged(self.culprit());
-            }
-            let step = self.state.step;
-            let is_row = step % self.outline.stride == 0 || step == self.outline.steps;
-            if is_row && !self.add_row() {
-                return Ended::Diverged(self.culprit());
-            }
-            if let Some(number) = self.frame_at(step) {
-                observer.frame(&Frame::new(self, number));
-            }
-            if is_row && self.tell(observer) == Wish::Stop || observer.stops() {
-                return Ended::Stopped;
-            }
-        }
-        Ended::Completed
-    }
-
-    fn tell(&self, observer: &dyn Observer) -> Wish {
-        let Some(row) = self.state.rows.last() else { return Wish::GoOn };
-        let wish = observer.progress(&Progress { step: self.state.step, steps: self.outline.steps, row });
-        if wish == Wish::Keep {
-            observer.keep(self);
-        }
-        wish
-    }
-
-    /// Number of the frame that is due after `step` steps, from 1.
-    fn frame_at(&self, step: u64) -> Option<u32> {
-        let (frames, steps) = (u64::from(self.test.frames), self.outline.steps);
-        // The frame k is due at the step k steps / frames, rounded up.
-        let due = |step: u64| step * frames / steps;
-        (frames > 0 && due(step) > due(step - 1)).then(|| due(step) as u32)
-    }
-
     /// Takes one step.
-    fn advance(&mut self) {
+    pub(crate) fn advance(&mut self) {
         self.resist();
         let (state, dt) = (&mut self.state, self.outline.dt);
         let speed = self.plates.speed(state.time + 0.5 * dt);
         let before = if state.step == 0 { 0.0 } else { self.plates.speed(state.time - 0.5 * dt) };
         let travel = state.travel + speed * dt;
-        let motion = Motion { travel, mean_speed: 0.5 * (speed + before) };
-        let sums = self.nodes.advance(&self.forces, &self.plates, &motion, dt);
+        let motion = Motion { dt, travel, mean_speed: 0.5 * (speed + before) };
+        let sums = self.nodes.advance(&self.forces, &self.plates, &motion);
         for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
             *sum += x;
         }
@@ -223,7 +172,7 @@ impl<'a> Run<'a> {
     }
 
     /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
-    fn add_row(&mut self) -> bool {
+    pub(crate) fn add_row(&mut self) -> bool {
         let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
         let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
         let stress = |force: f64| sign * force / count / self.sample.section_mm2;
@@ -256,37 +205,6 @@ impl<'a> Run<'a> {
             volumes[phase as usize] += cell_volume(mesh, cell);
         }
         volumes
-    }
-
-    /// Whether energies are finite and the specimen moves no faster than the plates can have made it.
-    fn is_sound(&self) -> bool {
-        let state = &self.state;
-        let energies = [state.internal, state.external, state.friction, state.kinetic];
-        let most = RUNAWAY * state.external.abs().max(self.drive());
-        energies.iter().all(|energy| energy.is_finite()) && state.kinetic <= most
-    }
-
-    /// Kinetic energy of the whole specimen at the speed of the plate, mJ.
-    fn drive(&self) -> f64 {
-        0.5 * self.outline.masses[1] * self.plates.speed(f64::INFINITY).powi(2)
-    }
-
-    /// The cell whose nodes are fastest, in words.
-    fn culprit(&self) -> String {
-        let mesh = self.sample.mesh;
-        let mut speed = vec![0.0; self.order.len()];
-        for (velocity, &node) in self.nodes.velocity.iter().zip(&self.order) {
-            let fast = velocity.iter().fold(0.0_f64, |fast, v| fast.max(v.abs()));
-            speed[node as usize] = if velocity.iter().all(|v| v.is_finite()) { fast } else { f64::INFINITY };
-        }
-        let of_cell = |cell: &[u32]| cell.iter().map(|&node| speed[node as usize]).sum::<f64>();
-        let cells = mesh.cells().enumerate().map(|(number, cell)| (number, of_cell(cell)));
-        let (number, _) = cells.fold((0, -1.0), |worst, cell| if cell.1 > worst.1 { cell } else { worst });
-        let nodes = &mesh.cells[number * mesh.kind.nodes()..][..mesh.kind.nodes()];
-        let centre = nodes.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>();
-        let [x, y, z]: [f64; 3] = (centre / nodes.len() as f64).into();
-        let phase = self.phases.of_cells[number].name();
-        format!("element {number} ({phase}) at ({x:.2}, {y:.2}, {z:.2}) mm, step {}", self.state.step)
     }
 }
 
@@ -361,6 +279,3 @@ fn steps(sample: &Sample, test: &Test, height_mm: f64) -> Result<(u64, f64), Sol
     }
     Ok((steps as u64, duration / steps))
 }
-
-#[cfg(test)]
-mod tests;

@@ -362,7 +362,7 @@ fn intersecting(pairs: &[(u32, u32)], proof: Proof) -> Verdict {
 
 /// 2^k with size 2^k in 1/2..=1; 1 for sizes that no search is made of.
 fn power_of_two_near_inverse(size: f64) -> f64 {
-    if size < f64::MIN_POSITIVE || size > 1e300 {
+    if !(f64::MIN_POSITIVE..=1e300).contains(&size) {
         return 1.0;
     }
     let exponent = (size.to_bits() >> 52) as i64 - 1022;

@@ -340,7 +340,8 @@ pub(super) fn all_positive(mesh: &Mesh) -> Result<(), MeshError> {
 
 /// Refuses tetrahedra of which one has no positive volume.
 pub(super) fn all_tetrahedra_positive(mesh: &TetMesh) -> Result<(), MeshError> {
-    let flat: Vec<u32> = mesh.numbers().into_par_iter().filter(|&cell| !(mesh.volume(cell) > 0.0)).collect();
+    let is_positive = |cell: u32| mesh.volume(cell) > 0.0;
+    let flat: Vec<u32> = mesh.numbers().into_par_iter().filter(|&cell| !is_positive(cell)).collect();
     match flat.first() {
         None => Ok(()),
         Some(&first) => Err(MeshError::Flat { cells: flat.len(), at: mesh.position(mesh.cell(first)[0]).into() }),

@@ -381,7 +381,7 @@ lanes! {
 /// Each bit twice: a lane of 64 bits is two of 32.
 #[inline(always)]
 fn in_pairs(mask: u32) -> u32 {
-    (mask & 1) * 3 | (mask >> 1 & 1) * 12 | (mask >> 2 & 1) * 48 | (mask >> 3 & 1) * 192
+    ((mask & 1) * 3) | ((mask >> 1 & 1) * 12) | ((mask >> 2 & 1) * 48) | ((mask >> 3 & 1) * 192)
 }
 
 lanes! {

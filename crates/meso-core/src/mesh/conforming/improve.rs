@@ -83,7 +83,7 @@ fn better(topology: &mut Topology, cell: u32) -> bool {
 /// whether it did.
 fn contract(topology: &mut Topology, node: u32, others: &[u32], class: &VertexClass) -> bool {
     let may = |into: &u32| *into != node && class.may_contract(*into);
-    if !others.iter().any(|into| may(into)) {
+    if !others.iter().any(may) {
         return false;
     }
     // The nodes inside a body stay there: without any its solid ITZ would have nothing to go in to.

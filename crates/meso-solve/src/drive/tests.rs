@@ -1,12 +1,17 @@
 //! Bodies without plates against rigid-body mechanics, strains told to every node against Hooke's law, and a run that is
 //! made to diverge.
 
-use super::*;
-use crate::observer::Silent;
-use crate::test::Itz;
-use meso_core::math::Mat3;
-use meso_core::mesh::{self, MeshOptions, Method};
+use crate::frame::Frame;
+use crate::observer::{Observer, Progress, Silent, Wish};
+use crate::response::Ended;
+use crate::run::Run;
+use crate::sample::Sample;
+use crate::test::{Itz, LawName, Test};
+use meso_core::materials::Materials;
+use meso_core::math::{Aabb, Mat3, Vec3};
+use meso_core::mesh::{self, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
+use std::cell::Cell;
 
 const METHODS: [Method; 2] = [Method::FITTED, Method::VOXEL];
 
@@ -50,7 +55,7 @@ impl Body {
 
 /// Whether a node lies within the mesh's bounding box, off its faces.
 fn is_inner(mesh: &Mesh, node: usize) -> bool {
-    let aabb = meso_core::math::Aabb::around(&mesh.points);
+    let aabb = Aabb::around(&mesh.points);
     let p = mesh.points[node];
     (0..3).all(|axis| p[axis] > aabb.min[axis] + 1e-9 && p[axis] < aabb.max[axis] - 1e-9)
 }
@@ -200,7 +205,7 @@ fn a_constant_strain_passes_the_patch_test() {
 }
 
 /// Stops after so many rows.
-struct Rows(std::cell::Cell<usize>);
+struct Rows(Cell<usize>);
 
 impl Observer for Rows {
     fn progress(&self, _: &Progress) -> Wish {
@@ -214,7 +219,7 @@ fn a_run_that_diverges_stops_at_once_names_the_element_and_keeps_the_curve() {
     for (method, law) in METHODS.into_iter().flat_map(|method| [(method, LawName::Elastic), (method, LawName::Cdp)]) {
         let body = Body::cuboid(method);
         let mut run = body.run(law);
-        let healthy = run.to_end(&Rows(std::cell::Cell::new(30)));
+        let healthy = run.to_end(&Rows(Cell::new(30)));
         // One node in the middle becomes so light that its step is far too long.
         let places = places(&run);
         let middle = Vec3::new(5.0, 6.0, 7.0);

@@ -1,0 +1,90 @@
+//! The loop of a test: steps, rows, frames and the observer's wishes, until the end.
+
+use crate::frame::Frame;
+use crate::observer::{Observer, Progress, Wish};
+use crate::response::{Ended, Response};
+use crate::run::Run;
+use meso_core::math::Vec3;
+
+/// Kinetic energy above this share of the plates' work is no test any more but a runaway.
+const RUNAWAY: f64 = 4.0;
+
+impl Run<'_> {
+    /// Goes on to the end of the test, or until the observer stops it or it diverges.
+    pub fn to_end(&mut self, observer: &dyn Observer) -> Response {
+        let ended = self.go(observer);
+        Response::of(self, ended)
+    }
+
+    fn go(&mut self, observer: &dyn Observer) -> Ended {
+        while self.state.step < self.outline.steps {
+            self.advance();
+            if !self.is_sound() {
+                return Ended::Diverged(self.culprit());
+            }
+            let step = self.state.step;
+            let is_row = step.is_multiple_of(self.outline.stride) || step == self.outline.steps;
+            if is_row && !self.add_row() {
+                return Ended::Diverged(self.culprit());
+            }
+            if let Some(number) = self.frame_at(step) {
+                observer.frame(&Frame::new(self, number));
+            }
+            if is_row && self.report(observer) == Wish::Stop || observer.stops() {
+                return Ended::Stopped;
+            }
+        }
+        Ended::Completed
+    }
+
+    fn report(&self, observer: &dyn Observer) -> Wish {
+        let Some(row) = self.state.rows.last() else { return Wish::GoOn };
+        let wish = observer.progress(&Progress { step: self.state.step, steps: self.outline.steps, row });
+        if wish == Wish::Keep {
+            observer.keep(self);
+        }
+        wish
+    }
+
+    /// Number of the frame that is due after `step` steps, from 1.
+    fn frame_at(&self, step: u64) -> Option<u32> {
+        let (frames, steps) = (u64::from(self.test.frames), self.outline.steps);
+        // The frame k is due at the step k steps / frames, rounded up.
+        let due = |step: u64| step * frames / steps;
+        (frames > 0 && due(step) > due(step - 1)).then(|| due(step) as u32)
+    }
+
+    /// Whether energies are finite and the specimen moves no faster than the plates can have made it.
+    fn is_sound(&self) -> bool {
+        let state = &self.state;
+        let energies = [state.internal, state.external, state.friction, state.kinetic];
+        let most = RUNAWAY * state.external.abs().max(self.plate_energy());
+        energies.iter().all(|energy| energy.is_finite()) && state.kinetic <= most
+    }
+
+    /// Kinetic energy of the whole specimen at the speed of the plate, mJ.
+    fn plate_energy(&self) -> f64 {
+        0.5 * self.outline.masses[1] * self.plates.speed(f64::INFINITY).powi(2)
+    }
+
+    /// The cell whose nodes are fastest, in words.
+    fn culprit(&self) -> String {
+        let mesh = self.sample.mesh;
+        let mut speed = vec![0.0; self.order.len()];
+        for (velocity, &node) in self.nodes.velocity.iter().zip(&self.order) {
+            let fast = velocity.iter().fold(0.0_f64, |fast, v| fast.max(v.abs()));
+            speed[node as usize] = if velocity.iter().all(|v| v.is_finite()) { fast } else { f64::INFINITY };
+        }
+        let of_cell = |cell: &[u32]| cell.iter().map(|&node| speed[node as usize]).sum::<f64>();
+        let cells = mesh.cells().enumerate().map(|(number, cell)| (number, of_cell(cell)));
+        let (number, _) = cells.fold((0, -1.0), |worst, cell| if cell.1 > worst.1 { cell } else { worst });
+        let nodes = &mesh.cells[number * mesh.kind.nodes()..][..mesh.kind.nodes()];
+        let centre = nodes.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>();
+        let [x, y, z]: [f64; 3] = (centre / nodes.len() as f64).into();
+        let phase = self.phases.of_cells[number].name();
+        format!("element {number} ({phase}) at ({x:.2}, {y:.2}, {z:.2}) mm, step {}", self.state.step)
+    }
+}
+
+#[cfg(test)]
+mod tests;
