@@ -186,8 +186,10 @@ const PLASTIC: usize = 6;
 #[inline(always)]
 pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     let mut history = W::virgin();
-    for (own, from) in history.as_mut().iter_mut().zip(memory) {
-        *own = L::load(from);
+    let states = history.as_ref().len();
+    let memory = &memory[..states];
+    for i in 0..states {
+        history.as_mut()[i] = L::load(&memory[i]);
     }
     history
 }
@@ -199,6 +201,8 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     let one = L::splat(1.0);
     let mut history = history::<L, W>(memory);
     let states = history.as_ref().len();
+    // Of known length, so that no loop over it becomes a call.
+    let memory = &mut memory[..if states == 0 { 0 } else { states + 1 }];
     let response = law.stress(strain, &mut history, width);
     let stress = response.stress;
     if states == 0 {
@@ -223,8 +227,8 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     }
     // Of the energy stored, the share by which the integrity fell is lost.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
-    for (own, to) in history.as_ref().iter().zip(&mut *memory) {
-        own.store(to);
+    for i in 0..states {
+        history.as_ref()[i].store(&mut memory[i]);
     }
     (integrity - one).store(&mut memory[states]);
     Answer { stress, integrity, before, spent: spent + lost }

@@ -169,8 +169,8 @@ impl<'a> Run<'a> {
         });
     }
 
-    /// A row of the curve from the steps since the last one.
-    pub(crate) fn add_row(&mut self) {
+    /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
+    pub(crate) fn add_row(&mut self) -> bool {
         let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
         let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
         let stress = |force: f64| sign * force / count / self.sample.section_mm2;
@@ -189,7 +189,11 @@ impl<'a> Run<'a> {
             stress_top_mpa: stress(top),
             time_s: state.time,
         };
-        self.state.rows.push(row);
+        let is_sound = row.values().iter().all(|value| value.is_finite());
+        if is_sound {
+            self.state.rows.push(row);
+        }
+        is_sound
     }
 
     /// Volume of the cells of every phase in the test, mm3.
