@@ -125,8 +125,8 @@ fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
 fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
     let exact: f64 = grains().0.iter().map(|grain| grain.body.volume()).sum();
     let error = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).aggregate / exact - 1.0;
-    let fitted = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted);
-    let restored = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Exact);
+    let fitted = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Fitted);
+    let restored = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
     assert!(error(&fitted) < -0.01, "{}", error(&fitted));
     assert!(error(&restored).abs() < 0.005, "{}", error(&restored));
     let sharpest = |mesh: &Mesh| quality::cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
@@ -343,7 +343,7 @@ fn mass_scaling_is_told_by_phase() {
 /// From the cards alone: the volumes of the sets, as a solver that is driven by the deck would find them.
 #[test]
 fn a_deck_holds_the_whole_specimen() {
-    let mesh = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Exact);
+    let mesh = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
     let deck = Deck::read(&deck(&mesh, &compression()));
     let volume = |set: &str| -> f64 {
         let cell = |number: &u64| {

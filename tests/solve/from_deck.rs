@@ -259,7 +259,7 @@ fn defaults() -> MeshOptions {
     MeshOptions {
         method: Method::FITTED,
         itz: ItzForm::Smeared,
-        joined: Joined::Mortar,
+        joined: Joined::Cut,
         volumes: Volumes::Exact,
         ..MeshOptions::default()
     }
