@@ -1,6 +1,6 @@
 //! Meshes of a packing: points, cells, and the phase of every cell.
 //!
-//! [`build()`] is the one way in; the methods are siblings. A mesh knows nothing of file formats.
+//! [`build()`] is the one entry; the methods are siblings. A mesh knows nothing of file formats.
 
 pub(crate) mod apart;
 mod build;
