@@ -67,11 +67,23 @@ def test_every_option_of_the_schema_is_described(schema):
     assert list(nameless(schema.schema, "spec")) == []
 
 
+def script(name):
+    """Import a script that writes a part of the package."""
+    found = importlib.util.spec_from_file_location(name, ROOT / "crates" / "meso-py" / f"{name}.py")
+    module = importlib.util.module_from_spec(found)
+    found.loader.exec_module(module)
+    return module
+
+
+def test_the_stub_has_the_docstrings_of_the_compiled_module():
+    module = script("make_stub_docs")
+    stub = module.STUB.read_text(encoding="utf-8")
+    assert module.documented(stub) == stub, "run crates/meso-py/make_stub_docs.py"
+    assert stub.count('"""') > 100
+
+
 def test_the_types_are_those_of_the_schemas(command):
-    script = ROOT / "crates" / "meso-py" / "make_types.py"
-    make = importlib.util.spec_from_file_location("make_types", script)
-    module = importlib.util.module_from_spec(make)
-    make.loader.exec_module(module)
+    module = script("make_types")
     assert module.types(command) == module.TARGET.read_text(encoding="utf-8"), "run crates/meso-py/make_types.py"
 
 
@@ -145,6 +157,4 @@ def test_the_manual_has_a_page_for_every_command(run, tmp_path):
     commands = re.findall(r"^  ([a-z]+)  ", run("--help").stdout, re.MULTILINE)
     names = {path.name for path in tmp_path.glob("*.1")}
     assert names == {"mesocrete.1", *(f"mesocrete-{name}.1" for name in commands if name != "help")}
-    assert "--element\\-size\\-mm" in (tmp_path / "mesocrete-mesh.1").read_text() or "element\\-size\\-mm" in (
-        tmp_path / "mesocrete-mesh.1"
-    ).read_text()
+    assert "element\\-size\\-mm" in (tmp_path / "mesocrete-mesh.1").read_text(encoding="utf-8")
