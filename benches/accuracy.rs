@@ -2,6 +2,7 @@
 //!
 //! Bodies of 20 to 30 points at a known gap or depth; then the same near-touching pairs at other scales, far from the
 //! origin, stretched, and with more vertices. Truth is exact arithmetic. CSV and SVG files go to `benches/results/`.
+//! `--quick` takes small cases.
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
 mod collision;
@@ -11,7 +12,7 @@ use collision::ccd::Ccd;
 use collision::clock::seconds;
 use collision::literal::{self, Outcome};
 use collision::plot::{Line, Plot};
-use collision::table::save;
+use collision::table::{count, save};
 use collision::{Measured, machine};
 use meso_core::gjk::{self, Method};
 use meso_core::math::Vec3;
@@ -23,6 +24,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Pairs per value on an axis.
 const PAIRS: usize = 100;
+const FEW: usize = 4;
 
 /// Two bodies where they are, with the truth about them.
 struct Case {
@@ -174,21 +176,22 @@ fn answer(question: &Question<'_>, ccd: Option<&Ccd>) {
     let (mut wrong_lines, mut time_lines): (Vec<Line>, Vec<Line>) = (Vec::new(), Vec::new());
     let mut distances = Measured::new("value,contestant,largest_error_over_size,ns_per_query");
     let mut totals: Vec<(&str, usize)> = Vec::new();
+    let pairs = count(PAIRS, FEW);
     for &value in &question.values {
         let mut dice = Dice::new(value.to_bits());
         let cases: Vec<Case> =
-            (0..PAIRS).map(|_| (question.pair)(&mut dice, value)).map(|(a, b)| Case::new(a, b)).collect();
+            (0..pairs).map(|_| (question.pair)(&mut dice, value)).map(|(a, b)| Case::new(a, b)).collect();
         for (i, (name, ask)) in contestants(ccd).iter().enumerate() {
             let (answers, time) = timed(&cases, ask);
-            let count =
+            let how_many =
                 |f: &dyn Fn(&Case, &Option<bool>) -> bool| cases.iter().zip(&answers).filter(|(c, a)| f(c, a)).count();
-            let missed = count(&|c, a| c.overlap && *a == Some(false));
-            let made_up = count(&|c, a| !c.overlap && *a == Some(true));
-            let none = count(&|_, a| a.is_none());
+            let missed = how_many(&|c, a| c.overlap && *a == Some(false));
+            let made_up = how_many(&|c, a| !c.overlap && *a == Some(true));
+            let none = how_many(&|_, a| a.is_none());
             table.row(&[
                 format!("{value:e}"),
                 (*name).into(),
-                PAIRS.to_string(),
+                pairs.to_string(),
                 missed.to_string(),
                 made_up.to_string(),
                 none.to_string(),
@@ -200,12 +203,12 @@ fn answer(question: &Question<'_>, ccd: Option<&Ccd>) {
                 totals.push((*name, 0));
             }
             totals[i].1 += missed + made_up + none;
-            wrong_lines[i].1.push((value, 100.0 * (missed + made_up + none) as f64 / PAIRS as f64));
+            wrong_lines[i].1.push((value, 100.0 * (missed + made_up + none) as f64 / pairs as f64));
             time_lines[i].1.push((value, time));
         }
         distance_errors(value, &cases, &mut distances);
     }
-    println!("{:10} wrong or no answer of {}: {totals:?}", question.name, PAIRS * question.values.len());
+    println!("{:10} wrong or no answer of {}: {totals:?}", question.name, pairs * question.values.len());
     table.save(&format!("accuracy_{}.csv", question.name));
     distances.save(&format!("accuracy_{}_distance.csv", question.name));
     let plot = |y, log_y, lines| Plot { title: "", x: question.axis, y, log_x: true, log_y, lines }.svg();
@@ -280,13 +283,13 @@ fn integers(dice: &mut Dice, largest: usize) -> Vec<Vec3> {
 
 /// How often the paper's algorithms, as printed, go round for ever or answer wrongly.
 fn as_printed() {
-    const PAIRS: usize = 20_000;
+    let all = count(20_000, 100);
     let mut table = Measured::new("pairs,count,overlapping,endless,missed_overlaps,false_overlaps");
     for (name, pair) in FAMILIES {
         let mut dice = Dice::new(3883);
         // Overlapping, endless, missed, made up.
         let mut counts = [0; 4];
-        for _ in 0..PAIRS {
+        for _ in 0..all {
             let (a, b) = pair(&mut dice);
             let truth = gjk::intersects(&a, &b).expect("in range");
             let said = literal::gjk_intersect(&a, &b, &Vec3::zeros());
@@ -295,8 +298,8 @@ fn as_printed() {
             counts[2] += usize::from(truth && said == Outcome::Apart);
             counts[3] += usize::from(!truth && said == Outcome::Overlap);
         }
-        println!("as printed, {name}: of {PAIRS} overlapping, endless, missed, made up {counts:?}");
-        let mut row = vec![name.replace(',', ""), PAIRS.to_string()];
+        println!("as printed, {name}: of {all} overlapping, endless, missed, made up {counts:?}");
+        let mut row = vec![name.replace(',', ""), all.to_string()];
         row.extend(counts.map(|count| count.to_string()));
         table.row(&row);
     }

@@ -7,6 +7,7 @@
 //!
 //! Both meshes are made in turns, twice when nothing is given, in processes of their own, and the lesser times count: what else
 //! the machine does adds to all of them.
+//! `--quick` takes small cases.
 
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
@@ -21,19 +22,24 @@ use meso_core::{Silent, Spec, pack};
 use meso_gmsh::Gmsh;
 use rows::{enter, number};
 use std::process::Command;
+use table::count;
 
 const HEADER: &str = "side_mm,element_size_mm,grains,elements,cpu_s,own_cpu_s,gmsh_cpu_s,gmsh_alone_cpu_s,ratio,own_share_percent,\
                       smallest_dihedral_deg,below_1_deg,below_8_deg,shortest_altitude_mm";
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench" && word != "--quick").collect();
     if let [word, slabs, side, size] = &words[..]
         && word == "--case"
     {
         return case(slabs.parse().ok(), number(side), number(size));
     }
-    let [side, size, turns] =
-        [(0, 60.0), (1, 2.0), (2, 2.0)].map(|(i, usual)| words.get(i).map_or(usual, |word| number(word)));
+    let [side, size, turns] = [
+        (0, if table::quick() { 30.0 } else { 60.0 }),
+        (1, if table::quick() { 4.0 } else { 2.0 }),
+        (2, count(2, 1) as f64),
+    ]
+    .map(|(i, usual)| words.get(i).map_or(usual, |word| number(word)));
     let run = |slabs: &str| {
         let mut command = Command::new(std::env::current_exe().expect("a bench has a path"));
         let output = command.args(["--case", slabs, &side.to_string(), &size.to_string()]).output();

@@ -1,4 +1,4 @@
-//! Run time of collision tests: `cargo bench -p meso-core --bench gjk -- [--isa scalar|avx2|avx512]`.
+//! Run time of collision tests: `cargo bench -p meso-core --bench gjk -- [--isa scalar|avx2|avx512] [--quick]`.
 //!
 //! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing, single and batched. Medians of
 //! processor time in one run, contestants taking turns; CSV and SVG files, one for each instruction set, go to `benches/results/`.
@@ -12,10 +12,10 @@ use collision::clock::{Contestant, compare};
 use collision::literal::{self, Outcome};
 use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
-use collision::table::save;
+use collision::table::{count, save};
 use collision::{Measured, machine};
-use meso_core::gjk::{self, Counters, Method, PairQuery};
-use meso_core::testing::isa;
+use meso_core::gjk::{self, Method, PairQuery};
+use meso_core::testing::{Counters, isa, overlap_counted, overlap_with};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -30,7 +30,7 @@ fn mesocrete<'a>() -> AskOne<'a> {
 }
 
 fn method<'a>(method: Method) -> AskOne<'a> {
-    Box::new(move |q, a, b| gjk::overlap_with(method, &a.body, &b.body, &q.x))
+    Box::new(move |q, a, b| overlap_with(method, &a.body, &b.body, &q.x))
 }
 
 fn parry<'a>() -> AskOne<'a> {
@@ -85,7 +85,7 @@ fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<PairQuery<'a>> {
 
 /// The pair sets of a packing: ns per query of everybody, and the ratios the project asks for.
 fn pair_sets(ccd: Option<&Ccd>) {
-    let grains = pairs::grains(4000);
+    let grains = pairs::grains(count(4000, 500));
     let mut table = Measured::new("pairs,contestant,ns_per_query,yes");
     let sets = [
         ("intersecting", pairs::intersecting(&grains)),
@@ -95,7 +95,7 @@ fn pair_sets(ccd: Option<&Ccd>) {
     for (name, queries) in &sets {
         report(name, &grains, queries, ccd, &mut table);
     }
-    let stream = pairs::placement_stream(100.0, 0.40, 20_000);
+    let stream = pairs::placement_stream(count(100, 40) as f64, 0.40, count(20_000, 1000));
     report("placement stream", &stream.grains, &stream.queries[..stream.queries.len().min(20_000)], ccd, &mut table);
     attempts(&stream, ccd, &mut table);
     table.save(&format!("gjk_pairs_{}.csv", isa().name()));
@@ -104,14 +104,14 @@ fn pair_sets(ccd: Option<&Ccd>) {
 fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Measured) {
     let mut counters = Counters::default();
     for q in queries {
-        gjk::overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
+        overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
     }
     println!(
         "\n{name}: {} pairs, {} after the spheres, {} after the ellipsoids, {} exact",
         counters.pairs, counters.after_spheres, counters.after_ellipsoids, counters.exact_calls
     );
     let all = contestants(grains, queries, ccd);
-    let times = compare(&all, queries, CHUNK, ROUNDS);
+    let times = compare(&all, queries, CHUNK, count(ROUNDS, 1));
     for ((contestant, run), time) in all.iter().zip(&times) {
         let yes = run(queries);
         println!("  {contestant:28} {:8.1} ns   {yes} overlap", time * 1e9);
@@ -146,7 +146,7 @@ fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Measured) {
     {
         all.push((name, Box::new(move |ranges| ranges.iter().filter(|r| clear_one(&ask, r)).count())));
     }
-    let times = compare(&all, &ranges, CHUNK, ROUNDS);
+    let times = compare(&all, &ranges, CHUNK, count(ROUNDS, 1));
     println!("\nper placement attempt, {:.1} neighbours:", stream.queries.len() as f64 / ranges.len() as f64);
     for ((name, run), time) in all.iter().zip(&times) {
         println!("  {name:28} {:8.1} ns   {:.1} x the batched   {} clear", time * 1e9, time / times[0], run(&ranges));
@@ -156,14 +156,14 @@ fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Measured) {
 
 /// The paper's Fig. 4: one of three polyhedra against N intersecting ones.
 fn figure_4(ccd: Option<&Ccd>) {
-    let grains = pairs::grains(22_000);
+    let grains = pairs::grains(count(22_000, 500));
     let mut table = Measured::new("initial,n,contestant,ms");
     let mut lines: Vec<Line> = Vec::new();
     for initial in 0..3 {
         let queries = pairs::intersecting_with(&grains, initial);
         let all = contestants(&grains, &queries, ccd);
         let mut at_22_000 = Vec::new();
-        for n in [500, 2_000, 5_000, 10_000, 16_000, 22_000] {
+        for &n in &[500, 2_000, 5_000, 10_000, 16_000, 22_000][..count(6, 1)] {
             at_22_000 = compare(&all, &queries[..n], CHUNK, 3);
             for ((name, _), time) in all.iter().zip(&at_22_000) {
                 table.row(&[

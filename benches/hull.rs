@@ -1,19 +1,24 @@
 //! Hulls and offsets of the paper's aggregates, against parry3d's hull.
 //!
 //! Contestants take turns on the same batches, and the median batch counts, in processor time of the thread: only the
-//! ratios within one run mean anything. Writes benches/results/hull.csv.
+//! ratios within one run mean anything. Writes benches/results/hull.csv; `--quick` takes few grains.
+
+#![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
 #[path = "collision/clock.rs"]
 #[allow(dead_code, unreachable_pub, reason = "each bench uses its part")]
 mod clock;
+#[path = "collision/table.rs"]
+mod table;
 
-use meso_core::aggregate::random::{Purpose, Stream};
-use meso_core::geometry::{HullBuilder, Polyhedron, convex_hull, inscribed_ball, inward_offset};
+use meso_core::geometry::{Polyhedron, convex_hull, inscribed_ball, inward_offset};
 use meso_core::math::Vec3;
-use std::fmt::Write as _;
+use meso_core::testing::{HullBuilder, Purpose, Stream};
 use std::hint::black_box;
+use table::Table;
 
 const GRAINS: usize = 1000;
+const FEW: usize = 20;
 const ROUNDS: usize = 15;
 
 type Contestant<'a> = (&'static str, Box<dyn FnMut() + 'a>);
@@ -29,13 +34,13 @@ fn grains() -> Vec<Vec<Vec3>> {
         let vertices = stream.integer(20, 30);
         (0..vertices).map(|_| turn * (stream.rotation() * Vec3::z()).component_mul(&axes)).collect()
     };
-    (0..GRAINS).map(grain).collect()
+    (0..table::count(GRAINS, FEW)).map(grain).collect()
 }
 
 /// Median seconds of a batch for every contestant.
 fn compare(contestants: &mut [Contestant]) -> Vec<f64> {
     let mut seconds = vec![Vec::new(); contestants.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..table::count(ROUNDS, 1) {
         for ((_, run), seconds) in contestants.iter_mut().zip(&mut seconds) {
             let start = clock::seconds();
             run();
@@ -68,15 +73,11 @@ fn main() {
         ("volume with centroid and inertia", each(&bodies, Polyhedron::mass_properties)),
     ];
     let medians = compare(&mut contestants);
-    let mut csv = String::from("what,microseconds_per_grain\n");
+    let mut table = Table::new("what,microseconds_per_grain");
     for ((name, _), seconds) in contestants.iter().zip(medians) {
-        let _ = writeln!(csv, "{name},{:.2}", seconds / GRAINS as f64 * 1e6);
+        let row = [(*name).to_owned(), format!("{:.2}", seconds / table::count(GRAINS, FEW) as f64 * 1e6)];
+        println!("{}", row.join(","));
+        table.row(&row);
     }
-    // A bench reports to the terminal and to a file.
-    #[expect(clippy::print_stdout, reason = "a bench's result")]
-    {
-        print!("{csv}");
-    }
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../benches/results/hull.csv");
-    std::fs::write(path, csv).expect("benches/results can be written");
+    table.save("hull.csv");
 }

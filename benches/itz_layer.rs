@@ -3,6 +3,7 @@
 //! `cargo bench --bench itz_layer -- [SIDE_MM [ELEMENT_SIZE_MM [FRACTION [SEED]]]]` takes a cube with gaps of 0.05 mm, of 30 mm
 //! with elements of 2 mm at 0.5 and seed 1 when nothing is given (the paper's specimen has 150 mm), and puts its row into
 //! `benches/results/itz_layer.csv` in place of the one that is there. `gmsh` is the one on the PATH.
+//! `--quick` takes small cases.
 
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
@@ -19,14 +20,16 @@ use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec, pack};
 use meso_gmsh::Gmsh;
 use rows::{enter, number};
+use table::count;
 
 const HEADER: &str = "side_mm,element_size_mm,fraction,seed,aggregates,elements,error_rms_mm,area_mm2,volume_error_percent,\
                       nodes_that_stop_short,smallest_dihedral_deg,shortest_altitude_mm,inverted";
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench" && word != "--quick").collect();
     let [side, element_size_mm, fraction, seed] =
-        [(0, 30.0), (1, 2.0), (2, 0.5), (3, 1.0)].map(|(i, usual)| words.get(i).map_or(usual, |word| number(word)));
+        [(0, 30.0), (1, if table::quick() { 4.0 } else { 2.0 }), (2, count(50, 30) as f64 / 100.0), (3, 1.0)]
+            .map(|(i, usual)| words.get(i).map_or(usual, |word| number(word)));
     let mut spec = Spec { seed: seed as u64, fraction, specimen: Specimen::cube(side), ..Spec::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     let model = pack(&spec, &Silent).expect("the spec is valid");

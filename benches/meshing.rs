@@ -3,6 +3,7 @@
 //! `cargo bench --bench meshing -- METHOD [SIZE]...` measures one of `voxel`, `lattice-plain`, `lattice-fitted` and
 //! `conforming` at 4, 3, 2, 1.5 and 1 mm or the sizes given, puts its rows into `benches/results/meshing.csv` in place
 //! of those that are there, and draws `meshing.svg` anew; without a method all but `conforming`, which takes the longest.
+//! `--quick` takes 8 mm.
 //!
 //! Each case runs in a process of its own, without an ITZ. Times are CPU seconds of all threads, memory is the peak of
 //! the process and, apart, of gmsh, as Linux counts them. A conforming mesh needs room between the grains: its packing
@@ -34,7 +35,6 @@ const SIZES_MM: [f64; 5] = [4.0, 3.0, 2.0, 1.5, 1.0];
 const HEADER: &str = "method,element_size_mm,grains,elements,nodes,wall_s,cpu_s,gmsh_wall_s,deck_s,peak_mb,gmsh_peak_mb,\
                       aggregate_volume_error_percent,interface_nodes,interface_off,interface_max_mm,interface_rms_mm,\
                       joined_nodes,joined_max_mm,joined_rms_mm,smallest_dihedral_deg,below_8_deg";
-const CSV: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../benches/results/meshing.csv");
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
@@ -46,7 +46,8 @@ fn main() {
     let methods: Vec<&str> = METHODS.into_iter().filter(|method| words.iter().any(|word| word == method)).collect();
     let methods = if methods.is_empty() { METHODS[..3].to_vec() } else { methods };
     let sizes: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
-    let sizes = if sizes.is_empty() { SIZES_MM.to_vec() } else { sizes };
+    let usual = if table::quick() { vec![8.0] } else { SIZES_MM.to_vec() };
+    let sizes = if sizes.is_empty() { usual } else { sizes };
     println!("{HEADER}");
     for method in methods {
         measure(method, &sizes);
@@ -84,17 +85,18 @@ fn save(model: &Model, path: &Path) {
 /// Puts a row in place of the one of its method and size, and draws all.
 fn enter(row: String) {
     let cells = |row: &str| row.split(',').map(String::from).collect::<Vec<_>>();
-    let text = std::fs::read_to_string(CSV).unwrap_or_default();
+    let text = std::fs::read_to_string(table::folder().join("meshing.csv")).unwrap_or_default();
+    let mut table = Table::new(HEADER);
     // Rows of other columns are of an older bench.
-    let old = if text.lines().next() == Some(HEADER) { text.lines().skip(1).collect() } else { Vec::new() };
+    let is_same = text.lines().next() == Some(&Table::header(HEADER));
+    let old = if is_same { text.lines().skip(1).collect() } else { Vec::new() };
     let mut rows: Vec<Vec<String>> = old.into_iter().map(cells).collect();
-    let new = cells(&row);
+    let new = cells(&table.stamped(&row));
     rows.retain(|row| row[..2] != new[..2]);
     rows.push(new);
     let place = |row: &[String]| METHODS.iter().position(|method| *method == row[0]);
     rows.sort_by(|a, b| place(a).cmp(&place(b)).then(number(&b[1]).total_cmp(&number(&a[1]))));
-    let mut table = Table::new(HEADER);
-    rows.iter().for_each(|row| table.row(row));
+    rows.iter().for_each(|row| table.keep(&row.join(",")));
     table.save("meshing.csv");
     draw(&rows);
 }

@@ -1,7 +1,7 @@
 //! Nanoseconds that an element and a step take, bytes that an element takes, and what a second thread buys.
 //!
 //! `cargo bench --bench solve -- [SIDE_MM [ELEMENT_SIZE_MM]]` takes a cube of 50 mm with elements of 2 mm when nothing is
-//! given, and writes `benches/results/solve.csv`. Times are processor seconds of one thread, medians over turns that the
+//! given, with `--quick` one turn of a cube of 24 mm, and writes `benches/results/solve.csv`. Times are processor seconds of one thread, medians over turns that the
 //! cases take one after the other; the gain of two threads is in wall-clock time, which means something on a quiet machine
 //! alone.
 
@@ -23,7 +23,7 @@ use std::time::Instant;
 use table::Table;
 
 const HEADER: &str = "case,law,instruction_set,elements,cohesive_faces,ns_per_element_step,bytes_per_element,\
-                      two_threads_gain,machine,date,commit";
+                      two_threads_gain";
 /// Steps of a turn, and turns.
 const STEPS: u64 = 40;
 const TURNS: usize = 7;
@@ -91,9 +91,9 @@ fn turn(run: &mut Run) -> f64 {
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     let word = |i: usize, usual: f64| words.get(i).map_or(usual, |word| word.parse().expect("a number"));
-    let (side, size) = (word(0, 50.0), word(1, 2.0));
+    let (side, size) = if table::quick() { (24.0, 4.0) } else { (word(0, 50.0), word(1, 2.0)) };
     let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(side), ..Spec::default() };
     spec.grading.d_max_mm = 16.0;
     spec.grading.classes_mm = vec![5.0, 10.0, 16.0];
@@ -121,7 +121,7 @@ fn measure(cases: &[Case]) {
     let (one, two) = (threads(1), threads(2));
     let mut runs: Vec<Run> = one.install(|| cases.iter().map(ready).collect());
     let mut times = vec![Vec::new(); cases.len()];
-    for _ in 0..TURNS {
+    for _ in 0..table::count(TURNS, 1) {
         for (run, times) in runs.iter_mut().zip(&mut times) {
             times.push(one.install(|| turn(run)));
         }
@@ -145,17 +145,9 @@ fn measure(cases: &[Case]) {
             format!("{:.1}", clock::median(times) * 1e9 / count as f64 / STEPS as f64),
             format!("{:.1}", run.bytes() as f64 / count as f64),
             format!("{gain:.2}"),
-            said("MACHINE"),
-            said("DATE"),
-            said("COMMIT"),
         ];
         println!("{}", row.join(","));
         table.row(&row);
     }
     table.save("solve.csv");
-}
-
-/// What the caller says of the run in the environment, as a cell of the table.
-fn said(name: &str) -> String {
-    std::env::var(name).unwrap_or_default().replace(',', " ")
 }

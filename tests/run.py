@@ -27,6 +27,9 @@ PEERS = {
     "gmsh": "gmsh reading our meshes (PyPI or Debian: gmsh)",
 }
 
+# Benches of conforming meshes.
+GMSH_BENCHES = {"against_gmsh", "itz_layer"}
+
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [
     "calculix",
@@ -122,10 +125,25 @@ def stages(python: Path, *, slow: bool) -> list[tuple[str, list[str]]]:
     tier = ["--", "--include-ignored"] if slow else []
     return [
         ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
+        ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("cargo test", ["cargo", "test", "--no-fail-fast", *tier]),
         ("stubtest", [str(python), "-m", "mypy.stubtest", "mesocrete"]),
         ("pytest", [str(python), "-m", "pytest", *(["--slow"] if slow else [])]),
+        *(bench_stages(python) if slow else []),
     ]
+
+
+def bench_stages(python: Path) -> list[tuple[str, list[str]]]:
+    """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
+    benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
+    rust = [["cargo", "bench", "--quiet", "--bench", name.stem, "--", "--quick"] for name in benches]
+    script = [str(python), str(ROOT / "benches" / "mesh_write.py"), "--quick"]
+    return [(f"bench {command[4]}", command) for command in rust] + [("bench mesh_write", script)]
+
+
+def has_gmsh() -> bool:
+    """Tell whether the conforming mesher's program is there."""
+    return shutil.which("gmsh") is not None
 
 
 def must(what: str, command: list[str]) -> None:

@@ -11,24 +11,22 @@ pub mod pairs;
 pub mod plot;
 pub mod table;
 
+use meso_core::testing::isa;
 use table::Table;
 
-/// A table each row of which says where and when it was measured.
-pub struct Measured {
-    table: Table,
-    stamp: String,
-}
+/// A table whose rows name the instruction set, too.
+pub struct Measured(Table);
 
 impl Measured {
     pub fn new(header: &str) -> Self {
-        Self { table: Table::new(&format!("{header},{}", machine::COLUMNS)), stamp: machine::stamp() }
+        Self(Table::new(&format!("{header},isa")))
     }
 
     pub fn row(&mut self, cells: &[String]) {
-        self.table.row(&[cells, std::slice::from_ref(&self.stamp)].concat());
+        self.0.row(&[cells, &[isa().name().to_owned()]].concat());
     }
 
     pub fn save(&self, name: &str) {
-        self.table.save(name);
+        self.0.save(name);
     }
 }

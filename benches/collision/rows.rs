@@ -8,13 +8,14 @@ pub(crate) fn enter(name: &str, header: &str, keys: usize, row: String) {
     println!("{header}\n{row}");
     let key = |row: &str| row.split(',').take(keys).map(number).collect::<Vec<_>>();
     let text = std::fs::read_to_string(super::table::folder().join(name)).unwrap_or_default();
-    let old =
-        if text.lines().next() == Some(header) { text.lines().skip(1).map(String::from).collect() } else { vec![] };
-    let own = key(&row);
-    let mut rows: Vec<String> = old.into_iter().filter(|old: &String| key(old) != own).chain([row]).collect();
-    rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("numbers"));
     let mut table = Table::new(header);
-    rows.iter().for_each(|row| table.row(&row.split(',').map(String::from).collect::<Vec<_>>()));
+    let is_same = text.lines().next() == Some(&Table::header(header));
+    let old: Vec<&str> = if is_same { text.lines().skip(1).collect() } else { Vec::new() };
+    let row = table.stamped(&row);
+    let own = key(&row);
+    let mut rows: Vec<&str> = old.into_iter().filter(|old| key(old) != own).chain([row.as_str()]).collect();
+    rows.sort_by(|a, b| key(a).partial_cmp(&key(b)).expect("numbers"));
+    rows.iter().for_each(|row| table.keep(row));
     table.save(name);
 }
 

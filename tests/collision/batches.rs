@@ -2,9 +2,9 @@
 
 use super::families::Dice;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{Body, Method, PairQuery, apart, clear_many, overlap, overlap_many, overlap_with};
+use meso_core::gjk::{Body, Method, PairQuery, apart, clear_many, overlap, overlap_many};
 use meso_core::math::{Mat3, Vec3};
-use meso_core::testing::{Isa, choose};
+use meso_core::testing::{Isa, choose, overlap_with};
 
 /// Bodies of every kind: with and without bounds, solid and flat, small and large.
 fn bodies(dice: &mut Dice) -> Vec<Body> {

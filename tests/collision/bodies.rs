@@ -2,10 +2,9 @@
 
 use super::families::Dice;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{
-    self, Body, Counters, PairQuery, Support, apart, apart_counted, clear_many, overlap, overlap_many,
-};
+use meso_core::gjk::{self, Body, PairQuery, Support, apart, clear_many, overlap, overlap_many};
 use meso_core::math::{Mat3, Vec3};
+use meso_core::testing::{Counters, apart_counted};
 
 /// Two bodies on ellipsoids and a displacement at which they may or may not overlap.
 fn pair(dice: &mut Dice) -> ([Vec<Vec3>; 2], Vec3) {

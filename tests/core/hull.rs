@@ -2,8 +2,9 @@
 
 use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
 use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
-use meso_core::geometry::{Face, HullBuilder, HullError, Polyhedron, affine_dimension, convex_hull, convex_hull_like};
+use meso_core::geometry::{Face, HullError, Polyhedron, convex_hull};
 use meso_core::math::Vec3;
+use meso_core::testing::{HullBuilder, affine_dimension, convex_hull_like};
 use num_bigint::BigInt;
 use std::collections::BTreeSet;
 

@@ -1,8 +1,9 @@
 //! The sieve size of bodies whose square hole is known.
 
 use crate::solids::{Source, block};
-use meso_core::geometry::{convex_hull, principal_axes, sieve_size};
+use meso_core::geometry::{convex_hull, sieve_size};
 use meso_core::math::{Mat3, Vec3};
+use meso_core::testing::principal_axes;
 
 #[test]
 fn a_block_passes_a_square_as_wide_as_its_middle_edge() {

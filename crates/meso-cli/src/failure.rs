@@ -1,6 +1,7 @@
 //! How a command ends badly: one line on stderr and an exit code.
 
 use crate::stderr;
+use meso_files::reason;
 use std::path::Path;
 
 /// Exit code of a run-time or input/output failure.
@@ -26,7 +27,7 @@ pub(crate) enum Failure {
 impl Failure {
     /// A file that could not be read or written, with the operating system's reason.
     pub(crate) fn file(path: &Path, error: &std::io::Error) -> Self {
-        Self::Run(format!("{}: {}", path.display(), plain(error)))
+        Self::Run(format!("{}: {}", path.display(), reason(error)))
     }
 
     /// The fault, and the way out.
@@ -41,18 +42,6 @@ impl Failure {
     pub(crate) fn print(&self) -> u8 {
         stderr::line(format!("error: {}", self.message()));
         if matches!(self, Self::Usage(_)) { USAGE } else { RUN }
-    }
-}
-
-/// "No such file or directory (os error 2)" without the number.
-fn plain(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    let text = text.split(" (os error").next().unwrap_or(&text);
-    match error.kind() {
-        std::io::ErrorKind::StorageFull => format!("{text}; free some space or write elsewhere"),
-        std::io::ErrorKind::PermissionDenied => format!("{text}; choose a place that you may write to"),
-        std::io::ErrorKind::NotFound => format!("{text}; check the name and the folder"),
-        _ => text.to_owned(),
     }
 }
 

@@ -1,14 +1,12 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
-use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, saved};
+use meso_files::Beside;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Longest file a spec may name, bytes.
-const LONGEST_INPUT: u64 = 256 << 20;
 /// Longest spec that is read, bytes; a sieve table of a million rows is shorter.
 const LONGEST_SPEC: u64 = 32 << 20;
 /// Longest saved model, bytes: ten million aggregates, the most that a spec may ask for, take 30 GB.
@@ -32,27 +30,6 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
         Failure::Usage(format!("{name}: byte {position} is not UTF-8; save it as plain text"))
     })?;
     parse(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))
-}
-
-/// The files in and below a folder, for a spec that lies in it.
-#[derive(Clone, Copy, Debug)]
-pub struct Beside<'a>(pub &'a Path);
-
-impl Files for Beside<'_> {
-    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
-        let path = self.0.join(name);
-        // A pipe that a spec names and nobody fills would be waited for without end.
-        is_file(&path)
-            .and_then(|()| read(&path, LONGEST_INPUT))
-            .map_err(|failure| io::Error::other(failure.message().to_owned()))
-    }
-
-    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
-        let path = self.0.join(folder);
-        let fail = |error| io::Error::other(Failure::file(&path, &error).message().to_owned());
-        let entries = std::fs::read_dir(&path).map_err(fail)?;
-        entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
-    }
 }
 
 /// Reads a saved model, `-` for standard input. What does not begin like one is not read to its end.
@@ -97,10 +74,4 @@ fn source(path: &Path) -> Result<Box<dyn Read>, Failure> {
         return Err(Failure::Usage(format!("{} is a directory; name a file, or - for standard input", path.display())));
     }
     Ok(Box::new(File::open(path).map_err(fail)?))
-}
-
-fn is_file(path: &Path) -> Result<(), Failure> {
-    let kind = std::fs::metadata(path).map_err(|error| Failure::file(path, &error))?;
-    let what = if kind.is_dir() { "a directory" } else { "no regular file" };
-    if kind.is_file() { Ok(()) } else { Err(Failure::Usage(format!("{} is {what}; name a file", path.display()))) }
 }

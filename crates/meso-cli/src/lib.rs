@@ -1,7 +1,7 @@
 //! The `mesocrete` command as a function, so that the binary and the Python package run the same code.
 //!
-//! stdout carries data only; progress and messages go to stderr. Arguments ([`commands`]) become a spec, options and
-//! [`outputs`]; then the core works; then files appear whole or not at all.
+//! stdout carries data only; progress and messages go to stderr. Arguments (`commands`) become a spec, options and
+//! `outputs`; then the core works; then files appear whole or not at all.
 
 mod commands;
 mod failure;
@@ -11,8 +11,6 @@ mod outputs;
 mod progress;
 mod stderr;
 mod threads;
-
-pub use inputs::Beside;
 
 use clap::Parser;
 use commands::{Cli, Command};

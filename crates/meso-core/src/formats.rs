@@ -133,6 +133,7 @@ impl MeshFormat {
 }
 
 /// Where piece `index` of the `.pvtu` at `path` is: `name_0.vtu` beside `name.pvtu`.
+#[doc(hidden)]
 pub fn piece_path(path: &Path, index: usize) -> PathBuf {
     path.with_file_name(format!("{}_{index}.vtu", path.file_stem().unwrap_or_default().to_string_lossy()))
 }

@@ -1,3 +1,3 @@
 //! Bodies from files that other programs wrote.
 
-pub mod stl;
+pub(crate) mod stl;

@@ -1,12 +1,28 @@
 //! mesocrete: mesoscale concrete, packed without overlap.
 //!
+//! ```
+//! use meso_core::{Silent, Spec, check::check, pack, saved};
+//!
+//! let spec = Spec::from_toml("fraction = 0.3\nspecimen = { kind = \"cube\", side_mm = 60 }")?;
+//! let model = pack(&spec, &Silent)?;
+//! assert!((model.report.fraction - 0.3).abs() < 2e-3);
+//! assert!(check(&model).is_sound());
+//! saved::write(&model, std::io::sink())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The way through: a [`Spec`] holds every option, [`pack`] makes a [`Model`] of it, [`mesh::build`](mesh::build())
+//! meshes the model, and [`formats`] and [`export`] write both. [`check`](mod@check) proves a model,
+//! [`statistics`](mod@statistics) measures it, and [`page`] shows it. [`gjk`] answers about collision alone, without the
+//! feature `concrete`.
+//!
 //! Units everywhere: mm, mm3, N, MPa, tonne, s, radians; volume fractions from 0 to 1, by volume of the specimen, from
 //! the exact polyhedra.
 
 // No environment, clock, file, print or mathematics of the platform: the list stands in this crate's `clippy.toml`.
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 // Collision alone (no feature `concrete`) leaves some of geometry without a user.
-#![cfg_attr(not(feature = "concrete"), allow(dead_code, unused_imports))]
+#![cfg_attr(not(feature = "concrete"), allow(dead_code, unused_imports, rustdoc::broken_intra_doc_links))]
 
 #[cfg(feature = "concrete")]
 pub mod aggregate;
@@ -19,7 +35,7 @@ pub mod formats;
 pub mod geometry;
 pub mod gjk;
 #[cfg(feature = "concrete")]
-pub mod import;
+mod import;
 mod lanes;
 #[cfg(feature = "concrete")]
 pub mod materials;
@@ -44,10 +60,16 @@ pub mod spec;
 #[cfg(feature = "concrete")]
 pub mod statistics;
 
-/// What tests and benches force; results do not change with it.
+/// What the tests and benches of this workspace look into; no promise covers it.
 #[doc(hidden)]
 pub mod testing {
+    pub use crate::geometry::hull::{HullBuilder, affine_dimension, convex_hull_like};
+    pub use crate::geometry::sieve::principal_axes;
+    pub use crate::gjk::cascade::{Counters, apart_counted, overlap_counted, overlap_with};
     pub use crate::simd::{Isa, choose, isa};
+
+    #[cfg(feature = "concrete")]
+    pub use crate::aggregate::random::{Purpose, Stream};
 }
 
 #[cfg(feature = "concrete")]

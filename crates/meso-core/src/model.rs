@@ -1,6 +1,7 @@
 //! A packed specimen: what `pack` returns, `.json` holds and every other command reads.
 
-use crate::aggregate::take::{Grain, Recipe, take};
+use crate::aggregate::Grain;
+use crate::aggregate::take::{Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
 use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Strategy, Tally, Target};

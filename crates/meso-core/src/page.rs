@@ -2,6 +2,7 @@
 //!
 //! Pictures are exact: the polygons in which the plane meets the polyhedra and their cores.
 
+#[doc(hidden)]
 pub mod plot;
 mod slice;
 mod tables;

@@ -10,6 +10,7 @@ pub struct Recipe {
 }
 
 /// Name of the paper's specimen.
+#[doc(hidden)]
 pub const DEFAULT: &str = "paper";
 
 /// All recipes, the paper's first.

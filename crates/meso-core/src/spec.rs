@@ -1,12 +1,11 @@
 //! The serde view of every option of a SPEC.toml.
 //!
-//! Reading goes text -> [`tree`] (values with line numbers) -> [`read`] (serde, with the path of whatever is wrong)
-//! -> [`limits`] (invalid values). Every error names the key, the value and the way out.
+//! Reading goes text -> `tree` (values with line numbers) -> `read` (serde, with the path of whatever is wrong)
+//! -> `limits` (invalid values). Every error names the key, the value and the way out.
 
 mod crowding;
 mod error;
 mod files;
-mod inclusions;
 mod library;
 mod limits;
 mod messages;
@@ -17,8 +16,9 @@ mod surface;
 mod tree;
 
 pub use error::{SpecError, SpecErrorKind};
-pub use files::{Files, NoFiles};
-pub use limits::{MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM};
+pub use files::Files;
+use files::NoFiles;
+pub(crate) use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
@@ -132,6 +132,7 @@ impl Spec {
 ///
 /// # Errors
 /// Names the key and the way out: unknown keys and wrong types; values are for the options' own `validate`.
+#[doc(hidden)]
 pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Value) -> Result<T, SpecError> {
     read::read(&tree::from_json(value))
 }
@@ -140,6 +141,7 @@ pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Va
 ///
 /// # Errors
 /// As [`options_from_value`], with the line; syntax.
+#[doc(hidden)]
 pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
     read::read(&tree::parse_toml(text)?)
 }

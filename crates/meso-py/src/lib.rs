@@ -18,6 +18,7 @@ mod response;
 mod run;
 mod spec;
 mod tree;
+mod views;
 
 use pyo3::prelude::*;
 
@@ -25,7 +26,7 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 mod _mesocrete {
     #[pymodule_export]
-    use super::aggregate::{PyAggregate, PyAggregates, restore_aggregate};
+    use super::aggregate::{PyAggregate, restore_aggregate};
     #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]
@@ -35,7 +36,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::pack::pack;
     #[pymodule_export]
-    use super::packing::{PyPacking, load, restore_packing};
+    use super::packing::{PyAggregates, PyPacking, load, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]

@@ -3,16 +3,17 @@
 use crate::arrays;
 use crate::boundary::{file_error, guard};
 use crate::files;
-use crate::packing::{call_view, plain};
-use crate::response::{self, Asked, PyResponse};
+use crate::response::{self, Asked, Meshed, PyResponse};
 use crate::run::{Watch, beside_python};
 use crate::spec::options;
+use crate::tree::plain;
+use crate::views::{call_view, cell_type};
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, CellKind, Mesh, MeshError, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
+    self, Mesh, MeshError, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
@@ -74,15 +75,6 @@ fn gmsh(py: Python<'_>) -> PyResult<Gmsh> {
         Some(python) if !found.is_none() => Gmsh::python_module(python),
         _ => Gmsh::program("gmsh"),
     })
-}
-
-/// The name that meshio has for a kind of cells.
-pub(crate) fn cell_type(kind: CellKind) -> &'static str {
-    match kind {
-        CellKind::Tetrahedron => "tetra",
-        CellKind::QuadraticTetrahedron => "tetra10",
-        CellKind::Hexahedron => "hexahedron",
-    }
 }
 
 #[pymethods]
@@ -283,7 +275,8 @@ impl PyMesh {
         guard(|| {
             let keywords = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
             let asked = Asked::new(test, materials, threads, &keywords)?;
-            response::solve(slf.py(), slf.get(), asked, progress)
+            let PyMesh(mesh, model, made) = slf.get().clone();
+            response::solve(slf.py(), Meshed { mesh, model, options: made }, asked, progress)
         })
     }
 

@@ -1,12 +1,18 @@
 //! `Packing`: the result of `pack`, `load` and `pickle`.
 
-use crate::aggregate::{PyAggregate, PyAggregates, inclusions};
+mod aggregates;
+
+pub(crate) use aggregates::PyAggregates;
+
+use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::mesh::{self, PyMesh};
 use crate::run::beside_python;
 use crate::spec::{self, PySpec};
-use crate::{arrays, files, tree};
+use crate::tree::plain;
+use crate::views::call_view;
+use crate::{arrays, files};
 use meso_core::check::{Check, check};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
@@ -55,21 +61,6 @@ fn named_images(name: &str) -> PyResult<Images> {
 #[pyfunction]
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyPacking> {
     guard(|| Ok(PyPacking(Arc::new(beside_python(py, None, move |_| files::load(&path))??))))
-}
-
-/// A serialisable value as Python's own types.
-pub(crate) fn plain<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let tree = serde_json::to_value(value).map_err(|error| PyValueError::new_err(error.to_string()))?;
-    tree::to_python(py, &tree)
-}
-
-/// Calls `function` of the package's Python part with a packing or mesh as its first argument.
-pub(crate) fn call_view<'py, T>(
-    function: &str,
-    subject: &Bound<'py, T>,
-    options: Option<&Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyAny>> {
-    subject.py().import("mesocrete._views")?.getattr(function)?.call((subject,), options)
 }
 
 #[pymethods]

@@ -3,14 +3,13 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::files;
-use crate::mesh::PyMesh;
-use crate::packing::call_view;
 use crate::run::{Watch, beside_python_on, check_callable};
 use crate::spec::options;
 use crate::tree;
-use meso_core::Progress as _;
+use crate::views::{call_view, cell_type};
 use meso_core::materials::Materials;
-use meso_core::mesh::Mesh;
+use meso_core::mesh::{Mesh, MeshOptions};
+use meso_core::{Model, Progress as _};
 use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Ended, Frame, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -87,23 +86,30 @@ fn wrong(error: &SolveError) -> PyErr {
     PyValueError::new_err(text.strip_prefix("test.").unwrap_or(&text).to_owned())
 }
 
+/// A mesh with its origin.
+pub(crate) struct Meshed {
+    pub(crate) mesh: Arc<Mesh>,
+    pub(crate) model: Arc<Model>,
+    pub(crate) options: MeshOptions,
+}
+
 /// Tests a mesh beside Python.
 pub(crate) fn solve(
     py: Python<'_>,
-    mesh: &PyMesh,
+    meshed: Meshed,
     asked: Asked,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyResponse> {
     check_callable(progress)?;
-    let (threads, mesh) = (asked.threads, mesh.clone());
+    let threads = asked.threads;
     let tested = beside_python_on(py, threads, progress, move |watch| {
         watch.stops_soon();
-        test(&mesh, &asked, watch)
+        test(&meshed, &asked, watch)
     })?;
     Ok(PyResponse(Arc::new(tested.map_err(|error| wrong(&error))?)))
 }
 
-fn test(PyMesh(mesh, model, options): &PyMesh, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
+fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
     let begun = watch.seconds();
     // Progress is asked for while the test is still prepared.
     watch.update(0.0, asked.test.strain());
@@ -313,7 +319,7 @@ impl PyFrame {
     fn _mesh<'py>(&self, py: Python<'py>) -> PyResult<(PointArray<'py>, IndexArray<'py>, &'static str)> {
         let mesh = &self.0;
         let cells = arrays::from_indices(py, mesh.cells.iter().copied(), mesh.kind.nodes())?;
-        Ok((arrays::from_points(py, &mesh.points)?, cells, crate::mesh::cell_type(mesh.kind)))
+        Ok((arrays::from_points(py, &mesh.points)?, cells, cell_type(mesh.kind)))
     }
 
     fn __repr__(&self) -> String {

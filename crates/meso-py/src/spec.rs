@@ -2,8 +2,8 @@
 
 use crate::boundary::{file_error, guard};
 use crate::tree;
-use meso_cli::Beside;
 use meso_core::spec::{self, Spec, SpecError, SpecErrorKind};
+use meso_files::Beside;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};

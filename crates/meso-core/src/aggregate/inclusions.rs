@@ -5,26 +5,13 @@
 //! have exactly the volume of the sphere or the cylinder they stand for. They have no ITZ.
 
 use super::SizeLaw;
-use super::random::{Purpose, Stream};
-use super::take::{Grain, Recipe, fill};
+use super::grain::{Grain, Kind};
+use super::random::Stream;
 use crate::geometry::{HullError, convex_hull};
 use crate::math::{Mat3, Rotation, Vec3};
 use nalgebra::Rotation3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2, TAU};
-
-/// What a placed body is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// An aggregate, with its ITZ.
-    #[default]
-    Aggregate,
-    /// A spherical void.
-    Void,
-    /// A straight fibre.
-    Fibre,
-}
 
 /// Spherical voids, `[voids]` in a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,29 +58,6 @@ pub struct Inclusions {
     pub fibres: Option<Fibres>,
 }
 
-impl Kind {
-    /// All kinds but the aggregates, in the order of their classes.
-    pub const FURTHER: [Self; 2] = [Self::Void, Self::Fibre];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Aggregate => "aggregate",
-            Self::Void => "void",
-            Self::Fibre => "fibre",
-        }
-    }
-
-    /// Many of it, which is the name of its table in a spec.
-    pub fn plural(self) -> &'static str {
-        match self {
-            Self::Aggregate => "aggregates",
-            Self::Void => "voids",
-            Self::Fibre => "fibres",
-        }
-    }
-}
-
 impl Voids {
     /// Volume of a void in the mean, mm3.
     pub fn mean_volume(&self) -> f64 {
@@ -104,6 +68,14 @@ impl Voids {
     /// The largest polyhedron's longest diagonal, mm.
     pub fn longest(&self) -> f64 {
         self.diameter_mm[1] * ball()[0].norm()
+    }
+
+    /// A void of these `(class, index)`: the corners of the [`ball`], as large as drawn, in a random orientation.
+    pub(super) fn grain(&self, ball: &[Vec3], ids: (u16, u32), stream: &mut Stream) -> Result<Grain, HullError> {
+        let [low, high] = self.diameter_mm;
+        let radius = stream.uniform(low, high) / 2.0;
+        let vertices: Vec<Vec3> = ball.iter().map(|vertex| vertex * radius).collect();
+        Grain::turned(Kind::Void, ids, &vertices, stream)
     }
 }
 
@@ -118,6 +90,23 @@ impl Fibres {
         let across = 2.0 * OCTAGON.sqrt() * self.diameter_mm;
         (self.length_mm * self.length_mm + across * across).sqrt()
     }
+
+    /// A fibre of these `(class, index)`: the [`prism`](Self::prism) in a direction of the cone, or in any.
+    pub(super) fn grain(&self, prism: &[Vec3], ids: (u16, u32), stream: &mut Stream) -> Result<Grain, HullError> {
+        match self.orientation {
+            Some(cone) => Grain::oriented(Kind::Fibre, ids, prism, &cone.rotation(stream)),
+            None => Grain::turned(Kind::Fibre, ids, prism, stream),
+        }
+    }
+
+    /// The prism along x.
+    pub(super) fn prism(&self) -> Vec<Vec3> {
+        let (half, radius) = (self.length_mm / 2.0, OCTAGON.sqrt() * self.diameter_mm);
+        const S: f64 = FRAC_1_SQRT_2;
+        let around = [[1.0, 0.0], [S, S], [0.0, 1.0], [-S, S], [-1.0, 0.0], [-S, -S], [0.0, -1.0], [S, -S]];
+        let corner = |x: f64| around.map(|[y, z]| Vec3::new(x, y * radius, z * radius));
+        [corner(-half), corner(half)].concat()
+    }
 }
 
 impl Inclusions {
@@ -129,36 +118,6 @@ impl Inclusions {
 
 /// Square of an octagon's circumradius over that of a circle's diameter, of the same area: pi / (8 sqrt 2).
 const OCTAGON: f64 = PI / (8.0 * SQRT_2);
-
-/// Adds voids and fibres for a specimen of `volume` mm3 to the `grains`; their classes begin at `first_class`.
-///
-/// # Errors
-/// A body so small that the lattice of coordinates flattens it.
-pub(super) fn take(grains: &mut Vec<Grain>, recipe: &Recipe, first_class: u16, volume: f64) -> Result<(), HullError> {
-    let Inclusions { voids, fibres } = recipe.inclusions;
-    if let Some(voids) = voids {
-        let (ball, [low, high], class) = (ball(), voids.diameter_mm, first_class);
-        let make = |index| {
-            let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
-            let radius = stream.uniform(low, high) / 2.0;
-            let vertices: Vec<Vec3> = ball.iter().map(|vertex| vertex * radius).collect();
-            Grain::turned(Kind::Void, (class, index), &vertices, stream)
-        };
-        fill(grains, voids.fraction * volume, recipe.go_on, make)?;
-    }
-    if let Some(fibres) = fibres {
-        let (prism, class) = (prism(fibres), first_class + 1);
-        let make = |index| {
-            let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
-            match fibres.orientation {
-                Some(cone) => Grain::oriented(Kind::Fibre, (class, index), &prism, &cone.rotation(stream)),
-                None => Grain::turned(Kind::Fibre, (class, index), &prism, stream),
-            }
-        };
-        fill(grains, fibres.fraction * volume, recipe.go_on, make)?;
-    }
-    Ok(())
-}
 
 impl Cone {
     /// Turns the x axis to a direction of the cone, and about that by any angle.
@@ -184,7 +143,7 @@ fn frame(x: &Vec3) -> [Vec3; 3] {
 }
 
 /// Corners on a sphere, whose hull has the volume of a ball of radius 1.
-fn ball() -> Vec<Vec3> {
+pub(super) fn ball() -> Vec<Vec3> {
     let golden = (1.0 + 5.0f64.sqrt()) / 2.0;
     let mut corners = Vec::with_capacity(32);
     for [p, q] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
@@ -198,13 +157,4 @@ fn ball() -> Vec<Vec3> {
     let hull = convex_hull(&corners).expect("the corners lie all around the origin");
     let radius = libm::cbrt(4.0 / 3.0 * PI / hull.volume());
     corners.iter().map(|corner| corner * radius).collect()
-}
-
-/// The prism along x.
-fn prism(fibres: &Fibres) -> Vec<Vec3> {
-    let (half, radius) = (fibres.length_mm / 2.0, OCTAGON.sqrt() * fibres.diameter_mm);
-    const S: f64 = FRAC_1_SQRT_2;
-    let around = [[1.0, 0.0], [S, S], [0.0, 1.0], [-S, S], [-1.0, 0.0], [-S, -S], [0.0, -1.0], [S, -S]];
-    let corner = |x: f64| around.map(|[y, z]| Vec3::new(x, y * radius, z * radius));
-    [corner(-half), corner(half)].concat()
 }

@@ -1,17 +1,21 @@
 //! Aggregates before they have a place: grading, shape, ITZ, and the *take* that makes a batch of them.
 
 mod aspect_ratio;
-pub mod grading;
-pub mod inclusions;
-pub mod itz;
+pub(crate) mod grading;
+pub(crate) mod grain;
+mod inclusions;
+mod itz;
 mod library;
-pub mod random;
-pub mod shape;
-pub mod take;
+pub(crate) mod random;
+mod shape;
+pub(crate) mod take;
 
 pub use aspect_ratio::AspectRatio;
 pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
-pub use inclusions::{Cone, Fibres, Inclusions, Kind, Voids};
+pub(crate) use grain::Grain;
+pub use grain::Kind;
+pub(crate) use inclusions::Inclusions;
+pub use inclusions::{Cone, Fibres, Voids};
 pub use itz::Itz;
 pub use library::Template;
 pub use shape::{Shape, ShapeKind};

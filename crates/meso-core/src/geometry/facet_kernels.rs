@@ -1,7 +1,7 @@
 //! Plane and volume kernels over eight triangles at a time; bit-identical to the scalar loop.
 
-use super::integrals::Sum;
-use super::polyhedron::{Facet, Plane};
+use super::plane::{Facet, Plane};
+use super::sum::Sum;
 use crate::math::Vec3;
 use crate::simd::Wide;
 

@@ -8,14 +8,13 @@
 use super::double_double::{self, DD_EPSILON, Dd, Dd3};
 use super::facet_kernels::SixVolumes;
 use super::integer;
+use super::sum::{Sum, TERM_ERROR};
 use crate::math::Vec3;
 use crate::simd::widest;
 use num_bigint::BigInt;
 
 /// Promised relative error of the volume.
 const ACCURACY: f64 = 1e-14;
-/// Relative to the magnitudes of its products a term errs by 8 roundings, and a little for their products.
-const TERM_ERROR: f64 = 9.0 * (f64::EPSILON / 2.0);
 
 /// The volume within the triangles over `vertices`, counter-clockwise from outside, in the cube of their unit.
 ///
@@ -55,29 +54,6 @@ pub(super) fn six_volumes(apex: &Vec3, corners: &[Vec3; 3]) -> f64 {
     let (term, magnitude) = float_term(apex, corners);
     let certain = TERM_ERROR * magnitude <= 1e-12 * term.abs();
     if certain { term } else { double_double_term(apex, corners).value() }
-}
-
-/// A compensated sum (Neumaier 1974) of terms, and of their magnitudes.
-#[derive(Default)]
-pub(super) struct Sum {
-    sum: f64,
-    compensation: f64,
-    magnitude: f64,
-}
-
-impl Sum {
-    #[inline(always)]
-    pub(super) fn add(&mut self, term: f64, magnitude: f64) {
-        self.magnitude += magnitude;
-        let (sum, next) = (self.sum, self.sum + term);
-        self.compensation += if sum.abs() >= term.abs() { (sum - next) + term } else { (term - next) + sum };
-        self.sum = next;
-    }
-
-    /// Six volumes and a bound of the error.
-    fn bounded(&self) -> (f64, f64) {
-        (self.sum + self.compensation, TERM_ERROR * self.magnitude)
-    }
 }
 
 /// Six volumes and a bound of the error.

@@ -3,6 +3,7 @@
 use super::faces::{Face, FaceList, Faces};
 use super::facet_kernels::Facets;
 use super::integrals;
+use super::plane::{Facet, Plane};
 use super::predicates::orient3d;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
@@ -16,26 +17,6 @@ pub struct Polyhedron {
     vertices: Box<[Vec3]>,
     faces: FaceList,
     volume: f64,
-}
-
-/// A face plane: the body lies where `normal . x <= offset`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    /// Outward unit normal.
-    pub normal: Vec3,
-    /// Signed distance from the origin, mm.
-    pub offset: f64,
-}
-
-/// A face as a part of its plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Facet {
-    /// Where it lies.
-    pub plane: Plane,
-    /// mm2.
-    pub area: f64,
-    /// Number of its corners.
-    pub corners: usize,
 }
 
 /// Volume integrals of a body of unit density.

@@ -8,9 +8,9 @@ use crate::math::Vec3;
 use robust::{Coord, Coord3D};
 
 /// The smallest accepted magnitude of a coordinate that is not 0.
-pub const MIN_MAGNITUDE: f64 = 1e-60;
+pub(crate) const MIN_MAGNITUDE: f64 = 1e-60;
 /// The largest accepted magnitude of a coordinate.
-pub const MAX_MAGNITUDE: f64 = 1e60;
+pub(crate) const MAX_MAGNITUDE: f64 = 1e60;
 
 /// True where the predicates are exact for this coordinate.
 pub(super) fn in_range(x: f64) -> bool {

@@ -103,7 +103,7 @@ pub fn apart_counted(
 /// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is laid out, in the memory of
 /// `made`, only if neither its bounds nor the faces of A tell; counts what it took.
 #[inline]
-pub fn apart_from(
+pub(crate) fn apart_from(
     a: &Solid,
     b: (&Bounds, &CompactPolyhedron),
     made: &mut Body,

@@ -59,7 +59,7 @@ impl Gauge {
 }
 
 /// A body and its faces.
-pub struct Solid {
+pub(crate) struct Solid {
     body: Body,
     gauge: Option<Gauge>,
 }
@@ -69,14 +69,14 @@ impl Solid {
     ///
     /// # Panics
     /// Without vertices.
-    pub fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
+    pub(crate) fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
         let body = Body::new(vertices).with_inside_of(facets.iter().copied());
         Self { gauge: Gauge::new(facets, body.circumradius()), body }
     }
 
     /// In the form that pairs are asked about in.
     #[inline]
-    pub fn body(&self) -> &Body {
+    pub(crate) fn body(&self) -> &Body {
         &self.body
     }
 

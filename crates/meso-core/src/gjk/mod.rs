@@ -26,7 +26,7 @@
 //! 4. `certificate` proves what they propose, and `exact` decides the rest in integers.
 
 mod body;
-mod cascade;
+pub(crate) mod cascade;
 mod certificate;
 mod classical;
 mod ellipsoid;
@@ -45,9 +45,11 @@ mod points;
 mod simplex;
 mod support;
 
-pub use body::{Body, Bounds};
-pub use cascade::{Counters, apart, apart_counted, apart_from, overlap, overlap_counted, overlap_with};
-pub use gauge::Solid;
+pub use body::Body;
+pub(crate) use body::Bounds;
+pub(crate) use cascade::{Counters, apart_counted, apart_from};
+pub use cascade::{apart, overlap};
+pub(crate) use gauge::Solid;
 pub use many::{clear_many, overlap_many};
 pub use pair_query::PairQuery;
 pub(crate) use points::farther;

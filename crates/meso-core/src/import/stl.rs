@@ -11,7 +11,7 @@ const RECORD: usize = 50;
 
 /// Why bytes are no STL.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StlError {
+pub(crate) enum StlError {
     /// Neither form fits.
     #[error(
         "it is no STL: neither text that begins with `solid` nor a binary file of 84 + 50 n bytes, n the number at byte 80"
@@ -46,7 +46,7 @@ pub enum StlError {
 ///
 /// # Errors
 /// See [`StlError`]. [`TriangleMesh::check_closed`] tests whether the surface is closed.
-pub fn read(bytes: &[u8]) -> Result<TriangleMesh, StlError> {
+pub(crate) fn read(bytes: &[u8]) -> Result<TriangleMesh, StlError> {
     let corners = match binary_records(bytes) {
         Some(records) => records.chunks_exact(RECORD).flat_map(corners_of).collect(),
         None => text_corners(bytes)?,

@@ -1,9 +1,8 @@
-//! Every aggregate of a fitted mesh gets its own volume: chords cut its corners off, and parted gaps cells.
+//! Corrects the volume of every aggregate in a fitted mesh: chords cut its corners off, and parted gaps cells.
 //!
-//! The nodes between an aggregate and the mortar move along the surface's normals, all of one aggregate by one distance,
-//! its missing volume over the area that moves: some hundredths of a millimetre. Nodes of cells that would get too flat go
-//! half as far, and the next round shares out what that leaves. Nodes on the specimen's sides, and between more than two
-//! materials, stay.
+//! The nodes between an aggregate and the mortar move along the surface's normals, all of one aggregate by one distance: its
+//! missing volume over the area that moves, some hundredths of a millimetre. Nodes of cells that would get too flat move half
+//! as far, and the next round distributes the rest. Nodes on the specimen's sides, and between more than two materials, stay.
 
 use super::cells::{Mesh, NO_AGGREGATE, Phase};
 use super::interface::{self, Owners};
@@ -25,7 +24,7 @@ const STEP: f64 = 0.05;
 const SHARPEST_DEG: f64 = 9.0;
 /// A round leaves cells whose stable length is below a tenth of the element size this share of it.
 const KEPT: f64 = 0.97;
-/// Halvings of a node's way before it stays.
+/// Halvings of a node's displacement before it stays.
 const HALVINGS: usize = 3;
 
 /// Moves the interface nodes of `mesh`, of tetrahedra, until every aggregate has the volume that its body has.
@@ -37,9 +36,9 @@ pub(super) fn restore(mesh: &mut Mesh, bodies: &[Aggregate], element_size_mm: f6
         if missing.values().map(|volume| volume.abs()).sum::<f64>() < CLOSE * exact.values().sum::<f64>() {
             return;
         }
-        let mut ways = surface.ways(mesh, &missing, STEP * element_size_mm);
-        surface.shorten(mesh, &mut ways, element_size_mm / 10.0);
-        mesh.points.par_iter_mut().zip(&ways).for_each(|(point, way)| *point += way);
+        let mut displacements = surface.displacements(mesh, &missing, STEP * element_size_mm);
+        surface.shorten(mesh, &mut displacements, element_size_mm / 10.0);
+        mesh.points.par_iter_mut().zip(&displacements).for_each(|(point, displacement)| *point += displacement);
     }
 }
 
@@ -68,8 +67,8 @@ impl Surface {
         let (owners, sides) = (Owners::of(mesh.by_aggregate()), Sides::of(mesh));
         let between = owners.bodies(|node| owners.are_several(node) && sides.on(node) == 0);
         let mut owner = vec![NO_AGGREGATE; mesh.points.len()];
-        for place in between.chunk_by(|a, b| a.0 == b.0).filter(|place| place.len() == 1) {
-            owner[place[0].0 as usize] = place[0].1;
+        for owners in between.chunk_by(|a, b| a.0 == b.0).filter(|owners| owners.len() == 1) {
+            owner[owners[0].0 as usize] = owners[0].1;
         }
         let moves = |node: &u32| owner[*node as usize] != NO_AGGREGATE;
         let cores = interface::faces(mesh.by_aggregate())
@@ -82,9 +81,9 @@ impl Surface {
         Self { owner, faces, cells }
     }
 
-    /// The way of every node, `most` mm at most.
-    fn ways(&self, mesh: &Mesh, missing: &BTreeMap<u32, f64>, most: f64) -> Vec<Vec3> {
-        // The gradient of the aggregate's volume by the node's place: a third of the area vectors around it.
+    /// The displacement of every node, `most` mm at most.
+    fn displacements(&self, mesh: &Mesh, missing: &BTreeMap<u32, f64>, most: f64) -> Vec<Vec3> {
+        // The gradient of the aggregate's volume by the node's position: a third of the area vectors around it.
         let mut normals = vec![Vec3::zeros(); mesh.points.len()];
         for (nodes, id) in &self.faces {
             let [a, b, c] = nodes.map(|node| mesh.points[node as usize]);
@@ -99,18 +98,18 @@ impl Surface {
             *areas.entry(*owner).or_default() += normal.norm();
         }
         let distance = |id: u32| (missing[&id] / areas[&id]).clamp(-most, most);
-        let way = |(normal, owner): (&Vec3, &u32)| match normal.norm() {
+        let displacement = |(normal, owner): (&Vec3, &u32)| match normal.norm() {
             0.0 => Vec3::zeros(),
             length => normal * (distance(*owner) / length),
         };
-        normals.par_iter().zip(&self.owner).map(way).collect()
+        normals.par_iter().zip(&self.owner).map(displacement).collect()
     }
 
-    /// Halves the ways of the nodes whose cells would get too flat, at last to nothing.
-    fn shorten(&self, mesh: &Mesh, ways: &mut [Vec3], short: f64) {
+    /// Halves the displacements of the nodes whose cells would get too flat, at last to zero.
+    fn shorten(&self, mesh: &Mesh, displacements: &mut [Vec3], short: f64) {
         let mut watched = self.cells.clone();
         for halving in 0.. {
-            let after = |node: &u32| mesh.points[*node as usize] + ways[*node as usize];
+            let after = |node: &u32| mesh.points[*node as usize] + displacements[*node as usize];
             let is_flat = |number: &&u32| {
                 let cell = &mesh.cells[4 * **number as usize..][..4];
                 let [before, after] =
@@ -126,7 +125,7 @@ impl Surface {
             nodes.sort_unstable();
             nodes.dedup();
             let share = if halving < HALVINGS { 0.5 } else { 0.0 };
-            nodes.iter().for_each(|&node| ways[node as usize] *= share);
+            nodes.iter().for_each(|&node| displacements[node as usize] *= share);
             // Elsewhere nothing has changed.
             let has_shortened = |cell: &&u32| {
                 mesh.cells[4 * **cell as usize..][..4].iter().any(|node| nodes.binary_search(node).is_ok())

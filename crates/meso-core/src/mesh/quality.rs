@@ -36,6 +36,7 @@ pub struct CellQuality {
 }
 
 /// Every cell's measures, in the cells' order.
+#[doc(hidden)]
 pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
     mesh.cells.par_chunks_exact(mesh.kind.nodes()).map(|cell| measured(mesh, cell)).collect()
 }
@@ -62,12 +63,13 @@ pub(crate) fn stable_length(p: [Vec3; 4]) -> f64 {
 }
 
 /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
+#[doc(hidden)]
 pub fn bad_cells(cells: &[CellQuality], degrees: f64) -> Vec<usize> {
     (0..).zip(cells).filter(|(_, q)| q.min_dihedral_deg < degrees).map(|(index, _)| index).collect()
 }
 
 /// Measures of the tetrahedron with these corners, mm.
-pub fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
+pub(crate) fn tetrahedron(p: [Vec3; 4]) -> CellQuality {
     let degrees = |cosine: f64| libm::acos(cosine.clamp(-1.0, 1.0)).to_degrees();
     let [low, high] = dihedral_cosines(p);
     let areas = face_vectors(p).map(|n| n.norm() / 2.0);
@@ -105,9 +107,11 @@ fn voxel(cell: &[u32], mesh: &Mesh) -> CellQuality {
 }
 
 /// Cells with a dihedral angle below this are called bad, degrees.
+#[doc(hidden)]
 pub const BAD_DEG: f64 = 8.0;
 
 /// Upper limits of the histogram's bins, degrees.
+#[doc(hidden)]
 pub const DIHEDRAL_BINS: [f64; 7] = [1.0, 2.0, 5.0, 8.0, 10.0, 15.0, 30.0];
 
 /// The worst of all cells, with a histogram, and how much of each phase is there. Cells are indices; decks count from 1.

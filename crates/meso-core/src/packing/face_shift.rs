@@ -6,7 +6,7 @@
 
 use super::{Period, Specimen};
 use crate::aggregate::Aggregate;
-use crate::aggregate::take::snap;
+use crate::aggregate::grain::snap;
 use crate::math::Vec3;
 use rayon::prelude::*;
 

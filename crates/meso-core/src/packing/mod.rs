@@ -9,15 +9,20 @@ mod rearrange;
 mod report;
 mod specimen;
 mod take_and_place;
+mod task;
 
 pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
 pub(crate) use images::near as images_near;
-pub use place::place;
-pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work, report};
-pub use specimen::{Built, Container, ContainerError, Largest, Obstacle, Period, Periodic, Specimen, Surface};
+pub(crate) use place::place;
+pub(crate) use report::report;
+pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
+#[doc(hidden)]
+pub use specimen::{Built, Container, ContainerError, Period, Surface};
+pub(crate) use specimen::{Largest, Obstacle};
+pub use specimen::{Periodic, Specimen};
 
-use crate::aggregate::take::{self, Grain};
+use crate::aggregate::grain::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
 use crate::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull_like};
 use crate::math::{Rotation, Vec3};
@@ -30,7 +35,7 @@ use serde::{Deserialize, Serialize};
 pub struct Placement {
     /// Which strategy places.
     pub strategy: Strategy,
-    /// Random positions tried per aggregate; absent: up to [`DEFAULT_ATTEMPTS`].
+    /// Random positions tried per aggregate; absent: up to 50,000.
     pub attempts: Option<u32>,
     /// Volume generated beyond the target, as a share of it (the paper's 2 to 3 %).
     pub surplus: f64,
@@ -44,7 +49,7 @@ pub struct Placement {
 }
 
 /// Attempts per aggregate where the spec gives none; after these the aggregate is left out.
-pub const DEFAULT_ATTEMPTS: u32 = 50_000;
+pub(crate) const DEFAULT_ATTEMPTS: u32 = 50_000;
 
 /// The placement strategies, siblings behind one interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -94,7 +99,7 @@ impl Progress for Silent {
 
 /// What a packing is to reach; the report compares the result with it.
 #[derive(Clone, Copy)]
-pub struct Target<'a> {
+pub(crate) struct Target<'a> {
     /// The specimen to fill.
     pub specimen: &'a Specimen,
     /// Volume of the aggregates over the specimen's, 0 to 1.
@@ -109,7 +114,7 @@ pub struct Target<'a> {
 
 /// The grains to place, and how.
 #[derive(Clone, Copy)]
-pub struct Request<'a> {
+pub(crate) struct Request<'a> {
     /// What to reach.
     pub target: Target<'a>,
     /// Upper bounds on a body in the specimen, its distance to the walls kept.
@@ -129,7 +134,7 @@ type Turn = UnitQuaternion<f32>;
 
 /// Where a grain ended: turned about its own origin, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(crate) struct Pose {
     /// `None` where the grain kept the orientation it was taken with.
     turn: Option<Turn>,
     /// In the specimen, mm.
@@ -142,14 +147,14 @@ impl Pose {
     }
 
     /// How the grain is turned; `None` where it kept the orientation it was taken with.
-    pub fn rotation(&self) -> Option<Rotation> {
+    pub(crate) fn rotation(&self) -> Option<Rotation> {
         self.turn.map(|turn| Rotation::new_normalize(turn.cast().into_inner()))
     }
 
     /// Vertices about the centre: turned and rounded to the lattice, or as they are.
-    pub fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
+    pub(crate) fn turned(&self, body: &CompactPolyhedron) -> Vec<Vec3> {
         match self.rotation() {
-            Some(rotation) => take::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
+            Some(rotation) => grain::turned(body.vertices(), &rotation.to_rotation_matrix().into_inner()),
             None => body.vertices().collect(),
         }
     }
@@ -159,7 +164,7 @@ impl Pose {
     ///
     /// # Errors
     /// Where the turned vertices span no volume.
-    pub fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
+    pub(crate) fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
         if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { convex_hull_like(body, &vertices) }
@@ -167,7 +172,7 @@ impl Pose {
 }
 
 /// The result of a strategy.
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// The pose of every grain; `None` where it found none.
     pub poses: Vec<Option<Pose>>,
     /// Counters.
@@ -184,7 +189,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// Nothing placed so far; `stop` where `task` is not to begin at all.
-    fn empty(task: &place::Task, strategy: &'static str, dead_end: StopReason) -> Self {
+    fn empty(task: &task::Task, strategy: &'static str, dead_end: StopReason) -> Self {
         Self {
             poses: vec![None; task.request.grains.len()],
             work: Work::default(),
@@ -197,7 +202,7 @@ impl Outcome {
 }
 
 /// Figures of the grains that the report needs when they are freed.
-pub struct Tally {
+pub(crate) struct Tally {
     /// False where a stop came before all grains were generated.
     pub complete: bool,
     /// Aggregates among the grains.
@@ -210,7 +215,7 @@ pub struct Tally {
 
 impl Tally {
     /// Of the `grains` and their poses; there are this many `classes` of aggregates.
-    pub fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
+    pub(crate) fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
         let mut largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {
             let largest = &mut largest_mm3[usize::from(grain.class)];

@@ -138,7 +138,7 @@ pub struct Work {
 const REACHED: f64 = 0.002;
 
 /// Compares the placed `aggregates` and `inclusions` with the `target`. Volumes are those of the placed polyhedra.
-pub fn report(
+pub(crate) fn report(
     target: &Target,
     tally: &Tally,
     outcome: &Outcome,

@@ -7,10 +7,10 @@
 mod nearby;
 mod scene;
 
-use super::place::Task;
+use super::task::Task;
 use super::{Outcome, Period, StopReason};
+use crate::aggregate::grain::snap;
 use crate::aggregate::random::{Purpose, Stream};
-use crate::aggregate::take::snap;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::simd::{Wide, widest};

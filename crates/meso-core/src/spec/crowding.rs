@@ -6,7 +6,7 @@
 use super::limits::{Checked, mean_volume};
 use super::messages::number;
 use super::{Spec, SpecError};
-use crate::aggregate::take::Grain;
+use crate::aggregate::Grain;
 use crate::aggregate::{Fibres, SizeDefinition, SizeLaw, Voids};
 use crate::packing::{Largest, Strategy};
 use std::f64::consts::PI;

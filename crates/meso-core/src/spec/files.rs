@@ -19,7 +19,7 @@ pub trait Files {
 
 /// No files: for a spec that must stand alone.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NoFiles;
+pub(crate) struct NoFiles;
 
 impl Files for NoFiles {
     fn read(&mut self, _: &str) -> io::Result<Vec<u8>> {

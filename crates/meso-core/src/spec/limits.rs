@@ -1,19 +1,20 @@
 //! Values that cannot be, named before any work starts and before anything is allocated.
 
 mod grading;
+mod inclusions;
 
 use super::messages::number;
-use super::{Spec, SpecError, inclusions};
+use super::{Spec, SpecError};
 use crate::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 use grading::grading;
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
-pub const MIN_LENGTH_MM: f64 = 1e-3;
+pub(crate) const MIN_LENGTH_MM: f64 = 1e-3;
 /// Largest length a spec may name, mm (a kilometre).
-pub const MAX_LENGTH_MM: f64 = 1e6;
+pub(crate) const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
-pub const MAX_AGGREGATES: f64 = 1e7;
+pub(crate) const MAX_AGGREGATES: f64 = 1e7;
 
 /// Most corners of a specimen's surface.
 const MAX_VERTICES: usize = 1_000_000;

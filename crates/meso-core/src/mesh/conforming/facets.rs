@@ -1,7 +1,7 @@
 //! A surface of facets as triangles of a given size, every facet kept exactly.
 //!
-//! A plane facet's edges are halved, their parts hanging on the edge's own length alone, so that surfaces that share one divide
-//! it alike; what is between them is filled as a [`plane`](super::plane). Curved facets are fans whose longest edges of all
+//! A plane facet's edges are halved. The number of parts depends on the edge's own length alone, so that surfaces with a common
+//! edge divide it alike; the facet between them is filled as a [`plane`](super::plane). Curved facets are fans whose longest edges of all
 //! are bisected, which keeps every angle above half the smallest one of the fan (Rosenberg and Stenger 1975), then flipped
 //! to Delaunay's.
 

@@ -22,6 +22,7 @@ mod sections;
 mod slabs;
 mod stitch;
 
+#[doc(hidden)]
 pub use super::error::ADVISED_GAP_MM;
 
 use super::cells::NO_BODY;
@@ -43,6 +44,7 @@ use std::io::{self, Write};
 ///
 /// Not HXT, which is faster on several cores: where bodies are close it needs nodes on the given surfaces, and breaks off
 /// (4.8 and 4.15: "corrupted size").
+#[doc(hidden)]
 pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41", "-bin", "-save_all"];
 
 /// Sizes that gmsh is asked for in turn, as shares of the one wanted, where it puts a node on one of two opposite faces

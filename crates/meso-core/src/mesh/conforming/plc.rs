@@ -1,6 +1,8 @@
-//! What gmsh is given: the piecewise linear complex of one slab. Facets of clipped bodies, their caps, and what mortar has of the
-//! sides come together on common nodes, as surfaces that share the nodes of their rims, closed shells, and the volumes between
-//! those. Mortar may be in several parts: a flat body can cut a corner off a box.
+//! The input of gmsh: the piecewise linear complex of one slab.
+//!
+//! The facets of clipped bodies, their caps and the mortar's part of the sides meet at common nodes. They form surfaces that
+//! share the nodes of their rims, closed shells of these surfaces, and the volumes between the shells. The mortar may have
+//! several parts: a flat body can cut a corner off a box.
 
 use super::clipped::Piece;
 use super::facets::{Face, Nodes, facets};

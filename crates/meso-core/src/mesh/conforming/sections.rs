@@ -1,11 +1,11 @@
-//! The surfaces of specimens in slabs: bodies and the specimen's own surface cut by the planes between the slabs and by the faces of a
-//! box that repeats itself, the caps there, and what mortar has of the planes and faces.
+//! The surfaces of specimens in slabs: bodies and the specimen's own surface, cut by the planes between the slabs and by the
+//! faces of a periodic box; the caps there; and the mortar's part of these planes and faces.
 //!
-//! The lower face of each axis is triangulated with the rims of the cut bodies in it ([`plane`](super::plane)), and moved by
-//! the period it is the upper one.
+//! The lower face of each axis is triangulated with the rims of the cut bodies in it ([`plane`](super::plane)); moved by the
+//! period it is the upper one.
 //!
-//! The specimen's own surface as triangles ([`walls`]); where it is curved their nodes lie on it, and nothing of them is farther
-//! than [`CHORD_MM`] from it.
+//! The specimen's own surface is made of triangles ([`walls`]). The nodes lie on a curved surface, and no point of a triangle
+//! is farther than [`CHORD_MM`] from it.
 
 use super::clipped::{self, BodyIndex, Piece, pieces};
 use super::facets::{Face, LONGEST, Nodes, facets, refined};

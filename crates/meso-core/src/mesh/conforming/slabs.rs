@@ -1,12 +1,12 @@
-//! Specimens in slabs, each of which gmsh fills apart: its memory grows with all that it is given, and its time faster than that.
+//! Specimens in slabs. gmsh fills each slab in a run of its own, because its time grows faster than its input.
 //!
-//! Planes across the longest side divide bodies and mortar alike, as the faces of periodic boxes do; nothing of them is left
-//! in the mesh but nodes. They go where no body begins, ends or has a corner nearby.
+//! Planes across the longest side divide bodies and mortar alike, as the faces of periodic boxes do; only their nodes are left
+//! in the mesh. They avoid positions where a body begins, ends or has a corner.
 //!
 //! Bodies too close to each other or to the specimen's surface for a conforming mesh are refused before gmsh starts.
 
 use crate::aggregate::Aggregate;
-use crate::aggregate::take::rounded_to;
+use crate::aggregate::grain::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};

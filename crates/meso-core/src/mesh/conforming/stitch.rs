@@ -1,14 +1,12 @@
-//! Meshes of slabs become one: where gmsh put a node of its own on a plane between two, or took the other diagonal there,
-//! the cells on the other side are divided alike.
+//! The meshes of slabs become one. gmsh may have inserted a node on a plane between two slabs, or swapped a diagonal there;
+//! then the cells on the other side are split alike.
 //!
-//! Both sides had the same triangles. Nodes that one side alone has divide the edges or triangles that they lie in on the
-//! other side; edges that cross get a node where they do; so both sides come to the same triangles again. Cells with all
-//! corners on the plane, which gmsh leaves where it recovers an edge, have no volume and go first.
-//!
-//! Tetrahedra without volume that gmsh leaves on the plane faces of a periodic box, where it had to recover an edge.
-//!
-//! Such a one has both diagonals of a quadrilateral on the face: one is an edge of the surface, the other was Delaunay's.
-//! A node where they cross divides every cell of the two, and the flat one is gone; the opposite face gets the same node.
+//! 1. Both sides started from the same triangles. Nodes of one side alone split the edges or triangles of the other side that
+//!    they lie in, and crossing edges get a node at the crossing. Then both sides have the same triangles again.
+//! 2. Cells with all corners on the plane, which gmsh leaves where it recovers an edge, have no volume and are removed first.
+//! 3. The plane faces of a periodic box have such flat cells, too. A flat cell has both diagonals of a quadrilateral on the
+//!    face: one is an edge of the surface, the other was Delaunay's. A node at their crossing splits every cell around both
+//!    and removes the flat one; the opposite face gets the same node.
 
 use super::facets::Nodes;
 use super::slabs::Slabs;

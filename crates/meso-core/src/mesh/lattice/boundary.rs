@@ -1,9 +1,8 @@
-//! The specimen's own surface, where it is not the lattice's box: one more boundary between materials; and what holds the nodes
-//! on it and on the flat sides, where the lattice ends.
+//! The specimen's own surface where the specimen is no box, and the constraints of nodes on it and on the lattice's flat sides.
 //!
-//! The lattice reaches a cell beyond the specimen's box, but for the sides that are flat and meet the rest steeply (the
-//! ends of a cylinder): there it ends, and the surface is cut within the side. All that is asked of the container is which
-//! points it holds and how deep; its polygons say where it has edges.
+//! The lattice reaches a cell beyond the specimen's box. It ends at a side that is flat and meets the rest steeply (the ends
+//! of a cylinder), and the surface is cut within that side. The container tells which points it holds and how deep; its
+//! polygons tell where it has edges.
 
 use crate::math::Vec3;
 use crate::mesh::tet::Star;

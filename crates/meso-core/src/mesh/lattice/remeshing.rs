@@ -1,10 +1,13 @@
 //! Remeshing around interface nodes that could not be reprojected: other cells, or one node less.
 //!
-//! Where a body's face runs along the specimen's side, so near that cells with good angles hardly fit between the two, the
-//! node goes onto the body, and the cells around it are swapped for others in the same volume
-//! ([`swapped`]) and its neighbours smoothed on their surfaces, in turns, until no angle is too small. Where no position comes
-//! out so, the node is contracted onto a neighbour on the body, to the same end: one layer of cells fits between body and side
-//! where two do not. All this is tried in a copy of the cells around the node; that takes their place if it comes out well.
+//! A body's face may run so close along the specimen's side that cells with good angles hardly fit between the two.
+//!
+//! 1. The node moves onto the body. Swaps of the cells around it ([`swapped`]) and smoothing of its neighbours on their
+//!    surfaces alternate until no angle is too small.
+//! 2. Where that fails, the node is contracted onto a neighbour on the body and the same follows: one layer of cells fits
+//!    between body and side where two do not.
+//!
+//! All of it happens in a copy of the cells around the node, which replaces them if no angle is too small.
 
 use super::nodes::{Nodes, PeriodicPairs, Role};
 use super::reprojection::positions_apart;

@@ -3,12 +3,12 @@
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
 //! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its image stands a
 //! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
-//! they step back, at last the whole way; a rail (an edge between the two ends) of no length takes just one of the
+//! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
 //! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
 //! rails that collapse ([`collapse`]), and the layer's volume made right again ([`improve`](mod@improve)).
 //!
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
-//! stay in these, and images of one place go the same ways ([`periodic`]).
+//! stay in these, and images of each other move by the same displacement ([`periodic`]).
 
 mod collapse;
 mod improve;
@@ -58,7 +58,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
         .par_iter_mut()
         .zip(&targets)
         .enumerate()
-        .for_each(|(node, (p, to))| *p = back.place(node as u32, p, to));
+        .for_each(|(node, (p, to))| *p = back.position(node as u32, p, to));
     let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !back.is_pinched(*copy));
     let loose = kept.map(|copy| loose.binary_search(&ties.lead(copy)).is_ok()).collect();
     let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));

@@ -1,10 +1,11 @@
-//! The faces of a periodic box while the layer is made: nodes on them stay in their faces, and images of each other go the same
-//! ways.
+//! The faces of a periodic box while the layer is made: nodes on them stay in their faces, and images of each other move by
+//! the same displacement.
 //!
-//! A place on a face has a node on every side that it is seen from, and after materials are parted one for each body
-//! there. Images of a place that belong to the same body are *tied*: one of them leads, the others follow it bit for bit.
-//! Where they are not alike (one side has an interface and the other none, or another body behind the face, as where an
-//! aggregate ends at the face itself), none of the place's nodes moves: the layer has no thickness there.
+//! The nodes at all images of a position form an *image class*, which has a number. Interfaces duplicate nodes, so that a
+//! class may have several nodes at one image, one for each body there. Those of one body are *tied*: one of them leads, the
+//! others follow it bit for bit. Where the images differ (one has an interface and the other none, or another body lies
+//! behind the face, as where an aggregate ends at the face itself), no node of the class moves: the layer has no thickness
+//! there.
 
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
@@ -13,10 +14,10 @@ use crate::mesh::sides::Sides;
 use crate::mesh::sides::places;
 use crate::mesh::tet::{TetMesh, ascending};
 
-/// How the nodes hang together.
+/// Which nodes move together.
 pub(super) struct Ties {
     pub(super) faces: Faces,
-    /// For every node the one that leads it; itself where it is tied to none.
+    /// The lead of every node; the node itself where it is tied to none.
     lead: Vec<u32>,
     /// Nodes with their leads, but for the leads themselves.
     followers: Vec<(u32, u32)>,
@@ -34,7 +35,7 @@ impl Ties {
         }
         let sides = Sides::in_planes(mesh.by_body());
         let faces = Faces::on(mesh, periodic, &sides);
-        let lone = |node| faces.place(node).is_none() && faces.flat(node) != Flat::SPACE;
+        let lone = |node| faces.class(node).is_none() && faces.flat(node) != Flat::SPACE;
         let pinned = nodes.clone().map(lone).collect();
         let unlike = unlike(mesh, periodic, &sides, &faces, bodies);
         let mut ties = tied(faces, pinned);
@@ -45,15 +46,15 @@ impl Ties {
     fn tie(&mut self, bodies: &Bodies, owner: &[u32], copies: u32, unlike: &[bool]) {
         let mut members: Vec<(u32, Key, u8, u32)> = Vec::new();
         for (node, &body) in (0..).zip(owner).filter(|(_, body)| **body != NO_BODY) {
-            let at = self.faces.place(node);
-            members.extend(at.map(|(place, along)| (place, bodies.key(body, along), along, node)));
+            let at = self.faces.class(node);
+            members.extend(at.map(|(class, along)| (class, bodies.key(body, along), along, node)));
         }
         members.sort_unstable();
         for tied in members.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let (place, lead) = (tied[0].0, tied[0].3);
+            let (class, lead) = (tied[0].0, tied[0].3);
             let alike = tied.iter().all(|member| (member.3 < copies) == (lead < copies));
-            let images = self.faces.at(place).filter(|node| *node < copies).count();
-            if alike && tied.len() == images && !unlike[place as usize] {
+            let images = self.faces.at(class).filter(|node| *node < copies).count();
+            if alike && tied.len() == images && !unlike[class as usize] {
                 tied[1..].iter().for_each(|member| self.follow(member.3, lead));
             } else {
                 tied.iter().for_each(|member| self.pinned[member.3 as usize] = true);
@@ -79,9 +80,9 @@ impl Ties {
         self.lead(node) == node
     }
 
-    /// One number for all images of a node's place.
-    pub(super) fn place(&self, node: u32) -> u32 {
-        self.faces.place(node).map_or(node, |(place, _)| place)
+    /// The node's image class; its own number where it has no images.
+    pub(super) fn class(&self, node: u32) -> u32 {
+        self.faces.class(node).map_or(node, |(class, _)| class)
     }
 
     /// Neither the node nor any that it is tied to moves.
@@ -94,10 +95,10 @@ impl Ties {
         self.pinned[self.lead[node as usize] as usize] = true;
     }
 
-    /// Puts the nodes on faces exactly there, and images of one place at the same coordinates within their faces.
+    /// Moves the nodes on faces exactly onto them, and images to the same coordinates within their faces.
     pub(super) fn align(&self, points: &mut [Vec3]) {
         for node in (0..points.len() as u32).filter(|&node| self.flat(node) != Flat::SPACE) {
-            points[node as usize] = self.faces.put(node, &points[self.place(node) as usize]);
+            points[node as usize] = self.faces.put(node, &points[self.class(node) as usize]);
         }
     }
 
@@ -114,22 +115,23 @@ impl Ties {
     }
 }
 
-/// The places of triangles on the faces that lack one opposite to them with the same body behind it.
+/// Marks the image classes at triangles on a face that have no counterpart, with the same body behind it, on the opposite
+/// face.
 fn unlike(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides, of: &Faces, bodies: &Bodies) -> Vec<bool> {
     let mut unlike = vec![false; mesh.points.len()];
     for axis in (0..3).filter(|axis| periodic[*axis]) {
         let mut triangles: Vec<(Vec<u32>, Key)> = Vec::new();
         for (upper, faces) in [(0, &sides.faces()[2 * axis]), (1, &sides.faces()[2 * axis + 1])] {
             for &(cell, face) in faces {
-                // A node without an image stays by itself.
-                let place = |node: u32| of.place(node).map_or(node, |(place, _)| place);
-                let corners = ascending(mesh.by_body().face(cell, face).map(place));
+                // A node without an image is a class of its own.
+                let class = |node: u32| of.class(node).map_or(node, |(class, _)| class);
+                let corners = ascending(mesh.by_body().face(cell, face).map(class));
                 triangles.push((corners, bodies.key(mesh.owner[cell as usize], upper << axis)));
             }
         }
         triangles.sort_unstable();
         for lone in triangles.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
-            lone[0].0.iter().for_each(|&place| unlike[place as usize] = true);
+            lone[0].0.iter().for_each(|&class| unlike[class as usize] = true);
         }
     }
     unlike
@@ -140,9 +142,9 @@ pub(super) struct Faces {
     walls: Aabb,
     /// The faces that each node has to stay in.
     flat: Vec<Flat>,
-    /// One number for all images of a place, and the upper faces that the node lies on.
-    places: Vec<Option<(u32, u8)>>,
-    /// Places with their nodes, ascending.
+    /// The image class of every node, and the upper faces that the node lies on, a bit per axis.
+    classes: Vec<Option<(u32, u8)>>,
+    /// Image classes with their nodes, ascending.
     images: Vec<(u32, u32)>,
 }
 
@@ -151,19 +153,19 @@ impl Faces {
     pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3]) -> Self {
         if periodic == [false; 3] {
             let walls = Aabb::around(&mesh.points);
-            return Self { walls, flat: Vec::new(), places: Vec::new(), images: Vec::new() };
+            return Self { walls, flat: Vec::new(), classes: Vec::new(), images: Vec::new() };
         }
         Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()))
     }
 
     /// Those of a mesh with these `sides`.
     pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
-        let places = places(&mesh.points, periodic, sides);
+        let classes = places(&mesh.points, periodic, sides);
         let mut images: Vec<(u32, u32)> =
-            (0..).zip(&places).filter_map(|(node, place)| place.map(|(place, _)| (place, node))).collect();
+            (0..).zip(&classes).filter_map(|(node, class)| class.map(|(class, _)| (class, node))).collect();
         images.sort_unstable();
-        let flat = (0..places.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
-        Self { walls: Aabb::around(&mesh.points), flat, places, images }
+        let flat = (0..classes.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
+        Self { walls: Aabb::around(&mesh.points), flat, classes, images }
     }
 
     pub(super) fn walls(&self) -> &Aabb {
@@ -175,22 +177,22 @@ impl Faces {
         self.flat.get(node as usize).copied().unwrap_or_default()
     }
 
-    /// One number for all images of a node's place on the faces, and the upper ones that it lies on, a bit per axis; `None`
-    /// elsewhere, and where opposite faces do not match.
-    pub(super) fn place(&self, node: u32) -> Option<(u32, u8)> {
-        self.places.get(node as usize).copied().flatten()
+    /// The node's image class, and the upper faces that the node lies on, a bit per axis; `None` away from the faces, and
+    /// where opposite faces do not match.
+    pub(super) fn class(&self, node: u32) -> Option<(u32, u8)> {
+        self.classes.get(node as usize).copied().flatten()
     }
 
-    /// The nodes at all images of a place.
-    pub(super) fn at(&self, place: u32) -> impl ExactSizeIterator<Item = u32> {
-        let start = self.images.partition_point(|image| image.0 < place);
-        let count = self.images[start..].partition_point(|image| image.0 == place);
+    /// The nodes of an image class.
+    pub(super) fn at(&self, class: u32) -> impl ExactSizeIterator<Item = u32> {
+        let start = self.images.partition_point(|image| image.0 < class);
+        let count = self.images[start..].partition_point(|image| image.0 == class);
         self.images[start..start + count].iter().map(|image| image.1)
     }
 
     /// The node and its images.
     pub(super) fn images(&self, node: u32) -> Vec<u32> {
-        self.place(node).map_or_else(|| vec![node], |(place, _)| self.at(place).collect())
+        self.class(node).map_or_else(|| vec![node], |(class, _)| self.at(class).collect())
     }
 
     /// Whether a node may move as far as its faces go: it lies on none, or has all of its images.
@@ -199,7 +201,7 @@ impl Faces {
         self.images(node).len() == all
     }
 
-    /// The place that an image's `x` is for `node`: as far as its faces allow.
+    /// The position of `node` where its image is at `x`: with the coordinates of its own faces.
     pub(super) fn put(&self, node: u32, x: &Vec3) -> Vec3 {
         self.flat(node).put(x, &self.walls)
     }
@@ -223,9 +225,9 @@ impl Flat {
         self.0 >> (2 * axis) & 3 != 0
     }
 
-    /// The part of `way` that stays in the faces.
-    pub(super) fn along(self, way: &Vec3) -> Vec3 {
-        Vec3::from_fn(|axis, _| if self.holds(axis) { 0.0 } else { way[axis] })
+    /// The part of a displacement that stays in the faces.
+    pub(super) fn along(self, step: &Vec3) -> Vec3 {
+        Vec3::from_fn(|axis, _| if self.holds(axis) { 0.0 } else { step[axis] })
     }
 
     /// `x` with the coordinates of the faces in `walls`.
@@ -237,14 +239,18 @@ impl Flat {
         })
     }
 
-    /// Where a node comes to that goes from `x` to `image` and stays on its side of these faces: at most half of the way
-    /// to each, and with nodes on one line across a face in the order they were in.
+    /// The position of a node that moves from `x` towards `image` and stays on its side of these faces: at most half of the
+    /// distance to each, and so that nodes on one line across a face keep their order.
     pub(super) fn hold_off(self, x: &Vec3, image: &Vec3, walls: &Aabb) -> Vec3 {
         Vec3::from_fn(|axis, _| {
-            let way = image[axis] - x[axis];
-            let room = if way < 0.0 { x[axis] - walls.min[axis] } else { walls.max[axis] - x[axis] };
-            let ahead = self.0 >> (2 * axis + usize::from(way > 0.0)) & 1 == 1;
-            if ahead && room > 0.0 { x[axis] + way * (room / (room + 2.0 * way.abs())) } else { image[axis] }
+            let step = image[axis] - x[axis];
+            let clearance = if step < 0.0 { x[axis] - walls.min[axis] } else { walls.max[axis] - x[axis] };
+            let ahead = self.0 >> (2 * axis + usize::from(step > 0.0)) & 1 == 1;
+            if ahead && clearance > 0.0 {
+                x[axis] + step * (clearance / (clearance + 2.0 * step.abs()))
+            } else {
+                image[axis]
+            }
         })
     }
 }
@@ -258,7 +264,7 @@ pub(super) struct Bodies<'a> {
     shifts: Vec<[i32; 3]>,
 }
 
-/// What a body and its images have in common, seen from one of them: its id, and the boxes between them.
+/// The id that a body shares with its images, and the boxes between them.
 pub(super) type Key = (u32, [i32; 3]);
 
 impl<'a> Bodies<'a> {
@@ -291,7 +297,7 @@ impl<'a> Bodies<'a> {
     }
 
     /// The body as its image at the lower faces sees it, from an image that lies on the upper faces `along` (a bit per
-    /// axis): the same for all images of one place. [`NO_BODY`] is the same everywhere.
+    /// axis): the same for all images. [`NO_BODY`] is the same everywhere.
     pub(super) fn key(&self, index: u32, along: u8) -> Key {
         if index == NO_BODY {
             return (NO_BODY, [0; 3]);
@@ -306,7 +312,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_held_off_a_face_keeps_its_side_and_its_order() {
+    fn nodes_held_off_a_face_keep_their_side_and_their_order() {
         let walls = Aabb { min: Vec3::zeros(), max: Vec3::repeat(10.0) };
         let flat = Flat::of(0b11_0001, [true, true, false]);
         let image = |x: f64| flat.hold_off(&Vec3::new(x, 5.0, 5.0), &Vec3::new(x - 0.4, 5.0, 4.0), &walls);

@@ -3,13 +3,13 @@
 //!
 //! Untangling: the flat tetrahedra that a mesher leaves under a surface stand on nodes that go to different faces' offsets, and
 //! small faces' projections come out of order: a few microns turn such a cell over, and a few set it right. Each node of a bad
-//! cell goes the way that gains the cell its volume with the least moves; a node of several cells takes the mean. (In packings
+//! cell takes the displacement that gains the cell its volume with the least moves; a node of several cells takes the mean. (In packings
 //! of 30 mm at 1.2, 2 and 3 mm some 80 triangles of 12,900 come out of order, and all are set right in 30 rounds; nodes
-//! that step back instead, 0.4 mm in one place, made most of the layer's error.)
+//! that step back instead, 0.4 mm at one of them, made most of the layer's error.)
 //!
-//! Backtracking: all nodes start with the whole way. The nodes of a tetrahedron that comes out bad go [`STEP_BACK`] of their way,
-//! and after [`STEPS`] of these none of it. The end is sure: with all nodes in place the body's cells are the old ones, and
-//! a layer cell is left out with its rail.
+//! Backtracking: all nodes start with their whole displacement. The nodes of a bad tetrahedron keep [`STEP_BACK`] of it, and
+//! after [`STEPS`] such steps none. The end is sure: with all nodes at their old positions the body's cells are the old ones,
+//! and a layer cell is left out with its rail.
 
 use super::periodic::Ties;
 use crate::math::Vec3;
@@ -26,15 +26,15 @@ pub(in crate::mesh) struct Layered {
     pub(in crate::mesh) periodic: [bool; 3],
 }
 
-/// The prism between an interface triangle and its image; diagonals start at the lowest place, so neighbours match, and
-/// the opposite faces of a periodic box.
+/// The prism between an interface triangle and its image. Diagonals start at the lowest image class, so neighbours match,
+/// and so do the opposite faces of a periodic box.
 pub(super) fn prism(mesh: &TetMesh, face: &InterfaceFace, copies: &Copies, ties: &Ties) -> [LayerCell; 3] {
     let owner = mesh.owner[face.cell as usize];
     let [a, b, c, _] = face.nodes;
     let p = |node: u32| -> Vec3 { mesh.position(node) };
     let area = (p(b) - p(a)).cross(&(p(c) - p(a))).norm() / 2.0;
     let mut rails = [a, b, c].map(|node| [copies.of(owner, node), node]);
-    let rank = |node: u32| (ties.place(node), node);
+    let rank = |node: u32| (ties.class(node), node);
     let turns = [(a, b), (b, c), (a, c)].iter().filter(|(first, second)| rank(*first) > rank(*second)).count();
     rails.sort_unstable_by_key(|rail| rank(rail[1]));
     let [[a, d], [b, e], [c, f]] = rails;
@@ -105,7 +105,7 @@ const TRIES: usize = 4;
 const ROUNDS: usize = 30;
 /// The volume aimed at, in least ones: moves of other nodes take some of it again.
 const AIM: f64 = 1.6;
-/// A node moves at most this share of its way from its old place in one round.
+/// A node moves at most this share of the distance to its old position in one round.
 const FARTHEST: f64 = 0.2;
 
 /// Moves `seats` until no cell is bad, or until the tries are over; `images` are those along the nodes' rays.
@@ -133,7 +133,7 @@ fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &mut [Vec
         stirred.fill(false);
         for group in moves.chunk_by(|a, b| a.0 == b.0) {
             let node = group[0].0 as usize;
-            let mean = group.iter().map(|(_, way)| *way).sum::<Vec3>() / group.len() as f64;
+            let mean = group.iter().map(|(_, step)| *step).sum::<Vec3>() / group.len() as f64;
             let farthest = FARTHEST * (images[node] - mesh.points[node]).norm();
             images[node] += mean * (farthest / mean.norm()).min(1.0);
             stirred[node] = true;
@@ -144,7 +144,7 @@ fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &mut [Vec
     moves(mesh, layer, ties, images, &stirred).into_iter().map(|(node, _)| node).collect()
 }
 
-/// Leads of the nodes of bad cells with the way that each should go; of the cells that have a `stirred` node.
+/// Leads of the nodes of bad cells with the displacement that each should get; of the cells that have a `stirred` node.
 fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
     let now = |nodes: [u32; 4]| nodes.map(|node| images[node as usize]);
     let near = |nodes: &[u32]| nodes.iter().any(|&node| stirred[node as usize]);
@@ -154,7 +154,7 @@ fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], stir
     let all = all.chain(layer.par_iter().filter(|cell| near(&cell.nodes)).map(layer_cell));
     let bad = all.filter(|(nodes, least)| volume(now(*nodes)) <= *least);
     let free = |node: u32| images[node as usize] != mesh.points[node as usize];
-    let led = |(node, way): (u32, Vec3)| (ties.lead(node), way);
+    let led = |(node, step): (u32, Vec3)| (ties.lead(node), step);
     bad.flat_map_iter(|(nodes, least)| least_moves(nodes, now(nodes), AIM * least, free, ties).into_iter().map(led))
         .collect()
 }
@@ -169,14 +169,14 @@ fn least_moves(
 ) -> Vec<(u32, Vec3)> {
     let gradients =
         [(c - b).cross(&(d - b)) * -1.0, (c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
-    let ways = nodes.into_iter().zip(gradients).filter(|(node, _)| free(*node));
-    let ways: Vec<(u32, Vec3)> = ways.map(|(node, way)| (node, ties.flat(node).along(&way))).collect();
+    let moves = nodes.into_iter().zip(gradients).filter(|(node, _)| free(*node));
+    let moves: Vec<(u32, Vec3)> = moves.map(|(node, step)| (node, ties.flat(node).along(&step))).collect();
     // Volume is a sixth of node times gradient.
-    let gain = 6.0 * (aim - volume([a, b, c, d])) / ways.iter().map(|(_, way)| way.norm_squared()).sum::<f64>();
-    ways.into_iter().map(|(node, way)| (node, way * gain)).filter(|(_, way)| way.norm() > 0.0).collect()
+    let gain = 6.0 * (aim - volume([a, b, c, d])) / moves.iter().map(|(_, step)| step.norm_squared()).sum::<f64>();
+    moves.into_iter().map(|(node, step)| (node, step * gain)).filter(|(_, step)| step.norm() > 0.0).collect()
 }
 
-/// Share of its way that a node keeps at each step back.
+/// Share of its displacement that a node keeps at each step back.
 const STEP_BACK: f64 = 0.7;
 /// Steps back before a node stays where it is: 0.7^10 is 3 %.
 const STEPS: u8 = 10;
@@ -185,8 +185,8 @@ const STEPS: u8 = 10;
 pub(super) struct StepsBack(Vec<u8>);
 
 impl StepsBack {
-    /// Where the node comes to between its place and its image.
-    pub(super) fn place(&self, node: u32, from: &Vec3, image: &Vec3) -> Vec3 {
+    /// The node's position between the old one and its image.
+    pub(super) fn position(&self, node: u32, from: &Vec3, image: &Vec3) -> Vec3 {
         match self.0[node as usize] {
             0 => *image,
             STEPS => *from,
@@ -205,22 +205,22 @@ impl StepsBack {
     }
 }
 
-/// Shares of the way from `mesh`'s points to `images` such that all its cells and `layer`'s keep a positive volume; nodes that are tied
-/// go the same share.
+/// Shares of the displacements from `mesh`'s points to `images` such that all its cells and `layer`'s keep a positive
+/// volume; tied nodes have the same share.
 pub(super) fn settle(mesh: &TetMesh, images: &[Vec3], layer: &[LayerCell], ties: &Ties) -> StepsBack {
     let start = |node: u32| if ties.is_pinned(node) { STEPS } else { 0 };
     let mut back = StepsBack((0..images.len() as u32).map(start).collect());
     let moving = |cell: &&[u32; 4]| cell.iter().any(|&node| images[node as usize] != mesh.points[node as usize]);
     loop {
-        let place = |node: u32| back.place(node, &mesh.points[node as usize], &images[node as usize]);
+        let position = |node: u32| back.position(node, &mesh.points[node as usize], &images[node as usize]);
         let worse = |cell: &&[u32; 4]| {
-            let (before, now) = (mesh.corners(**cell), cell.map(&place));
+            let (before, now) = (mesh.corners(**cell), cell.map(&position));
             let fine = volume(now) > least_of_core(before, now);
             !fine
         };
         let fallen = |cell: &&LayerCell| {
-            let least = least_of_layer(cell, cell.rail.map(place));
-            let fine = back.is_pinched(cell.rail[0]) || volume(cell.nodes.map(place)) > least;
+            let least = least_of_layer(cell, cell.rail.map(position));
+            let fine = back.is_pinched(cell.rail[0]) || volume(cell.nodes.map(position)) > least;
             !fine
         };
         let cells = mesh.cells.par_iter().filter(moving).filter(worse).flatten().copied();

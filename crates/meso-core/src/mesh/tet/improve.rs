@@ -1,5 +1,5 @@
-//! What a node may do, the best that it can, and the driver of all improvement: from the poor cells on, round by round, within a
-//! budget.
+//! The constraints of a node, the best position that they allow, and the driver of all improvement: it starts from the poor
+//! cells, goes round by round, and ends within a budget.
 
 use crate::math::Vec3;
 use rayon::prelude::*;

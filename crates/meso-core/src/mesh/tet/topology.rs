@@ -1,4 +1,4 @@
-//! The cells around the nodes, and a mesh whose cells are replaced: what is around the nodes that take part is kept up to date.
+//! A mesh whose cells are replaced, with the cells around every node that takes part.
 
 use super::tetrahedra::TetMesh;
 use super::tetrahedra::{min_dihedral_cos2, shortest_altitude};

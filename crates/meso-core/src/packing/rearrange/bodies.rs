@@ -4,7 +4,7 @@ use super::contact::{LANES, Points, V, dot, length, scale};
 use super::fibres;
 use super::turn::{turn, turn_on};
 use super::walls::Walls;
-use crate::aggregate::take::Grain;
+use crate::aggregate::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::{Period, Pose, Turn};
 use nalgebra::{Quaternion, Vector3};

@@ -1,11 +1,11 @@
 //! Certification: every pair of the final bodies is proved apart in double precision at the final coordinates, or one
 //! of the two is left out.
 
-use crate::aggregate::take::{Grain, snap};
+use crate::aggregate::grain::{Grain, snap};
 use crate::geometry::BoxTree;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
-use crate::packing::place::Task;
+use crate::packing::task::Task;
 use crate::packing::{Placement, Pose, Work};
 use rayon::prelude::*;
 

@@ -6,8 +6,8 @@
 //! 0.73 jams with a momentum of 0.96, and is done after 580 sweeps with 0.97.
 
 use super::fibres;
-use crate::aggregate::take::Grain;
-use crate::packing::place::Task;
+use crate::aggregate::Grain;
+use crate::packing::task::Task;
 
 /// Largest momentum for packings whose grains do not wedge. Sweeps in the 150 mm cube: 0.50: 29 with 0.7, 38 with
 /// 0.8; 0.60: 70 with 0.85, 168 with 0.8; 0.68: 242 with 0.94, 712 with 0.92.

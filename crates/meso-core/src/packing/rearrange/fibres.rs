@@ -4,8 +4,8 @@
 //! its length. Moved apart from the nearest point of its axis, it is pushed aside.
 
 use super::contact::{V, add_scaled, dot};
+use crate::aggregate::Grain;
 use crate::aggregate::Kind;
-use crate::aggregate::take::Grain;
 
 /// From the centre of every fibre to its end, before it is turned, mm; zero for all else, empty without fibres.
 pub(super) fn axes<'a>(grains: impl Iterator<Item = &'a Grain> + Clone) -> Vec<V> {

@@ -1,11 +1,11 @@
 //! Initial placement: grains are dropped, largest first, where they overlap least.
 
 use super::clearance_grid::{ClearanceGrid, around};
+use crate::aggregate::Grain;
 use crate::aggregate::Kind;
 use crate::aggregate::random::{Purpose, Stream};
-use crate::aggregate::take::Grain;
 use crate::math::{Aabb, Vec3};
-use crate::packing::place::Task;
+use crate::packing::task::Task;
 use crate::packing::{Pose, StopReason};
 use rayon::prelude::*;
 

@@ -21,7 +21,7 @@ mod subsample;
 mod turn;
 mod walls;
 
-use super::place::Task;
+use super::task::Task;
 use super::{Outcome, Pose, StopReason};
 use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
@@ -30,8 +30,8 @@ use damping::{Damping, FALL, HOPEFUL};
 use neighbour_list::NeighbourList;
 use walls::Walls;
 
+use crate::aggregate::Grain;
 use crate::aggregate::Kind;
-use crate::aggregate::take::Grain;
 
 /// Wanted gap beyond the least one (*slop*), as a share of the smallest grain's radius: it lets the last digits
 /// settle.

@@ -1,6 +1,6 @@
 //! Subsampling: fewer grains of the same grading.
 
-use crate::aggregate::take::Grain;
+use crate::aggregate::Grain;
 
 /// The numbers of those `moving` that stay when every class gives up this `share` of its volume: the first ones
 /// taken, which are those that a lower target takes.

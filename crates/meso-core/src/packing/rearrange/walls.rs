@@ -4,7 +4,7 @@ use super::contact::{Points, V};
 use super::obstacle;
 use crate::math::{Aabb, Vec3};
 use crate::packing::Container;
-use crate::packing::place::Task;
+use crate::packing::task::Task;
 
 /// The container, moved inwards by the gap.
 pub(super) struct Walls<'a> {

@@ -6,6 +6,7 @@ use crate::math::{Aabb, Vec3};
 use std::fmt::Debug;
 
 /// The closed region that a specimen encloses, in the specimen's frame.
+#[allow(unused_variables, reason = "the defaults of most containers need no arguments")]
 pub trait Container: Debug + Send + Sync {
     /// Bounding box, mm; it begins at the origin.
     fn aabb(&self) -> Aabb;
@@ -31,7 +32,6 @@ pub trait Container: Debug + Send + Sync {
     /// Share of the volume that lies more than `rim` mm inside the surface, roughly; `None` where the bounding box
     /// gives a good estimate.
     fn share_within(&self, rim: f64) -> Option<f64> {
-        let _ = rim;
         None
     }
 
@@ -51,7 +51,6 @@ pub trait Container: Debug + Send + Sync {
 
     /// Convex bodies around the container whose boxes meet `near`; no grain inside meets them.
     fn obstacles(&self, near: &Aabb) -> Vec<Obstacle<'_>> {
-        let _ = near;
         Vec::new()
     }
 
@@ -68,7 +67,6 @@ pub trait Container: Debug + Send + Sync {
     /// One step of the centre of the hull of `body` (about its centre, inside the bounding box) towards `gap` mm
     /// inside the other walls; `centre` itself where that is fulfilled.
     fn confine(&self, body: &[Vec3], centre: &Vec3, gap: f64) -> Vec3 {
-        let _ = (body, gap);
         *centre
     }
 

@@ -2,7 +2,7 @@
 //!
 //! A body may be far below each bound and still not fit; bodies that pass all of them are tried.
 
-use crate::aggregate::take::Grain;
+use crate::aggregate::Grain;
 use crate::math::{Aabb, Vec3, longest_distance};
 use rayon::prelude::*;
 

@@ -17,8 +17,9 @@ mod profile;
 mod sphere;
 mod triangulated;
 
-pub use container::{Container, Obstacle, Surface};
-pub use largest::Largest;
+pub(crate) use container::Obstacle;
+pub use container::{Container, Surface};
+pub(crate) use largest::Largest;
 pub use period::{Period, Periodic};
 
 use crate::geometry::{HullError, SurfaceError, TriangleMesh};

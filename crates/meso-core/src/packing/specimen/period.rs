@@ -1,6 +1,6 @@
 //! Periodic boxes: the axes, the periods, and the images near a face.
 
-use crate::aggregate::take::snap;
+use crate::aggregate::grain::snap;
 use crate::math::{Aabb, Vec3};
 use serde::de::{Deserializer, Error, Unexpected};
 use serde::ser::Serializer;

@@ -1,12 +1,12 @@
 //! The bodies placed so far, and whether a grain fits among them.
 
 use super::nearby::Nearby;
-use crate::aggregate::take::Grain;
+use crate::aggregate::Grain;
 use crate::geometry::CompactPolyhedron;
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Pose;
-use crate::packing::place::Task;
+use crate::packing::task::Task;
 use crate::prefetch::prefetch;
 use crate::simd::Wide;
 

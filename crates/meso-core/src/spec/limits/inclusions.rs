@@ -1,10 +1,10 @@
 //! Voids and fibres that cannot be, named before any work starts.
 
-use super::limits::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
-use super::messages::number;
-use super::{Spec, SpecError};
+use super::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
 use crate::aggregate::{Cone, Fibres, Voids};
 use crate::math::Vec3;
+use crate::spec::messages::number;
+use crate::spec::{Spec, SpecError};
 
 /// Straight rods that lie at random fill a space to 5.4 times their diameter over their length, and no further: half
 /// of the mean number of contacts of a rod (A. P. Philipse, Langmuir 12 (1996) 1127, for length over diameter from

@@ -1,0 +1,55 @@
+//! The files that a spec names: the core opens none, and both fronts read them from the spec's folder.
+
+use meso_core::spec::Files;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Longest file a spec may name, bytes.
+const LONGEST_INPUT: u64 = 256 << 20;
+
+/// The files in and below a folder, for a spec that lies in it.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<'a>(pub &'a Path);
+
+impl Files for Beside<'_> {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        let path = self.0.join(name);
+        let fail = |error: io::Error| named(&path, &reason(&error));
+        let kind = fs::metadata(&path).map_err(fail)?;
+        // A pipe that a spec names and nobody fills would be waited for without end.
+        if !kind.is_file() {
+            let what = if kind.is_dir() { "a directory" } else { "no regular file" };
+            return Err(io::Error::other(format!("{} is {what}; name a file", path.display())));
+        }
+        let mut bytes = Vec::new();
+        File::open(&path).map_err(fail)?.take(LONGEST_INPUT + 1).read_to_end(&mut bytes).map_err(fail)?;
+        if bytes.len() as u64 > LONGEST_INPUT {
+            let limit = LONGEST_INPUT >> 20;
+            return Err(io::Error::other(format!("{} is longer than {limit} MB; that is no spec", path.display())));
+        }
+        Ok(bytes)
+    }
+
+    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
+        let path = self.0.join(folder);
+        let entries = fs::read_dir(&path).map_err(|error| named(&path, &reason(&error)))?;
+        entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned())).collect()
+    }
+}
+
+fn named(path: &Path, why: &str) -> io::Error {
+    io::Error::other(format!("{}: {why}", path.display()))
+}
+
+/// The operating system's reason without its number, and the way out.
+pub fn reason(error: &io::Error) -> String {
+    let text = error.to_string();
+    let text = text.split(" (os error").next().unwrap_or(&text);
+    match error.kind() {
+        ErrorKind::StorageFull => format!("{text}; free some space or write elsewhere"),
+        ErrorKind::PermissionDenied => format!("{text}; choose a place that you may write to"),
+        ErrorKind::NotFound => format!("{text}; check the name and the folder"),
+        _ => text.to_owned(),
+    }
+}

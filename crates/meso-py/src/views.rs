@@ -1,0 +1,23 @@
+//! The package's Python part: calls into it, and the names that it and meshio have.
+
+use meso_core::mesh::CellKind;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Calls `function` of the package's Python part with a packing or mesh as its first argument.
+pub(crate) fn call_view<'py, T>(
+    function: &str,
+    subject: &Bound<'py, T>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    subject.py().import("mesocrete._views")?.getattr(function)?.call((subject,), options)
+}
+
+/// The name that meshio has for a kind of cells.
+pub(crate) fn cell_type(kind: CellKind) -> &'static str {
+    match kind {
+        CellKind::Tetrahedron => "tetra",
+        CellKind::QuadraticTetrahedron => "tetra10",
+        CellKind::Hexahedron => "hexahedron",
+    }
+}
