@@ -5,7 +5,7 @@
 //! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
 
 use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
-use crate::element::hex::{BoxShape, Hexes};
+use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::tet::Tets;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
 use crate::law::{Law, Tensor};
@@ -283,16 +283,18 @@ impl LawTask for HexTask<'_> {
         let remembered = self.memory.len() / self.cells.len().max(1);
         let (k, width) = (L::splat(self.stiffness), L::splat(self.common.band_mm));
         let shape = &self.common.shape;
+        // What does not soften has no bound.
+        let bound = L::splat(if remembered == 0 { 0.0 } else { per_bound(shape.edge()) });
         let [mut spent, mut stored, mut lost] = [L::splat(0.0); 3];
         for (i, cells) in self.cells.iter().enumerate() {
             let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
             let (strain, hourglass) = cells.strain(self.u, shape);
             let answer = answer(law, &strain, memory, width);
             spent = answer.spent.mul_add(L::load(&cells.used), spent);
-            let squares = cells.squares(&hourglass);
-            stored = answer.integrity.mul_add(squares, stored);
-            lost = (answer.before - answer.integrity).mul_add(squares, lost);
-            cells.resist(&answer.stress, &hourglass, k * answer.integrity, shape, self.forces);
+            let (twice, left) = cells.bounded(&hourglass, bound);
+            stored = answer.integrity.mul_add(twice, stored);
+            lost = (answer.before - answer.integrity).mul_add(twice, lost);
+            cells.resist(&answer.stress, &hourglass, k * answer.integrity * left, shape, self.forces);
         }
         let half = 0.5 * self.stiffness;
         [spent.eight().sum() * shape.volume(), stored.eight().sum() * half, lost.eight().sum() * half]
