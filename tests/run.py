@@ -12,6 +12,7 @@ stage passed.
 
 import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -37,6 +38,7 @@ SLOW_SUBJECTS = [
     "cohesive_decks",
     "inclusions::",
     "interrupt",
+    "matrix",
     "mesh",
     "offset::",
     "packing::",
@@ -120,10 +122,31 @@ def quick_stages() -> list[tuple[str, list[str]]]:
     ]
 
 
+def supply_chain() -> list[tuple[str, list[str]]]:
+    """Name the checks of dependencies and of the oldest compiler, as far as their tools are installed."""
+    found = []
+    if shutil.which("cargo-deny"):
+        # Advisories need a database from the network; without one the rest is looked at.
+        fetched = subprocess.run(["cargo", "deny", "fetch", "db"], cwd=ROOT, check=False, capture_output=True).returncode == 0
+        if not fetched:
+            print("skipped, for want of the advisory database: advisories on dependencies")
+        found.append(("cargo deny", ["cargo", "deny", "check", *(["advisories"] if fetched else []), "bans", "licenses", "sources"]))
+    else:
+        print("skipped, for want of cargo-deny (cargo install cargo-deny): advisories, licences and sources of dependencies")
+    oldest = re.search(r'^rust-version = "(.*)"', (ROOT / "Cargo.toml").read_text(encoding="utf-8"), re.MULTILINE)[1]
+    listed = shutil.which("rustup") and subprocess.run(["rustup", "toolchain", "list"], check=False, capture_output=True, text=True)
+    if listed and re.search(rf"^{oldest}\b", listed.stdout, re.MULTILINE):
+        found.append((f"Rust {oldest}", ["rustup", "run", oldest, "cargo", "check", "--workspace", "--target-dir", "target/oldest"]))
+    else:
+        print(f"skipped, for want of Rust {oldest} (rustup toolchain install {oldest}): the oldest compiler promised")
+    return found
+
+
 def stages(python: Path, *, slow: bool) -> list[tuple[str, list[str]]]:
     """Name the test commands, in order."""
     tier = ["--", "--include-ignored"] if slow else []
     return [
+        *supply_chain(),
         ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("cargo test", ["cargo", "test", "--no-fail-fast", *tier]),

@@ -23,3 +23,4 @@ mod outputs;
 mod report;
 mod same_bytes;
 mod solve;
+mod study;

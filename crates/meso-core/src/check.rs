@@ -1,17 +1,21 @@
 //! The independent check of a model: everything a packing promises, proved from the saved coordinates alone.
 //!
-//! It shares no code with placement. It has its own broad phase, the exact collision verdict on the vertices as
-//! saved, and exact orientation signs for convexity. Findings are listed, never repaired.
+//! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are saved,
+//! and exact orientation signs for convexity. The grains that the spec and the seed give are made again: every body must be
+//! one of them, and the report must say what follows from them. What it finds is listed, never repaired.
 
 mod inclusions;
 mod pairs;
+mod report;
 mod solid;
+mod taken;
 
 use crate::aggregate::{Aggregate, Kind, SizeDefinition};
-use crate::geometry::sieve_size;
+use crate::geometry::{Polyhedron, sieve_size};
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
 use crate::packing::Container;
+use crate::stop;
 use pairs::Placed;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -30,7 +34,20 @@ pub struct Check {
     pub fraction: f64,
     /// Everything that is not as promised; empty for a sound model.
     pub findings: Vec<Finding>,
+    /// What was not looked at, in words.
+    pub not_checked: Vec<&'static str>,
 }
+
+/// What no check of the file alone can tell.
+const NOT_CHECKED: [&str; 3] = [
+    "that this seed puts the bodies where they are: pack the spec again and compare",
+    "the counters in work",
+    "which of the versions up to this one wrote the file",
+];
+/// Where a time limit or the user ended the run.
+const NOT_CHECKED_IF_STOPPED: &str = "how many grains were made and discarded before the stop";
+/// Where the spec makes far more grains than the file accounts for.
+const NOT_CHECKED_IF_TOO_MANY: &str = "that the bodies are those of the seed: it makes too many to make them again";
 
 /// One thing that is not as promised.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,6 +95,11 @@ pub enum Finding {
         /// Its size by the spec's definition, mm.
         size_mm: f64,
     },
+    /// A body is none of the grains that the spec and the seed give, or the same one twice.
+    NotTaken {
+        /// Id.
+        body: u32,
+    },
     /// A void or fibre does not have the size in the spec.
     Shape {
         /// Id.
@@ -102,6 +124,9 @@ impl fmt::Display for Finding {
             }
             Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is no convex solid: {reason}"),
             Self::Itz { aggregate, reason } => write!(f, "aggregate {aggregate} has no sound ITZ: {reason}"),
+            Self::NotTaken { body } => {
+                write!(f, "body {body} is none of the grains that this spec and seed give: class, ITZ or volume differ")
+            }
             Self::Shape { body, reason } => write!(f, "body {body} is not what the spec asks for: {reason}"),
             Self::Size { aggregate, size_mm } => {
                 write!(f, "aggregate {aggregate} has the size {size_mm} mm, outside its class")
@@ -112,6 +137,14 @@ impl fmt::Display for Finding {
 }
 
 impl Finding {
+    /// The body that the take does not know.
+    fn body(&self) -> Option<u32> {
+        match *self {
+            Self::NotTaken { body } => Some(body),
+            _ => None,
+        }
+    }
+
     /// The two aggregates that it is about.
     fn pair(&self) -> Option<(u32, u32)> {
         match *self {
@@ -134,13 +167,21 @@ pub fn check(model: &Model) -> Check {
     let bodies = model.bodies();
     let placed = placed(model, &bodies, container.aabb());
     let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
-    findings.par_extend(bodies.par_iter().flat_map_iter(|body| single(model, &*container, body)));
+    findings.par_extend(bodies.par_iter().panic_fuse().flat_map_iter(|body| single(model, &*container, body)));
     // Summed in the order of the aggregates, whatever the threads.
     let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
     let fraction = volumes.iter().sum::<f64>() / container.volume();
-    findings.extend(report(model, fraction));
-    findings.extend(inclusions::report(model));
-    Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings }
+    let (taken, not_taken) = taken::check(model, &bodies);
+    findings.extend(not_taken);
+    findings.extend(report::check(model, taken.as_ref()));
+    let not_checked = not_checked(model, taken.is_some());
+    Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings, not_checked }
+}
+
+fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {
+    let stopped = taken::was_stopped(model).then_some(NOT_CHECKED_IF_STOPPED);
+    let too_many = (!made_again).then_some(NOT_CHECKED_IF_TOO_MANY);
+    NOT_CHECKED.into_iter().chain(stopped).chain(too_many).collect()
 }
 
 /// The bodies, then their images that one of them may meet.
@@ -170,11 +211,14 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
 
 /// What concerns one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
+    stop::point();
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
     // The offset of a body that is not convex means nothing.
-    let itz = if convex.is_none() && aggregate.kind == Kind::Aggregate { itz(aggregate) } else { None };
-    [convex, itz, outside(model, container, aggregate), size(model, aggregate)].into_iter().flatten().collect()
+    let has_itz = aggregate.kind == Kind::Aggregate;
+    let itz = if convex.is_none() && has_itz { itz(aggregate) } else { None };
+    let range = if has_itz { itz_range(model, aggregate) } else { None };
+    [convex, itz, range, outside(model, container, aggregate), size(model, aggregate)].into_iter().flatten().collect()
 }
 
 fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Option<Finding> {
@@ -190,25 +234,42 @@ fn outside(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> O
     (!(inside && near)).then_some(Finding::Outside { aggregate: aggregate.id })
 }
 
+/// The thickness is drawn within the spec's limits, or limited where the report says so.
+fn itz_range(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
+    let ([low, high], thickness) = (model.spec.itz.thickness_mm, aggregate.itz_thickness_mm);
+    // The draw is low + (high - low) x, rounded.
+    let rounding = 2.0 * f64::EPSILON * high;
+    let limited = model.report.itz_limited.binary_search(&aggregate.id).is_ok();
+    let fits = thickness <= high + rounding && (limited || thickness >= low - rounding);
+    let reason = || format!("it is {thickness} mm thick, the spec says {low} to {high}");
+    (!fits).then(|| Finding::Itz { aggregate: aggregate.id, reason: reason() })
+}
+
+/// A shell may be thinner by this, mm: planes and distances are rounded to about 1e-13.
+const SHELL_ROUNDING: f64 = 1e-9;
+
 /// A point deeper than the shell is thick proves a core; only where the mean of the vertices is none, the core is made.
 fn itz(aggregate: &Aggregate) -> Option<Finding> {
     let thickness = aggregate.itz_thickness_mm;
-    // Planes and distances are rounded to about 1e-13 mm.
-    if solid::depth_of_mean(&aggregate.body) > thickness + 1e-9 {
+    if solid::depth_of_mean(&aggregate.body) > thickness + SHELL_ROUNDING {
         return None;
     }
     let reason = match aggregate.core() {
         Err(error) => error.to_string(),
         Ok(None) => format!("a shell of {thickness} mm leaves no core"),
         Ok(Some(core)) => {
-            let thinnest = solid::thinnest_shell(&aggregate.body, &core);
-            if thinnest >= thickness - 1e-9 {
-                return None;
-            }
-            format!("its shell is {thinnest} mm thin where it should be {thickness}")
+            return too_thin(&aggregate.body, &core, thickness)
+                .map(|reason| Finding::Itz { aggregate: aggregate.id, reason });
         }
     };
     Some(Finding::Itz { aggregate: aggregate.id, reason })
+}
+
+/// What is wrong with the shell between a body and its core.
+fn too_thin(body: &Polyhedron, core: &Polyhedron, thickness: f64) -> Option<String> {
+    let thinnest = solid::thinnest_shell(body, core);
+    let reason = || format!("its shell is {thinnest} mm thin where it should be {thickness}");
+    (thinnest < thickness - SHELL_ROUNDING).then(reason)
 }
 
 /// What a length loses at most to the single precision in which a body keeps its vertices about its centre (half of
@@ -232,15 +293,18 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
     (!fits).then_some(Finding::Size { aggregate: aggregate.id, size_mm })
 }
 
-/// The report's figures against those of the aggregates; 1e-9 covers the order of summation.
-fn report(model: &Model, fraction: f64) -> Option<Finding> {
-    let report = &model.report;
-    let reason = if report.aggregates != model.aggregates.len() {
-        format!("it counts {} aggregates, there are {}", report.aggregates, model.aggregates.len())
-    } else if (report.fraction - fraction).abs() > 1e-9 {
-        format!("it gives the fraction {}, the aggregates {fraction}", report.fraction)
-    } else {
-        return None;
-    };
-    Some(Finding::Report { reason })
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{convex_hull, inward_offset};
+
+    #[test]
+    fn a_shell_thinner_by_a_nanometre_and_more_is_found() {
+        let corners = |half: f64| (0..8).map(move |i| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { half } else { -half }));
+        let body = convex_hull(&corners(2.0).collect::<Vec<_>>()).unwrap();
+        let core = inward_offset(&body, 0.5).unwrap().unwrap();
+        assert_eq!(too_thin(&body, &core, 0.5), None);
+        assert_eq!(too_thin(&body, &core, 0.5 + 1e-10), None);
+        assert!(too_thin(&body, &core, 0.5 + 2e-9).is_some());
+    }
 }

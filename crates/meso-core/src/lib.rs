@@ -61,6 +61,9 @@ pub mod spec;
 pub mod statistics;
 #[cfg(feature = "concrete")]
 pub mod voxel_image;
+#[cfg(feature = "concrete")]
+#[doc(hidden)]
+pub mod stop;
 
 /// What the tests and benches of this workspace look into; no promise covers it.
 #[doc(hidden)]

@@ -4,7 +4,9 @@ use crate::aggregate::Grain;
 use crate::aggregate::take::{Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
-use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Stage, Strategy, Tally, Target};
+use crate::packing::{
+    self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Stage, Strategy, Tally, Target,
+};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -31,12 +33,13 @@ pub struct Model {
 pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.validate()?;
     spec.has_room()?;
+    spec.is_reachable_at_random()?;
     let start = progress.seconds();
     let (grains, complete) = take_grains(spec, progress, start)?;
     let largest = largest_body(spec, &grains)?;
     let taken = progress.seconds();
-    let Spec { specimen, fraction, grading, seed, placement, .. } = spec;
-    let target = Target { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed };
+    let Spec { specimen, grading, placement, .. } = spec;
+    let target = target(spec);
     let request = Request { target, largest, grains: &grains, placement, progress, started: start };
     let mut outcome = packing::place(&request);
     let tally = Tally::of(&grains, &outcome.poses, grading.classes().len(), complete);
@@ -60,6 +63,25 @@ impl Model {
     }
 }
 
+/// All grains that `spec` takes, to compare a model's bodies with.
+///
+/// # Errors
+/// Shapes without volume.
+pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
+    Ok(take_grains(spec, &Silent, 0.0)?.0)
+}
+
+/// What a packing of `spec` is to reach.
+pub(crate) fn target(spec: &Spec) -> Target<'_> {
+    let Spec { specimen, fraction, grading, seed, .. } = spec;
+    Target { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed }
+}
+
+/// Upper bounds on a body in the specimen, its distance to the walls kept.
+pub(crate) fn largest(spec: &Spec) -> Largest {
+    spec.specimen.container().largest().less(spec.placement.wall_gap_mm)
+}
+
 /// Upper bounds on a body in the specimen.
 ///
 /// # Errors
@@ -70,7 +92,7 @@ fn largest_body(spec: &Spec, grains: &[Grain]) -> Result<Largest, SpecError> {
     if let Some(error) = spec.meets_own_image(longest) {
         return Err(error);
     }
-    let largest = spec.specimen.container().largest().less(spec.placement.wall_gap_mm);
+    let largest = largest(spec);
     spec.fits_nowhere(grains, &largest).map_or(Ok(largest), Err)
 }
 

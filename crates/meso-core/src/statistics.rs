@@ -22,12 +22,14 @@ use crate::gjk::GjkError;
 use crate::model::Model;
 use crate::packing::{ClassReport, Container, images_near};
 use crate::spec::SpecError;
+use crate::stop;
 use index::Index;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How much is sampled, and how finely it is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Seed of the samples.
@@ -171,7 +173,11 @@ struct Sample<'a> {
 
 /// The sum in list order of figures computed in parallel.
 fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sync + Send) -> f64 {
-    aggregates.par_iter().map(figure).collect::<Vec<_>>().iter().sum()
+    let figure = |aggregate| {
+        stop::point();
+        figure(aggregate)
+    };
+    aggregates.par_iter().panic_fuse().map(figure).collect::<Vec<_>>().iter().sum()
 }
 
 /// Joins the figures of numbered batches in their order; only a bounded number is held at a time.
@@ -179,7 +185,11 @@ fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut
     const HELD: u32 = 512;
     for first in (0..batches).step_by(HELD as usize) {
         let last = batches.min(first.saturating_add(HELD));
-        let held: Vec<T> = (first..last).into_par_iter().map(&figures).collect();
+        let figures = |batch| {
+            stop::point();
+            figures(batch)
+        };
+        let held: Vec<T> = (first..last).into_par_iter().panic_fuse().map(figures).collect();
         held.into_iter().for_each(&mut join);
     }
 }

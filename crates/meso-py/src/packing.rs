@@ -169,7 +169,8 @@ impl PyPacking {
     /// Returns
     /// -------
     /// dict
-    ///     `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed) and `findings`, a list of what is wrong.
+    ///     `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed), `findings`, a list of what is wrong, and
+    ///     `not_checked`, what a check of the model alone cannot tell.
     fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let model = Arc::clone(&self.0);

@@ -1,9 +1,9 @@
 //! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
 
 use crate::boundary::bug;
-use meso_core::Progress;
 use meso_core::packing::{Measure, Stage};
-use pyo3::exceptions::PyRuntimeError;
+use meso_core::{Progress, stop};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -24,6 +24,8 @@ const FILES_GRACE: u64 = 3000;
 /// What the worker and the waiting thread share.
 pub(crate) struct Watch {
     go_on: AtomicBool,
+    /// Nobody waits for the result any more.
+    abandoned: Arc<AtomicBool>,
     fraction: AtomicU64,
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
@@ -75,7 +77,7 @@ impl Progress for Watch {
 /// Runs `work` on a thread of its own, with a rayon pool of its own, while this one waits for it and for signals.
 ///
 /// The core checks the flag only between its own steps, which may be long. So on Ctrl-C the caller returns to Python
-/// at once, and the worker, which shares nothing with Python, ends at its next check. The pool lives only as long as
+/// at once, and the worker, which shares nothing with Python, unwinds at its next check ([`stop`]). The pool lives only as long as
 /// the work: a process forked in between inherits no dead threads.
 pub(crate) fn beside_python<T: Send + 'static>(
     py: Python<'_>,
@@ -106,14 +108,17 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     let watch = Arc::new(Watch {
         staged: plan.map(|Plan(stages, whole)| (Measure::new(stages), whole)),
         go_on: AtomicBool::new(true),
+        abandoned: Arc::new(AtomicBool::new(false)),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
         grace: AtomicU64::new(GRACE),
         start: Instant::now(),
     });
+    let abandoned = Arc::clone(&watch.abandoned);
     // Of none, as many as there are cores.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
+        .start_handler(move |_| stop::listen(Arc::clone(&abandoned)))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();
@@ -137,6 +142,7 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
+                    watch.abandoned.store(true, Relaxed);
                     let _ = wait(Duration::from_millis(watch.grace.load(Relaxed)));
                     return Err(error);
                 }
@@ -177,4 +183,13 @@ pub(crate) fn listener<'py>(
     let Some(progress) = progress else { return Ok(None) };
     let listener = py.import("mesocrete._progress")?.call_method1("listener", (progress,))?;
     Ok((!listener.is_none()).then_some(listener))
+}
+
+/// A number of threads, checked before any work starts.
+///
+/// # Errors
+/// `ValueError`.
+pub(crate) fn checked_threads(threads: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let number: Option<usize> = threads.extract().ok().filter(|number| (1..=1024).contains(number));
+    number.ok_or_else(|| PyValueError::new_err(format!("threads is {threads}; it must be an int from 1 to 1024")))
 }

@@ -10,7 +10,7 @@ pub(crate) fn call_view<'py, T>(
     subject: &Bound<'py, T>,
     options: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    subject.py().import("mesocrete._views")?.getattr(function)?.call((subject,), options)
+    subject.py().import("mesocrete._views")?.getattr(function)?.call((subject.as_any(),), options)
 }
 
 /// The name that meshio has for a kind of cells.

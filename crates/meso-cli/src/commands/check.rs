@@ -62,6 +62,7 @@ fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
         ("aggregates not closed and convex", |f| matches!(f, Finding::NotConvex { .. })),
         ("aggregates without a sound ITZ", |f| matches!(f, Finding::Itz { .. })),
         ("aggregates outside their class", |f| matches!(f, Finding::Size { .. })),
+        ("bodies that the seed does not give", |f| matches!(f, Finding::NotTaken { .. })),
         ("figures of the report that differ", |f| matches!(f, Finding::Report { .. })),
     ];
     writeln!(out, "{:34} {:>12}", "aggregates", stderr::thousands(check.aggregates))?;
@@ -80,5 +81,7 @@ fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
     if check.findings.len() > LISTED {
         writeln!(out, "  and {} more; --json lists all", stderr::thousands(check.findings.len() - LISTED))?;
     }
-    writeln!(out, "{}", if check.is_sound() { "sound: every promise is kept" } else { "NOT sound" })
+    writeln!(out, "not checked:")?;
+    check.not_checked.iter().try_for_each(|what| writeln!(out, "  {what}"))?;
+    writeln!(out, "{}", if check.is_sound() { "sound: every promise that was checked is kept" } else { "NOT sound" })
 }

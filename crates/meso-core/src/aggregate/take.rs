@@ -5,6 +5,7 @@ use super::inclusions::{self, Inclusions};
 use super::random::{Purpose, Stream};
 use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
 use crate::geometry::{HullError, convex_hull, sieve_size};
+use crate::stop;
 use rayon::prelude::*;
 
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
@@ -73,7 +74,8 @@ fn fill(
         // With no grain yet this is NaN, and NaN.min(CHUNK) is CHUNK.
         let expected = (target - volume) / volume * f64::from(made);
         let count = CHUNK.min((expected.min(f64::from(CHUNK)) as u32).saturating_add(SPARE));
-        let chunk: Vec<Grain> = (made..made + count).into_par_iter().map(&make).collect::<Result<_, _>>()?;
+        let chunk: Vec<Grain> =
+            (made..made + count).into_par_iter().panic_fuse().map(&make).collect::<Result<_, _>>()?;
         for grain in chunk {
             // The last grain is included when that brings the class nearer to its target.
             if volume + grain.volume() / 2.0 >= target {
@@ -87,6 +89,7 @@ fn fill(
 }
 
 fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
+    stop::point();
     let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
     let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
     let mut vertices = recipe.shape.outline(size, limits.d_min_mm, stream);

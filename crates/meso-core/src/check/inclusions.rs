@@ -1,9 +1,8 @@
-//! Voids and fibres: sizes as in the spec, numbers as in the report.
+//! Voids and fibres: sizes as in the spec.
 
 use super::{Finding, rounding};
 use crate::aggregate::{Aggregate, Inclusions, Kind};
 use crate::math::longest_distance;
-use crate::model::Model;
 use std::f64::consts::PI;
 
 /// A void has the volume of a sphere of one of the diameters asked for; a fibre has the volume and the length of the
@@ -30,30 +29,4 @@ pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
         _ => Some(format!("there are to be no {}", body.kind.plural())),
     };
     Some(Finding::Shape { body: body.id, reason: reason? })
-}
-
-/// The report's figures of every further phase against those of its bodies.
-pub(super) fn report(model: &Model) -> Option<Finding> {
-    let container = model.spec.specimen.volume();
-    let wrong = model.report.phases.iter().find_map(|phase| {
-        let own = || model.inclusions.iter().filter(|body| body.kind == phase.phase);
-        let fraction = own().map(|body| body.body.volume()).sum::<f64>() / container;
-        // 1e-9 covers the order of summation.
-        let fits = phase.bodies == own().count() && (phase.fraction - fraction).abs() <= 1e-9;
-        let name = phase.phase.plural();
-        (!fits).then(|| {
-            format!(
-                "it gives {} {name} of the fraction {}, there are {} of {fraction}",
-                phase.bodies,
-                phase.fraction,
-                own().count()
-            )
-        })
-    });
-    let missing = Kind::FURTHER.into_iter().find(|kind| {
-        let reported = model.report.phases.iter().any(|phase| phase.phase == *kind);
-        !reported && model.inclusions.iter().any(|body| body.kind == *kind)
-    });
-    let missing = missing.map(|kind| format!("it does not speak of the {}", kind.plural()));
-    Some(Finding::Report { reason: wrong.or(missing)? })
 }

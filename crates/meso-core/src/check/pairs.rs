@@ -3,6 +3,7 @@
 use super::Finding;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use crate::stop;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -22,12 +23,13 @@ pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Findin
     let boxes: Vec<Aabb> = all.par_iter().map(|it| Aabb::around(&*it.vertices).grown(margin)).collect();
     let buckets = Buckets::new(&boxes);
     let answers: Vec<(u64, Vec<Finding>)> =
-        (0..bodies).into_par_iter().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
+        (0..bodies).into_par_iter().panic_fuse().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
     let tested = answers.iter().map(|answer| answer.0).sum();
     (tested, answers.into_iter().flat_map(|answer| answer.1).collect())
 }
 
 fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f64) -> (u64, Vec<Finding>) {
+    stop::point();
     let is_due = |b: usize| b > a && all[b].body as usize >= a && boxes[a].intersects(&boxes[b]);
     let mut others: Vec<usize> = buckets.near(&boxes[a]).filter(|&b| is_due(b)).collect();
     others.sort_unstable();
@@ -126,5 +128,18 @@ impl Buckets {
             let (from, to) = (self.flat([first[0], y, z]), self.flat([last[0], y, z]));
             self.members[self.starts[from] as usize..self.starts[to + 1] as usize].iter().map(|&body| body as usize)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_that_cannot_be_asked_is_not_proved_apart() {
+        let at = |x: f64| [0.0, 1.0, 2.0, 3.0].map(|k| Vec3::new(x, k, k * k)).to_vec();
+        let placed = |body, x| Placed { body, vertices: Cow::Owned(at(x)) };
+        assert_eq!(verdict(&placed(0, 0.0), &placed(1, 1.0), 0.0), None);
+        assert_eq!(verdict(&placed(0, 0.0), &placed(1, f64::NAN), 0.0), Some(Finding::Overlap { a: 0, b: 1 }));
     }
 }

@@ -87,3 +87,99 @@ pub(crate) fn encloses_origin_roughly<T: Real>(points: &[Vector3<T>; 4], reach: 
     let bound = T::ENCLOSING * reach * reach * reach + T::UNDERFLOW;
     determinants.iter().all(|&d| d > bound) || determinants.iter().all(|&d| d < -bound)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of 53 bits from a generator after G. Marsaglia (xorshift64*).
+    struct Numbers(u64);
+
+    impl Numbers {
+        fn next(&mut self) -> u64 {
+            self.0 ^= self.0 >> 12;
+            self.0 ^= self.0 << 25;
+            self.0 ^= self.0 >> 27;
+            self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11
+        }
+
+        fn point(&mut self) -> [i128; 3] {
+            [0; 3].map(|_| i128::from(self.next()))
+        }
+    }
+
+    fn float(p: &[i128; 3]) -> Vec3 {
+        Vec3::from_fn(|axis, _| p[axis] as f64)
+    }
+
+    fn dot(p: &[i128; 3], v: &[i128; 3]) -> i128 {
+        (0..3).map(|axis| p[axis] * v[axis]).sum()
+    }
+
+    /// u of a sum of magnitudes, in the numbers' own units.
+    fn u(sum: i128) -> i128 {
+        sum >> 53
+    }
+
+    #[test]
+    fn bodies_that_a_last_digit_of_their_coordinates_may_let_touch_are_not_separated() {
+        let (mut numbers, mut nearest) = (Numbers(1), f64::NEG_INFINITY);
+        for _ in 0..100_000 {
+            let (a, b, v) = (numbers.point(), numbers.point(), numbers.point());
+            let (top, bottom) = (dot(&a, &v), dot(&b, &v));
+            // The least shift with which they might still touch, since each coordinate is known to u alone.
+            let shift = (top - bottom + u(top + bottom + (top - bottom).abs())).div_euclid(v[0]) as f64;
+            let along = shift as i128 * v[0];
+            if bottom + along - top > u(top + bottom + along.abs()) {
+                continue;
+            }
+            let (a, b, v, x) = (float(&a), float(&b), float(&v), Vec3::new(shift, 0.0, 0.0));
+            assert!(!separates(&[a][..], &[b][..], &x, &v), "{a} {b} {x} {v}");
+            let (top_of_a, top_of_b, along) = (highest(&a, &v), highest(&b, &-v), -highest(&-x, &v));
+            let size = U * (top_of_a.abs() + top_of_b.abs() + along.abs());
+            nearest = nearest.max((along - (top_of_a + top_of_b)) / size);
+        }
+        // With 4 u less, which is `doubt` on the wrong side, some are. `doubt` itself is room: the sixth u in `highest`
+        // covers the rounding of the last sum.
+        assert!((-4.0..0.0).contains(&nearest), "{nearest}");
+    }
+
+    #[test]
+    fn heights_that_vanish_by_underflow_separate_nothing() {
+        // Products of 0.48 and 0.6 of the least subnormal number: 0 and 1 of it.
+        let least = 2f64.powi(-537);
+        let v = Vec3::new(least, 0.0, 0.0);
+        let (a, b, x) = (0.48 * v, -0.48 * v, 0.6 * v);
+        assert_eq!([highest(&a, &v), highest(&b, &-v)], [0.0; 2]);
+        assert!(-highest(&-x, &v) > 0.0);
+        assert!(!separates(&[a][..], &[b][..], &x, &v), "a lies higher than b + x by 0.36 of it");
+    }
+
+    #[test]
+    fn differences_that_were_rounded_twice_enclose_nothing_by_it() {
+        let (mut numbers, mut misled) = (Numbers(2), 0);
+        for _ in 0..20_000 {
+            // Differences of 1 to 2 in steps of 2^-56, of which 2^-52 is left, and a shift that takes all but some steps away.
+            let unit = 2f64.powi(-56);
+            let exact: [[i128; 3]; 4] = [0; 4].map(|_| [0; 3].map(|_| i128::from(numbers.next() % 400) - 200));
+            let points = exact.map(|w| {
+                let b = Vec3::from_fn(|axis, _| -(w[axis] as f64) * unit);
+                Difference::new(&Vec3::repeat(1.5), &b, &Vec3::repeat(1.5))
+            });
+            let is_in = |points: &[[i128; 3]; 4]| {
+                let [p0, p1, p2, p3] = points;
+                let all = [det(p1, p2, p3), det(p0, p3, p2), det(p0, p1, p3), det(p0, p2, p1)];
+                all.iter().all(|d| *d > 0) || all.iter().all(|d| *d < 0)
+            };
+            let found = encloses_origin(&points);
+            assert!(!found || is_in(&exact));
+            let rounded = points.map(|point| [0, 1, 2].map(|axis| (point.w[axis] / unit) as i128));
+            misled += usize::from(is_in(&rounded) && !is_in(&exact));
+        }
+        assert!(misled > 100, "{misled}");
+    }
+
+    fn det(a: &[i128; 3], b: &[i128; 3], c: &[i128; 3]) -> i128 {
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    }
+}

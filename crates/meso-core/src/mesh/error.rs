@@ -32,6 +32,22 @@ pub enum MeshError {
         /// A node of the first one, mm.
         at: [f64; 3],
     },
+    /// A phase has far from its own volume.
+    #[error(
+        "the {phase} takes {meshed:.4} of the specimen in the mesh and {exact:.4} in the packing: {:+.0} %, where 10 % are accepted; \
+         take {ways}",
+        100.0 * (meshed / exact - 1.0)
+    )]
+    PhaseError {
+        /// The phase that is farthest off, in words.
+        phase: &'static str,
+        /// Its volume in the mesh over the specimen's.
+        meshed: f64,
+        /// That of its bodies.
+        exact: f64,
+        /// What keeps it.
+        ways: String,
+    },
     /// A conforming mesh was asked for where gmsh cannot run.
     #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
     NeedsGmsh,

@@ -12,6 +12,7 @@ use crate::geometry::{Plane, nearest_on_triangle};
 use crate::gjk;
 use crate::math::Vec3;
 use crate::packing::{Specimen, images_near};
+use crate::stop;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -116,6 +117,7 @@ impl InterfaceDistance {
         let mut bodies: Vec<Body> = images_near(aggregates, specimen, 0.0).iter().map(Body::new).collect();
         bodies.sort_by_key(|body| body.id);
         let distance = |&(node, id): &(u32, u32)| {
+            stop::point();
             let start = bodies.partition_point(|body| body.id < id);
             let images = bodies[start..].iter().take_while(|body| body.id == id);
             images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
@@ -125,7 +127,7 @@ impl InterfaceDistance {
         if !mesh.cohesive.is_empty() {
             pairs.par_sort_unstable_by_key(|&(node, id)| (place(node), id));
         }
-        let distances: Vec<f64> = pairs.par_iter().map(distance).collect();
+        let distances: Vec<f64> = pairs.par_iter().panic_fuse().map(distance).collect();
         let sides = FlatSides::of(specimen);
         let rounding = ROUNDING * specimen.aabb().size().max();
         // One after the other: the same sums on any number of threads.

@@ -7,6 +7,7 @@ use super::cells::{NO_BODY, Phase};
 use crate::aggregate::Aggregate;
 use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
+use crate::stop;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -191,6 +192,7 @@ impl<'a> Scan<'a> {
 
     /// Labels of layer `k`, into `labels` of length [`PointGrid::layer_len`].
     pub(crate) fn label_layer(&self, k: usize, labels: &mut [Label]) {
+        stop::point();
         labels.fill(Label::MORTAR);
         self.paint_layer(k, labels, |body| [Label::shell(body), Label::core(body)]);
     }

@@ -6,6 +6,7 @@ pub(crate) mod apart;
 mod build;
 pub(crate) mod cells;
 pub mod conforming;
+mod crack_band;
 mod error;
 pub(crate) mod fidelity;
 mod interface;
@@ -14,6 +15,7 @@ mod layer;
 pub(crate) mod location;
 mod options;
 mod own_volume;
+mod phase_error;
 pub mod quality;
 #[doc(hidden)]
 pub mod sides;
@@ -27,9 +29,13 @@ pub use build::{build, build_with};
 pub use build::{build_parts, build_watched};
 pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
+#[doc(hidden)]
+pub use crack_band::{band_factor, regular_edge};
+pub(crate) use crack_band::{characteristic_mm, width_mm};
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
 pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
 #[doc(hidden)]
 pub use options::{MeshTable, MethodName};
+pub use phase_error::{ACCEPTED_PHASE_ERROR, PhaseOff, phases_kept};
 pub use quality::PhaseVolumes;

@@ -19,8 +19,8 @@ pub(crate) use place::place;
 #[doc(hidden)]
 pub use progress::Measure;
 pub use progress::{Progress, Silent, Stage};
-pub(crate) use report::report;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
+pub(crate) use report::{NOT_RECORDED, report};
 #[doc(hidden)]
 pub use specimen::{Built, Container, ContainerError, Period, Surface};
 pub(crate) use specimen::{Largest, Obstacle};
@@ -35,6 +35,7 @@ use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
     /// Which strategy places.
@@ -57,6 +58,7 @@ pub(crate) const DEFAULT_ATTEMPTS: u32 = 50_000;
 
 /// The placement strategies, siblings behind one interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// The one that reaches the target.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Report {
     /// Version of mesocrete.
     pub version: String,
@@ -47,6 +48,7 @@ pub struct Report {
 
 /// Kind and volume of the specimen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SpecimenReport {
     /// As in the spec.
     pub kind: String,
@@ -56,6 +58,7 @@ pub struct SpecimenReport {
 
 /// Asked and reached volume of one class, over the specimen's volume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClassReport {
     /// Lower limit, mm.
     pub d_min_mm: f64,
@@ -71,6 +74,7 @@ pub struct ClassReport {
 
 /// Asked and reached volume of a further phase, over the specimen's volume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PhaseReport {
     /// Voids or fibres.
     pub phase: Kind,
@@ -102,7 +106,7 @@ pub enum StopReason {
 
 /// Wall-clock seconds by stage. The core reads no clock: its callers fill these in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Seconds {
     /// All of it.
     pub total: f64,
@@ -116,7 +120,7 @@ pub struct Seconds {
 
 /// How many candidates or pairs each stage saw; a pair a stage decides goes no further.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Work {
     /// Candidate positions tried.
     pub candidates: u64,
@@ -185,6 +189,16 @@ pub(crate) fn report(
         phases,
         seconds,
         work: outcome.work,
+    }
+}
+
+/// Stands in a report for what its file does not say.
+pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
+
+impl Report {
+    /// False where a saved model brought no report, and this one holds only what follows from its bodies.
+    pub fn is_recorded(&self) -> bool {
+        self.strategy != NOT_RECORDED
     }
 }
 

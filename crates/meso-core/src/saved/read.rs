@@ -7,7 +7,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::model::Model;
-use crate::packing::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
+use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, Spec, SpecError};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -49,6 +49,7 @@ pub enum ReadError {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct File {
     mesocrete: String,
     spec: serde_json::Value,
@@ -61,6 +62,7 @@ struct File {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct FileAggregate {
     id: u32,
     class: u16,
@@ -70,6 +72,7 @@ struct FileAggregate {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct FileInclusion {
     id: u32,
     phase: Kind,
@@ -222,13 +225,13 @@ fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> R
         aggregates: aggregates.len(),
         discarded: 0,
         specimen: SpecimenReport { kind: spec.specimen.kind().to_owned(), volume_mm3: volume },
-        grading: "not recorded in the file".to_owned(),
-        strategy: "not recorded in the file".to_owned(),
+        grading: NOT_RECORDED.to_owned(),
+        strategy: NOT_RECORDED.to_owned(),
         classes,
         phases: PhaseReport::all(&spec.inclusions(), inclusions, volume),
         itz_limited: Vec::new(),
         stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
-        stop_detail: "not recorded in the file".to_owned(),
+        stop_detail: NOT_RECORDED.to_owned(),
         seconds: Seconds::default(),
         work: Work::default(),
     }

@@ -134,7 +134,7 @@ pub(crate) trait Simd: Copy {
     #[inline(always)]
     #[allow(clippy::pointers_in_nomem_asm_block, reason = "what it points to is not touched")]
     fn afresh<T>(self, there: &T) -> &T {
-        #[cfg(target_arch = "x86_64")]
+        #[cfg(all(target_arch = "x86_64", not(miri)))]
         {
             let mut at: *const T = there;
             // SAFETY: nothing is done, so the pointer is what it was.
@@ -143,7 +143,7 @@ pub(crate) trait Simd: Copy {
                 &*at
             }
         }
-        #[cfg(not(target_arch = "x86_64"))]
+        #[cfg(any(not(target_arch = "x86_64"), miri))]
         there
     }
 }
@@ -206,5 +206,82 @@ pub(crate) fn for_each_lane(mut mask: u32, mut act: impl FnMut(usize)) {
     while mask != 0 {
         act(mask.trailing_zeros() as usize);
         mask &= mask - 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lanes that every register divides.
+    const COUNT: usize = 2 * MOST_LANES;
+
+    /// Every operation on one register after the other, as bits; `bits` of a number.
+    fn operations<L: Lanes>(token: L::Token, x: &[L::T], y: &[L::T], bits: impl Fn(L::T) -> u64) -> Vec<u64> {
+        let (mut found, mut masks) = (Vec::new(), 0u64);
+        for at in (0..COUNT).step_by(L::LANES) {
+            let (a, b) = (L::load(token, x, at), L::load(token, y, at));
+            let above = a.above(b);
+            masks |= u64::from(above) << at;
+            let all = [a + b, a - b, a * b, a / b, a.times_plus(b, a), a.times_minus(b, a), b.abs().sqrt(), a.max(b)];
+            let all = all.into_iter().chain([a.or(above, b), a.keyed(at), L::all(token, y[at - at % MOST_LANES])]);
+            let mut place = x.to_vec();
+            for register in all {
+                register.store(&mut place, at);
+                found.extend(place[at..at + L::LANES].iter().map(|number| bits(*number)));
+            }
+            a.front(above).store(&mut place, at);
+            found.extend(place[at..at + above.count_ones() as usize].iter().map(|number| bits(*number)));
+        }
+        // By operation and lane, whatever the width: sorted, since front has as many as are above.
+        found.sort_unstable();
+        found.push(masks);
+        let mut largest = L::load(token, x, 0);
+        (0..COUNT).step_by(L::LANES).for_each(|at| largest = largest.max(L::load(token, x, at)));
+        found.push(bits(largest.largest()));
+        found
+    }
+
+    struct All;
+
+    impl Vectorized for All {
+        type Output = Vec<u64>;
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Vec<u64> {
+            let number = |i: usize, step: f64| (i as f64 * step).rem_euclid(7.0) - 3.0;
+            let x: [f64; COUNT] = std::array::from_fn(|i| number(i, 1.37));
+            let y: [f64; COUNT] = std::array::from_fn(|i| number(i, 2.61));
+            let (small_x, small_y) = (x.map(|x| x as f32), y.map(|y| y as f32));
+            let mut found = operations::<S::F64>(simd, &x, &y, f64::to_bits);
+            found.extend(operations::<S::F32>(simd, &small_x, &small_y, |x| u64::from(x.to_bits())));
+            let rows: [[f32; 8]; MOST_LANES] = std::array::from_fn(|row| std::array::from_fn(|i| (8 * row + i) as f32));
+            for (column, register) in simd.columns(&rows.each_ref()).into_iter().enumerate() {
+                let mut stored = [0.0; MOST_LANES];
+                register.store(&mut stored, 0);
+                (0..S::F64::LANES).for_each(|row| assert_eq!(stored[row], f64::from(rows[row][column])));
+            }
+            let mut registers = [S::F32::all(simd, 0.0); MOST_LANES];
+            registers.iter_mut().enumerate().for_each(|(i, it)| *it = S::F32::load(simd, &small_x[i % 16..], 0));
+            let mut stored = [0.0; MOST_LANES];
+            S::F32::largest_of_each(&registers).store(&mut stored, 0);
+            for (i, largest) in stored.iter().enumerate().take(S::F32::LANES) {
+                let own = small_x[i % 16..][..S::F32::LANES].iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                assert_eq!(*largest, own);
+            }
+            S::F32::all(simd, 1.0).refilled(0b101, &small_y, 3).store(&mut stored, 0);
+            assert_eq!(stored[..4], [small_y[3], 1.0, small_y[4], 1.0]);
+            simd.afresh(&found).clone()
+        }
+    }
+
+    #[test]
+    fn every_set_of_instructions_finds_the_bits_of_the_portable_one() {
+        let portable = All.run(portable::Portable::new());
+        for isa in Isa::ALL {
+            choose(isa);
+            assert_eq!(dispatch(All), portable, "{isa:?}");
+        }
+        choose(Isa::Avx512);
     }
 }

@@ -8,6 +8,7 @@ use super::{Spec, SpecError};
 use crate::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{Placement, Specimen};
 use grading::grading;
+pub(super) use inclusions::RANDOM_RODS;
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
 pub(crate) const MIN_LENGTH_MM: f64 = 1e-3;

@@ -6,6 +6,7 @@ use crate::aggregate::Aggregate;
 use crate::gjk::{self, GjkError};
 use crate::math::{Aabb, Vec3};
 use crate::model::Model;
+use crate::stop;
 use rayon::prelude::*;
 
 /// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. In a periodic specimen
@@ -35,11 +36,12 @@ fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Ve
     if aggregates.len() < 2 {
         return Ok(vec![f64::INFINITY; count]);
     }
-    (0..count as u32).into_par_iter().map(|a| nearest(aggregates, index, a)).collect()
+    (0..count as u32).into_par_iter().panic_fuse().map(|a| nearest(aggregates, index, a)).collect()
 }
 
 /// Looks into a growing box around the aggregate until the nearest found is nearer than the box reaches.
 fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkError> {
+    stop::point();
     let own = index.aabb(a);
     let mut reach = 0.25 * index.cell();
     loop {

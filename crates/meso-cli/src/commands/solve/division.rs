@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::Watch;
 use meso_core::Model;
 use meso_core::materials::Materials;
-use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName};
+use meso_core::mesh::{Fit, ItzForm, Joined, Mesh, MeshOptions, MeshTable, MethodName, Volumes};
 use meso_core::packing::{Specimen, Stage};
 use meso_solve::Itz;
 use serde::Deserialize;
@@ -67,6 +67,8 @@ impl Division {
                 Zone::Solid => ItzForm::Solid,
                 Zone::Cohesive => ItzForm::Cohesive,
             }),
+            joined: Joined::Mortar,
+            volumes: Volumes::Exact,
             fit: self.fit,
             subsamples: self.subsamples,
             ..usual

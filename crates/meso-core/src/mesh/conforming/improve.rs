@@ -10,6 +10,7 @@ use crate::mesh::tet::{
     Constraint, Improver, NEW, ON_MM, Star, TetMesh, Topology, are_coplanar, ascending, best_position, contraction,
     cos2_of, directions, improve, insertion, smoothed, swapped,
 };
+use crate::stop;
 use rayon::prelude::*;
 
 /// Cells with a smaller angle are improved, degrees (somewhat more than the limit of bad ones), and for how many rounds; the worst
@@ -99,6 +100,7 @@ fn contract(topology: &mut Topology, node: u32, others: &[u32], class: &VertexCl
 
 /// Moves a node to the best position around it that its class allows; whether there was a better one, with no altitude shorter.
 fn smooth(topology: &mut Topology, node: u32, class: &VertexClass) -> bool {
+    stop::point();
     let Some(position) = smoothed_position(topology, node, class) else { return false };
     let altitude =
         |topology: &Topology| topology.shortest_altitude(topology.star(node).iter().map(|&cell| topology.cell(cell)));

@@ -28,6 +28,7 @@ use super::tet::{TetMesh, oriented};
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
+use crate::stop;
 use bcc::Bcc;
 use boundary::{Boundary, BoundarySurface};
 use rayon::prelude::*;
@@ -49,12 +50,13 @@ pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOpt
         .collect();
     let cells = layers.concat();
     let located: Vec<(Phase, u32)> =
-        cells.par_iter().map(|cell| locate(&facets, &locator, &centroid(cell, &points))).collect();
+        cells.par_iter().panic_fuse().map(|cell| locate(&facets, &locator, &centroid(cell, &points))).collect();
     let (phase, owner) = located.into_iter().unzip();
     Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }
 }
 
 fn locate(facets: &[Facets], locator: &Locator, x: &Vec3) -> (Phase, u32) {
+    stop::point();
     match locator.find(x) {
         None => (Phase::Mortar, NO_BODY),
         Some((body, height)) if height > -facets[body].shell => (Phase::Itz, body as u32),

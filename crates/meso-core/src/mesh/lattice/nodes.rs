@@ -10,6 +10,7 @@ use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::location::Locator;
 use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
+use crate::stop;
 use rayon::prelude::*;
 
 /// What the nodes are fitted to.
@@ -179,7 +180,8 @@ pub(super) fn relabel(mesh: &mut TetMesh, locator: &Locator) {
     let around = around(mesh);
     let between = |node: &u32| matches!(around[*node as usize], Around::Two(..) | Around::Many);
     let TetMesh { points, cells, owner } = mesh;
-    cells.par_iter().zip(owner).filter(|(cell, _)| cell.iter().all(between)).for_each(|(cell, owner)| {
+    cells.par_iter().zip(owner).panic_fuse().filter(|(cell, _)| cell.iter().all(between)).for_each(|(cell, owner)| {
+        stop::point();
         let centroid = cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0;
         *owner = locator.find(&centroid).map_or(NO_BODY, |(found, _)| found as u32);
     });
@@ -197,6 +199,7 @@ enum Around {
 fn around(mesh: &TetMesh) -> Vec<Around> {
     let mut all = vec![Around::Unseen; mesh.points.len()];
     for (cell, &body) in mesh.cells.iter().zip(&mesh.owner) {
+        stop::point();
         for &node in cell {
             let around = &mut all[node as usize];
             *around = match *around {

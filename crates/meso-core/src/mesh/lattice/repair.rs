@@ -10,6 +10,7 @@ use super::remeshing::{Remeshed, contraction, remeshed};
 use super::reprojection::{Relabelled, relabelled, reproject};
 use super::smoothing::{GUARD_DEG, smooth};
 use crate::mesh::tet::{Improver, Incidence, TetMesh, ascending, cos2_of, improve};
+use crate::stop;
 
 /// The smallest dihedral angle that contractions may leave, degrees, pass by pass: first those that need nothing else, then those
 /// after which smoothing makes room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
@@ -86,6 +87,7 @@ impl Repair<'_> {
     fn relabel_or_contract(&mut self, least_deg: f64) -> Vec<u32> {
         let mut grown = Vec::new();
         for node in std::mem::take(&mut self.off) {
+            stop::point();
             let nodes = self.nodes();
             if let Some(change) = relabelled(&nodes, node) {
                 self.relabel(&change);
@@ -119,6 +121,7 @@ impl Repair<'_> {
     /// Gives nodes that are off other cells.
     fn remesh(&mut self, least_deg: f64) {
         for node in std::mem::take(&mut self.off) {
+            stop::point();
             match remeshed(&self.nodes(), node, least_deg) {
                 Some(remeshed) => self.replace(&remeshed),
                 None => self.off.push(node),
@@ -156,6 +159,7 @@ struct Smoothing<'a> {
 
 impl Improver for Smoothing<'_> {
     fn is_poor(&self, cell: u32) -> bool {
+        stop::point();
         self.nodes.mesh.cos2(cell) > self.limit
     }
 

@@ -8,6 +8,7 @@ use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::tet;
 use crate::mesh::tet::{Constraint, Star, best_position, cos2_of, directions};
+use crate::stop;
 
 /// The smallest dihedral angle that a move may leave, degrees.
 pub(super) const GUARD_DEG: f64 = 10.0;
@@ -217,6 +218,7 @@ impl Constraint for Keeps<'_> {
 
 /// Moves the node to the best position around it, `released` from its surface or not; false where it is there already.
 pub(super) fn smooth(nodes: &mut Nodes, node: u32, released: bool) -> bool {
+    stop::point();
     let position = better(nodes, node, released);
     position.iter().for_each(|position| nodes.move_to(node, position));
     position.is_some()

@@ -10,6 +10,7 @@ use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::location::Locator;
 use crate::mesh::tet::{DROPPED, TetMesh, oriented};
+use crate::stop;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
@@ -38,7 +39,8 @@ type Cells = Vec<([u32; 4], u32)>;
 impl<'a> Cutter<'a> {
     pub(super) fn new(field: &'a Field<'a>, locator: &'a Locator<'a>) -> Self {
         let nodes = 0..field.points.len() as u32;
-        let edges: Vec<(u32, u32)> = nodes.into_par_iter().flat_map_iter(|node| cut_edges(field, node)).collect();
+        let edges: Vec<(u32, u32)> =
+            nodes.into_par_iter().panic_fuse().flat_map_iter(|node| cut_edges(field, node)).collect();
         let cuts: Vec<Vec3> = edges.par_iter().map(|&(a, b)| field.at(a, b, crossing(field, a, b))).collect();
         let points = [field.points.as_slice(), cuts.as_slice()].concat();
         Self { field, locator, edges, points }
@@ -60,6 +62,7 @@ impl<'a> Cutter<'a> {
 
     /// Cuts the lowest body out of a tetrahedron, then goes on with the rest.
     fn resolve(&self, cell: [u32; 4], cells: &mut Cells) {
+        stop::point();
         let Some(body) = cell.iter().filter_map(|&node| self.body_around(node)).min() else {
             return self.emit(cell, self.owner_by_centroid(&cell), cells);
         };
@@ -196,6 +199,7 @@ fn swap<T>((a, b): (T, T)) -> (T, T) {
 
 /// The edges to higher neighbours that a surface crosses, ascending.
 fn cut_edges(field: &Field, node: u32) -> Vec<(u32, u32)> {
+    stop::point();
     let mut edges = Vec::new();
     field.bcc.neighbours(node, |other| {
         if other > node && !field.compatible(node, other) {

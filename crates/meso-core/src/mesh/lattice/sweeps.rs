@@ -16,6 +16,7 @@ use super::surface::{Surface, volume_deficits};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::location::Locator;
 use crate::mesh::tet::{Incidence, Star, TetMesh};
+use crate::stop;
 use rayon::prelude::*;
 
 /// Rounds of sliding and smoothing.
@@ -40,6 +41,7 @@ pub(super) fn fit(
     let exact = Exact { surfaces, boundary, size };
     let mut sweeps = Sweeps::new(Patches::new(mesh, &active, domain, size * PATCH), mesh.points.len());
     for round in 0..ROUNDS {
+        stop::point();
         if RELABELLED.contains(&round) {
             relabel(mesh, locator);
             let before = std::mem::replace(&mut roles_now, roles(mesh, domain, boundary));
@@ -92,7 +94,7 @@ impl Sweeps {
                     self.patches.nodes[patch as usize].iter().for_each(|&node| step(&mut turn, node));
                     turn.done
                 };
-                self.patches.colours[colour].par_iter().map(of_patch).collect()
+                self.patches.colours[colour].par_iter().panic_fuse().map(of_patch).collect()
             };
             for (&patch, done) in self.patches.colours[colour].iter().zip(done) {
                 for ((&node, point), waiting) in
@@ -135,6 +137,7 @@ impl<'a> Turn<'a> {
 
     /// Snaps a node to its body's features, where that gains volume.
     fn slide(&mut self, node: u32) {
+        stop::point();
         let role = self.state.roles[node as usize];
         if matches!(role, Role::Fixed | Role::Free) || !self.take(node, SLIDE) {
             return;
@@ -147,6 +150,7 @@ impl<'a> Turn<'a> {
 
     /// Smooths a node whose angles are poor.
     fn smooth(&mut self, node: u32, round: usize) {
+        stop::point();
         let role = self.state.roles[node as usize];
         if role == Role::Fixed || !self.take(node, SMOOTH) {
             return;

@@ -8,6 +8,7 @@ use super::boundary::BoundarySurface;
 use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::location::{Facets, Label, PointGrid, Scan};
+use crate::stop;
 use rayon::prelude::*;
 
 /// "In no body", as a label, and an empty entry in a node's list of surfaces.
@@ -85,7 +86,8 @@ impl<'a> Field<'a> {
         let moves = self.each_node(|node| self.first_move(node, |a, b| a != OUTSIDE && b != OUTSIDE));
         touched.extend(self.apply(moves));
         for _ in 0..ROUNDS {
-            let changes: Vec<Change> = touched.par_iter().flat_map_iter(|&node| self.second_look(node)).collect();
+            let changes: Vec<Change> =
+                touched.par_iter().panic_fuse().flat_map_iter(|&node| self.second_look(node)).collect();
             touched = self.apply(changes);
             if touched.is_empty() {
                 break;
@@ -134,11 +136,12 @@ impl<'a> Field<'a> {
 
     /// The changes of all nodes, in their order.
     fn each_node(&self, change: impl Fn(u32) -> Option<Change> + Send + Sync) -> Vec<Change> {
-        (0..self.points.len() as u32).into_par_iter().filter_map(change).collect()
+        (0..self.points.len() as u32).into_par_iter().panic_fuse().filter_map(change).collect()
     }
 
     /// The nearest crossing of the node's edges between labels that count, measured against each edge's alpha.
     fn first_move(&self, node: u32, counts: impl Fn(u32, u32) -> bool) -> Option<Change> {
+        stop::point();
         let label = self.label[node as usize];
         let mut best = (1.0, None);
         self.bcc.neighbours(node, |other| {
@@ -184,6 +187,7 @@ impl<'a> Field<'a> {
 
     /// The edges from a moved node into other bodies: close the gap, move the other node, or leave the edge to be cut.
     fn second_look(&self, node: u32) -> Vec<Change> {
+        stop::point();
         let mut changes = Vec::new();
         self.bcc.neighbours(node, |other| {
             if self.compatible(node, other) {

@@ -17,6 +17,7 @@ use crate::mesh::cells::Phase;
 use crate::mesh::tet::{
     Constraint, Improver, Incidence, Star, TetMesh, ascending, improve as improve_cells, smoothed, volume,
 };
+use crate::stop;
 use rayon::prelude::*;
 
 /// Rounds of smoothing and collapsing rails.
@@ -95,6 +96,7 @@ struct Smoothing<'a> {
 
 impl Improver for Smoothing<'_> {
     fn is_poor(&self, cell: u32) -> bool {
+        stop::point();
         self.phase[cell as usize] != Phase::Mortar
             && !self.mesh.is_removed(cell)
             && self.mesh.cos2(cell) > self.movable.limit
@@ -116,7 +118,7 @@ impl Improver for Smoothing<'_> {
 
 impl Smoothing<'_> {
     fn poor(&self, cells: &[u32]) -> Vec<u32> {
-        cells.par_iter().copied().filter(|&cell| self.is_poor(cell)).collect()
+        cells.par_iter().copied().panic_fuse().filter(|&cell| self.is_poor(cell)).collect()
     }
 
     /// The best position around a node, with its images; `None` where it is there already, or none of their cells is poor.

@@ -44,7 +44,8 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let mut ties = Ties::new(mesh, *periodic, &bodies, &owner, copies.first());
     ties.align(&mut mesh.points);
     let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut ties, *periodic);
-    let layer: Vec<LayerCell> = faces.par_iter().flat_map_iter(|face| prism(mesh, face, &copies, &ties)).collect();
+    let layer: Vec<LayerCell> =
+        faces.par_iter().panic_fuse().flat_map_iter(|face| prism(mesh, face, &copies, &ties)).collect();
     let mut on_rays = offsets.targets(&mesh.points, &owner, &ties);
     offset::turn(mesh, &faces, &copies, &offsets, &ties, &mut on_rays);
     let mut targets = on_rays.clone();

@@ -21,6 +21,7 @@ use crate::math::{Aabb, Mat3, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::interface::{Copies, InterfaceFace};
 use crate::mesh::tet::TetMesh;
+use crate::stop;
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
@@ -98,10 +99,11 @@ impl RadialOffsets {
         wanted.sort_unstable();
         wanted.dedup();
         let offset = |&(body, flat): &(u32, Flat)| {
+            stop::point();
             let offset = RadialOffset::new(bodies.get(body), thickness(body), flat, ties.faces.walls(), periodic)?;
             Some(((body, flat), offset))
         };
-        let offsets = Self(wanted.par_iter().filter_map(offset).collect());
+        let offsets = Self(wanted.par_iter().panic_fuse().filter_map(offset).collect());
         for (node, &body) in (0..).zip(owner) {
             if ties.flat(node) != Flat::SPACE && offsets.get(body, ties.flat(node)).is_none() {
                 ties.pin(node);
@@ -236,11 +238,12 @@ pub(super) fn project(
 ) -> Vec<u32> {
     let all: Vec<_> = copies.iter().filter(|(.., copy)| ties.leads(*copy) && !ties.is_pinned(*copy)).collect();
     let projected = |&(body, node, copy): &(u32, u32, u32)| {
+        stop::point();
         let flat = ties.flat(copy);
         let radial = offsets.get(body, flat)?;
         Some((copy, on_own_faces(radial, flat, &mesh.points[node as usize], &targets[copy as usize])))
     };
-    let projected: Vec<(u32, Option<Vec3>)> = all.par_iter().filter_map(projected).collect();
+    let projected: Vec<(u32, Option<Vec3>)> = all.par_iter().panic_fuse().filter_map(projected).collect();
     let mut loose = Vec::new();
     for (copy, projection) in projected {
         match projection {

@@ -16,6 +16,7 @@ use crate::math::Vec3;
 use crate::mesh::cells::Phase;
 use crate::mesh::interface::{Copies, InterfaceFace};
 use crate::mesh::tet::{TetMesh, volume};
+use crate::stop;
 use rayon::prelude::*;
 
 /// Tetrahedra with their phases, in a specimen that may repeat itself.
@@ -29,6 +30,7 @@ pub(in crate::mesh) struct Layered {
 /// The prism between an interface triangle and its image. Diagonals start at the lowest image class, so neighbours match,
 /// and so do the opposite faces of a periodic box.
 pub(super) fn prism(mesh: &TetMesh, face: &InterfaceFace, copies: &Copies, ties: &Ties) -> [LayerCell; 3] {
+    stop::point();
     let owner = mesh.owner[face.cell as usize];
     let [a, b, c, _] = face.nodes;
     let p = |node: u32| -> Vec3 { mesh.position(node) };

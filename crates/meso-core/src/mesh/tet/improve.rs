@@ -2,6 +2,7 @@
 //! cells, goes round by round, and ends within a budget.
 
 use crate::math::Vec3;
+use crate::stop;
 use rayon::prelude::*;
 
 /// What one node of a mesh may do.
@@ -51,6 +52,7 @@ pub(in crate::mesh) fn smoothed(
     before: f64,
     worst: impl Fn(&Vec3, f64) -> f64,
 ) -> Option<Vec3> {
+    stop::point();
     let positions = steps.into_iter().flat_map(|step| constraint.reachable(x, step));
     best_position(before, positions, worst).map(|(_, position)| position)
 }
@@ -71,7 +73,7 @@ pub(in crate::mesh) trait Improver: Sync {
 /// ties.
 pub(in crate::mesh) fn improve(improver: &mut impl Improver, mut suspects: Vec<u32>, rounds: usize) -> Vec<u32> {
     for _ in 0..rounds {
-        let poor: Vec<u32> = suspects.into_par_iter().filter(|&cell| improver.is_poor(cell)).collect();
+        let poor: Vec<u32> = suspects.into_par_iter().panic_fuse().filter(|&cell| improver.is_poor(cell)).collect();
         if poor.is_empty() {
             return poor;
         }

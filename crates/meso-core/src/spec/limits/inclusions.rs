@@ -10,7 +10,7 @@ use crate::spec::{Spec, SpecError};
 /// of the mean number of contacts of a rod (A. P. Philipse, Langmuir 12 (1996) 1127, for length over diameter from
 /// about 15). Later experiments count fewer, 9.8 (A. Wouterse, S. Luding and A. P. Philipse, Granular Matter 11 (2009)
 /// 169); the larger number refuses nothing that may be.
-const RANDOM_RODS: f64 = 5.4;
+pub(in crate::spec) const RANDOM_RODS: f64 = 5.4;
 
 /// Checks `[voids]` and `[fibres]` alone, then with all else the spec asks for.
 pub(super) fn check(spec: &Spec) -> Checked {

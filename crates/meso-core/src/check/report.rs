@@ -1,0 +1,105 @@
+//! Does the report say what the spec and the bodies say? It is written again from them, and every key compared.
+
+use super::Finding;
+use super::taken::{Taken, was_stopped};
+use crate::model::{Model, target};
+use crate::packing::{self, Report, StopReason};
+use crate::saved::VERSION;
+use serde_json::Value;
+
+/// Figures that are sums over bodies are right to this share; their order is the file's.
+const SUMMED: f64 = 1e-12;
+
+/// Every figure that differs from what a run reports that took these grains.
+pub(super) fn check(model: &Model, taken: Option<&Taken>) -> Vec<Finding> {
+    let report = &model.report;
+    if !report.is_recorded() {
+        return vec![wrong("the file has none, so that nothing says what was asked and what was reached".to_owned())];
+    }
+    let mut reasons = Vec::new();
+    if !is_known(&report.version) {
+        reasons.push(format!("its version is {}; this is {VERSION}", report.version));
+    }
+    if let Some(taken) = taken {
+        let right = expected(model, taken);
+        differences("", &plain(report), &plain(&right), &mut reasons);
+        reasons.extend(stopped(model, taken, &right));
+    }
+    reasons.into_iter().map(wrong).collect()
+}
+
+fn wrong(reason: String) -> Finding {
+    Finding::Report { reason }
+}
+
+/// The report as it must be; what depends on the clock, or counts work, is taken as it is.
+fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
+    let said = &model.report;
+    let bodies = (&model.aggregates[..], &model.inclusions[..]);
+    let right = packing::report(&target(&model.spec), tally, outcome, bodies, said.seconds);
+    let right = Report { version: said.version.clone(), work: said.work, ..right };
+    if !was_stopped(model) {
+        return right;
+    }
+    let (strategy, stop_detail) = (said.strategy.clone(), said.stop_detail.clone());
+    Report { strategy, stop_detail, discarded: said.discarded, ..right }
+}
+
+/// What can be said of a run that was stopped.
+fn stopped(model: &Model, taken: &Taken, right: &Report) -> Vec<String> {
+    let said = &model.report;
+    if !was_stopped(model) {
+        return Vec::new();
+    }
+    let mut reasons = Vec::new();
+    let most = taken.tally.aggregates - model.aggregates.len();
+    if said.discarded > most {
+        reasons.push(format!("discarded is {}; the spec leaves at most {most}", said.discarded));
+    }
+    if said.stop_reason == StopReason::TimeLimit && model.spec.placement.time_limit_s.is_none() {
+        reasons.push("stop_reason is time-limit; the spec has none".to_owned());
+    }
+    if !["rearrange", "take-and-place"].contains(&said.strategy.as_str()) {
+        reasons.push(format!("strategy is {:?}; there is none of that name", said.strategy));
+    }
+    let reached = format!("reached {:.5} of ", right.fraction);
+    if !said.stop_detail.starts_with(&reached) {
+        reasons.push(format!("stop_detail is {:?}; it begins with {reached:?}", said.stop_detail));
+    }
+    reasons
+}
+
+/// True for versions that have been.
+fn is_known(version: &str) -> bool {
+    let numbers = |version: &str| version.split('.').map(|part| part.parse::<u32>().ok()).collect::<Option<Vec<_>>>();
+    numbers(version).is_some_and(|found| found.len() == 3 && found >= vec![0, 1, 0] && Some(found) <= numbers(VERSION))
+}
+
+fn plain(report: &Report) -> Value {
+    serde_json::to_value(report).expect("a report has string keys alone")
+}
+
+/// Names every leaf of the trees that differs.
+fn differences(path: &str, said: &Value, right: &Value, reasons: &mut Vec<String>) {
+    match (said, right) {
+        (Value::Object(a), Value::Object(b)) if a.keys().eq(b.keys()) => {
+            let dot = if path.is_empty() { "" } else { "." };
+            a.iter().zip(b.values()).for_each(|((key, a), b)| differences(&format!("{path}{dot}{key}"), a, b, reasons));
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            (0..).zip(a.iter().zip(b)).for_each(|(i, (a, b)): (usize, _)| {
+                differences(&format!("{path}[{i}]"), a, b, reasons);
+            });
+        }
+        _ if agree(said, right) => {}
+        _ => reasons.push(format!("{path} is {said}; the file's bodies and spec give {right}")),
+    }
+}
+
+fn agree(said: &Value, right: &Value) -> bool {
+    let as_float = |value: &Value| value.as_f64().filter(|_| value.is_f64());
+    match (as_float(said), as_float(right)) {
+        (Some(a), Some(b)) => (a - b).abs() <= SUMMED * b.abs(),
+        _ => said == right,
+    }
+}

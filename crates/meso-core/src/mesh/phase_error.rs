@@ -1,0 +1,87 @@
+//! Has every phase kept its volume? Elements as large as the grains lose these, shells and fibres first.
+
+use super::cells::{Mesh, Phase};
+use super::error::MeshError;
+use super::options::{ItzForm, MeshOptions, MethodName};
+use super::quality::PhaseVolumes;
+use crate::aggregate::Aggregate;
+use crate::packing::Specimen;
+
+/// Most that a phase's volume in a mesh may differ from its exact one, as a share of this.
+pub const ACCEPTED_PHASE_ERROR: f64 = 0.1;
+
+/// The phase of a mesh that is farthest from its exact volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseOff {
+    /// Which one.
+    pub phase: Phase,
+    /// Its volume in the mesh over the specimen's.
+    pub meshed: f64,
+    /// That of its bodies.
+    pub exact: f64,
+}
+
+impl PhaseOff {
+    /// That of a mesh of `bodies` made with `options`; `None` where a core has no trustworthy volume.
+    pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Option<Self> {
+        let exact = PhaseVolumes::exact(bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
+        let meshed = comparable(mesh, options.itz);
+        let whole = specimen.volume();
+        let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
+        let wanted = Phase::ALL.into_iter().map(off).filter(|off| off.exact > 0.0);
+        wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
+    }
+
+    /// What it has too much, or, below 0, too little, as a share of its exact volume.
+    pub fn error(&self) -> f64 {
+        self.meshed / self.exact - 1.0
+    }
+}
+
+/// Refuses a mesh of `bodies` in which a phase has more or less of its volume than [`ACCEPTED_PHASE_ERROR`] allows.
+///
+/// [`build`](super::build()) does not ask this itself: a coarse mesh may be wanted.
+///
+/// # Errors
+/// [`MeshError::PhaseError`] names the phase that is farthest off, and the ways out.
+pub fn phases_kept(
+    mesh: &Mesh,
+    bodies: &[Aggregate],
+    specimen: &Specimen,
+    options: &MeshOptions,
+) -> Result<(), MeshError> {
+    let off = PhaseOff::of(mesh, bodies, specimen, options);
+    match off.filter(|off| off.error().abs() > ACCEPTED_PHASE_ERROR) {
+        None => Ok(()),
+        Some(PhaseOff { phase, meshed, exact }) => {
+            let ways = ways_out(phase, options);
+            Err(MeshError::PhaseError { phase: phase.in_words(), meshed, exact, ways })
+        }
+    }
+}
+
+/// The volumes in `mesh`, a smeared ITZ as the mortar that it is.
+fn comparable(mesh: &Mesh, itz: ItzForm) -> PhaseVolumes {
+    let volumes = PhaseVolumes::of_mesh(mesh);
+    match itz {
+        ItzForm::Smeared => PhaseVolumes { mortar: volumes.mortar + volumes.itz, itz: 0.0, ..volumes },
+        ItzForm::Solid | ItzForm::Cohesive | ItzForm::None => volumes,
+    }
+}
+
+/// What keeps the phase, by the options' names.
+fn ways_out(phase: Phase, options: &MeshOptions) -> String {
+    let size = match phase {
+        Phase::Fibre => "an element_size_mm of at most half the fibres' diameter",
+        Phase::Aggregate | Phase::Itz | Phase::Mortar => "a smaller element_size_mm",
+    };
+    let method = match options.method.name() {
+        MethodName::Voxel => "the method lattice or conforming",
+        MethodName::Lattice => "the method conforming",
+        MethodName::Conforming => "another method",
+    };
+    match options.itz {
+        ItzForm::Solid => format!("{size}, {method}, or itz none"),
+        ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => format!("{size}, or {method}"),
+    }
+}

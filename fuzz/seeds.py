@@ -1,0 +1,58 @@
+#!/usr/bin/env python3
+"""Fills fuzz/corpus/ with good files, so that the fuzzer starts behind the first checks."""
+
+import json
+import struct
+import subprocess
+from pathlib import Path
+
+FUZZ = Path(__file__).resolve().parent
+CORPUS = FUZZ / "corpus"
+CORNERS = [(0, 0, 0), (30, 0, 0), (0, 30, 0), (0, 0, 30)]
+FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+
+
+def keep(target: str, name: str, content: bytes) -> None:
+    """Put one seed into a target's corpus."""
+    folder = CORPUS / target
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content)
+
+
+def text_stl() -> bytes:
+    """Write a tetrahedron as text."""
+    facets = ("".join("vertex {} {} {}\n".format(*CORNERS[i]) for i in face) for face in FACES)
+    return ("solid a\n" + "".join(f"facet normal 0 0 0\nouter loop\n{f}endloop\nendfacet\n" for f in facets)).encode()
+
+
+def binary_stl() -> bytes:
+    """Write it as records."""
+    records = (struct.pack("<12fH", 0, 0, 0, *(x for i in face for x in CORNERS[i]), 0) for face in FACES)
+    return bytes(80) + struct.pack("<I", len(FACES)) + b"".join(records)
+
+
+def saved_model() -> bytes:
+    """Pack a small specimen with the command that was built last."""
+    spec = b"fraction = 0.2\nspecimen = { kind = 'cube', side_mm = 25 }\ngrading = { d_max_mm = 10 }\n"
+    command = ["cargo", "run", "--quiet", "--bin", "mesocrete", "--", "pack", "-", "-o", "-", "--quiet"]
+    model = subprocess.run(command, input=spec, capture_output=True, check=True, cwd=FUZZ.parent).stdout
+    return json.dumps(json.loads(model)).encode()
+
+
+def main() -> None:
+    """Fill all corpora."""
+    for recipe in sorted((FUZZ.parent / "crates/meso-core/src/recipes").glob("*.toml")):
+        keep("spec", recipe.name, recipe.read_bytes())
+    keep("saved-model", "small.json", saved_model())
+    keep("stl", "text.stl", text_stl())
+    keep("stl", "binary.stl", binary_stl())
+    keep("sieve-table", "comma.csv", b"sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n")
+    keep("sieve-table", "semicolon.csv", b"sieve_mm;passing_percent\n4;10\n8;45,5\n16;100\n")
+    keep("materials", "mortar.toml", b"[mortar]\nyoungs_modulus_mpa = 25000\npoisson_ratio = 0.2\n")
+    for target in ["hull", "offset", "collision", "tiny-mesh"]:
+        for seed in range(8):
+            keep(target, str(seed), bytes((i * 37 + seed * 11) % 256 for i in range(200)))
+
+
+if __name__ == "__main__":
+    main()
