@@ -60,10 +60,10 @@ pub mod spec;
 #[cfg(feature = "concrete")]
 pub mod statistics;
 #[cfg(feature = "concrete")]
-pub mod voxel_image;
-#[cfg(feature = "concrete")]
 #[doc(hidden)]
 pub mod stop;
+#[cfg(feature = "concrete")]
+pub mod voxel_image;
 
 /// What the tests and benches of this workspace look into; no promise covers it.
 #[doc(hidden)]

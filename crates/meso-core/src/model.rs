@@ -4,9 +4,7 @@ use crate::aggregate::Grain;
 use crate::aggregate::take::{Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
-use crate::packing::{
-    self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Stage, Strategy, Tally, Target,
-};
+use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Stage, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
 use rayon::prelude::*;
 use std::borrow::Cow;

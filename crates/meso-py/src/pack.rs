@@ -2,7 +2,7 @@
 
 use crate::boundary::guard;
 use crate::packing::PyPacking;
-use crate::run::{Plan, beside_python_on, checked_threads, listener};
+use crate::run::{Plan, Watch, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
 use meso_core::Spec;
 use meso_core::packing::Stage;
@@ -77,7 +77,7 @@ pub(crate) fn pack(
         let progress = listener(py, progress)?;
         warn_of(py, &spec)?;
         let plan = Plan(&[(Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)], spec.fraction);
-        let work = move |watch: &_| meso_core::pack(&spec, watch);
+        let work = move |watch: &Watch| meso_core::pack(&spec, watch);
         let model = beside_python_on(py, threads, progress.as_ref(), Some(plan), work)?;
         Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
     })
