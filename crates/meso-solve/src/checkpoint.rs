@@ -81,7 +81,7 @@ impl Run<'_> {
         if is_whole { Ok(()) } else { Err(SolveError::Resume("its end is not its own".to_owned())) }
     }
 
-    /// To before the first step.
+    /// Back to the state before the first step.
     fn rewind(&mut self) {
         self.state = State::default();
         self.nodes.rest();
@@ -91,7 +91,7 @@ impl Run<'_> {
         }
     }
 
-    /// A number that tests with another state or another future hardly share (FNV-1a of what decides them).
+    /// A number that differs between tests with another state or another future: FNV-1a of all that determines them.
     fn fingerprint(&self) -> u64 {
         let test = crate::test::Test { instruction_set: None, ..self.test.clone() };
         let told = format!("{test:?} {:?} {:?}", self.outline, self.common);

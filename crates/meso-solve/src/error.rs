@@ -1,6 +1,6 @@
 //! Why a test cannot be run.
 
-/// What is refused before the first step.
+/// Why a test is refused before its first step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
     /// A value out of its range.
@@ -8,9 +8,9 @@ pub enum SolveError {
     Value {
         /// Its name.
         key: String,
-        /// What was given.
+        /// The value given.
         value: String,
-        /// What is accepted, or the way out.
+        /// The accepted values, or the way out.
         accepted: String,
     },
     /// A mesh that the engine has no elements for.

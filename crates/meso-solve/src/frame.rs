@@ -1,4 +1,4 @@
-//! Fields of a moment, computed when asked for.
+//! The fields of a moment, computed on demand.
 
 use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
@@ -14,7 +14,7 @@ pub struct Frame<'a> {
     number: u32,
 }
 
-/// What a cell has suffered.
+/// The state of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// xx yy zz xy yz zx, MPa; tension is positive.

@@ -14,7 +14,7 @@ use meso_core::math::{Mat3, Vec3};
 /// Step over the stable one.
 pub(crate) const SAFETY: f64 = 0.98;
 
-/// The mass of an element, and what it needs of it.
+/// The mass of an element, and the mass that its time step needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Need {
     /// rho V, tonne.

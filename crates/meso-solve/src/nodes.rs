@@ -1,4 +1,4 @@
-//! Nodes: the blocks' forces are added up in the blocks' order, and central differences move on by a step.
+//! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
 
 use crate::block::Block;
 use crate::plates::{Motion, Plates};
@@ -18,7 +18,7 @@ pub(crate) struct Nodes {
     pub(crate) mass: Vec<f64>,
     /// Where each node's shares begin in `shares`.
     first: Vec<u32>,
-    /// Places in the blocks' forces.
+    /// Indices into the blocks' forces.
     shares: Vec<u32>,
 }
 
@@ -82,12 +82,12 @@ impl Nodes {
             + size_of_val(&**shares)
     }
 
-    /// Places that the blocks' forces take.
+    /// Number of the blocks' forces.
     pub(crate) fn places(&self) -> usize {
         self.shares.len()
     }
 
-    /// Moves all nodes on by a step under the blocks' `forces`.
+    /// Moves all nodes by a step under the blocks' `forces`.
     pub(crate) fn advance(&mut self, forces: &[[f32; 4]], plates: &Plates, motion: &Motion) -> Sums {
         let Self { displacement, velocity, mass, first, shares } = self;
         let runs = displacement.par_chunks_mut(RUN).zip(velocity.par_chunks_mut(RUN)).enumerate();
@@ -101,7 +101,7 @@ impl Nodes {
     }
 }
 
-/// What a run of nodes needs to move.
+/// The data that moves a run of nodes.
 struct Run<'a> {
     /// Number of its first node.
     start: usize,

@@ -1,4 +1,4 @@
-//! Whoever watches a test: hears how far it is, gets frames, may stop it or keep its state.
+//! The observer of a test: it receives progress and frames, and may stop the test or keep its state.
 
 use crate::curve::Row;
 use crate::frame::Frame;
@@ -15,7 +15,7 @@ pub struct Progress<'a> {
     pub row: &'a Row,
 }
 
-/// What an observer wants.
+/// The answer of an observer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wish {
     /// Go on.
@@ -28,7 +28,7 @@ pub enum Wish {
 
 /// Watches a test. Every method has a default that does nothing.
 pub trait Observer {
-    /// A row of the curve is there.
+    /// Called for every row of the curve.
     fn progress(&self, _: &Progress) -> Wish {
         Wish::GoOn
     }
@@ -38,10 +38,10 @@ pub trait Observer {
         false
     }
 
-    /// A frame is there; fields are computed when asked for.
+    /// Called for every frame; its fields are computed on demand.
     fn frame(&self, _: &Frame) {}
 
-    /// The state was asked for: [`Run::save`] writes it.
+    /// Called after [`Wish::Keep`]; [`Run::save`] writes the state.
     fn keep(&self, _: &Run) {}
 }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 /// Bits per axis.
 const BITS: u32 = 21;
 
-/// Numbers of `count` points, along the curve; of points in one place the lower number comes first.
+/// Numbers of `count` points, along the curve; of points at one position the lower number comes first.
 pub(crate) fn along_curve(count: usize, aabb: &Aabb, point: impl Fn(usize) -> Vec3 + Sync) -> Vec<u32> {
     let mut keys: Vec<(u64, u32)> =
         (0..count).into_par_iter().map(|number| (key(aabb, &point(number)), number as u32)).collect();

@@ -40,11 +40,11 @@ pub(crate) struct Motion {
     pub(crate) dt: f64,
     /// At the end of the step.
     pub(crate) travel: f64,
-    /// Mean of this step and the one before: what forces at whole steps work along.
+    /// Mean of this step and the one before: forces at whole steps do their work along it.
     pub(crate) mean_speed: f64,
 }
 
-/// What a plate did to a node in a step.
+/// The action of a plate on a node in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impact {
     /// Force of the plate on the node along z, N.

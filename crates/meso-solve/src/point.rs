@@ -1,11 +1,11 @@
-//! One point of a material under test: what a law does, without mesh and inertia.
+//! One point of a material under test: a law alone, without mesh and inertia.
 //!
-//! The strain along x goes where it is told; what is free follows so that its stress is held.
+//! The strain along x is prescribed; free directions follow so that their stress is held.
 
 use crate::law::{Law, Tensor};
 use crate::real::Real;
 
-/// What is held while the strain along x is told.
+/// The directions that are held while the strain along x is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held {
     /// Both lateral stresses, at this value, MPa (tension positive): 0 is the uniaxial test.

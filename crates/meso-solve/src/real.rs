@@ -1,4 +1,4 @@
-//! What a law computes with: one f64, one f32, or a register of f32.
+//! The numbers of a law: one f64, one f32, or a register of f32.
 //!
 //! A law is written once over [`Real`]. Tests run it in f64, one point at a time; the solver runs it in f32, as many
 //! elements at a time as a register holds. Every operation is exactly rounded or built from ones that are, so all
@@ -22,7 +22,7 @@ pub trait Real:
     /// Whether the numbers are f32, for which shorter polynomials are enough.
     const SINGLE: bool;
 
-    /// The same value in every place.
+    /// The same value in every lane.
     fn splat(value: f64) -> Self;
     /// `self * b + c`, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;

@@ -232,7 +232,7 @@ impl Body {
         group.point(i % GROUP)
     }
 
-    /// What is known of it beside its points.
+    /// Its figures beside its points.
     pub fn bounds(&self) -> Bounds {
         Bounds(self.bounds)
     }

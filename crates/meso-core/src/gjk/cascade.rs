@@ -130,7 +130,7 @@ pub(crate) fn apart_from(
     Query { a: a.body(), b: made, x: *b_from_a, gap }.settle_from(&v, narrow.portal(), counters)
 }
 
-/// What the headers tell: one cache line each, no vertex.
+/// The verdict of the headers alone: one cache line each, no vertex.
 #[inline(always)]
 fn glance(a: &Ellipsoids, b: &Ellipsoids, x: &Vec3, gap: f64) -> (Stage, Known) {
     match a.compare_spheres(b, x, gap) {
@@ -242,7 +242,7 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// What the headers tell.
+    /// The verdict of the headers alone.
     #[inline(always)]
     pub(crate) fn glance(&self) -> (Stage, Known) {
         glance(&self.a.bounds, &self.b.bounds, &self.x, self.gap)

@@ -14,7 +14,7 @@ use crate::simd::{Simd, Vectorized};
 /// Steps after which a search is in doubt.
 const MAX_STEPS: usize = 128;
 
-/// What ends a search.
+/// How a search ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Until {
     /// The bodies are proved to be more than this apart, or not more.

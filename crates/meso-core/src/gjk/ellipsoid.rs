@@ -9,7 +9,7 @@ use crate::math::{Mat3, Vec3};
 /// Room for the rounding of everything this file computes: some hundred operations on well-conditioned matrices.
 pub(crate) const SLACK: f64 = 1e-9;
 
-/// What a header tells of a body.
+/// The header of a body.
 ///
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -21,7 +21,7 @@ pub(crate) struct Ellipsoids {
     pub(crate) circumradius: f64,
 }
 
-/// What the spheres or ellipsoids tell of a pair.
+/// The verdict of the spheres or ellipsoids of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Known {
     /// The bodies are apart by more than the gap along this direction, not of unit length.
@@ -112,7 +112,7 @@ impl Ellipsoids {
         self.row[6] = if inner_squared > 1e-4 { (inner_squared * (1.0 - 1e-6)) as f32 } else { 0.0 };
     }
 
-    /// What the spheres tell of bodies whose centres lie `x` apart; `None`: nothing.
+    /// The verdict of the spheres of bodies whose centres lie `x` apart; `None` where they leave it open.
     #[inline(always)]
     pub(crate) fn compare_spheres(&self, other: &Self, x: &Vec3, gap: f64) -> Option<Known> {
         let distance2 = x.norm_squared();
@@ -124,7 +124,7 @@ impl Ellipsoids {
         (distance2 < inside * inside * (1.0 - SLACK)).then_some(Known::Overlap)
     }
 
-    /// What the ellipsoids tell: apart by more than `gap` (at least 0), overlapping, or neither.
+    /// The verdict of the ellipsoids: apart by more than `gap` (at least 0), overlapping, or neither.
     #[inline(always)]
     pub(crate) fn compare_axis(&self, other: &Self, x: &Vec3, gap: f64) -> Known {
         let (n, determinant) = self.axis(other, x);
@@ -134,7 +134,7 @@ impl Ellipsoids {
         if apart(along, q_a, q_b, gap, &n) {
             return Known::Apart(n);
         }
-        // The axis is n / determinant: so the inner ellipsoids' common point is told without dividing.
+        // The axis is n / determinant: the inner ellipsoids' common point is found without dividing.
         let square = determinant * determinant;
         let common = q_a < f64::from(self.inner_squared()) * square && q_b < f64::from(other.inner_squared()) * square;
         if common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { *x }) }

@@ -20,7 +20,7 @@ pub(crate) struct ExactPair<'a, A: ?Sized, B: ?Sized> {
     x_scaled: Point,
 }
 
-/// What exact arithmetic decides.
+/// The verdict of exact arithmetic.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Decision {
     /// Apart; the direction separates them, in integers, from A to B.

@@ -1,4 +1,4 @@
-//! A body's faces in single precision: most pairs that overlap are told by a point of the one that lies inside the other.
+//! A body's faces in single precision: for most overlapping pairs a point of one body inside the other proves the overlap.
 
 use super::body::{Body, Bounds, GROUP};
 use super::ellipsoid::Ellipsoids;
@@ -53,7 +53,7 @@ impl Gauge {
                 low[lane] = if below < low[lane] { below } else { low[lane] };
             }
         }
-        // What is no number is above nothing.
+        // NaN fails every comparison, so it is rejected here.
         least(&low) > -limit && (x + y + z).is_finite()
     }
 }
@@ -150,7 +150,7 @@ impl Meets<'_> {
         if len > GROUP {
             return None;
         }
-        // What lies in memory behind the vertices is read, and not used.
+        // Lanes behind the last vertex are read and not used.
         let (xs, ys, zs) = (shape.window::<GROUP>(0)?, shape.window::<GROUP>(1)?, shape.window::<GROUP>(2)?);
         let (nx, ny, nz) = (axis.x as f32, axis.y as f32, axis.z as f32);
         let beyond = &BEYOND[GROUP - len..2 * GROUP - len];

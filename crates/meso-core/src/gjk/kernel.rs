@@ -10,7 +10,7 @@ use nalgebra::{RealField, Vector3};
 
 const _: () = assert!(GROUP == SLOTS, "a key holds the slot of a point within its group");
 
-/// What a search computes in: f64, or f32 over points that were rounded once.
+/// The numbers of a search: f64, or f32 over points that were rounded once.
 ///
 /// The bounds are in units of the roundoff u: 2^-53 or 2^-24.
 pub(crate) trait Real: RealField + Copy {

@@ -25,7 +25,7 @@ pub(crate) const TURN: f32 = 1.5;
 /// The slots of a portal's corners.
 pub(crate) type Portal = [(u32, u32); 3];
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Refined<T> {
     /// Proved apart along this direction, by more than the gap.
@@ -37,7 +37,7 @@ pub(crate) enum Refined<T> {
 }
 
 impl<T> Refined<T> {
-    /// Are the bodies apart? `None`: not told.
+    /// Whether the bodies are apart; `None` where the search left it open.
     #[inline(always)]
     pub(crate) fn answer(&self) -> Option<bool> {
         match self {

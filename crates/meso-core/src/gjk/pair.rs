@@ -10,7 +10,7 @@ use crate::simd::Simd;
 use nalgebra::Vector3;
 use num_traits::Signed;
 
-/// What a search in floating point found.
+/// The result of a search in floating point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Found {
     /// Proved apart along this direction, from A to B.
@@ -54,7 +54,7 @@ pub(crate) trait View: Copy {
     /// The support of A - B along `v`, and by how much `v` separates the bodies, times |v|; negative: not at all.
     fn support<S: Simd>(&self, simd: S, v: &Vector3<Self::T>) -> (Vertex<Self::T>, Self::T);
 
-    /// What rounding can add to the separation along `v`.
+    /// The most that rounding can add to the separation along `v`.
     #[inline(always)]
     fn doubt(&self, v: &Vector3<Self::T>) -> Self::T {
         Self::T::HEIGHT_ERROR * (v.x.abs() + v.y.abs() + v.z.abs()) * self.reach() + Self::T::TINY

@@ -11,7 +11,7 @@ pub struct PairQuery<'a> {
     pub a: &'a Body,
     /// The second body.
     pub b: &'a Body,
-    /// What to add to B's points to have them in A's frame, mm.
+    /// The displacement that takes B's points into A's frame, mm.
     pub b_from_a: Vec3,
 }
 

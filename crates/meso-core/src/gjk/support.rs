@@ -1,4 +1,4 @@
-//! What GJK asks of a body: its points, and the farthest of them along a direction.
+//! The support of a body: its points, and the farthest of them along a direction.
 
 use crate::math::Vec3;
 

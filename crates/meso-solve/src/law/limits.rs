@@ -9,9 +9,9 @@ use meso_core::mesh::Phase;
 pub struct LawError {
     /// Where it stands in `[materials]`.
     pub key: String,
-    /// What was given.
+    /// The value given.
     pub value: String,
-    /// What is accepted, and the way out.
+    /// The accepted values, and the way out.
     pub accepted: String,
 }
 

@@ -1,6 +1,6 @@
 //! Material laws: strain in, stress out, for one number or for a register of numbers at a time.
 //!
-//! Strains are small; tensors have six places, xx yy zz xy yz zx, with engineering shears in strains. Tension is
+//! Strains are small; tensors have six components, xx yy zz xy yz zx, with engineering shears in strains. Tension is
 //! positive. A law is made of f64 values and holds them as registers, so that a step converts none.
 
 pub mod cdp;
@@ -22,7 +22,7 @@ pub type Tensor<R> = [R; 6];
 
 /// A material law over registers `R`.
 pub trait Law<R: Real>: Send + Sync {
-    /// What a point remembers, as registers: all zero at the start.
+    /// The history of a point, as registers: all zero at the start.
     type History: Copy + Send + Sync + AsRef<[R]> + AsMut<[R]>;
 
     /// History of a point that was never strained.
@@ -41,16 +41,16 @@ pub trait Law<R: Real>: Send + Sync {
     fn widest_mm(&self) -> f64;
 }
 
-/// What a point answers.
+/// The response of a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Response<R> {
     /// MPa.
     pub stress: Tensor<R>,
-    /// Share of the stiffness that is left, 0 to 1, for what hangs on it: hourglass forces.
+    /// Share of the stiffness that is left, 0 to 1, for the hourglass forces.
     pub integrity: R,
 }
 
-/// What a point has suffered.
+/// The state of a point.
 #[derive(Clone, Copy, Debug)]
 pub struct State<R> {
     /// Damage in tension, 0 to 1.

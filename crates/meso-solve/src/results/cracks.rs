@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// A crack that is open less than this is not shown, mm.
 const LEAST_MM: f32 = 0.01;
-/// Nor one that is open less than this share of the widest: what is all over the specimen hides what splits it.
+/// Nor one that is open less than this share of the widest: distributed cracks would hide the one that splits the specimen.
 const LEAST_SHARE: f32 = 0.2;
 /// Most cells that are shown: with four faces each and three bytes a corner the page stays below 15 MB.
 const MOST_CELLS: usize = 120_000;

@@ -21,7 +21,7 @@ pub(super) const RAMP: [[u8; 3]; 5] = [[236, 232, 223], [250, 204, 115], [232, 1
 /// The axes to the right and upwards in a section across x, y, z.
 pub(super) const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 
-/// The section of `mesh` at `place` mm along `axis`.
+/// The section of `mesh` at the coordinate `place`, mm, along `axis`.
 pub(super) fn picture(mesh: &Mesh, snapshot: &Snapshot, axis: usize, place: f64) -> Picture {
     let mut canvas = Canvas::new(&Aabb::around(&mesh.points), axis);
     for (number, cell) in mesh.cells().enumerate() {

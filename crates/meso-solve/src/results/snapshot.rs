@@ -1,4 +1,4 @@
-//! Fields that outlive their moment: what the frames' files and the page's pictures are made of.
+//! Fields that outlive their moment, for the frames' files and the page's pictures.
 
 use crate::frame::Frame;
 use crate::run::Run;
