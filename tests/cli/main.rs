@@ -22,3 +22,4 @@ mod outputs;
 mod report;
 mod same_bytes;
 mod solve;
+mod study;

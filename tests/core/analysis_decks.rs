@@ -66,16 +66,30 @@ fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
     let error = compression().validate(&mesh).unwrap_err().to_string();
     assert!(error.contains(&format!("share {shared} nodes")) && error.contains("joined mortar"), "{error}");
     assert_eq!(DeckOptions { allow_joined: true, ..compression() }.validate(&mesh), Ok(()));
-    assert_eq!(DeckOptions { analysis: Analysis::Elastic, ..Default::default() }.validate(&mesh), Ok(()));
+    // A modulus of the skeleton is too stiff, and is doubted; so is a test that was asked for all the same.
+    let elastic = DeckOptions { analysis: Analysis::Elastic, ..Default::default() };
+    assert_eq!(elastic.validate(&mesh), Ok(()));
+    for deck in [elastic, DeckOptions { allow_joined: true, ..compression() }] {
+        let doubts = deck.doubts(&mesh, None);
+        assert!(
+            doubts[0].contains(&format!("share {shared} nodes")) && doubts[0].contains("joined mortar"),
+            "{doubts:?}"
+        );
+    }
+    assert_eq!(DeckOptions::default().doubts(&mesh, None), Vec::<String>::new());
     assert_eq!(compression().validate(&lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted)), Ok(()));
 }
 
 #[test]
 fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
-    for (method, size) in [(Method::FITTED, 2.0), (Method::VOXEL, 1.0)] {
+    for (method, size, how) in [
+        (Method::FITTED, 2.0, Joined::Mortar),
+        (Method::FITTED, 2.0, Joined::Cut),
+        (Method::VOXEL, 1.0, Joined::Mortar),
+    ] {
         let options =
             |joined| MeshOptions { method, itz: ItzForm::None, joined, element_size_mm: size, ..Default::default() };
-        let (kept, parted) = (meshed(options(Joined::Keep)), meshed(options(Joined::Mortar)));
+        let (kept, parted) = (meshed(options(Joined::Keep)), meshed(options(how)));
         assert!(shared_by_cores(&kept) > 20, "{method:?}");
         assert_eq!((shared_by_cores(&parted), parted.joined_aggregates()), (0, (0, 0)), "{method:?}");
         assert_eq!(parted.notes.parted_nodes, shared_by_cores(&kept));
@@ -88,10 +102,12 @@ fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
 }
 
 #[test]
-fn cut_edges_cost_much_less_aggregate_than_whole_cells_would() {
-    let parted = lattice(ItzForm::None, Joined::Mortar, Volumes::Fitted);
-    let kept = lattice(ItzForm::None, Joined::Keep, Volumes::Fitted);
-    // The cells of one of the two aggregates at every shared node: half of those of both.
+fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
+    let [whole, cut, kept] =
+        [Joined::Mortar, Joined::Cut, Joined::Keep].map(|joined| lattice(ItzForm::None, joined, Volumes::Fitted));
+    assert!(whole.points == kept.points && whole.cells == kept.cells, "no element is made smaller");
+    let became_mortar = kept.phase.iter().zip(&whole.phase).filter(|(a, b)| a != b).count();
+    assert_eq!((became_mortar, became_mortar), (whole.notes.parted_cells, kept.joining_cells().len()));
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
     for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
         cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
@@ -99,17 +115,18 @@ fn cut_edges_cost_much_less_aggregate_than_whole_cells_would() {
     let qualities = quality::cells(&kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
     let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
-    let whole: f64 =
+    let both: f64 =
         cells.filter(|((cell, id), _)| **id != NO_AGGREGATE && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
-    assert!(parted.notes.parted_mm3 < 0.25 * whole, "{} of {whole}", parted.notes.parted_mm3);
+    let lost = [whole, cut].map(|mesh| mesh.notes.parted_mm3 / both);
+    assert!(lost[0] < 0.5 && lost[1] < 0.5 * lost[0], "{lost:?}");
 }
 
 #[test]
 fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
     let exact: f64 = grains().0.iter().map(|grain| grain.body.volume()).sum();
     let error = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).aggregate / exact - 1.0;
-    let fitted = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted);
-    let restored = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Exact);
+    let fitted = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Fitted);
+    let restored = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
     assert!(error(&fitted) < -0.01, "{}", error(&fitted));
     assert!(error(&restored).abs() < 0.005, "{}", error(&restored));
     let sharpest = |mesh: &Mesh| quality::cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
@@ -201,6 +218,8 @@ fn debonded_faces_still_bear_compression_and_sliding_takes_more_energy_than_open
     let evolution = card(&deck, "ITZ", "DAMAGE EVOLUTION");
     assert_eq!(evolution.parameter("MIXED MODE BEHAVIOR"), "BK");
     assert_eq!(evolution.numbers(0), [0.042, 0.42, 0.42]);
+    // E / t in all directions: then shares of the separation are shares of the energy, as our engine has it.
+    assert_eq!(card(&deck, "ITZ", "ELASTIC").numbers(0), [2e5; 3]);
 }
 
 /// Parted aggregates at the side leave the faces there in pieces, which Abaqus refuses of a contact pair.
@@ -249,14 +268,14 @@ fn the_step_is_told_by_its_cards() {
 #[test]
 fn mortar_that_will_hardly_soften_in_the_step_is_doubted() {
     let mesh = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted);
-    assert!(compression().doubts(&mesh).is_empty(), "{:?}", compression().doubts(&mesh));
+    assert!(compression().doubts(&mesh, None).is_empty(), "{:?}", compression().doubts(&mesh, None));
     let strain = compression().half_strength_strain(&mesh).unwrap();
-    assert!((0.003..0.01).contains(&strain), "{strain}");
+    assert!((0.001..0.006).contains(&strain), "{strain}");
     let strength = Strength { crushing_energy_n_per_mm: 6.0, ..Strength::default() };
     let materials = Materials { mortar_strength: strength, ..Materials::default() };
-    let doubts = DeckOptions { materials, ..compression() }.doubts(&mesh);
+    let doubts = DeckOptions { materials, ..compression() }.doubts(&mesh, None);
     assert!(doubts.len() == 1 && doubts[0].contains("hardly soften"), "{doubts:?}");
-    let bonded = compression().doubts(&lattice(ItzForm::None, Joined::Mortar, Volumes::Fitted));
+    let bonded = compression().doubts(&lattice(ItzForm::None, Joined::Mortar, Volumes::Fitted), None);
     assert!(bonded.len() == 1 && bonded[0].contains("without an ITZ"), "{bonded:?}");
 }
 
@@ -324,7 +343,7 @@ fn mass_scaling_is_told_by_phase() {
 /// From the cards alone: the volumes of the sets, as a solver that is driven by the deck would find them.
 #[test]
 fn a_deck_holds_the_whole_specimen() {
-    let mesh = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Exact);
+    let mesh = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
     let deck = Deck::read(&deck(&mesh, &compression()));
     let volume = |set: &str| -> f64 {
         let cell = |number: &u64| {

@@ -136,8 +136,8 @@ fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
     }
 }
 
-/// Abaqus ends with an error where plastic strain falls: a crushing energy of 0.05 N/mm in elements of 1 mm was written all
-/// the same, and a peak strain below the elastic one was raised in silence.
+/// Abaqus ends with an error where plastic strain falls: a peak strain below the elastic one was raised in silence, and
+/// curves of a crushing energy of 0.05 N/mm in elements of 1 mm were written that it refuses.
 #[test]
 fn curves_that_abaqus_refuses_are_named() {
     let mesh = two_voxels(false);
@@ -147,16 +147,18 @@ fn curves_that_abaqus_refuses_are_named() {
         options
     };
     let error = |options: DeckOptions| options.validate(&mesh).unwrap_err().to_string();
-    // Strength^2 times width over modulus is 40^2 / 26000 = 0.0615 N/mm.
-    let crushing = error(with(|strength| strength.crushing_energy_n_per_mm = 0.06));
-    assert!(crushing.contains("crushing_energy_n_per_mm is 0.06; MORTAR needs 6.154e-2 or more"), "{crushing}");
     let peak = error(with(|strength| strength.peak_strain = 0.0016));
     assert!(peak.contains("peak_strain is 0.0016; MORTAR needs 1.615e-3 or more"), "{peak}");
     let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 2e-4));
     assert!(fracture.contains("fracture_energy_n_per_mm is 0.0002; MORTAR needs 2.769e-4 or more"), "{fracture}");
-    let just = with(|strength| strength.crushing_energy_n_per_mm = 0.062);
-    // The reader looks at the plastic strains.
-    assert_eq!(Deck::read(&deck(&mesh, &just)).materials.len(), 2);
+    // In the mesh, crack openings are 1 / 1.19 of the crack's own.
+    let fracture = error(with(|strength| strength.fracture_energy_n_per_mm = 3e-4));
+    assert!(fracture.contains("fracture_energy_n_per_mm is 0.0003; MORTAR needs 3.295e-4 or more"), "{fracture}");
+    // Strength^2 times width over modulus is 1.19 40^2 / 26000 = 0.0732 N/mm; the reader looks at the plastic strains.
+    let brittle = with(|strength| strength.crushing_energy_n_per_mm = 0.05);
+    assert_eq!(Deck::read(&deck(&mesh, &brittle)).materials.len(), 2);
+    let doubts = brittle.doubts(&mesh, None);
+    assert!(doubts[0].starts_with("crack bands are 1.19 mm wide; beyond 0.80 mm mortar would snap back"), "{doubts:?}");
     let elastic = DeckOptions { analysis: Analysis::Elastic, ..with(|strength| strength.peak_strain = 0.0016) };
     assert!(elastic.validate(&mesh).is_ok(), "it has no curves");
 }

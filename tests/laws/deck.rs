@@ -2,12 +2,10 @@
 
 use crate::subject::{Number, cdp, from_peak, mortar, peak};
 use meso_core::export::abaqus::{Analysis, DeckOptions, write};
-use meso_core::mesh::{ItzForm, MeshOptions, build_parts};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, build_parts};
+use meso_core::packing::Specimen;
 use meso_solve::point::{Held, Sample, curve, ramp};
 
-/// Edge of the deck's voxels, mm.
-const WIDTH: f64 = 1.0;
 const E: f64 = 26_000.0;
 
 /// The two numbers of every row of the first card `keyword`.
@@ -21,13 +19,18 @@ fn rows(deck: &str, keyword: &str) -> Vec<[f64; 2]> {
     .collect()
 }
 
-fn deck() -> String {
-    let specimen = Specimen::Box { size_mm: [WIDTH, WIDTH, 2.0 * WIDTH], periodic: Periodic([false; 3]) };
-    let options = MeshOptions { element_size_mm: WIDTH, itz: ItzForm::None, ..Default::default() };
-    let mesh = build_parts(&[], &specimen, &options).unwrap();
+/// Edge of a cube of mortar, mm.
+const EDGE: f64 = 4.0;
+
+fn mesh(method: Method) -> Mesh {
+    let options = MeshOptions { method, element_size_mm: 1.0, itz: ItzForm::None, ..Default::default() };
+    build_parts(&[], &Specimen::cube(EDGE), &options).unwrap()
+}
+
+fn deck(mesh: &Mesh) -> String {
     let options = DeckOptions { analysis: Analysis::Compression, materials: mortar(), ..Default::default() };
     let mut text = Vec::new();
-    write(&mesh, &options, &mut text).unwrap();
+    write(mesh, &options, &mut text).unwrap();
     String::from_utf8(text).unwrap()
 }
 
@@ -40,10 +43,14 @@ fn at(curve: &[Sample], inelastic: f64) -> f64 {
     (a.stress + share * (b.stress - a.stress)).abs()
 }
 
-fn twins<R: Number>() {
-    let (of, deck) = (cdp::<R>(&mortar()), deck());
+/// An element of mean volume: its crack band in our engine, of `edges` of its shape, and Abaqus' characteristic length.
+fn twins<R: Number>(method: Method, edges: f64) {
+    let mesh = mesh(method);
+    let (of, deck) = (cdp::<R>(&mortar()), deck(&mesh));
+    let across = (EDGE.powi(3) / mesh.cell_count() as f64).cbrt();
+    let width = edges * across;
     let held = Held::Lateral(0.0);
-    let crushed = curve(&of, WIDTH, held, &ramp(0.0, -0.05, 10_000).collect::<Vec<_>>());
+    let crushed = curve(&of, width, held, &ramp(0.0, -0.05, 10_000).collect::<Vec<_>>());
     let table = rows(&deck, "*CONCRETE COMPRESSION HARDENING");
     let top = table.iter().position(|row| row[0] == 40.0).unwrap();
     let before = &crushed[..crushed.len() - from_peak(&crushed).len() + 1];
@@ -55,16 +62,19 @@ fn twins<R: Number>() {
     for [stress, strain] in table[top + 1..].iter().filter(|row| row[1] < 0.045) {
         assert!((at(from_peak(&crushed), *strain) - stress).abs() < 1e-3 * 40.0, "{stress} at {strain}");
     }
-    let pulled = curve(&of, WIDTH, held, &ramp(0.0, 0.1, 10_000).collect::<Vec<_>>());
+    let pulled = curve(&of, width, held, &ramp(0.0, 0.1, 10_000).collect::<Vec<_>>());
     let table = rows(&deck, "*CONCRETE TENSION STIFFENING");
     for [stress, opening] in &table[1..] {
-        let found = at(from_peak(&pulled), opening / WIDTH);
+        let found = at(from_peak(&pulled), opening / across);
         assert!((found - stress).abs() < 1e-3 * 3.0, "{stress} at {opening}: {found}");
     }
 }
 
 #[test]
 fn deck_and_law_have_the_same_curves() {
-    twins::<f64>();
-    twins::<f32>();
+    // The regular tetrahedron's edge is (6 sqrt 2)^(1/3) = 2.0396 times the cube root of its volume.
+    for (method, edges) in [(Method::VOXEL, 1.19), (Method::FITTED, 1.4 * 2.039_649)] {
+        twins::<f64>(method, edges);
+        twins::<f32>(method, edges);
+    }
 }

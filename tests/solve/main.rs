@@ -4,8 +4,13 @@
 
 mod calculix;
 mod concrete;
+#[path = "../core/deck_reader.rs"]
+#[allow(dead_code, reason = "meso-core's tests ask more of it")]
+mod deck_reader;
 mod determinism;
 mod elastic;
+mod from_deck;
 mod refusals;
 mod samples;
 mod softening;
+mod twins;

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and its action.
 
 pub(crate) mod check;
+pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod init;
 pub(crate) mod mesh;
@@ -10,7 +11,9 @@ mod names;
 pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
+pub(crate) mod schema;
 pub(crate) mod solve;
+pub(crate) mod study;
 mod values;
 
 use clap::{Parser, Subcommand};
@@ -42,6 +45,8 @@ pub(crate) enum Command {
     Mesh(mesh::Args),
     /// Crush or pull a specimen here: from a model, a spec or nothing to the stress-strain curve
     Solve(Box<solve::Args>),
+    /// Pack, mesh and test every combination of some options; a killed study goes on where it was
+    Study(study::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     Check(check::Args),
     /// Write one page about a saved model: pictures, grading plot, statistics; or the statistics alone
@@ -52,4 +57,10 @@ pub(crate) enum Command {
     Init(init::Args),
     /// List the specimens that `init` knows
     Recipes,
+    /// Write the options of a SPEC.toml as a JSON Schema, so that editors complete and check it
+    Schema(schema::Args),
+    /// Write a shell's completions
+    Completions(completions::Args),
+    /// Write the manual pages
+    Man(completions::ManArgs),
 }

@@ -35,10 +35,14 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
         Command::Pack(args) => commands::pack::run(&args),
         Command::Mesh(args) => commands::mesh::run(&args),
         Command::Solve(args) => commands::solve::run(&args),
+        Command::Study(args) => commands::study::run(&args),
         Command::Check(args) => commands::check::run(&args),
         Command::Report(args) => commands::report::run(&args),
         Command::Convert(args) => commands::convert::run(&args),
         Command::Init(args) => commands::init::run(&args),
+        Command::Schema(args) => commands::schema::run(&args),
+        Command::Completions(args) => commands::completions::run(&args),
+        Command::Man(args) => commands::completions::man(&args),
         Command::Recipes => commands::recipes::run(),
     }
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 /// Values of the phases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Materials {
     /// Aggregate cores, which stay elastic.
@@ -39,6 +40,7 @@ pub struct Materials {
 
 /// Isotropic linear elasticity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Elastic {
     /// Young's modulus, MPa.
@@ -51,6 +53,7 @@ pub struct Elastic {
 
 /// What the uniaxial curves are made of.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Strength {
     /// Compressive strength, MPa.
@@ -67,6 +70,7 @@ pub struct Strength {
 
 /// Parameters of `*CONCRETE DAMAGED PLASTICITY`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Plasticity {
     /// Dilation angle, degrees.
@@ -106,27 +110,28 @@ impl Default for Materials {
 impl Default for Strength {
     /// 40 MPa in the mean: the strain 0.7 f^0.31 per mille and the tensile strength 0.3 (f - 8)^(2/3) of EN 1992-1-1,
     /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for grains of
-    /// 8 mm, rounded down; the crushing energy puts d = 0.6 at an inelastic strain of 0.006 in elements of 0.84 mm, where
-    /// Jankowiak and Lodygowski (2005) have 0.0057.
+    /// 8 mm, rounded down; the crushing energy puts d = 0.6 at an inelastic strain of 0.0054 in crack bands of 2.4 mm, those
+    /// of a fitted lattice of 2 mm, where Jankowiak and Lodygowski (2005) have 0.0057.
     fn default() -> Self {
         Self {
             compressive_mpa: 40.0,
             peak_strain: 0.0022,
             tensile_mpa: 3.0,
             fracture_energy_n_per_mm: 0.06,
-            crushing_energy_n_per_mm: 0.2,
+            crushing_energy_n_per_mm: 0.5,
         }
     }
 }
 
 impl Default for Plasticity {
-    /// Abaqus' own defaults but for the dilation angle, usually 30 to 38 for concrete, and a little viscosity.
+    /// Abaqus' own defaults but for the dilation angle, usually 30 to 38 for concrete, a little viscosity, and K_c: tests
+    /// gave 0.64 to 0.80 (Lubliner et al. 1989), and docs/decks.md has what 0.75 does to a cube between plates.
     fn default() -> Self {
         Self {
             dilation_angle_deg: 30.0,
             eccentricity: 0.1,
             biaxial_ratio: 1.16,
-            meridian_ratio: 0.6667,
+            meridian_ratio: 0.75,
             viscosity_s: 0.0005,
         }
     }
@@ -183,10 +188,18 @@ impl Strength {
 }
 
 impl Materials {
-    /// Stiffness of a cohesive ITZ against opening and sliding, E / t and G / t, N/mm3.
-    pub fn separation_stiffness(&self) -> (f64, f64) {
-        let normal = self.itz.youngs_modulus_mpa / self.cohesive_thickness_mm;
-        (normal, normal / (2.0 * (1.0 + self.itz.poisson_ratio)))
+    /// Stiffness of a cohesive ITZ, E / t, N/mm3: one for opening and sliding, with which shares of the separation are
+    /// shares of its energy.
+    pub fn separation_stiffness(&self) -> f64 {
+        self.itz.youngs_modulus_mpa / self.cohesive_thickness_mm
+    }
+
+    /// A cohesive ITZ must be thinner than this, mm: damage begins with f^2 / (2 K) stored, whichever way that is, and
+    /// that must be less than its fracture energy in opening.
+    pub fn cohesive_thickness_limit_mm(&self) -> f64 {
+        let strength = self.strength(Phase::Itz).expect("the ITZ has a strength");
+        let most = strength.tensile_mpa.max(strength.cohesion_mpa());
+        2.0 * self.itz.youngs_modulus_mpa * strength.fracture_energy_n_per_mm / (most * most)
     }
 
     /// Longest stable time step of cohesive elements in explicit dynamics, s: the root of their mass per area over

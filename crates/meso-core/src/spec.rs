@@ -10,7 +10,10 @@ mod library;
 mod limits;
 mod messages;
 mod mix_design;
+mod overlay;
 mod read;
+#[cfg(feature = "schema")]
+mod schema;
 mod sieves;
 mod slender;
 mod surface;
@@ -21,6 +24,9 @@ pub use files::Files;
 use files::NoFiles;
 pub(crate) use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
+pub use overlay::overlay;
+#[cfg(feature = "schema")]
+pub use schema::{of_options, schema};
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use crate::packing::{Placement, Specimen};
@@ -28,6 +34,7 @@ use serde::{Deserialize, Serialize};
 
 /// Everything that decides a model, with the paper's specimen as default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Spec {
     /// Seed of all randomness.

@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 
 /// How much is sampled, and how finely it is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Seed of the samples.

@@ -1,7 +1,9 @@
 //! `mesocrete.gjk`: certified collision of convex hulls of points.
 
+use crate::aggregate::PyAggregate;
 use crate::arrays::points;
 use crate::boundary::guard;
+use crate::polyhedron::PyPolyhedron;
 use crate::tree::type_name;
 use meso_core::gjk::{self, GjkError, Method};
 use meso_core::math::Vec3;
@@ -12,11 +14,22 @@ use pyo3::prelude::*;
 /// Bodies read or answered between two looks for Ctrl-C: some milliseconds.
 const CHUNK: usize = 4096;
 
+/// The points of an array, or the vertices of a body of this package.
+fn vertices(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
+    if let Ok(body) = object.cast::<PyPolyhedron>() {
+        return Ok(body.get().0.vertices().to_vec());
+    }
+    if let Ok(aggregate) = object.cast::<PyAggregate>() {
+        return Ok(aggregate.get().0.body.vertices().to_vec());
+    }
+    points(name, object)
+}
+
 /// Whether the convex hulls of `a` and `b` share a point.
 ///
 /// Parameters
 /// ----------
-/// a, b : array_like, shape (n, 3)
+/// a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
 ///     Hulls of any dimension; closed sets, so touching counts. Magnitudes 1e-60 to 1e60, or 0.
 /// method : str
 ///     The search that proposes the answer: "enhanced", "classical", "signed-volumes" or "exact". The answer is
@@ -30,7 +43,7 @@ const CHUNK: usize = 4096;
 #[pyo3(signature = (a, b, method="enhanced"))]
 pub(crate) fn intersects(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, method: &str) -> PyResult<bool> {
     guard(|| {
-        let (a, b, method) = (points("a", a)?, points("b", b)?, parse(method)?);
+        let (a, b, method) = (vertices("a", a)?, vertices("b", b)?, parse(method)?);
         py.detach(|| gjk::intersects_with(method, &a, &b)).map_err(|error| gjk_error(&error))
     })
 }
@@ -39,7 +52,7 @@ pub(crate) fn intersects(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyA
 ///
 /// Parameters
 /// ----------
-/// a, b : array_like, shape (n, 3)
+/// a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
 ///
 /// Raises
 /// ------
@@ -48,7 +61,7 @@ pub(crate) fn intersects(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyA
 #[pyfunction]
 pub(crate) fn distance(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<f64> {
     guard(|| {
-        let (a, b) = (points("a", a)?, points("b", b)?);
+        let (a, b) = (vertices("a", a)?, vertices("b", b)?);
         py.detach(|| gjk::distance(&a, &b)).map_err(|error| gjk_error(&error))
     })
 }
@@ -57,8 +70,8 @@ pub(crate) fn distance(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny
 ///
 /// Parameters
 /// ----------
-/// a : array_like, shape (n, 3)
-/// bodies : iterable of array_like, each of shape (n, 3)
+/// a : array_like, shape (n, 3), or Aggregate, or Polyhedron
+/// bodies : iterable of the same
 /// method : str
 ///     As in `intersects`.
 ///
@@ -74,7 +87,7 @@ pub(crate) fn intersects_many<'py>(
     method: &str,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     guard(|| {
-        let (a, method) = (points("a", a)?, parse(method)?);
+        let (a, method) = (vertices("a", a)?, parse(method)?);
         let bodies = each(bodies)?;
         let mut answers = Vec::with_capacity(bodies.len());
         for chunk in bodies.chunks(CHUNK) {
@@ -96,7 +109,7 @@ fn each(bodies: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
         if i % CHUNK == 0 {
             bodies.py().check_signals()?;
         }
-        points(&format!("bodies[{i}]"), &body?)
+        vertices(&format!("bodies[{i}]"), &body?)
     };
     items.enumerate().map(body).collect()
 }

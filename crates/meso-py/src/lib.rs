@@ -17,6 +17,7 @@ mod polyhedron;
 mod response;
 mod run;
 mod spec;
+mod study;
 mod tree;
 mod views;
 
@@ -42,7 +43,9 @@ mod _mesocrete {
     #[pymodule_export]
     use super::response::{PyFrame, PyResponse};
     #[pymodule_export]
-    use super::spec::{PySpec, restore_spec};
+    use super::spec::{PySpec, all_recipes, restore_spec};
+    #[pymodule_export]
+    use super::study::{PyStudyPlan, study_results};
     use pyo3::prelude::*;
 
     #[pymodule_init]

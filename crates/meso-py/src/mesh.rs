@@ -218,7 +218,9 @@ impl PyMesh {
                 let (seed, fraction, kind) = (spec.seed, spec.fraction, spec.specimen.kind());
                 deck.heading.push(format!("packing: seed {seed}, fraction {fraction} of a {kind}"));
             }
-            for doubt in deck.doubts(&mesh) {
+            let model = &slf.get().1;
+            let exact = PhaseVolumes::exact_for(&mesh, &model.bodies(), &spec.specimen);
+            for doubt in deck.doubts(&mesh, exact.as_ref()) {
                 PyErr::warn(slf.py(), &slf.py().get_type::<PyUserWarning>(), &CString::new(doubt)?, 1)?;
             }
             let encoding = Encoding::compressed(compress);

@@ -2,7 +2,7 @@
 
 use crate::boundary::guard;
 use crate::packing::PyPacking;
-use crate::run::{beside_python, check_callable};
+use crate::run::{beside_python_on, check_callable, checked_threads};
 use crate::{spec, tree};
 use meso_core::Spec;
 use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
@@ -21,6 +21,10 @@ use std::sync::Arc;
 ///     Replaces the spec's seed; 0 to 2^64 - 1.
 /// fraction : float, optional
 ///     Replaces the spec's fraction: aggregate volume over specimen volume, above 0 and below 1.
+/// threads : int, optional
+///     All cores when absent. It changes the time, never the result.
+/// time_limit : float, optional
+///     Stop after so many seconds with the best packing found; replaces the spec's.
 /// progress : callable, optional
 ///     Called about 25 times a second as `progress(fraction, target)`; when it returns False, the best valid packing
 ///     found so far is returned.
@@ -45,12 +49,14 @@ use std::sync::Arc;
 ///     Before the work, where the target exceeds the fraction that the strategy was measured to reach, or a class is
 ///     too small for a single aggregate.
 #[pyfunction]
-#[pyo3(signature = (spec=None, *, seed=None, fraction=None, progress=None))]
+#[pyo3(signature = (spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, progress=None))]
 pub(crate) fn pack(
     py: Python<'_>,
     spec: Option<&Bound<'_, PyAny>>,
     seed: Option<&Bound<'_, PyAny>>,
     fraction: Option<&Bound<'_, PyAny>>,
+    threads: Option<&Bound<'_, PyAny>>,
+    time_limit: Option<&Bound<'_, PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyPacking> {
     guard(|| {
@@ -61,10 +67,14 @@ pub(crate) fn pack(
         if let Some(fraction) = fraction {
             spec.fraction = checked_fraction(fraction)?;
         }
+        if let Some(seconds) = time_limit {
+            spec.placement.time_limit_s = Some(checked_number("time_limit", "a number of seconds", seconds)?);
+        }
+        let threads = threads.map(checked_threads).transpose()?;
         spec.validate().map_err(|error| spec::spec_error(&error))?;
         check_callable(progress)?;
         warn_of(py, &spec)?;
-        let model = beside_python(py, progress, move |watch| meso_core::pack(&spec, watch))?;
+        let model = beside_python_on(py, threads, progress, move |watch| meso_core::pack(&spec, watch))?;
         Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
     })
 }
@@ -85,9 +95,12 @@ fn checked_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
 }
 
 fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
-    let number = if fraction.is_instance_of::<PyBool>() { None } else { fraction.extract().ok() };
-    let given = || tree::type_name(fraction);
-    number.ok_or_else(|| {
-        PyTypeError::new_err(format!("fraction is of type {}; it must be a number above 0 and below 1", given()))
-    })
+    checked_number("fraction", "a number above 0 and below 1", fraction)
+}
+
+/// A number; True is a mistake, and ranges are the spec's business.
+fn checked_number(name: &str, accepted: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let number = if value.is_instance_of::<PyBool>() { None } else { value.extract().ok() };
+    let given = || tree::type_name(value);
+    number.ok_or_else(|| PyTypeError::new_err(format!("{name} is of type {}; it must be {accepted}", given())))
 }

@@ -3,7 +3,7 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::files;
-use crate::run::{Watch, beside_python_on, check_callable};
+use crate::run::{Watch, beside_python_on, check_callable, checked_threads};
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type};
@@ -73,11 +73,6 @@ impl Asked {
         meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
         Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()? })
     }
-}
-
-fn checked_threads(threads: &Bound<'_, PyAny>) -> PyResult<usize> {
-    let number: Option<usize> = threads.extract().ok().filter(|number| (1..=1024).contains(number));
-    number.ok_or_else(|| PyValueError::new_err(format!("threads is {threads}; it must be an int from 1 to 1024")))
 }
 
 /// A keyword's name is the test's own.

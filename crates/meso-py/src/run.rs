@@ -2,7 +2,7 @@
 
 use crate::boundary::bug;
 use meso_core::{Progress, stop};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -147,4 +147,13 @@ pub(crate) fn check_callable(progress: Option<&Bound<'_, PyAny>>) -> PyResult<()
         ))),
         _ => Ok(()),
     }
+}
+
+/// A number of threads, checked before any work starts.
+///
+/// # Errors
+/// `ValueError`.
+pub(crate) fn checked_threads(threads: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let number: Option<usize> = threads.extract().ok().filter(|number| (1..=1024).contains(number));
+    number.ok_or_else(|| PyValueError::new_err(format!("threads is {threads}; it must be an int from 1 to 1024")))
 }

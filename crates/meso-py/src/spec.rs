@@ -2,6 +2,7 @@
 
 use crate::boundary::{file_error, guard};
 use crate::tree;
+use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError, SpecErrorKind};
 use meso_files::Beside;
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -57,6 +58,25 @@ fn read(path: &Path) -> PyResult<Spec> {
     Spec::from_toml_with(&text, &mut Beside(folder)).map_err(|error| named(error.to_string()))
 }
 
+/// The unresolved tree of what `pack` accepts as its spec, and the folder of the files that it names. Values that follow from
+/// others, the classes of usual limits, are left out, so that changes may be laid over it.
+pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, PathBuf)> {
+    let here = PathBuf::new();
+    let Some(object) = object else { return Ok((Value::Object(Map::new()), here)) };
+    if let Ok(spec) = object.cast::<PySpec>() {
+        return Ok((spec.get().unresolved()?, here));
+    }
+    if object.is_instance_of::<PyDict>() {
+        return Ok((tree::from_python("", object)?, here));
+    }
+    let Some(path) = as_path(object) else { return from_any(Some(object)).map(|_| (Value::Null, here)) };
+    // Its errors have lines.
+    read(&path)?;
+    let text = std::fs::read_to_string(&path).map_err(|error| file_error(&path, error))?;
+    let tree = spec::options_from_toml(&text).map_err(|error| spec_error(&error))?;
+    Ok((tree, path.parent().unwrap_or(Path::new("")).to_owned()))
+}
+
 /// What `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].
 pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
     let Some(object) = object else { return Ok(Spec::default()) };
@@ -78,26 +98,24 @@ fn as_path(object: &Bound<'_, PyAny>) -> Option<PathBuf> {
     object.extract().ok()
 }
 
-/// Lays `changes` over `base`, section by section.
-fn merge(base: &mut Value, changes: Value) {
-    match (base, changes) {
-        (Value::Object(base), Value::Object(changes)) => {
-            // A section that names another variant (specimen.kind, a law) replaces the old one, whose keys do not fit.
-            let renamed = |tag: &str| changes.get(tag).is_some_and(|new| base.get(tag) != Some(new));
-            if renamed("kind") || renamed("law") {
-                base.clear();
-            }
-            for (key, change) in changes {
-                merge(base.entry(key).or_insert(Value::Null), change);
-            }
-        }
-        (base, change) => *base = change,
-    }
-}
-
 impl PySpec {
     fn value(&self) -> PyResult<Value> {
         serde_json::to_value(&self.0).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Its tree without what follows from the rest of it.
+    fn unresolved(&self) -> PyResult<Value> {
+        let (mut value, spec) = (self.value()?, &self.0);
+        let follows = [
+            ("grading", "classes_mm", spec.grading.classes_mm == spec.grading.usual_classes()),
+            ("shape", "vertices", spec.shape.vertices == spec.shape.kind.usual_vertices()),
+        ];
+        for (section, key, _) in follows.into_iter().filter(|(_, _, follows)| *follows) {
+            if let Some(section) = value[section].as_object_mut() {
+                section.remove(key);
+            }
+        }
+        Ok(value)
     }
 
     fn section<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
@@ -123,6 +141,23 @@ impl PySpec {
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Self> {
         guard(|| read(&path).map(Self))
+    }
+
+    /// A specimen of the paper or of a standard, by its name in `recipes()`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For another name; the message lists them.
+    #[staticmethod]
+    fn recipe(name: &str) -> PyResult<Self> {
+        guard(|| {
+            let recipe = recipes::find(name).ok_or_else(|| {
+                let known: Vec<_> = recipes::ALL.iter().map(|recipe| recipe.name).collect();
+                PyValueError::new_err(format!("there is no recipe {name:?}; the recipes are {}", known.join(", ")))
+            })?;
+            Spec::from_toml(recipe.text).map(Self).map_err(|error| spec_error(&error))
+        })
     }
 
     /// Seed of all randomness.
@@ -181,9 +216,9 @@ impl PySpec {
     #[pyo3(signature = (**changes))]
     fn replace(&self, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         guard(|| {
-            let mut value = self.value()?;
+            let mut value = self.unresolved()?;
             let changes = changes.map_or(Ok(Value::Object(Map::new())), |dict| tree::from_python("", dict.as_any()));
-            merge(&mut value, changes?);
+            spec::overlay(&mut value, changes?);
             from_value(&value).map(Self)
         })
     }
@@ -212,4 +247,12 @@ impl PySpec {
 #[pyfunction(name = "_restore_spec")]
 pub(crate) fn restore_spec(options: &Bound<'_, PyDict>) -> PyResult<PySpec> {
     guard(|| from_any(Some(options.as_any())).map(PySpec))
+}
+
+/// The specimens that `Spec.recipe` knows, by name, and what each of them is.
+#[pyfunction(name = "recipes")]
+pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    recipes::ALL.iter().try_for_each(|recipe| dict.set_item(recipe.name, recipe.title()))?;
+    Ok(dict)
 }

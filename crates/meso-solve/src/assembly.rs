@@ -8,9 +8,9 @@ use crate::error::SolveError;
 use crate::lanes::{Eight, LANES};
 use crate::mass::{Need, box_metric, tet_metric};
 use crate::order::{along_curve, key};
-use crate::sample::{Sample, regular_edge};
+use crate::sample::Sample;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase};
+use meso_core::mesh::{CellKind, Mesh, Phase, regular_edge};
 use rayon::prelude::*;
 
 /// Order of the phases within a block.
@@ -270,7 +270,7 @@ impl Builder<'_> {
         Cells::Tets(self.eights(cells, |eight: &mut Tets, lane, cell, used| {
             let nodes = self.cell(cell);
             let mut shape = Shape::of(&corners(sample.mesh, nodes));
-            let width = sample.band_factor * regular_edge(shape.volume);
+            let width = sample.band_factor * regular_edge(sample.mesh.kind, shape.volume);
             shape.volume *= f64::from(u8::from(used));
             eight.set(lane, [0, 1, 2, 3].map(|corner| self.local(nodes[corner])), &shape, width);
         }))

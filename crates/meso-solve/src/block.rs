@@ -5,7 +5,7 @@
 //! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
 
 use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
-use crate::element::hex::{BoxShape, Hexes};
+use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::tet::Tets;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
 use crate::law::{Law, Tensor};
@@ -186,8 +186,10 @@ const PLASTIC: usize = 6;
 #[inline(always)]
 pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     let mut history = W::virgin();
-    for (own, from) in history.as_mut().iter_mut().zip(memory) {
-        *own = L::load(from);
+    let states = history.as_ref().len();
+    let memory = &memory[..states];
+    for i in 0..states {
+        history.as_mut()[i] = L::load(&memory[i]);
     }
     history
 }
@@ -199,6 +201,8 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     let one = L::splat(1.0);
     let mut history = history::<L, W>(memory);
     let states = history.as_ref().len();
+    // Of known length, so that no loop over it becomes a call.
+    let memory = &mut memory[..if states == 0 { 0 } else { states + 1 }];
     let response = law.stress(strain, &mut history, width);
     let stress = response.stress;
     if states == 0 {
@@ -223,8 +227,8 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     }
     // Of the energy stored, the share by which the integrity fell is lost.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
-    for (own, to) in history.as_ref().iter().zip(&mut *memory) {
-        own.store(to);
+    for i in 0..states {
+        history.as_ref()[i].store(&mut memory[i]);
     }
     (integrity - one).store(&mut memory[states]);
     Answer { stress, integrity, before, spent: spent + lost }
@@ -279,16 +283,18 @@ impl LawTask for HexTask<'_> {
         let remembered = self.memory.len() / self.cells.len().max(1);
         let (k, width) = (L::splat(self.stiffness), L::splat(self.common.band_mm));
         let shape = &self.common.shape;
+        // What does not soften has no bound.
+        let bound = L::splat(if remembered == 0 { 0.0 } else { per_bound(shape.edge()) });
         let [mut spent, mut stored, mut lost] = [L::splat(0.0); 3];
         for (i, cells) in self.cells.iter().enumerate() {
             let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
             let (strain, hourglass) = cells.strain(self.u, shape);
             let answer = answer(law, &strain, memory, width);
             spent = answer.spent.mul_add(L::load(&cells.used), spent);
-            let squares = cells.squares(&hourglass);
-            stored = answer.integrity.mul_add(squares, stored);
-            lost = (answer.before - answer.integrity).mul_add(squares, lost);
-            cells.resist(&answer.stress, &hourglass, k * answer.integrity, shape, self.forces);
+            let (twice, left) = cells.bounded(&hourglass, bound);
+            stored = answer.integrity.mul_add(twice, stored);
+            lost = (answer.before - answer.integrity).mul_add(twice, lost);
+            cells.resist(&answer.stress, &hourglass, k * answer.integrity * left, shape, self.forces);
         }
         let half = 0.5 * self.stiffness;
         [spent.eight().sum() * shape.volume(), stored.eight().sum() * half, lost.eight().sum() * half]

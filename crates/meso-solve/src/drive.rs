@@ -24,8 +24,8 @@ impl Run<'_> {
             }
             let step = self.state.step;
             let is_row = step.is_multiple_of(self.outline.stride) || step == self.outline.steps;
-            if is_row {
-                self.add_row();
+            if is_row && !self.add_row() {
+                return Ended::Diverged(self.culprit());
             }
             if let Some(number) = self.frame_at(step) {
                 observer.frame(&Frame::new(self, number));
@@ -85,3 +85,6 @@ impl Run<'_> {
         format!("element {number} ({phase}) at ({x:.2}, {y:.2}, {z:.2}) mm, step {}", self.state.step)
     }
 }
+
+#[cfg(test)]
+mod tests;

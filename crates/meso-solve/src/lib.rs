@@ -37,7 +37,7 @@ pub use lanes::InstructionSet;
 pub use observer::{Observer, Progress, Silent, Wish};
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
 pub use run::Run;
-pub use sample::{Sample, band_factor, gross_section_mm2, regular_edge};
+pub use sample::{Sample, gross_section_mm2};
 pub use test::{Interface, Itz, Joined, Kind, LawName, Test};
 
 use meso_core::materials::Materials;

@@ -93,6 +93,18 @@ pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), Solve
         let key = format!("materials.{}.density_t_per_mm3", phase.name().to_ascii_lowercase());
         require(&key, density, density < HEAVIEST, "it must lie below 1e-3: 2400 kg/m3 are 2.4e-9 tonne/mm3")?;
     }
+    validate_cohesive(materials)
+}
+
+fn validate_cohesive(materials: &Materials) -> Result<(), SolveError> {
+    let Materials { cohesive_thickness_mm, cohesive_shear_energy_ratio, cohesive_mode_power, .. } = *materials;
+    for (key, value, least, accepted) in [
+        ("thickness_mm", cohesive_thickness_mm, f64::MIN_POSITIVE, "it must be a positive number"),
+        ("shear_energy_ratio", cohesive_shear_energy_ratio, 1.0, "it must be 1 or more"),
+        ("mode_power", cohesive_mode_power, f64::MIN_POSITIVE, "it must be a positive number"),
+    ] {
+        require(&format!("materials.cohesive_{key}"), value, value >= least && value.is_finite(), accepted)?;
+    }
     Ok(())
 }
 

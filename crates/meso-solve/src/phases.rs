@@ -26,23 +26,15 @@ impl Phases {
         let (of_cells, joined_pairs) = (mesh.phase.clone(), owners.pairs(mesh));
         let mut phases = Self { of_cells, joined_pairs, parted_cells: 0, aggregate_cells, smeared_cells: 0 };
         if joined == Joined::Mortar && joined_pairs > 0 {
-            phases.part(mesh, &owners);
+            let cells = mesh.joining_cells();
+            cells.iter().for_each(|&cell| phases.of_cells[cell] = Phase::Mortar);
+            phases.parted_cells = cells.len();
         }
         let has_itz = mesh.phase.contains(&Phase::Itz) || !mesh.cohesive.is_empty();
         if itz == Itz::Smeared && !has_itz {
             phases.smear(mesh);
         }
         phases
-    }
-
-    /// Makes mortar of the aggregates' cells at joined nodes.
-    fn part(&mut self, mesh: &Mesh, owners: &Owners) {
-        for (cell, phase) in mesh.cells().zip(&mut self.of_cells) {
-            if *phase == Phase::Aggregate && cell.iter().any(|&node| owners.are_several(node)) {
-                *phase = Phase::Mortar;
-                self.parted_cells += 1;
-            }
-        }
     }
 
     /// Gives the ITZ's strength to mortar with a face whose nodes are all of one aggregate.

@@ -63,9 +63,9 @@ pub struct Summary {
     pub hourglass_over_internal: f64,
     /// Energies at the end, mJ.
     pub energies: Energies,
-    /// Pairs of aggregates that share nodes in the mesh.
+    /// Pairs of aggregates that share nodes in the mesh, or did before mortar parted them there.
     pub joined_pairs: usize,
-    /// Cells of these aggregates that became mortar.
+    /// Cells of these aggregates that became mortar, in the mesh and in the test.
     pub joined_cells: usize,
     /// What the test's phases were.
     pub phases: Vec<PhaseResult>,
@@ -112,6 +112,8 @@ const SLOW: f64 = 0.01;
 const FAST: f64 = 0.05;
 /// Hourglass over internal energy that is still small.
 const HOURGLASS: f64 = 0.02;
+/// Difference of the aggregates' volume from their own, over that, which is no more their share.
+const VOLUME: f64 = 0.02;
 /// Difference of work and energies, over the work, that is still rounding and impacts.
 const BALANCE: f64 = 1e-3;
 
@@ -138,8 +140,8 @@ impl Response {
             energy_balance_error: balance_error(rows),
             hourglass_over_internal: largest(&|row| row.hourglass / row.internal),
             energies: energies(&last),
-            joined_pairs: run.phases.joined_pairs,
-            joined_cells: run.phases.parted_cells,
+            joined_pairs: run.phases.joined_pairs + run.sample.mesh.notes.parted_pairs,
+            joined_cells: run.phases.parted_cells + run.sample.mesh.notes.parted_cells,
             phases: phases(run),
             ended,
             warnings: Vec::new(),
@@ -207,23 +209,37 @@ impl Summary {
     }
 
     fn warn_of_the_mesh(&mut self, run: &Run, test: &Test) {
-        let phases = &run.phases;
-        if phases.joined_pairs > 0 {
-            let pairs = phases.joined_pairs;
-            let share = 100.0 * phases.parted_cells as f64 / phases.aggregate_cells.max(1) as f64;
-            self.warnings.push(match test.joined {
-                Joined::Mortar => format!(
-                    "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
-                     pack with a gap that the elements can show, or refine the mesh"
-                ),
-                Joined::Keep => format!(
-                    "{pairs} pairs of aggregates share nodes and form a skeleton that cannot break; \
-                     take test.joined = \"mortar\""
-                ),
-            });
+        let (pairs, kept) = (self.joined_pairs, run.phases.joined_pairs);
+        if kept > 0 && test.joined == Joined::Keep {
+            self.warnings.push(format!(
+                "{kept} pairs of aggregates share nodes and form a skeleton that cannot break; \
+                 take test.joined = \"mortar\""
+            ));
+        } else if pairs > 0 {
+            let cells = run.phases.aggregate_cells + run.sample.mesh.notes.parted_cells;
+            let share = 100.0 * self.joined_cells as f64 / cells.max(1) as f64;
+            self.warnings.push(format!(
+                "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
+                 pack with a gap that the elements can show, or refine the mesh"
+            ));
         }
+        self.warn_of_the_volume();
         if run.sample.mesh.periodic != [false; 3] {
             self.warnings.push("the specimen repeats itself, but its sides are free in this test".to_owned());
+        }
+    }
+
+    /// Aggregates that are another share of the specimen than they should be.
+    fn warn_of_the_volume(&mut self) {
+        let Some(aggregate) = self.phases.iter().find(|phase| phase.name == "aggregate") else { return };
+        let Some(exact) = aggregate.exact_fraction else { return };
+        let share = aggregate.volume_fraction;
+        if (share - exact).abs() > VOLUME * exact {
+            let (share, exact) = (100.0 * share, 100.0 * exact);
+            self.warnings.push(format!(
+                "the aggregates are {share:.1} % of the specimen in this mesh and {exact:.1} % in the packing: refine the \
+                 mesh, or pack with a larger gap"
+            ));
         }
     }
 

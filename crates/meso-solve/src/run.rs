@@ -8,7 +8,7 @@ use crate::assembly::{Assembly, Parts, assemble, box_shape};
 use crate::block::{Block, Common, Pass, Scratch};
 use crate::curve::Row;
 use crate::element::face::CohesionValues;
-use crate::error::SolveError;
+use crate::error::{SolveError, require};
 use crate::lanes::InstructionSet;
 use crate::matter::{self, Matter};
 use crate::nodes::Nodes;
@@ -21,8 +21,6 @@ use meso_core::mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
-/// Stiffness of a cohesive face over E / h.
-const COHESIVE_STIFFNESS: f64 = 20.0;
 /// Strength of interfaces in an elastic test, MPa.
 const UNBREAKABLE: f64 = 1e6;
 
@@ -171,8 +169,8 @@ impl<'a> Run<'a> {
         });
     }
 
-    /// A row of the curve from the steps since the last one.
-    pub(crate) fn add_row(&mut self) {
+    /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
+    pub(crate) fn add_row(&mut self) -> bool {
         let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
         let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
         let stress = |force: f64| sign * force / count / self.sample.section_mm2;
@@ -191,7 +189,11 @@ impl<'a> Run<'a> {
             stress_top_mpa: stress(top),
             time_s: state.time,
         };
-        self.state.rows.push(row);
+        let is_sound = row.values().iter().all(|value| value.is_finite());
+        if is_sound {
+            self.state.rows.push(row);
+        }
+        is_sound
     }
 
     /// Volume of the cells of every phase in the test, mm3.
@@ -224,43 +226,34 @@ fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
 /// What all elements share.
 fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common, SolveError> {
     let shape = box_shape(sample.mesh)?;
-    let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(sample, materials, test)).transpose()?;
+    let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(materials, test)).transpose()?;
     let matter = |phase| Matter::new(materials, phase, test.law);
     // Places in the order of the phases' numbers; 3 is no phase of a mesh.
     let matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter);
     Ok(Common { matter, shape, cohesion, hourglass: test.hourglass, band_mm: sample.band_factor * shape.edge() })
 }
 
-fn cohesion(sample: &Sample, materials: &Materials, test: &Test) -> Result<CohesionValues, SolveError> {
+/// The values of cohesive faces, those of a deck but for the friction.
+fn cohesion(materials: &Materials, test: &Test) -> Result<CohesionValues, SolveError> {
     let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
-    let interface = &test.interface;
-    let stiffness = interface
-        .stiffness_n_per_mm3
-        .unwrap_or_else(|| COHESIVE_STIFFNESS * materials.mortar.youngs_modulus_mpa / sample.element_size_mm);
+    let (stiffness, friction) = (materials.separation_stiffness(), test.interface.friction);
     let opening = strength.fracture_energy_n_per_mm;
     let values = CohesionValues {
         stiffness,
         tensile: strength.tensile_mpa,
         shear: strength.cohesion_mpa(),
-        energies: [opening, interface.shear_energy_ratio * opening],
-        exponent: interface.mixity_exponent,
-        friction: interface.friction,
+        energies: [opening, materials.cohesive_shear_energy_ratio * opening],
+        exponent: materials.cohesive_mode_power,
+        friction,
     };
-    let stored = |stress: f64| stress * stress / (2.0 * stiffness);
-    if test.law != LawName::Elastic && (stored(values.tensile) >= opening || stored(values.shear) >= values.energies[1])
-    {
-        let least = (values.tensile.powi(2) / (2.0 * opening)).max(values.shear.powi(2) / (2.0 * values.energies[1]));
-        let accepted = format!("it must be above {least:.3e}, where damage begins with less than the fracture energy");
-        return Err(SolveError::value("test.interface.stiffness_n_per_mm3", stiffness, accepted));
-    }
     if test.law == LawName::Elastic {
-        return Ok(CohesionValues {
-            tensile: UNBREAKABLE,
-            shear: UNBREAKABLE,
-            energies: [UNBREAKABLE.powi(2); 2],
-            ..values
-        });
+        let energies = [UNBREAKABLE.powi(2); 2];
+        return Ok(CohesionValues { tensile: UNBREAKABLE, shear: UNBREAKABLE, energies, ..values });
     }
+    let (thickness, limit) = (materials.cohesive_thickness_mm, materials.cohesive_thickness_limit_mm());
+    let accepted =
+        format!("it must be below {limit:.3e}, where damage begins with less than the ITZ's fracture energy");
+    require("materials.cohesive_thickness_mm", thickness, thickness < limit, &accepted)?;
     Ok(values)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::SolveError;
 use meso_core::math::Aabb;
-use meso_core::mesh::{CellKind, Mesh, MeshOptions, Method, PhaseVolumes};
+use meso_core::mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes, band_factor};
 use meso_core::packing::Specimen;
 
 /// A meshed specimen; it is loaded along z.
@@ -16,18 +16,11 @@ pub struct Sample<'a> {
     pub volume_mm3: f64,
     /// Element size asked of the mesh, mm: it decides the time step.
     pub element_size_mm: f64,
-    /// Width of a crack band over [`regular_edge`] of a tetrahedron, or over the edge of a box.
+    /// Width of a crack band over the edge of a box, or of the regular tetrahedron of a cell's volume: [`band_factor`].
     pub band_factor: f64,
     /// The phases' exact volumes, where known.
     pub exact: Option<PhaseVolumes>,
 }
-
-/// Width of crack bands in boxes, over their edge: a weak layer then spends its fracture energy. More than 1, since what
-/// holds the layer's sides makes it stronger and tougher: 1.187 times as tough with the edge itself, at 1.5, 2 and 3 mm.
-const VOXEL_BAND: f64 = 1.19;
-/// The same in tetrahedra, over their [`regular_edge`]. With the edge itself a band three elements wide, in which the crack
-/// chooses its way, spends 1.37 to 1.42 of its energy, and a single layer 0.98 to 1.01.
-const TETRAHEDRON_BAND: f64 = 1.4;
 
 impl<'a> Sample<'a> {
     /// `mesh` as it was built of `specimen` with `options`.
@@ -37,7 +30,7 @@ impl<'a> Sample<'a> {
             section_mm2: gross_section_mm2(specimen),
             volume_mm3: specimen.volume(),
             element_size_mm: options.element_size_mm,
-            band_factor: band_factor(options.method),
+            band_factor: band_factor(mesh.kind),
             exact: None,
         }
     }
@@ -64,19 +57,6 @@ impl<'a> Sample<'a> {
         }
         Ok(())
     }
-}
-
-/// Width of a crack band over the size of the element it runs through, calibrated for every method.
-pub fn band_factor(method: Method) -> f64 {
-    match method {
-        Method::Voxel { .. } => VOXEL_BAND,
-        Method::Lattice { .. } | Method::Conforming { .. } => TETRAHEDRON_BAND,
-    }
-}
-
-/// Edge of the regular tetrahedron of this volume, mm.
-pub fn regular_edge(volume_mm3: f64) -> f64 {
-    libm::cbrt(6.0 * std::f64::consts::SQRT_2 * volume_mm3)
 }
 
 /// Section across z that a test's forces are divided by, mm2: that of a sphere is its largest, notches do not count.

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Test {
     /// Compression or tension.
@@ -40,6 +41,7 @@ pub struct Test {
 
 /// Which way the upper plate moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Down, between plates that press and rub.
@@ -50,6 +52,7 @@ pub enum Kind {
 
 /// The law of mortar and ITZ; aggregates and fibres are elastic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum LawName {
     /// Linear elasticity.
@@ -62,6 +65,7 @@ pub enum LawName {
 
 /// What a mesh without an ITZ has at the aggregates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Itz {
     /// Mortar cells with a face on an aggregate have the ITZ's strength.
@@ -72,26 +76,22 @@ pub enum Itz {
 
 /// What becomes of aggregates that share nodes: elastic, they would form a skeleton that never breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Joined {
-    /// An aggregate's cells with a node of another one become mortar.
+    /// Of the aggregates' cells at a shared node those of one stay, and the others become mortar.
     Mortar,
     /// Nothing.
     Keep,
 }
 
-/// Cohesive faces between aggregates and mortar.
+/// What cohesive faces between aggregates and mortar have beside `[materials]`, and a deck cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Interface {
     /// Coulomb's coefficient in a crack.
     pub friction: f64,
-    /// Fracture energy in sliding over that in opening.
-    pub shear_energy_ratio: f64,
-    /// Exponent of Benzeggagh and Kenane's criterion.
-    pub mixity_exponent: f64,
-    /// Stiffness, N/mm3; absent, twenty times E / h of the mortar, h the element size, so that the specimen is no softer.
-    pub stiffness_n_per_mm3: Option<f64>,
 }
 
 impl Default for Test {
@@ -116,9 +116,9 @@ impl Default for Test {
 }
 
 impl Default for Interface {
-    /// Illustrative: friction 0.6 as in cracks of mortar, sliding ten times as tough as opening.
+    /// Illustrative: as in cracks of mortar.
     fn default() -> Self {
-        Self { friction: 0.6, shear_energy_ratio: 10.0, mixity_exponent: 2.0, stiffness_n_per_mm3: None }
+        Self { friction: 0.6 }
     }
 }
 
@@ -182,7 +182,6 @@ impl Test {
         };
         positive("test.duration_s", self.duration_s)?;
         positive("test.time_step_s", self.time_step_s)?;
-        positive("test.interface.stiffness_n_per_mm3", self.interface.stiffness_n_per_mm3)?;
         require("test.rows", f64::from(self.rows), (10..=1_000_000).contains(&self.rows), "it must be 10 to 1000000")?;
         require("test.frames", f64::from(self.frames), self.frames <= 10_000, "it must be at most 10000")?;
         self.interface.validate()
@@ -191,11 +190,7 @@ impl Test {
 
 impl Interface {
     fn validate(&self) -> Result<(), SolveError> {
-        let Self { friction, shear_energy_ratio, mixity_exponent, .. } = *self;
-        require("test.interface.friction", friction, (0.0..=10.0).contains(&friction), "it must be 0 to 10")?;
-        let (key, ratio) = ("test.interface.shear_energy_ratio", shear_energy_ratio);
-        require(key, ratio, (1.0..=1000.0).contains(&ratio), "it must be 1 to 1000")?;
-        let (key, exponent) = ("test.interface.mixity_exponent", mixity_exponent);
-        require(key, exponent, (0.5..=10.0).contains(&exponent), "it must be 0.5 to 10")
+        let friction = self.friction;
+        require("test.interface.friction", friction, (0.0..=10.0).contains(&friction), "it must be 0 to 10")
     }
 }

@@ -6,6 +6,7 @@ use super::values;
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::{inputs, stderr, threads};
+use meso_core::Spec;
 use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
@@ -42,6 +43,15 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     threads::with(args.threads, || on_these_threads(args))?
+}
+
+impl Args {
+    /// Refuses what a packing of `spec` cannot be meshed with, before it is packed.
+    pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.output.iter().try_for_each(|path| mesh_format(path).map(drop))?;
+        self.meshing.deck(spec)?;
+        self.meshing.check(&spec.specimen)
+    }
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
@@ -88,13 +98,18 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 fn plan(path: &Path, args: &Args) -> Result<(Target, MeshFormat), Failure> {
+    let format = mesh_format(path)?;
+    Ok((target(path, format, args.force, &args.meshing)?, format))
+}
+
+/// The format that an output's extension names; standard output takes a deck.
+fn mesh_format(path: &Path) -> Result<MeshFormat, Failure> {
     let format = if path == Path::new("-") { Some(MeshFormat::Inp) } else { MeshFormat::from_path(path) };
-    let format = format.ok_or_else(|| {
+    format.ok_or_else(|| {
         let known = MeshFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
         let message = format!("{}: the extension names no mesh format; it must be one of {known}", path.display());
         Failure::Usage(message)
-    })?;
-    Ok((target(path, format, args.force, &args.meshing)?, format))
+    })
 }
 
 /// Destination of a mesh, inspected before any work is done.

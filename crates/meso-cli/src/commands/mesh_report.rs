@@ -51,14 +51,14 @@ impl MeshReport {
             nodes: mesh.points.len(),
             specimen_volume_mm3: specimen.volume(),
             bad_elements: quality.bad_cells.iter().map(|cell| cell + 1).collect(),
-            quality,
             mass_scaling: MassScaling::of(mesh, &deck.materials, deck.loading.time_increment_s),
             half_strength_strain: deck.half_strength_strain(mesh),
-            warnings: deck.doubts(mesh),
+            warnings: deck.doubts(mesh, quality.exact_volumes_mm3.as_ref()),
             notes: mesh.notes,
             options,
             voxels: mesh.kind == CellKind::Hexahedron,
             smeared: mesh.has_smeared_itz(),
+            quality,
         }
     }
 

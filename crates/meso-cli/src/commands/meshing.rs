@@ -29,7 +29,7 @@ pub(super) struct Meshing {
     #[arg(help = format!("How the interfacial transition zone enters the mesh: {} [default: solid; with an analysis smeared]", names::list::<ItzForm>()))]
     itz: Option<ItzForm>,
     #[arg(long, value_parser = names::parse::<Joined>)]
-    #[arg(help = format!("What becomes of aggregates that would share nodes: {} [default: keep; with an analysis mortar]", names::list::<Joined>()))]
+    #[arg(help = format!("What becomes of aggregates that would share nodes: {} [default: keep; with an analysis cut]", names::list::<Joined>()))]
     joined: Option<Joined>,
     #[arg(long, value_parser = names::parse::<Volumes>)]
     #[arg(help = format!("Which volume the aggregates of a fitted lattice have: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
@@ -104,7 +104,7 @@ impl Meshing {
             subsamples: self.subsamples,
             fit: self.fit,
             order: self.order,
-            joined: self.joined.unwrap_or(if self.analyses() { Joined::Mortar } else { Joined::Keep }),
+            joined: self.joined.unwrap_or(if self.analyses() { Joined::Cut } else { Joined::Keep }),
             volumes: self.volumes.unwrap_or(if self.analyses() { Volumes::Exact } else { Volumes::Fitted }),
             slabs: self.slabs,
         }

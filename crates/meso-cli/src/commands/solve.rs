@@ -131,6 +131,13 @@ impl Args {
         }
     }
 
+    /// Refuses what a packing of `spec` cannot be tested with, before it is packed.
+    pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        self.validate()?;
+        self.division.options(false, &spec.specimen).map(drop)
+    }
+
     /// Refuses flags that cannot be meant, before any work.
     fn validate(&self) -> Result<(), Failure> {
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
@@ -212,9 +219,10 @@ impl Args {
         let (elements, steps) = (stderr::thousands(mesh.cell_count()), stderr::thousands(run.steps() as usize));
         let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
         stderr::line(format!(
-            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s, {:.0} MB",
+            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
             self.friction,
             run.time_step_s(),
+            run.added_mass_percent(),
             run.bytes() as f64 / 1e6
         ));
     }

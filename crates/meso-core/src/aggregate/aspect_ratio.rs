@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A named distribution of an aspect ratio, within `min..=max`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum AspectRatio {
     /// Normal, redrawn until it lies within the limits.

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 /// What is asked of the aggregate sizes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Grading {
     /// Share of the volume finer than a size, over all sizes.
@@ -32,6 +33,7 @@ pub struct Grading {
 
 /// The curve truncated to the placed sizes, or as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
     /// (P(d) - P(d_min)) / (P(d_max) - P(d_min)): the whole target is placed. Fuller's: (d^n - d_min^n) / (d_max^n -
@@ -43,6 +45,7 @@ pub enum Form {
 
 /// Which length of an aggregate is its size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SizeDefinition {
     /// The longest axis 2a (the paper's).
@@ -53,6 +56,7 @@ pub enum SizeDefinition {
 
 /// The distribution of sizes within a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SizeLaw {
     /// Every size is drawn equally often (the paper's).

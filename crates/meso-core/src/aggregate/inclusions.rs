@@ -15,6 +15,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2, TAU};
 
 /// Spherical voids, `[voids]` in a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Voids {
     /// Their volume over the specimen's, 0 to 1.
@@ -25,6 +26,7 @@ pub struct Voids {
 
 /// Straight fibres, `[fibres]` in a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Fibres {
     /// Their volume over the specimen's, 0 to 1.
@@ -41,6 +43,7 @@ pub struct Fibres {
 
 /// The directions within an angle of one direction, all equally likely.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Cone {
     /// Its axis, of any length; a fibre has no front and no back.

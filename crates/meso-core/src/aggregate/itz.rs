@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Law of the ITZ thickness: uniform between two limits, per aggregate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Itz {
     /// Lower and upper limit of the thickness, mm. Both 0: the model has no ITZ.

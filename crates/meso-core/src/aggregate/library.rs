@@ -79,3 +79,14 @@ impl<'de> Deserialize<'de> for Template {
         Self::new(rows.into_iter().map(Vec3::from).collect()).map_err(serde::de::Error::custom)
     }
 }
+
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for Template {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Template".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        generator.subschema_for::<Vec<[f64; 3]>>()
+    }
+}

@@ -10,6 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 /// What is asked of the aggregates' shape.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Shape {
     /// Which kind of polyhedron.
@@ -27,6 +28,7 @@ pub struct Shape {
 
 /// Kinds of polyhedra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ShapeKind {
     /// The paper's: the six ends of an ellipsoid's axes and random points on it.

@@ -1,15 +1,18 @@
 //! Aggregates that share nodes parted by mortar: for analyses, since joined ones make an elastic skeleton that never breaks.
 //!
-//! A node that has cells of several aggregates stays with the one whose surface it is nearest to; the others' cells there
-//! have reached across the gap. In a mesh of tetrahedra the edges that lead from the node into such an aggregate are cut
-//! where they meet its surface, and what lies before the cut becomes mortar: one element more, and little volume less.
-//! Hexahedra, and cells of a mesh whose opposite faces must match, become mortar whole.
+//! Two ways. The first makes whole cells mortar: at a node that several aggregates share, all of them leave but one, and
+//! the nodes are taken in an order that loses little volume. No cell is added, so no stable step gets shorter.
+//!
+//! The second cuts tetrahedra first. A shared node stays with the aggregate whose surface is nearest; the others' cells
+//! there have reached across the gap. The edges that lead from the node into these are cut where they meet their surfaces,
+//! and what lies before the cut becomes mortar: little volume less, but cells of half the size. Hexahedra, and cells of a
+//! mesh whose opposite faces must match, become mortar whole.
 
 use super::cells::{CellKind, Mesh, NO_AGGREGATE, Phase};
 use super::quality::cell_volume;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What was parted.
 pub(super) struct Parted {
@@ -17,7 +20,9 @@ pub(super) struct Parted {
     pub(super) nodes: usize,
     /// Pairs of aggregates that had such nodes.
     pub(super) pairs: usize,
-    /// Volume of aggregates that is mortar now, mm3.
+    /// Cells of aggregates that are mortar now.
+    pub(super) cells: usize,
+    /// Their volume, mm3.
     pub(super) volume_mm3: f64,
 }
 
@@ -55,22 +60,117 @@ pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
     pairs.len()
 }
 
-/// Parts the aggregates of `mesh`, images of `bodies`, that share nodes.
-pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate]) -> Parted {
-    let mut joined = joined(mesh);
+/// Parts the aggregates of `mesh`, images of `bodies`, that share nodes; `cuts` tetrahedra before whole cells go.
+pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) -> Parted {
+    let joined = joined(mesh);
     let (nodes, pairs) = (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined));
-    let surfaces = Surfaces::of(bodies);
-    let (mut volume_mm3, mut cuts) = (0.0, 0);
-    while !joined.is_empty() {
-        let left = left(mesh, &surfaces, &joined);
-        if mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] && cuts < CUTS {
+    let mut parted = Parted { nodes, pairs, cells: 0, volume_mm3: 0.0 };
+    if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
+        let surfaces = Surfaces::of(bodies);
+        for _ in 0..CUTS {
+            let left = left(mesh, &surfaces, &self::joined(mesh));
             cut(mesh, &surfaces, &left);
-            cuts += 1;
+            let gone = cells_at(mesh, &left);
+            parted.become_mortar(mesh, &gone);
         }
-        volume_mm3 += become_mortar(mesh, &left);
-        joined = self::joined(mesh);
     }
-    Parted { nodes, pairs, volume_mm3 }
+    let gone = joining_cells(mesh);
+    parted.become_mortar(mesh, &gone);
+    parted
+}
+
+impl Parted {
+    /// Gives the mortar the cells `gone`.
+    fn become_mortar(&mut self, mesh: &mut Mesh, gone: &[usize]) {
+        self.cells += gone.len();
+        self.volume_mm3 += gone.iter().map(|&cell| volume(mesh, cell)).sum::<f64>();
+        for &cell in gone {
+            mesh.phase[cell] = Phase::Mortar;
+            mesh.aggregate[cell] = NO_AGGREGATE;
+        }
+    }
+}
+
+fn volume(mesh: &Mesh, cell: usize) -> f64 {
+    let nodes = mesh.kind.nodes();
+    cell_volume(mesh.kind, &mesh.cells[cell * nodes..][..nodes], &mesh.points)
+}
+
+/// The aggregates' cells that must become mortar so that no aggregate shares a node with another one or with a fibre,
+/// ascending.
+///
+/// At a shared node all leave but a fibre, or the aggregate with the largest volume there. The node that costs the least
+/// is next: where an aggregate has left a node, it has less to lose at the nodes beside it. The smallest volume of all is
+/// a vertex cover of least weight, which is hard to find.
+pub(crate) fn joining_cells(mesh: &Mesh) -> Vec<usize> {
+    let mut shared = Shared::of(mesh);
+    let nodes: Vec<u32> = shared.cells.keys().copied().collect();
+    let mut next: BTreeSet<(u64, u32)> = nodes.iter().map(|&node| (shared.cost(node).0, node)).collect();
+    while let Some((_, node)) = next.pop_first() {
+        let leaving = shared.cost(node).1;
+        let mut others: BTreeSet<u32> = leaving.iter().flat_map(|&cell| shared.neighbours(mesh, cell)).collect();
+        others.retain(|&other| next.remove(&(shared.cost(other).0, other)));
+        leaving.iter().for_each(|&cell| shared.gone[cell] = true);
+        next.extend(others.iter().map(|&other| (shared.cost(other).0, other)));
+    }
+    (0..shared.gone.len()).filter(|&cell| shared.gone[cell]).collect()
+}
+
+/// The nodes that several bodies share.
+struct Shared {
+    /// The bodies' cells at each, with the body and the cell's volume, mm3; a fibre's weighs more than all.
+    cells: BTreeMap<u32, Vec<(usize, u32, f64)>>,
+    /// Of every cell of the mesh.
+    gone: Vec<bool>,
+}
+
+impl Shared {
+    fn of(mesh: &Mesh) -> Self {
+        let corners = mesh.kind.corners();
+        let bodies = || {
+            let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).enumerate();
+            cells.filter(|(_, ((_, phase), _))| matches!(phase, Phase::Aggregate | Phase::Fibre))
+        };
+        let (mut first, mut several) = (vec![NO_AGGREGATE; mesh.points.len()], vec![false; mesh.points.len()]);
+        for (_, ((cell, _), &body)) in bodies() {
+            for &node in &cell[..corners] {
+                let first = &mut first[node as usize];
+                several[node as usize] |= *first != NO_AGGREGATE && *first != body;
+                *first = body;
+            }
+        }
+        let mut cells: BTreeMap<u32, Vec<(usize, u32, f64)>> = BTreeMap::new();
+        for (number, ((cell, phase), &body)) in bodies() {
+            let weight = if *phase == Phase::Fibre { f64::INFINITY } else { volume(mesh, number) };
+            for &node in cell[..corners].iter().filter(|node| several[**node as usize]) {
+                cells.entry(node).or_default().push((number, body, weight));
+            }
+        }
+        Self { cells, gone: vec![false; mesh.cell_count()] }
+    }
+
+    /// The volume that leaves a node, in a form that sorts as it does, and the cells: none of fibres.
+    fn cost(&self, node: u32) -> (u64, Vec<usize>) {
+        let left = || self.cells[&node].iter().filter(|(cell, ..)| !self.gone[*cell]);
+        let mut volumes: BTreeMap<u32, f64> = BTreeMap::new();
+        left().for_each(|(_, body, volume)| *volumes.entry(*body).or_default() += volume);
+        let largest = volumes.iter().fold(
+            (NO_AGGREGATE, 0.0),
+            |best, (body, volume)| {
+                if *volume > best.1 { (*body, *volume) } else { best }
+            },
+        );
+        let leaves = || left().filter(|(_, body, volume)| *body != largest.0 && volume.is_finite());
+        // An empty sum may be -0.
+        let cost = leaves().map(|(_, _, volume)| volume).sum::<f64>() + 0.0;
+        (cost.to_bits(), leaves().map(|(cell, ..)| *cell).collect())
+    }
+
+    /// The shared nodes of a cell.
+    fn neighbours(&self, mesh: &Mesh, cell: usize) -> Vec<u32> {
+        let nodes = &mesh.cells[cell * mesh.kind.nodes()..][..mesh.kind.corners()];
+        nodes.iter().copied().filter(|node| self.cells.contains_key(node)).collect()
+    }
 }
 
 /// A cut through an edge whose two nodes different aggregates leave joins these anew. After so many rounds of cuts what is
@@ -181,21 +281,13 @@ impl Star {
     }
 }
 
-/// Gives the mortar the cells of aggregates at nodes that these leave; returns their volume, mm3.
-fn become_mortar(mesh: &mut Mesh, left: &[(u32, u32)]) -> f64 {
+/// The cells of aggregates at nodes that these leave.
+fn cells_at(mesh: &Mesh, left: &[(u32, u32)]) -> Vec<usize> {
     let corners = mesh.kind.corners();
     let leaves = |cell: &[u32], aggregate: u32| {
         cell[..corners].iter().any(|&node| left.binary_search(&(node, aggregate)).is_ok())
     };
     let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).enumerate();
     let left = cells.filter(|(_, ((cell, phase), id))| **phase == Phase::Aggregate && leaves(cell, **id));
-    let gone: Vec<usize> = left.map(|(number, _)| number).collect();
-    let nodes = mesh.kind.nodes();
-    let volume = |&cell: &usize| cell_volume(mesh.kind, &mesh.cells[cell * nodes..][..nodes], &mesh.points);
-    let volume = gone.iter().map(volume).sum();
-    for cell in gone {
-        mesh.phase[cell] = Phase::Mortar;
-        mesh.aggregate[cell] = NO_AGGREGATE;
-    }
-    volume
+    left.map(|(number, _)| number).collect()
 }

@@ -76,10 +76,11 @@ fn assemble(
 
 /// Parts joined aggregates, restores volumes and names the smeared ITZ, as far as each is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
-    if options.joined == Joined::Mortar && options.itz != ItzForm::Cohesive {
-        let parted = apart::part(mesh, bodies);
+    if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
+        let parted = apart::part(mesh, bodies, options.joined == Joined::Cut);
         mesh.notes.parted_nodes = parted.nodes;
         mesh.notes.parted_pairs = parted.pairs;
+        mesh.notes.parted_cells = parted.cells;
         mesh.notes.parted_mm3 = parted.volume_mm3;
     }
     let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });

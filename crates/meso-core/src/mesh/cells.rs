@@ -141,7 +141,9 @@ pub struct Notes {
     pub parted_nodes: usize,
     /// Pairs of aggregates that mortar parts there.
     pub parted_pairs: usize,
-    /// Volume of aggregates that became mortar for it, mm3, before any volume was made good.
+    /// Cells of aggregates that became mortar for it.
+    pub parted_cells: usize,
+    /// Their volume, mm3, before any volume was made good.
     pub parted_mm3: f64,
     /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
     /// two, thinner than the elements can show, is closed.
@@ -208,6 +210,12 @@ impl Mesh {
     pub fn joined_aggregates(&self) -> (usize, usize) {
         let joined = super::apart::joined(self);
         (joined.chunk_by(|a, b| a.0 == b.0).count(), super::apart::pairs(&joined))
+    }
+
+    /// Numbers of the aggregates' cells, ascending, that must become mortar so that no aggregate shares a node with another
+    /// one or with a fibre, few by their volume.
+    pub fn joining_cells(&self) -> Vec<usize> {
+        super::apart::joining_cells(self)
     }
 }
 

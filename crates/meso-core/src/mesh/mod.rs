@@ -6,6 +6,7 @@ pub(crate) mod apart;
 mod build;
 pub(crate) mod cells;
 pub mod conforming;
+mod crack_band;
 mod error;
 mod fidelity;
 mod interface;
@@ -27,6 +28,9 @@ pub use build::build_parts;
 pub use build::{build, build_with};
 pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
+#[doc(hidden)]
+pub use crack_band::{band_factor, regular_edge};
+pub(crate) use crack_band::{characteristic_mm, width_mm};
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
 pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};

@@ -78,6 +78,7 @@ impl Method {
 
 /// A [`Method`] by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
     /// [`Method::Voxel`].
@@ -90,6 +91,7 @@ pub enum MethodName {
 
 /// What a lattice does at the aggregates' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Fit {
     /// Nodes move onto the surfaces, and tetrahedra that cross one are cut.
@@ -109,6 +111,7 @@ pub enum Order {
 
 /// The ITZ in the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ItzForm {
     /// A layer of solid elements.
@@ -123,17 +126,21 @@ pub enum ItzForm {
 
 /// What becomes of aggregates that share nodes, since the elements cannot show the gap between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Joined {
     /// They stay joined: an elastic skeleton that no analysis breaks.
     #[default]
     Keep,
-    /// Mortar parts them. A cohesive ITZ does so by itself.
+    /// Mortar parts them: of the cells at a shared node those of one aggregate stay. A cohesive ITZ parts by itself.
     Mortar,
+    /// The same with tetrahedra that are cut first: less of the aggregates is lost, and elements get small.
+    Cut,
 }
 
 /// Which volume aggregates have in a mesh of tetrahedra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Volumes {
     /// That of the mesh with its nodes on their surfaces: less than their own, since chords cut corners off.
@@ -224,6 +231,7 @@ fn validate_slabs(slabs: u32) -> Result<(), MeshError> {
 /// [`MeshOptions`] as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must
 /// keep its default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshTable {
     /// As [`MeshOptions::method`].

@@ -153,8 +153,6 @@ impl QualityReport {
     /// Of a mesh of `bodies` in `specimen`; time steps are those of `materials`.
     pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, materials: &Materials) -> Self {
         let worst = Worst::of(mesh, materials);
-        let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
-        let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
         Self {
             cells: mesh.cell_count(),
             min_dihedral_deg: worst.min_dihedral,
@@ -167,7 +165,7 @@ impl QualityReport {
             stable_time_step_s: worst.time_step,
             cohesive_time_step_s: (!mesh.cohesive.is_empty()).then(|| materials.cohesive_time_step_s()),
             volumes_mm3: PhaseVolumes::of_mesh(mesh),
-            exact_volumes_mm3: PhaseVolumes::exact(bodies, specimen, shell).ok(),
+            exact_volumes_mm3: PhaseVolumes::exact_for(mesh, bodies, specimen),
             interface_distance: InterfaceDistance::of(mesh, bodies, specimen),
         }
     }
@@ -325,6 +323,14 @@ impl PhaseVolumes {
             }
         }
         Ok(Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre })
+    }
+
+    /// The exact volumes of the phases that `mesh` has: with the shells where its ITZ is solid; `None` where a core has no
+    /// trustworthy volume.
+    pub fn exact_for(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen) -> Option<Self> {
+        let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
+        let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
+        Self::exact(bodies, specimen, shell).ok()
     }
 
     /// Sum of the phases, mm3.

@@ -31,6 +31,7 @@ use serde::{Deserialize, Serialize};
 
 /// How aggregates are placed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
     /// Which strategy places.
@@ -53,6 +54,7 @@ pub(crate) const DEFAULT_ATTEMPTS: u32 = 50_000;
 
 /// The placement strategies, siblings behind one interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
     /// The one that reaches the target.

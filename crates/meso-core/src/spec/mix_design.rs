@@ -9,6 +9,7 @@ use serde::Deserialize;
 
 /// A mix design, `[mix]` in a spec, given instead of `fraction`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct MixDesign {
     /// Cement, kg per m3 of concrete.

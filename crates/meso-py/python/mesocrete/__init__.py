@@ -23,7 +23,10 @@ from ._mesocrete import (
     convex_hull,
     load,
     pack,
+    recipes,
 )
+from ._options import Grading, Specimen
+from ._study import Study, study
 
 Sequence.register(Aggregates)
 
@@ -31,14 +34,19 @@ __all__ = [
     "Aggregate",
     "Aggregates",
     "Frame",
+    "Grading",
     "Mesh",
     "Packing",
     "Polyhedron",
     "Response",
     "Spec",
+    "Specimen",
+    "Study",
     "__version__",
     "convex_hull",
     "gjk",
     "load",
     "pack",
+    "recipes",
+    "study",
 ]

@@ -1,11 +1,15 @@
 """The compiled part of the mesocrete package."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from os import PathLike
-from typing import Any, TypeAlias, final, overload
+from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
+
+from . import _types
+from ._types import DeckOptions, MeshOptions, SolveOptions, SpecOptions, StatisticsOptions
 
 __version__: str
 __all__ = [
@@ -22,13 +26,16 @@ __all__ = [
     "_restore_packing",
     "_restore_polyhedron",
     "_restore_spec",
+    "_StudyPlan",
     "_run_command",
+    "_study_results",
     "convex_hull",
     "distance",
     "intersects",
     "intersects_many",
     "load",
     "pack",
+    "recipes",
 ]
 
 _Path: TypeAlias = str | PathLike[str]
@@ -37,28 +44,62 @@ _Path: TypeAlias = str | PathLike[str]
 class Spec:
     """Everything that determines a model; omitted options keep their defaults, the paper's specimen."""
 
-    def __new__(cls, **options: Any) -> Spec: ...
+    def __new__(cls, **options: Unpack[SpecOptions]) -> Spec: ...
     @staticmethod
-    def from_toml(text: str) -> Spec: ...
+    def from_toml(text: str) -> Spec:
+        """Reads the text of a SPEC.toml."""
+
     @staticmethod
-    def read(path: _Path) -> Spec: ...
+    def read(path: _Path) -> Spec:
+        """Reads a SPEC.toml."""
+
+    @staticmethod
+    def recipe(name: str) -> Spec:
+        """A specimen of the paper or of a standard, by its name in `recipes()`.
+
+        Raises
+        ------
+        ValueError
+            For another name; the message lists them.
+        """
+
     @property
-    def seed(self) -> int: ...
+    def seed(self) -> int:
+        """Seed of all randomness."""
+
     @property
-    def fraction(self) -> float: ...
+    def fraction(self) -> float:
+        """Volume of the aggregates over the specimen's, 0 to 1."""
+
     @property
-    def specimen(self) -> dict[str, Any]: ...
+    def specimen(self) -> _types.Specimen:
+        """What is filled; a copy."""
+
     @property
-    def grading(self) -> dict[str, Any]: ...
+    def grading(self) -> _types.Grading:
+        """Sizes; a copy."""
+
     @property
-    def shape(self) -> dict[str, Any]: ...
+    def shape(self) -> _types.Shape:
+        """Shapes; a copy."""
+
     @property
-    def itz(self) -> dict[str, Any]: ...
+    def itz(self) -> _types.Itz:
+        """Interfacial transition zone; a copy."""
+
     @property
-    def placement(self) -> dict[str, Any]: ...
-    def to_dict(self) -> dict[str, Any]: ...
-    def to_toml(self) -> str: ...
-    def replace(self, **changes: Any) -> Spec: ...
+    def placement(self) -> _types.Placement:
+        """Placement; a copy."""
+
+    def to_dict(self) -> SpecOptions:
+        """Everything as a dict that `Spec(**it)` takes back."""
+
+    def to_toml(self) -> str:
+        """Everything as the text of a SPEC.toml."""
+
+    def replace(self, **changes: Unpack[SpecOptions]) -> Spec:
+        """A spec with `changes` laid over this one; sections are merged key by key."""
+
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Spec: ...
@@ -70,18 +111,40 @@ class Polyhedron:
     """A closed convex polyhedron, mm."""
 
     @property
-    def vertices(self) -> NDArray[np.float64]: ...
+    def vertices(self) -> NDArray[np.float64]:
+        """Vertex positions: ndarray, shape (n, 3), float64, mm; a copy."""
+
     @property
-    def faces(self) -> list[list[int]]: ...
+    def faces(self) -> list[list[int]]:
+        """Vertex indices of every face, counter-clockwise from outside: list of lists of int."""
+
     @property
-    def triangles(self) -> NDArray[np.int64]: ...
+    def triangles(self) -> NDArray[np.int64]:
+        """Faces cut into triangles: ndarray, shape (m, 3), int64."""
+
     @property
-    def volume(self) -> float: ...
+    def volume(self) -> float:
+        """Volume, mm3."""
+
     @property
-    def area(self) -> float: ...
+    def area(self) -> float:
+        """Surface area, mm2."""
+
     @property
-    def centroid(self) -> NDArray[np.float64]: ...
-    def offset(self, thickness: float) -> Polyhedron | None: ...
+    def centroid(self) -> NDArray[np.float64]:
+        """Centre of volume: ndarray, shape (3,), float64, mm."""
+
+    def offset(self, thickness: float) -> Polyhedron | None:
+        """The body with every face moved inwards by `thickness` (mm), or `None` where it vanishes.
+
+        Raises
+        ------
+        ValueError
+            For a thickness that is negative or not finite.
+        ArithmeticError
+            Where what is left is too thin, or too small, for float64 vertices to show its shape.
+        """
+
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Polyhedron: ...
@@ -93,24 +156,44 @@ class Aggregate:
     """One aggregate, or one void or fibre, at its place in the specimen."""
 
     @property
-    def id(self) -> int: ...
+    def id(self) -> int:
+        """Position in the packing, from 0; voids and fibres count on from the last aggregate."""
+
     @property
-    def phase(self) -> str: ...
+    def phase(self) -> str:
+        """What it is: "aggregate", "void" or "fibre"."""
+
     @property
-    def size_class(self) -> int: ...
+    def size_class(self) -> int:
+        """Index of the size class, from the finest; those of voids and of fibres follow the grading's."""
+
     @property
-    def vertices(self) -> NDArray[np.float64]: ...
+    def vertices(self) -> NDArray[np.float64]:
+        """Vertex positions: ndarray, shape (n, 3), float64, mm; a copy."""
+
     @property
-    def faces(self) -> list[list[int]]: ...
+    def faces(self) -> list[list[int]]:
+        """Vertex indices of every face, counter-clockwise from outside: list of lists of int."""
+
     @property
-    def triangles(self) -> NDArray[np.int64]: ...
+    def triangles(self) -> NDArray[np.int64]:
+        """Faces cut into triangles: ndarray, shape (m, 3), int64."""
+
     @property
-    def volume(self) -> float: ...
+    def volume(self) -> float:
+        """Volume of the outer body, ITZ shell included, mm3."""
+
     @property
-    def itz_thickness(self) -> float: ...
+    def itz_thickness(self) -> float:
+        """Thickness of the ITZ shell, mm."""
+
     @property
-    def body(self) -> Polyhedron: ...
-    def core(self) -> Polyhedron | None: ...
+    def body(self) -> Polyhedron:
+        """The outer body as a `Polyhedron`."""
+
+    def core(self) -> Polyhedron | None:
+        """The body inside the ITZ shell, or `None` where the shell takes it all."""
+
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Aggregate: ...
@@ -127,8 +210,18 @@ class Aggregates:
     def __getitem__(self, key: int, /) -> Aggregate: ...
     @overload
     def __getitem__(self, key: slice, /) -> list[Aggregate]: ...
-    def index(self, value: object, start: int = 0, stop: int | None = None) -> int: ...
-    def count(self, value: object) -> int: ...
+    def index(self, value: object, start: int = 0, stop: int | None = None) -> int:
+        """Position of the first aggregate that equals `value`, from `start` on and before `stop`.
+
+        Raises
+        ------
+        ValueError
+            Where there is none.
+        """
+
+    def count(self, value: object) -> int:
+        """How many aggregates equal `value`."""
+
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -138,30 +231,116 @@ class Packing:
     """A packed specimen."""
 
     @property
-    def fraction(self) -> float: ...
+    def fraction(self) -> float:
+        """Volume of all aggregates, ITZ shells included, over the specimen's."""
+
     @property
-    def seed(self) -> int: ...
+    def seed(self) -> int:
+        """Seed of the run."""
+
     @property
-    def spec(self) -> Spec: ...
+    def spec(self) -> Spec:
+        """What was asked."""
+
     @property
-    def aggregates(self) -> Aggregates: ...
+    def aggregates(self) -> Aggregates:
+        """The aggregates in descending volume: a sequence of `Aggregate`."""
+
     @property
-    def inclusions(self) -> list[Aggregate]: ...
+    def inclusions(self) -> list[Aggregate]:
+        """Voids in descending volume, then fibres: a list of `Aggregate`, empty where the spec asks for none."""
+
     @property
-    def bounds(self) -> tuple[list[float], list[float]]: ...
-    def report(self) -> dict[str, Any]: ...
+    def bounds(self) -> tuple[list[float], list[float]]:
+        """The specimen's bounding box: lowest and highest corner, mm."""
+
+    def report(self) -> dict[str, Any]:
+        """The result and its cost: a dict with the keys of `--summary-json`."""
+
     def write(
-        self, path: _Path, *, overwrite: bool = True, compress: bool = False, images: str = "none"
-    ) -> None: ...
-    def specimen_surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
-    def check(self) -> dict[str, Any]: ...
-    def statistics(self, **options: Any) -> dict[str, Any]: ...
+        self, path: _Path, *, overwrite: bool = True, compress: bool = False, images: Literal["none", "whole", "cut"] = "none"
+    ) -> None:
+        """Writes the packing, whole or not at all; the extension names the format.
+
+        `.json` is the saved model, `.vtu` and `.stl` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus
+        deck of the default mesh (`mesh()` has the options). `compress` packs what a `.vtu` holds.
+
+        Parameters
+        ----------
+        path : path
+            Where to.
+        overwrite : bool
+            Whether to replace a file that is there.
+        images : {"none", "whole", "cut"}
+            Aggregates that cross a face of a periodic specimen, in `.vtu` and `.stl`: each once, every image that reaches
+            in, or these cut at the faces, so that opposite faces match.
+
+        Raises
+        ------
+        ValueError
+            For an extension that names no format; the message lists them.
+        OSError
+            Where the file cannot be written, or exists and `overwrite` is False.
+        """
+
+    def specimen_surface(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The specimen's surface: points (n, 3), mm, and triangles (m, 3), counter-clockwise from outside.
+
+        Exact for planes; curved walls are polygons within 1e-3 of their size.
+        """
+
+    def check(self) -> dict[str, Any]:
+        """Proves, independently of how it was packed, that nothing overlaps and everything lies inside.
+
+        Returns
+        -------
+        dict
+            `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed) and `findings`, a list of what is wrong.
+        """
+
+    def statistics(self, **options: Unpack[StatisticsOptions]) -> dict[str, Any]:
+        """Measures grading, shape, orientation, wall effect, gaps and correlation functions of the aggregates, and counts
+        voids and fibres under `phases`.
+
+        Parameters
+        ----------
+        **options
+            How much is sampled, and how finely: `seed`, `lines`, `lag_mm`, `lags`, `points`, `layer_mm`.
+
+        Returns
+        -------
+        dict
+        """
+
     def mesh(
-        self, *, method: str | None = None, element_size: float | None = None, **options: Any
-    ) -> Mesh: ...
-    def to_pyvista(self, **options: Any) -> Any: ...
-    def plot(self, **options: Any) -> Any: ...
-    def plot_grading(self, **options: Any) -> Any: ...
+        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, **options: Unpack[MeshOptions]
+    ) -> Mesh:
+        """Meshes the packing.
+
+        Parameters
+        ----------
+        method : str, optional
+            How the specimen is divided; "voxel" is the default.
+        element_size : float, optional
+            Edge length of the elements, mm; default 2.
+        **options
+            The other options of `mesocrete mesh`, e.g. `itz="none"`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            Names the option, its value and the accepted range.
+        """
+
+    def to_pyvista(self, **options: Any) -> Any:
+        """The bodies' outer surfaces as PyVista polygons (needs the extra `plot`); `images` as for `write`."""
+
+    def plot(self, **options: Any) -> Any:
+        """Shows the aggregates, coloured by class; with `screenshot=path` writes the picture instead (extra `plot`)."""
+
+    def plot_grading(self, **options: Any) -> Any:
+        """Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`)."""
+
     def _surfaces(self, images: str) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -175,41 +354,136 @@ class Mesh:
     """A mesh of a packing."""
 
     @property
-    def points(self) -> NDArray[np.float64]: ...
-    @property
-    def cells(self) -> NDArray[np.int64]: ...
-    @property
-    def cell_type(self) -> str: ...
-    @property
-    def phase(self) -> NDArray[np.uint8]: ...
-    @property
-    def aggregate(self) -> NDArray[np.int64]: ...
-    @property
-    def cohesive(self) -> NDArray[np.int64]: ...
-    @property
-    def notes(self) -> dict[str, float]: ...
-    def volumes(self) -> dict[str, float]: ...
-    def quality(self) -> dict[str, Any]: ...
-    def mass_scaling(self, time_step_s: float = 5e-7) -> dict[str, Any]: ...
-    def bad_cells(self, degrees: float) -> NDArray[np.int64]: ...
-    def write(self, path: _Path, *, overwrite: bool = True, compress: bool = False, **deck: Any) -> None: ...
-    def solve(
-        self,
-        test: str = "compression",
-        *,
-        materials: dict[str, Any] | None = None,
-        threads: int | None = None,
-        progress: Callable[[float, float], object] | None = None,
-        **options: Any,
-    ) -> Response:
-        """Test the specimen between rigid plates along z, and return its curve, figures and fields.
+    def points(self) -> NDArray[np.float64]:
+        """Node positions: ndarray, shape (n, 3), float64, mm; a copy."""
 
-        `options` are `friction`, `strain`, `law`, `frames`, `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`,
-        `hourglass` and `interface`.
+    @property
+    def cells(self) -> NDArray[np.int64]:
+        """Node indices of every cell, in the order of Abaqus and VTK: ndarray, shape (m, nodes), int64; a copy."""
+
+    @property
+    def cell_type(self) -> str:
+        """The cells' shape, by its name in meshio: "tetra", "tetra10" or "hexahedron"."""
+
+    @property
+    def phase(self) -> NDArray[np.uint8]:
+        """Phase of every cell: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
+
+    @property
+    def aggregate(self) -> NDArray[np.int64]:
+        """Id of the aggregate or fibre every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy."""
+
+    @property
+    def cohesive(self) -> NDArray[np.int64]:
+        """Zero-thickness cohesive elements, the aggregate side's face and then the nodes over it, counter-clockwise seen
+        from outside the aggregate: ndarray, shape (k, 6 or 8), int64; a copy. Empty unless `itz="cohesive"`.
         """
 
-    def to_pyvista(self) -> Any: ...
-    def to_meshio(self) -> Any: ...
+    @property
+    def notes(self) -> dict[str, float]:
+        """What the builder had to decide, and how often: gaps closed, ITZ thinned; a dict."""
+
+    def volumes(self) -> dict[str, float]:
+        """Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where
+        there are fibres.
+        """
+
+    def quality(self) -> dict[str, Any]:
+        """The worst cells, a histogram of smallest dihedral angles, the cells below 8 degrees (`bad_cells`), the stable
+        time step that the default materials allow, the phases' volumes (`volumes_mm3`) against the exact ones
+        (`exact_volumes_mm3`), and how far the interface nodes lie from the aggregates' surfaces: a dict.
+
+        Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other
+        materials how many there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how
+        far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond
+        it as `joined_rms_mm` and `joined_max_mm` say.
+        """
+
+    def mass_scaling(self, time_step_s: float = 5e-7) -> dict[str, Any]:
+        """The mass that explicit dynamics in steps of `time_step_s` seconds takes, with the default materials: a dict of
+        `time_step_s`, `factor` (mass with what scaling adds over the mesh's own) and `phases`, a list of dicts of `phase`,
+        `elements`, `scaled` (share of them whose own step is shorter), `factor`, `shortest_step_s` and `mass_t`.
+        """
+
+    def bad_cells(self, degrees: float) -> NDArray[np.int64]:
+        """The cells whose smallest dihedral angle lies below `degrees`, as indices: ndarray, int64."""
+
+    def write(self, path: _Path, *, overwrite: bool = True, compress: bool = False, **deck: Unpack[DeckOptions]) -> None:
+        """Writes the mesh, whole or not at all; the extension names the format.
+
+        Parameters
+        ----------
+        path : path
+            `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+        overwrite : bool
+            Whether a file that is there already is replaced.
+        compress : bool
+            Whether what a `.vtu` holds is compressed.
+        **deck
+            What an `.inp` holds beside the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
+            `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; what it leaves out keeps its illustrative default).
+
+        Raises
+        ------
+        ValueError
+            For an extension that names no mesh format, and for what a deck cannot hold; the message lists what is accepted.
+        OSError
+            Where the file cannot be written.
+        """
+
+    def solve(
+        self,
+        test: Literal["compression", "tension"] = "compression",
+        *,
+        materials: _types.DeckMaterials | None = None,
+        threads: int | None = None,
+        progress: Callable[[float, float], object] | None = None,
+        **options: Unpack[SolveOptions],
+    ) -> Response:
+        """Tests the specimen between rigid plates along z, and returns its curve, figures and fields.
+
+        Parameters
+        ----------
+        test : str
+            "compression", between plates that press and rub, or "tension", between plates that are glued on.
+        friction : float
+            Coulomb's coefficient between plates and specimen in compression.
+        strain : float, optional
+            Mean axial strain at the end; 0.005 in compression, 0.0005 in tension.
+        law : str, optional
+            The law of mortar and ITZ; aggregates and fibres are elastic.
+        materials : dict, optional
+            The `[materials]` of a deck; what it leaves out keeps its illustrative default.
+        frames : int
+            Moments, evenly over the test, whose fields are kept in `Response.frames`.
+        threads : int, optional
+            All cores when absent. It changes the time, never the result.
+        progress : callable, optional
+            Called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
+            curve so far is returned.
+        **options
+            `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `hourglass`, `interface`: see docs/solve.md.
+
+        Returns
+        -------
+        Response
+            Also of a test that was stopped or diverged: `result["ended"]` says so, and the curve is valid until there.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For values that cannot be and for a mesh without faces for the plates or of second order, before any step.
+        KeyboardInterrupt
+            On Ctrl-C, within 0.5 s.
+        """
+
+    def to_pyvista(self) -> Any:
+        """The mesh as a PyVista unstructured grid (needs the extra `plot`)."""
+
+    def to_meshio(self) -> Any:
+        """The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`)."""
+
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
@@ -222,28 +496,54 @@ class Response:
 
     @property
     def curve(self) -> dict[str, NDArray[np.float64]]:
-        """The curve, row by row, by the names of `curve.csv`."""
+        """The curve, row by row: a dict of arrays, float64, by the names of `curve.csv`; copies.
+
+        `strain` and `stress_mpa` are positive in the test's own sense; `kinetic`, `internal`, `external`, `friction_work`,
+        `hourglass` and `dissipated` are energies in mJ.
+        """
 
     @property
     def result(self) -> dict[str, Any]:
-        """The figures of the test, as in `result.json`."""
+        """The figures of the test, as in `result.json`: a dict; a copy."""
 
     @property
     def frames(self) -> list[Frame]:
-        """The frames that were asked for, in their order."""
+        """The frames that were asked for, in their order: a list."""
 
     @property
     def last(self) -> Frame | None:
         """The end of the test; None where it diverged."""
 
     def plot(self, **options: Any) -> Any:
-        """Draw stress over strain with the peak; return the matplotlib axes."""
+        """Draws stress over strain with the peak; returns the matplotlib axes (extra `plot`).
+
+        `ax` are axes to draw on; further `options` go to `Axes.plot`.
+        """
 
     def to_pyvista(self, frame: int | None = None) -> Any:
-        """Return a frame, by its place in `frames`, or the end, as a PyVista grid with all fields."""
+        """A frame, by its place in `frames`, or the end, as a PyVista grid with all fields (extra `plot`).
+
+        Raises
+        ------
+        IndexError
+            Where there is no such frame; ask for `frames` when solving.
+        """
 
     def write(self, folder: _Path, *, overwrite: bool = True) -> None:
-        """Write curve, figures, frames and page into a folder, all or none."""
+        """Writes `curve.csv`, `result.json`, `frames.pvd` with a `.vtu` for each frame, and `result.html`, all or none.
+
+        Parameters
+        ----------
+        folder : path
+            Where they go; made where it is not there.
+        overwrite : bool
+            Whether results that are there already are replaced.
+
+        Raises
+        ------
+        OSError
+            Where they cannot be written, or are there already.
+        """
 
     def __copy__(self) -> Response: ...
     def __deepcopy__(self, _memo: Any) -> Response: ...
@@ -258,7 +558,7 @@ class Frame:
 
     @property
     def stress_mpa(self) -> float:
-        """Stress of the curve's latest row, MPa."""
+        """Stress of the curve's latest row, MPa, positive in the test's sense."""
 
     @property
     def time_s(self) -> float:
@@ -266,50 +566,186 @@ class Frame:
 
     @property
     def displacement(self) -> NDArray[np.float32]:
-        """Of every node, mm: shape (n, 3)."""
+        """Displacement of every node: ndarray, shape (n, 3), float32, mm; a copy."""
 
     @property
     def stress(self) -> NDArray[np.float32]:
-        """In every cell, xx yy zz xy yz zx, MPa, tension positive: shape (m, 6)."""
+        """Stress in every cell, xx yy zz xy yz zx: ndarray, shape (m, 6), float32, MPa; tension is positive; a copy."""
 
     @property
     def damage(self) -> NDArray[np.float32]:
-        """Share of its stiffness that every cell has lost: shape (m,)."""
+        """Share of its stiffness that every cell has lost, 0 to 1: ndarray, shape (m,), float32; a copy."""
 
     @property
     def damage_tension(self) -> NDArray[np.float32]:
-        """Damage in tension, 0 to 1: shape (m,)."""
+        """Damage in tension, 0 to 1: ndarray, shape (m,), float32; a copy."""
 
     @property
     def damage_compression(self) -> NDArray[np.float32]:
-        """Damage in compression, 0 to 1: shape (m,)."""
+        """Damage in compression, 0 to 1: ndarray, shape (m,), float32; a copy."""
 
     @property
     def crack_opening_mm(self) -> NDArray[np.float32]:
-        """Opening of the crack in every cell, mm: shape (m,)."""
+        """Opening of the crack in every cell: ndarray, shape (m,), float32, mm; a copy."""
 
     @property
     def phase(self) -> NDArray[np.uint8]:
-        """Phase that every cell has in the test: shape (m,)."""
+        """Phase that every cell has in the test: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
 
     def _mesh(self) -> tuple[NDArray[np.float64], NDArray[np.int64], str]: ...
     def __copy__(self) -> Frame: ...
     def __deepcopy__(self, _memo: Any) -> Frame: ...
 
 def pack(
-    spec: Spec | dict[str, Any] | _Path | None = None,
+    spec: Spec | SpecOptions | Mapping[str, object] | _Path | None = None,
     *,
     seed: int | None = None,
     fraction: float | None = None,
+    threads: int | None = None,
+    time_limit: float | None = None,
     progress: Callable[[float, float], object] | None = None,
-) -> Packing: ...
-def load(path: _Path) -> Packing: ...
-def convex_hull(points: ArrayLike) -> Polyhedron: ...
-def intersects(a: ArrayLike, b: ArrayLike, method: str = "enhanced") -> bool: ...
-def distance(a: ArrayLike, b: ArrayLike) -> float: ...
+) -> Packing:
+    """Generates and places the aggregates that a spec asks for.
+
+    Parameters
+    ----------
+    spec : None, dict, path or Spec
+        What to pack; None is the paper's specimen.
+    seed : int, optional
+        Replaces the spec's seed; 0 to 2^64 - 1.
+    fraction : float, optional
+        Replaces the spec's fraction: aggregate volume over specimen volume, above 0 and below 1.
+    threads : int, optional
+        All cores when absent. It changes the time, never the result.
+    time_limit : float, optional
+        Stop after so many seconds with the best packing found; replaces the spec's.
+    progress : callable, optional
+        Called about 25 times a second as `progress(fraction, target)`; when it returns False, the best valid packing
+        found so far is returned.
+
+    Returns
+    -------
+    Packing
+        Also where the target was not reached: `report()["stop_reason"]` says why.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For a spec that cannot be, before any work starts.
+    OSError
+        Where the spec's file cannot be read.
+    KeyboardInterrupt
+        On Ctrl-C, within 0.2 s.
+
+    Warns
+    -----
+    UserWarning
+        Before the work, where the target exceeds the fraction that the strategy was measured to reach, or a class is
+        too small for a single aggregate.
+    """
+
+def load(path: _Path) -> Packing:
+    """Reads a saved model.
+
+    Raises
+    ------
+    OSError
+        Where the file cannot be read.
+    ValueError
+        Where it is no model; the message says what is wrong and where.
+    """
+
+def convex_hull(points: ArrayLike) -> Polyhedron:
+    """The convex hull of `points`.
+
+    Parameters
+    ----------
+    points : array_like, shape (n, 3), mm
+
+    Returns
+    -------
+    Polyhedron
+        The exact extreme set, outward faces, coplanar triangles merged into polygons.
+
+    Raises
+    ------
+    ValueError
+        Where the points span fewer than three dimensions (the message says how many), or are no (n, 3) array.
+    """
+
+_Points: TypeAlias = ArrayLike | Aggregate | Polyhedron
+_Method: TypeAlias = Literal["enhanced", "classical", "signed-volumes", "exact"]
+
+def intersects(a: _Points, b: _Points, method: _Method = "enhanced") -> bool:
+    """Whether the convex hulls of `a` and `b` share a point.
+
+    Parameters
+    ----------
+    a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
+        Hulls of any dimension; closed sets, so touching counts. Magnitudes 1e-60 to 1e60, or 0.
+    method : str
+        The search that proposes the answer: "enhanced", "classical", "signed-volumes" or "exact". The answer is
+        certified and does not depend on it.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arrays that are no (n, 3) array of finite numbers, and for an unknown method.
+    """
+
+def distance(a: _Points, b: _Points) -> float:
+    """Distance of the convex hulls of `a` and `b`, in the unit of the arrays; 0.0 exactly when they share a point.
+
+    Parameters
+    ----------
+    a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arrays that are no (n, 3) array of finite numbers.
+    """
+
 def intersects_many(
-    a: ArrayLike, bodies: Iterable[ArrayLike], method: str = "enhanced"
-) -> NDArray[np.bool_]: ...
+    a: _Points, bodies: Iterable[_Points], method: _Method = "enhanced"
+) -> NDArray[np.bool_]:
+    """`intersects` of `a` with each of many bodies.
+
+    Parameters
+    ----------
+    a : array_like, shape (n, 3), or Aggregate, or Polyhedron
+    bodies : iterable of the same
+    method : str
+        As in `intersects`.
+
+    Returns
+    -------
+    ndarray, shape (len(bodies),), bool
+    """
+
+def recipes() -> dict[str, str]:
+    """The specimens that `Spec.recipe` knows, by name, and what each of them is."""
+
+@final
+class _StudyPlan:
+    def __new__(cls, spec: Spec | dict[str, Any] | _Path | None, over: dict[str, Any]) -> _StudyPlan: ...
+    @property
+    def keys(self) -> list[str]: ...
+    @property
+    def folders(self) -> list[str]: ...
+    def values(self, number: int) -> dict[str, Any]: ...
+    def spec(self, number: int) -> Spec: ...
+    def state(self, number: int, then: str, out: _Path) -> str: ...
+    def prepare(self, number: int, then: str, out: _Path) -> bool: ...
+    def record(
+        self, number: int, then: str, out: _Path, results: dict[str, Any], error: str | None
+    ) -> None: ...
+    def tables(self, then: str, out: _Path) -> tuple[dict[str, list[Any]], dict[str, list[Any]]]: ...
+    def ensemble(self, then: str, out: _Path, replicate: str) -> dict[str, list[Any]]: ...
+    def results(self, then: str, out: _Path) -> Any: ...
+    def __len__(self) -> int: ...
+
+def _study_results(packing: Packing) -> dict[str, Any]: ...
 def _run_command(args: list[str]) -> int: ...
 def _restore_spec(options: dict[str, Any]) -> Spec: ...
 def _restore_polyhedron(vertices: ArrayLike, faces: list[list[int]]) -> Polyhedron: ...

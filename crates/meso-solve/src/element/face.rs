@@ -2,9 +2,10 @@
 //!
 //! Every pair of nodes carries its share of the area (integration at the nodes). Separation d has a normal part d_n and a
 //! shear vector d_s; both resist with K. Damage is linear softening over lambda = sqrt(<d_n>^2 + d_s^2) between onset and
-//! end, which depend on the share of shear by the criterion of Benzeggagh and Kenane (Camanho and Davila 2002, NASA
-//! TM-2002-211737; Turon et al. 2006). The damaged part slides with Coulomb's friction (Alfano and Sacco 2006). Closing
-//! is resisted with the whole K.
+//! end, which depend on the share of shear B = d_s^2 / lambda^2 as in the decks: onset where the squares of tractions over
+//! strengths add up to 1 (Abaqus' QUADS), and the fracture energy of Benzeggagh and Kenane, G_n + (G_s - G_n) B^power
+//! (Camanho and Davila 2002, NASA TM-2002-211737). The damaged part slides with Coulomb's friction (Alfano and Sacco 2006),
+//! which the decks do not have. Closing is resisted with the whole K.
 
 use crate::lanes::{Eight, LANES, Lanes, Vectors};
 use crate::real::Real;
@@ -16,7 +17,9 @@ pub(crate) const REMEMBERED: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cohesion<R> {
     stiffness: R,
-    onset: [R; 2],
+    /// 1 / onset^2 in opening, and what sliding adds to it, 1/mm2.
+    per_square: [R; 2],
+    /// Onset times end in opening, and what sliding adds to it, mm2.
     product: [R; 2],
     exponent: R,
     friction: R,
@@ -60,13 +63,12 @@ impl<R: Real> Cohesion<R> {
     /// As registers.
     pub(crate) fn new(values: &CohesionValues) -> Self {
         let CohesionValues { stiffness: k, tensile, shear, energies, exponent, friction } = *values;
-        let onset = [tensile / k, shear / k];
-        let square = onset.map(|d| d * d);
+        let per_square = [tensile, shear].map(|strength| (k / strength).powi(2));
         // Onset times end: twice the energy over the stiffness.
         let product = energies.map(|g| 2.0 * g / k);
         Self {
             stiffness: R::splat(k),
-            onset: [square[0], square[1] - square[0]].map(R::splat),
+            per_square: [per_square[0], per_square[1] - per_square[0]].map(R::splat),
             product: [product[0], product[1] - product[0]].map(R::splat),
             exponent: R::splat(exponent),
             friction: R::splat(friction),
@@ -79,7 +81,7 @@ impl<R: Real> Cohesion<R> {
         let square = opening + sliding;
         let share = sliding / square.max(R::splat(1e-24));
         let power = (self.exponent * share.max(R::splat(1e-12)).ln()).exp();
-        let onset = self.onset[1].mul_add(power, self.onset[0]).sqrt();
+        let onset = R::splat(1.0) / self.per_square[1].mul_add(share, self.per_square[0]).sqrt();
         let end = self.product[1].mul_add(power, self.product[0]) / onset;
         let lambda = square.sqrt();
         let damage = end * (lambda - onset) / (lambda * (end - onset)).max(R::splat(1e-24));
@@ -192,6 +194,22 @@ mod tests {
         let (work, ..) = along(|t| [0.15 * t, 0.0, 0.15 * t]);
         let energy: f64 = 0.04 + (0.4 - 0.04) * 0.5_f64.powi(2);
         assert!((work / energy - 1.0).abs() < 1e-3, "{work} {energy}");
+    }
+
+    #[test]
+    fn damage_begins_where_the_squares_of_tractions_over_strengths_add_up_to_1() {
+        let law = Cohesion::<f64>::new(&VALUES);
+        for angle in [0.0_f64, 0.4, 0.8, 1.2, std::f64::consts::FRAC_PI_2] {
+            let [opening, sliding] = [angle.cos(), angle.sin()];
+            let first = 1.0 / ((opening / VALUES.tensile).powi(2) + (sliding / VALUES.shear).powi(2)).sqrt();
+            let damage = |traction: f64| {
+                let apart = [sliding * traction / VALUES.stiffness, 0.0, opening * traction / VALUES.stiffness];
+                let mut memory = [0.0; REMEMBERED];
+                law.traction(apart, &[0.0, 0.0, 1.0], &mut memory);
+                memory[0]
+            };
+            assert!(damage(0.999 * first) == 0.0 && damage(1.001 * first) > 0.0, "{angle}");
+        }
     }
 
     #[test]

@@ -4,6 +4,10 @@
 //! entries of 1 and -1 (Flanagan and Belytschko 1981): a Walsh-Hadamard transform takes one to the other in 24 sums. An
 //! hourglass mode m resists with k m, k = c (4/3) E h / 64 times what is left of the stiffness: h the edge of the cube of
 //! equal volume, c the hourglass factor.
+//!
+//! What softens bears no more than its strength, so there the forces of all modes M have a bound b: their energy is
+//! k b^2 (sqrt(1 + M^2 / b^2) - 1), and the force k m / sqrt(1 + M^2 / b^2). Without it, crushed boxes keep a strength that
+//! no law gave them.
 
 use crate::lanes::{Eight, LANES, Lanes, Vectors};
 use crate::law::Tensor;
@@ -136,17 +140,31 @@ impl Hexes {
         }
     }
 
-    /// Twice the energy of the hourglass modes over their stiffness, mm2; 0 in lanes that are empty.
+    /// Twice the energy of the hourglass modes over their stiffness, mm2, and the share of the stiffness that their bound
+    /// leaves; 0 in lanes that are empty. `per_bound` is 1 / b^2, per mm2, and 0 without a bound.
     #[inline(always)]
-    pub(crate) fn squares<L: Lanes>(&self, hourglass: &Hourglass<L>) -> L {
+    pub(crate) fn bounded<L: Lanes>(&self, hourglass: &Hourglass<L>, per_bound: L) -> (L, L) {
         let mut sum = L::splat(0.0);
         for axis in hourglass {
             for mode in axis {
                 sum = mode.mul_add(*mode, sum);
             }
         }
-        sum * L::load(&self.used)
+        let (one, used) = (L::splat(1.0), L::load(&self.used));
+        let root = sum.mul_add(per_bound, one).sqrt();
+        // b^2 (root - 1) = M^2 / (root + 1), without cancellation.
+        ((sum + sum) / (root + one) * used, used / root)
     }
+}
+
+/// Amplitude beyond which the hourglass modes of what softens hardly gain force, over the edge: a strain of 2.5e-4 at the
+/// corners, twice that of the tensile strength. A cube of 24 mm of concrete in boxes of 1.5 mm held 4.4 % of its internal
+/// energy in hourglass modes without a bound, 2.1 % with 0.002 and 1.9 % with 0.001, with peaks of 32.1, 31.3 and 31.1 MPa.
+const BOUND: f64 = 0.001;
+
+/// 1 / b^2 for boxes of this edge, per mm2.
+pub(crate) fn per_bound(edge: f64) -> f64 {
+    1.0 / (BOUND * edge).powi(2)
 }
 
 /// Stiffness of an hourglass mode, N/mm, of a box with this edge, Young's modulus and hourglass factor.

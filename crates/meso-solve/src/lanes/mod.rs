@@ -68,6 +68,7 @@ pub(crate) trait Task {
 
 /// An instruction set that the engine has code for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum InstructionSet {
     /// What every machine has; NEON on arm64.

@@ -273,19 +273,23 @@ impl<R: Real> Cdp<R> {
         (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
-    /// Integrities of tension and compression, and the width that they are of.
+    /// Of a piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
+    /// f_t / E): where it begins, and numerator and denominator of its fall.
+    #[inline(always)]
+    fn branch(&self, (from, slope): (f64, f64), cracked: R, width: R) -> (R, R, R) {
+        let (from, slope) = (R::splat(from), R::splat(slope));
+        let held = (R::splat(1.0) - from).mul_add(self.tensile_strain, cracked);
+        let run = (-slope).mul_add(width * self.tensile_strain, self.tensile_opening);
+        (from, slope * width * held, run)
+    }
+
+    /// Integrities of tension and compression, on this width.
     #[inline(always)]
     fn integrity(&self, cracked: R, crushed: R, width: R) -> [R; 2] {
         let width = width.min(self.widest);
-        // The share of f_t is from - slope w / (G_f / f_t), with the opening w = h (cracked + (1 - share) f_t / E).
-        let pieces = BRANCHES.map(|(from, slope)| {
-            let (from, slope) = (R::splat(from), R::splat(slope));
-            let held = (R::splat(1.0) - from).mul_add(self.tensile_strain, cracked);
-            let run = (-slope).mul_add(width * self.tensile_strain, self.tensile_opening);
-            (from, slope * width * held, run)
-        });
+        let (from, steep, steep_run) = self.branch(BRANCHES[0], cracked, width);
+        let (to, flat, flat_run) = self.branch(BRANCHES[1], cracked, width);
         // Both quotients by one division.
-        let [(from, steep, steep_run), (to, flat, flat_run)] = pieces;
         let over = R::splat(1.0) / (steep_run * flat_run);
         let crack = (from - steep * flat_run * over).max(to - flat * steep_run * over).between(LEAST_INTEGRITY, 1.0);
         let per_scale = width * self.per_crushing_opening;
@@ -299,9 +303,12 @@ impl<R: Real> Cdp<R> {
 #[inline(always)]
 fn tension<R: Real>(mean: R, mises: R, shape: &[R; 3]) -> R {
     let scale = R::splat(2.0 / 3.0) * mises;
-    let principal = shape.map(|y| scale.mul_add(y, mean));
-    let pulled = principal[0].positive() + principal[1].positive() + principal[2].positive();
-    let all = principal[0].abs() + principal[1].abs() + principal[2].abs();
+    let [mut pulled, mut all] = [R::splat(0.0); 2];
+    for y in shape {
+        let principal = scale.mul_add(*y, mean);
+        pulled = pulled + principal.positive();
+        all = all + principal.abs();
+    }
     pulled / all.max(R::splat(1e-8))
 }
 
@@ -344,9 +351,13 @@ impl<R: Real> Law<R> for Cdp<R> {
         let [crack, crush] = self.integrity(history[CRACKED], history[CRUSHED], width);
         let integrity = crush * (-pulled).mul_add(one - crack, one);
         let (kept, pressed) = (integrity * left, integrity * new_mean);
-        let nominal = |i: usize| if i < 3 { kept.mul_add(deviator[i], pressed) } else { kept * deviator[i] };
-        // A point at rest has the same bits as where all of its register are.
-        Response { stress: std::array::from_fn(|i| R::select(active, nominal(i), stress[i])), integrity }
+        let mut nominal = stress;
+        for i in 0..6 {
+            let own = if i < 3 { kept.mul_add(deviator[i], pressed) } else { kept * deviator[i] };
+            // A point at rest has the same bits as where all of its register are.
+            nominal[i] = R::select(active, own, stress[i]);
+        }
+        Response { stress: nominal, integrity }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {

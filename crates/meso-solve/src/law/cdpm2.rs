@@ -158,6 +158,9 @@ struct Ductility<R> {
 const STEPS: usize = 2;
 /// The first piece of the crack law ends at these shares of w_f and f_t.
 const KINK: [f64; 2] = [0.15, 0.3];
+/// Straight pieces of the crack law: the share a - b w of f_t at the opening w, in w_f.
+const PIECES: [(f64, f64); 2] =
+    [(1.0, (1.0 - KINK[1]) / KINK[0]), (KINK[1] / (1.0 - KINK[0]), KINK[1] / (1.0 - KINK[0]))];
 /// Area of the crack law over w_f f_t.
 const AREA: f64 = 0.5 * (KINK[0] + KINK[1]);
 
@@ -244,9 +247,9 @@ impl<R: Real> Ductility<R> {
     fn branch(&self, s: R) -> [R; 4] {
         let r = -s - R::splat(1.0 / 3.0);
         let pulled = r.lt(R::splat(0.0));
-        let pick = |a: R, b: R| R::select(pulled, a, b);
-        let [far, step] = [0, 1].map(|i| pick(self.pulled[i], self.pressed[i]));
-        [far, step, pick(self.scales[0], self.scales[1]), r]
+        let far = R::select(pulled, self.pulled[0], self.pressed[0]);
+        let step = R::select(pulled, self.pulled[1], self.pressed[1]);
+        [far, step, R::select(pulled, self.scales[0], self.scales[1]), r]
     }
 }
 
@@ -418,12 +421,13 @@ impl<R: Real> Cdpm2<R> {
         let width = width.min(self.widest);
         let [pulled, first, second] = [history[PULLED], history[PULLED + 1], history[PULLED + 2]];
         let scale = width * self.per_opening;
-        let pieces = [(1.0, (1.0 - KINK[1]) / KINK[0]), (KINK[1] / (1.0 - KINK[0]), KINK[1] / (1.0 - KINK[0]))];
-        let [steep, flat] = pieces.map(|(from, slope)| {
+        let mut damage = one;
+        for (from, slope) in PIECES {
             let slope = R::splat(slope) * scale;
-            slope.mul_add(first, pulled - R::splat(from)) / (-slope).mul_add(second, pulled).max(R::splat(1e-6))
-        });
-        let crack = (one - steep.min(flat)).between(LEAST_INTEGRITY, 1.0);
+            let opened = slope.mul_add(first, pulled - R::splat(from));
+            damage = damage.min(opened / (-slope).mul_add(second, pulled).max(R::splat(1e-6)));
+        }
+        let crack = (one - damage).between(LEAST_INTEGRITY, 1.0);
         let [pressed, first, second] = [history[PRESSED], history[PRESSED + 1], history[PRESSED + 2]];
         let per_crushing = self.per_crushing(width);
         let start = (one - (first + second) * per_crushing).exp() / pressed.max(one);
@@ -490,10 +494,10 @@ const PRESSED: usize = 12;
 /// Share of compression among principal stresses, by squares.
 #[inline(always)]
 fn compression<R: Real>(principal: &[R; 3]) -> R {
-    let squares = principal.map(|x| x * x);
-    let negative = principal.map(|x| x.min(R::splat(0.0)));
-    let below = negative[0].mul_add(negative[0], negative[1].mul_add(negative[1], negative[2] * negative[2]));
-    below / (squares[0] + squares[1] + squares[2]).max(R::splat(1e-20))
+    let [x, y, z] = *principal;
+    let [a, b, c] = [x.min(R::splat(0.0)), y.min(R::splat(0.0)), z.min(R::splat(0.0))];
+    let below = a.mul_add(a, b.mul_add(b, c * c));
+    below / (x * x + y * y + z * z).max(R::splat(1e-20))
 }
 
 /// `crack` times the tensile and `crush` times the compressive part of the tensor with this mean, deviator and principal
@@ -521,10 +525,12 @@ fn split<R: Real>(mean: R, deviator: &Tensor<R>, of: &[R; 3], crack: R, crush: R
         a.mul_add(zx, xy.mul_add(yz, zx * c)),
     ];
     let linear = lone.mul_add(weight, base);
-    std::array::from_fn(|i| {
+    let mut sum = *deviator;
+    for i in 0..6 {
         let rest = linear * deviator[i];
-        weight.mul_add(square[i], if i < 3 { rest + constant } else { rest })
-    })
+        sum[i] = weight.mul_add(square[i], if i < 3 { rest + constant } else { rest });
+    }
+    sum
 }
 
 impl<R: Real> Law<R> for Cdpm2<R> {
@@ -562,8 +568,12 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let sheared = (u - end.u) * self.per_shear;
         let flowed = (R::splat(3.0) * volumetric).mul_add(volumetric, R::splat(6.0) * sheared * sheared).sqrt();
         next[KAPPA] = end.kappa;
-        let deviators = of.map(|y| two * end.u * y);
-        let pressed = compression(&deviators.map(|d| d + end.s));
+        let (mut deviators, mut principal) = (of, of);
+        for i in 0..3 {
+            deviators[i] = two * end.u * of[i];
+            principal[i] = deviators[i] + end.s;
+        }
+        let pressed = compression(&principal);
         self.damage(&mut next, &end, frame.shape, pressed, flowed);
         for i in 0..REGISTERS {
             history[i] = R::select(active, next[i], history[i]);
@@ -571,12 +581,15 @@ impl<R: Real> Law<R> for Cdpm2<R> {
 
         let [crack, crush] = self.integrity(history, width);
         let scale = left * self.per_strength;
-        let deviator = invariants.deviator.map(|d| d * scale);
-        let nominal = split(end.s, &deviator, &deviators, crack, crush);
-        Response {
-            stress: std::array::from_fn(|i| R::select(active, nominal[i] * self.compressive, stress[i])),
-            integrity: pressed.mul_add(crush - crack, crack),
+        let mut deviator = invariants.deviator;
+        for d in &mut deviator {
+            *d = *d * scale;
         }
+        let mut nominal = split(end.s, &deviator, &deviators, crack, crush);
+        for i in 0..6 {
+            nominal[i] = R::select(active, nominal[i] * self.compressive, stress[i]);
+        }
+        Response { stress: nominal, integrity: pressed.mul_add(crush - crack, crack) }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &History<R>, width: R) -> State<R> {

@@ -40,7 +40,11 @@ impl<R: Real> Elastic<R> {
 /// Strain less the plastic strain, with which every history begins.
 #[inline(always)]
 pub(super) fn elastic_part<R: Real, const N: usize>(strain: &Tensor<R>, history: &[R; N]) -> Tensor<R> {
-    std::array::from_fn(|i| strain[i] - history[i])
+    let mut part = *strain;
+    for i in 0..6 {
+        part[i] = part[i] - history[i];
+    }
+    part
 }
 
 /// Adds to the plastic strain `volumetric` along each axis and `per_stress` times a stress deviator.

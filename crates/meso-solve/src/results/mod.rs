@@ -14,15 +14,13 @@ use crate::curve::Row;
 use crate::response::Response;
 use crate::sample::Sample;
 use meso_core::Model;
-use meso_core::mesh::{Mesh, MeshOptions, Phase, PhaseVolumes};
+use meso_core::mesh::{Mesh, MeshOptions, PhaseVolumes};
 use serde::Serialize;
 use std::io::{self, Write};
 
 /// The mesh of `model` that `options` gave, ready to be tested, with the exact volumes of its phases.
 pub fn sample_of<'a>(mesh: &'a Mesh, model: &Model, options: &MeshOptions) -> Sample<'a> {
-    let is_solid = mesh.phase.contains(&Phase::Itz);
-    let shell = |aggregate: &meso_core::aggregate::Aggregate| if is_solid { aggregate.itz_thickness_mm } else { 0.0 };
-    let exact = PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, shell).ok();
+    let exact = PhaseVolumes::exact_for(mesh, &model.bodies(), &model.spec.specimen);
     Sample { exact, ..Sample::of(mesh, &model.spec.specimen, options) }
 }
 

@@ -4,7 +4,7 @@ use crate::commands::{meshing, names, values};
 use crate::failure::Failure;
 use meso_core::Model;
 use meso_core::materials::Materials;
-use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName};
+use meso_core::mesh::{Fit, ItzForm, Joined, Mesh, MeshOptions, MeshTable, MethodName, Volumes};
 use meso_core::packing::Specimen;
 use meso_solve::Itz;
 use serde::Deserialize;
@@ -66,6 +66,8 @@ impl Division {
                 Zone::Solid => ItzForm::Solid,
                 Zone::Cohesive => ItzForm::Cohesive,
             },
+            joined: Joined::Mortar,
+            volumes: Volumes::Exact,
             fit: self.fit,
             subsamples: self.subsamples,
             ..usual

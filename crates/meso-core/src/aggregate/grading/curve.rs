@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Share of the aggregate volume finer than a size, over all sizes; 1 at and above the largest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Curve {
     /// P(d) = (d / d_max)^n (Fuller and Thompson 1907 with n = 0.5; codes use 0.45 to 0.70).

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 /// A curve of a standard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Standard {
     /// DIN 1045-2, A8.
     #[serde(rename = "din-1045-2-a8")]

@@ -1,12 +1,12 @@
 //! Materials under the names of the phases, and the sections that give them to the element sets.
 
 use super::DeckOptions;
-use super::damage::{self, Row};
+use super::damage::{self, Band, Row};
 use super::geometry::present;
 use super::limits::{self, DeckError};
 use super::lines::{Lines, real};
 use crate::materials::{Elastic, Materials, Strength};
-use crate::mesh::{CellKind, Mesh, Phase, PhaseVolumes};
+use crate::mesh::{Mesh, Phase, PhaseVolumes, characteristic_mm, width_mm};
 use std::io::{self, Write};
 
 /// Material and section of every phase the mesh has, and of the cohesive elements.
@@ -45,12 +45,25 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), DeckError> {
     let mut strong = present(mesh).filter(|&phase| materials.strength(phase).is_some());
     let materials = materials.in_mesh(mesh);
-    strong.try_for_each(|phase| limits::curves(&materials, phase, crack_band(mesh)))
+    let opening = crack_band(mesh).opening;
+    strong.try_for_each(|phase| limits::curves(&materials, phase, opening))
+}
+
+/// Of crack bands so wide that they spend more crushing energy than was asked for.
+pub(super) fn band_doubt(mesh: &Mesh, materials: &Materials) -> Option<String> {
+    let width = crack_band(mesh).width_mm;
+    let widest = damage::widest_mm(&materials.mortar, &materials.mortar_strength);
+    (width > widest).then(|| {
+        format!(
+            "crack bands are {width:.2} mm wide; beyond {widest:.2} mm mortar would snap back, and it spends more crushing energy \
+             than asked for: take smaller elements or a larger materials.mortar_strength.crushing_energy_n_per_mm"
+        )
+    })
 }
 
 /// The inelastic strain at which `mesh`'s mortar has softened to half its compressive strength.
 pub(super) fn half_strength_strain(mesh: &Mesh, materials: &Materials) -> f64 {
-    damage::half_strength_strain(&materials.mortar, &materials.mortar_strength, crack_band(mesh))
+    damage::half_strength_strain(&materials.mortar, &materials.mortar_strength, crack_band(mesh).width_mm)
 }
 
 fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::Result<()> {
@@ -61,10 +74,10 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
     lines.line(format!("{}, {}", real(elastic.youngs_modulus_mpa), real(elastic.poisson_ratio)))
 }
 
-/// Cube root of the mortar's mean element volume, mm, of second-order elements half of it: Abaqus' own characteristic length.
+/// That of the mortar's mean element: one curve serves all.
 ///
 /// The ITZ's curve takes it, too: over the width of its own thin cells it would be tougher than mortar.
-fn crack_band(mesh: &Mesh) -> f64 {
+fn crack_band(mesh: &Mesh) -> Band {
     let volumes = PhaseVolumes::of_mesh(mesh);
     let is_mortar = |phase: &Phase| *phase == Phase::Mortar || *phase == Phase::Itz && mesh.has_smeared_itz();
     let mortar = mesh.phase.iter().filter(|phase| is_mortar(phase)).count();
@@ -74,8 +87,9 @@ fn crack_band(mesh: &Mesh) -> f64 {
         cells if mesh.has_smeared_itz() => (volumes.mortar + volumes.itz, cells),
         cells => (volumes.mortar, cells),
     };
-    let across = libm::cbrt(volume / cells as f64);
-    if mesh.kind == CellKind::QuadraticTetrahedron { across / 2.0 } else { across }
+    let mean = volume / cells as f64;
+    let width_mm = width_mm(mesh.kind, mean);
+    Band { width_mm, opening: characteristic_mm(mesh.kind, mean) / width_mm }
 }
 
 fn plasticity(
@@ -83,13 +97,14 @@ fn plasticity(
     materials: &Materials,
     phase: Phase,
     strength: &Strength,
-    width: f64,
+    band: Band,
 ) -> io::Result<()> {
     let (elastic, p) = (materials.elastic(phase), &materials.plasticity);
     let values = [p.dilation_angle_deg, p.eccentricity, p.biaxial_ratio, p.meridian_ratio, p.viscosity_s];
     lines.line("*CONCRETE DAMAGED PLASTICITY")?;
     lines.line(values.map(real).join(", "))?;
-    let (compression, tension) = (damage::compression(elastic, strength, width), damage::tension(strength));
+    let (compression, tension) =
+        (damage::compression(elastic, strength, band.width_mm), damage::tension(strength, band.opening));
     lines.line("*CONCRETE COMPRESSION HARDENING")?;
     curve(lines, &compression, |row| row.stress)?;
     lines.line("*CONCRETE TENSION STIFFENING, TYPE=DISPLACEMENT")?;
@@ -104,18 +119,18 @@ fn curve(lines: &mut Lines<impl Write>, rows: &[Row], value: impl Fn(&Row) -> f6
     rows.iter().try_for_each(|row| lines.line(format!("{:.6e}, {:.6e}", value(row), row.inelastic)))
 }
 
-/// Traction-separation: stiffness E / t and G / t; with damage a quadratic stress criterion and linear softening by the
+/// Traction-separation: stiffness E / t; with damage a quadratic stress criterion and linear softening by the
 /// fracture energy, between that of opening and that of sliding after Benzeggagh and Kenane.
 fn cohesive(lines: &mut Lines<impl Write>, materials: &Materials, damages: bool) -> io::Result<()> {
     let (itz, t) = (&materials.itz, materials.cohesive_thickness_mm);
-    let (normal, shear) = materials.separation_stiffness();
+    let stiffness = materials.separation_stiffness();
     let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
     let cohesion = strength.cohesion_mpa();
     lines.line("*MATERIAL, NAME=ITZ")?;
     lines.line("*DENSITY")?;
     lines.line(format!("{},", real(itz.density_t_per_mm3 * t)))?;
     lines.line("*ELASTIC, TYPE=TRACTION")?;
-    lines.line(format!("{normal:.6e}, {shear:.6e}, {shear:.6e}"))?;
+    lines.line(format!("{stiffness:.6e}, {stiffness:.6e}, {stiffness:.6e}"))?;
     if !damages {
         return Ok(());
     }

@@ -18,7 +18,7 @@ mod periodic;
 
 use crate::materials::Materials;
 use crate::mesh::sides::Sides;
-use crate::mesh::{Mesh, Phase};
+use crate::mesh::{Mesh, Phase, PhaseVolumes};
 #[doc(hidden)]
 pub use curve::{curve_path, write_curve};
 pub use limits::DeckError;
@@ -28,6 +28,7 @@ use std::io::{self, Write};
 
 /// What a deck holds besides the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct DeckOptions {
     /// Write nodes, elements, sets and surfaces alone, for `*INCLUDE`.
@@ -59,6 +60,7 @@ const SOFTENS_WITHIN: f64 = 3.0;
 
 /// What a deck computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Analysis {
     /// Nothing: mesh, materials and sections, ready for one's own steps.
@@ -75,6 +77,7 @@ pub enum Analysis {
 
 /// How the explicit analyses are loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Loading {
     /// Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6.
@@ -153,26 +156,34 @@ impl DeckOptions {
     }
 
     /// What a mechanician would ask about this deck of `mesh`, a sentence each: it can be written and run all the same.
-    pub fn doubts(&self, mesh: &Mesh) -> Vec<String> {
-        if !self.has_curve() {
+    /// `exact` has the volumes of the packing's own phases, where known.
+    pub fn doubts(&self, mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Vec<String> {
+        if self.analysis == Analysis::None || self.geometry_only {
             return Vec::new();
         }
-        let (strain, half) = (self.final_strain(), self.half_strength_strain(mesh).unwrap_or(0.0));
-        let mut doubts = Vec::new();
-        if half > SOFTENS_WITHIN * strain {
-            doubts.push(format!(
+        let softening = if self.has_curves() { materials::band_doubt(mesh, &self.materials) } else { None };
+        let softening = softening.or_else(|| self.softening_doubt(mesh));
+        let doubts = [joined_doubt(mesh), volume_doubt(mesh, exact), softening, self.bond_doubt(mesh)];
+        doubts.into_iter().flatten().collect()
+    }
+
+    fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
+        let (strain, half) = (self.final_strain(), self.half_strength_strain(mesh)?);
+        (half > SOFTENS_WITHIN * strain).then(|| {
+            format!(
                 "mortar is at half its strength at an inelastic strain of {half:.4} only, and the step ends at {strain}: the \
                  specimen will hardly soften; take a smaller materials.mortar_strength.crushing_energy_n_per_mm"
-            ));
-        }
-        if mesh.cohesive.is_empty() && !mesh.phase.contains(&Phase::Itz) {
-            doubts.push(
-                "without an ITZ elastic aggregates are bonded to the mortar as if that never parted from them; take itz smeared, \
-                 cohesive or solid"
-                    .to_owned(),
-            );
-        }
-        doubts
+            )
+        })
+    }
+
+    fn bond_doubt(&self, mesh: &Mesh) -> Option<String> {
+        let is_bonded = self.has_curve() && mesh.cohesive.is_empty() && !mesh.phase.contains(&Phase::Itz);
+        is_bonded.then(|| {
+            "without an ITZ elastic aggregates are bonded to the mortar as if that never parted from them; take itz smeared, \
+             cohesive or solid"
+                .to_owned()
+        })
     }
 
     /// Whether mortar and ITZ have strength in the deck.
@@ -192,7 +203,7 @@ impl DeckOptions {
     pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), DeckError> {
         limits::check(self)?;
         if self.has_curves() {
-            limits::curves(&self.materials, Phase::Mortar, 0.0)?;
+            limits::curves(&self.materials, Phase::Mortar, 1.0)?;
         }
         if !self.periodic_equations {
             return Ok(());
@@ -209,6 +220,32 @@ impl DeckOptions {
             }
         }
     }
+}
+
+/// The volumes of aggregates in a mesh for an analysis are within this share of their own.
+const VOLUMES_OFF: f64 = 0.05;
+
+/// Of aggregates that are far from their own volume.
+fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
+    let (exact, meshed) = (exact?.aggregate, PhaseVolumes::of_mesh(mesh).aggregate);
+    ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
+        let percent = 100.0 * (meshed / exact - 1.0);
+        format!(
+            "the aggregates of this mesh have {percent:+.1} % of their volume: another concrete; take smaller elements, a \
+             larger min_gap_mm, or the method lattice with itz smeared and volumes exact"
+        )
+    })
+}
+
+/// Of aggregates that share nodes, where that was asked for or is only stiff.
+fn joined_doubt(mesh: &Mesh) -> Option<String> {
+    let (nodes, pairs) = mesh.joined_aggregates();
+    (nodes > 0).then(|| {
+        format!(
+            "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton: too stiff, and it never breaks; mesh with \
+             joined mortar or itz cohesive, or pack with a larger min_gap_mm"
+        )
+    })
 }
 
 /// Refuses a mesh whose aggregates share nodes: however the mortar softens, they carry the load.

@@ -36,6 +36,7 @@ use triangulated::Triangulated;
 
 /// A specimen; its frame has the origin at the lowest corner of its bounding box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Specimen {
     /// A cube from the origin.

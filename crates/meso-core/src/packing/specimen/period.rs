@@ -43,6 +43,17 @@ impl<'de> Deserialize<'de> for Periodic {
     }
 }
 
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for Periodic {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Periodic".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "type": "array", "items": { "type": "string", "enum": NAMES }, "uniqueItems": true })
+    }
+}
+
 /// The lengths after which a box repeats itself, mm: 0 along the axes that have walls.
 ///
 /// Periods are multiples of the grains' lattice, so that the images of grains are exact.

@@ -1,0 +1,48 @@
+//! `mesocrete completions` and `mesocrete man`: what a shell and `man` know of the command.
+
+use super::Cli;
+use crate::failure::Failure;
+use crate::outputs::{Target, Unit};
+use clap::CommandFactory;
+use clap_complete::Shell;
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// Which shell; e.g. `mesocrete completions bash > ~/.local/share/bash-completion/completions/mesocrete`
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct ManArgs {
+    /// Folder of the pages: mesocrete.1, mesocrete-pack.1, ...
+    #[arg(short, long, value_name = "DIR", default_value = ".")]
+    output: PathBuf,
+    /// Replace pages that are there already
+    #[arg(short, long)]
+    force: bool,
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "mesocrete", &mut script);
+    Unit::default().fill(&Target::Stdout, false, |out| out.write_all(&script))?;
+    Ok(0)
+}
+
+/// One page for the command and one for each of its subcommands.
+pub(crate) fn man(args: &ManArgs) -> Result<u8, Failure> {
+    let mut unit = Unit::default();
+    let mut command = Cli::command();
+    command.build();
+    let own = command.get_subcommands().filter(|sub| sub.get_name() != "help").cloned();
+    let pages: Vec<clap::Command> = own.collect();
+    for page in std::iter::once(command).chain(pages) {
+        let name = page.get_display_name().unwrap_or_else(|| page.get_name()).to_owned();
+        let target = Target::new(&args.output.join(format!("{name}.1")), args.force)?;
+        unit.fill(&target, args.force, |out| clap_mangen::Man::new(page).render(&mut &mut *out))?;
+    }
+    unit.commit()?;
+    Ok(0)
+}

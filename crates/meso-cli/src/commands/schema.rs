@@ -1,0 +1,48 @@
+//! `mesocrete schema`: the options as JSON Schemas.
+
+use crate::failure::Failure;
+use crate::outputs::{Target, Unit};
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::materials::Materials;
+use meso_core::mesh::MeshTable;
+use meso_core::spec::{of_options, schema};
+use meso_core::statistics;
+use serde_json::Value;
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// Which options: a spec's, or what Python's `mesh`, `write` (of a deck), `solve`, `statistics` and `materials` take
+    #[arg(value_enum, default_value = "spec")]
+    of: Of,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Of {
+    Spec,
+    Mesh,
+    Deck,
+    Solve,
+    Statistics,
+    Materials,
+}
+
+impl Of {
+    fn schema(self) -> Value {
+        match self {
+            Self::Spec => schema(),
+            Self::Mesh => of_options::<MeshTable>(),
+            Self::Deck => of_options::<DeckOptions>(),
+            Self::Solve => of_options::<meso_solve::Test>(),
+            Self::Statistics => of_options::<statistics::Options>(),
+            Self::Materials => of_options::<Materials>(),
+        }
+    }
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    Unit::default().fill(&Target::Stdout, false, |out| {
+        serde_json::to_writer_pretty(&mut *out, &args.of.schema())?;
+        writeln!(out)
+    })?;
+    Ok(0)
+}

@@ -1,0 +1,137 @@
+//! STUDY.toml: what is varied, and what is done with each packing.
+
+use super::beside;
+use super::steps::Steps;
+use crate::failure::Failure;
+use crate::inputs;
+use meso_core::recipes;
+use meso_core::spec::options_from_toml;
+use meso_files::Beside;
+use meso_study::{Axis, Case, Plan, digest};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+
+/// A flag whose value is a file that decides the result.
+const FILE_FLAG: &str = "materials";
+
+/// As it stands in the file.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Content {
+    spec: Option<Value>,
+    recipe: Option<String>,
+    outputs: Vec<String>,
+    over: Map<String, Value>,
+    mesh: Option<Map<String, Value>>,
+    solve: Option<Map<String, Value>>,
+}
+
+/// A STUDY.toml and where it lies.
+pub(super) struct StudyFile {
+    path: PathBuf,
+    /// The spec that the axes are laid over, and the folder of the files that it names.
+    base: Value,
+    folder: PathBuf,
+    axes: Vec<Axis>,
+    outputs: Vec<String>,
+    task: Value,
+}
+
+impl StudyFile {
+    /// Reads the file and what it names.
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+        let content: Content = inputs::toml(path, options_from_toml)?;
+        let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+        let (base, folder) = base(&content, path)?;
+        let axes = axes("", &content.over).map_err(wrong)?;
+        let mut task = Map::from_iter([("outputs".to_owned(), json!(content.outputs))]);
+        for (name, flags) in [("mesh", content.mesh), ("solve", content.solve)] {
+            task.extend(flags.map(|flags| (name.to_owned(), Value::Object(flags))));
+        }
+        for axis in &axes {
+            let section = axis.key.split('.').next().unwrap_or_default();
+            if ["mesh", "solve"].contains(&section) && !task.contains_key(section) {
+                return Err(wrong(format!("over.{} changes [{section}], which is not there; add it", axis.key)));
+            }
+        }
+        Ok(Self { path: path.to_owned(), base, folder, axes, outputs: content.outputs, task: Value::Object(task) })
+    }
+
+    /// All cases, every spec validated.
+    pub(super) fn plan(&self) -> Result<Plan, Failure> {
+        let mut task = self.task.clone();
+        for section in ["mesh", "solve"] {
+            if let Some(file) = self.task[section][FILE_FLAG].as_str() {
+                let path = beside(&self.path, file);
+                let bytes = std::fs::read(&path).map_err(|error| Failure::file(&path, &error))?;
+                // What the file says decides, not what it is called.
+                task[section]["materials-sha256"] = digest(&bytes).into();
+            }
+        }
+        Plan::new(&self.base, &self.axes, &task, &mut Beside(&self.folder))
+            .map_err(|error| Failure::Usage(format!("{}: {error}", self.path.display())))
+    }
+
+    /// What is done with a case, its flags checked.
+    pub(super) fn steps(&self, case: &Case, out: &Path, threads: Option<u16>) -> Result<Steps, Failure> {
+        Steps::new(case, &self.outputs, &out.join(&case.folder), &self.path, threads)
+            .map_err(|failure| Failure::Usage(format!("{}: {}", self.path.display(), failure.message())))
+    }
+}
+
+/// The spec's tree, and the folder of the files that it names.
+fn base(content: &Content, path: &Path) -> Result<(Value, PathBuf), Failure> {
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+    match (&content.spec, &content.recipe) {
+        (Some(_), Some(_)) => Err(wrong("spec and recipe both say what to pack; keep one of the two".to_owned())),
+        (Some(Value::String(name)), None) => {
+            let file = beside(path, name);
+            let folder = file.parent().unwrap_or(Path::new("")).to_owned();
+            Ok((inputs::toml(&file, options_from_toml)?, folder))
+        }
+        (Some(table @ Value::Object(_)), None) => Ok((table.clone(), folder)),
+        (Some(other), None) => {
+            Err(wrong(format!("spec is {other}; it must be a [spec] table or the name of a SPEC.toml")))
+        }
+        (None, Some(name)) => {
+            let recipe = recipes::find(name)
+                .ok_or_else(|| wrong(format!("there is no recipe {name:?}; `mesocrete recipes` lists them")))?;
+            let tree = options_from_toml(recipe.text).map_err(|error| wrong(error.to_string()))?;
+            Ok((tree, folder))
+        }
+        (None, None) => Ok((Value::Object(Map::new()), folder)),
+    }
+}
+
+/// The axes in a table of `[over]`: lists, and whole numbers `{ from = 1, to = 20 }`; other tables are parts of a dotted key.
+fn axes(prefix: &str, table: &Map<String, Value>) -> Result<Vec<Axis>, String> {
+    let mut found = Vec::new();
+    for (name, value) in table {
+        let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+        match value {
+            Value::Array(values) => found.push(Axis { key, values: values.clone() }),
+            Value::Object(range) if range.contains_key("from") => {
+                let values = range_values(range).ok_or_else(|| {
+                    format!("over.{key} is {value}; a range is {{ from = 1, to = 20 }}, whole numbers, with a step if need be")
+                })?;
+                found.push(Axis { key, values });
+            }
+            Value::Object(inner) => found.extend(axes(&key, inner)?),
+            other => {
+                return Err(format!("over.{key} is {other}; give a list, e.g. [{other}], or {{ from = 1, to = 20 }}"));
+            }
+        }
+    }
+    Ok(found)
+}
+
+fn range_values(range: &Map<String, Value>) -> Option<Vec<Value>> {
+    let known = range.keys().all(|key| ["from", "to", "step"].contains(&key.as_str()));
+    let (from, to) = (range.get("from")?.as_i64()?, range.get("to")?.as_i64()?);
+    let step = range.get("step").map_or(Some(1), Value::as_u64).filter(|step| *step > 0)?;
+    let count = usize::try_from(to.checked_sub(from)?).ok()? / usize::try_from(step).ok()?;
+    let is_small = count < meso_study::MOST_CASES;
+    (known && is_small).then(|| (from..=to).step_by(step as usize).map(Value::from).collect())
+}

@@ -1,0 +1,53 @@
+//! JSON Schemas of the options, from the types that serde reads them into and their docstrings: for editors of a SPEC.toml,
+//! and for the Python package's types.
+
+use super::{MixDesign, Spec};
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
+use serde_json::{Map, Value, json};
+
+/// The schema of a SPEC.toml, JSON Schema 2020-12: of [`Spec`], and of what stands for parts of it (`[mix]` for `fraction`, a
+/// `file` for a sieve table or a specimen, a `library` of grains).
+pub fn schema() -> Value {
+    let mut schema = of_options::<Spec>();
+    schema["title"] = "mesocrete SPEC.toml".into();
+    let mut mix = of_options::<MixDesign>();
+    drop(take(&mut mix, "$schema"));
+    schema["properties"]["mix"] = mix;
+    // What a file holds need not stand in the spec.
+    let library = json!({
+        "description": "A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec.",
+        "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" } }],
+    });
+    schema["$defs"]["Shape"]["properties"]["library"] = library;
+    from_file(&mut schema["$defs"]["Specimen"], "mesh", "An STL file that lies beside the spec.");
+    from_file(&mut schema["$defs"]["Curve"], "sieves", "A CSV file that lies beside the spec: sieve_mm,passing.");
+    schema
+}
+
+/// The schema of any options.
+pub fn of_options<T: JsonSchema>() -> Value {
+    // Options are read: what has a default may be left out.
+    let settings = SchemaSettings::draft2020_12().for_deserialize();
+    let schema: Schema = settings.into_generator().into_root_schema_for::<T>();
+    schema.to_value()
+}
+
+fn take(value: &mut Value, key: &str) -> Option<Value> {
+    value.as_object_mut().and_then(|map| map.remove(key))
+}
+
+/// Adds to a tagged section the form of the variant `kind` that a `file` stands in.
+fn from_file(section: &mut Value, kind: &str, description: &str) {
+    let properties = Map::from_iter([
+        ("kind".to_owned(), json!({ "type": "string", "const": kind })),
+        ("file".to_owned(), json!({ "type": "string", "description": description })),
+    ]);
+    let form = json!({
+        "type": "object", "properties": properties, "required": ["kind", "file"], "additionalProperties": false,
+        "description": description,
+    });
+    if let Some(forms) = section["oneOf"].as_array_mut() {
+        forms.push(form);
+    }
+}

@@ -1,0 +1,533 @@
+"""Types of all options, for editors and type checkers.
+
+Written by make_types.py from `mesocrete schema`; do not edit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, TypedDict
+
+from numpy.typing import NDArray
+import numpy as np
+
+_Numbers = Sequence[float] | NDArray[np.floating] | NDArray[np.integer]
+
+
+class NormalAspectRatio(TypedDict, total=False):
+    """Normal, redrawn until it lies within the limits."""
+
+    law: Literal["normal"]
+    """Options: law."""
+    max: float
+    """Upper limit."""
+    mean: float
+    """Mean."""
+    min: float
+    """Lower limit."""
+    sd: float
+    """Standard deviation."""
+
+
+class UniformAspectRatio(TypedDict, total=False):
+    """Uniform within the limits."""
+
+    law: Literal["uniform"]
+    """Options: law."""
+    max: float
+    """Upper limit."""
+    min: float
+    """Lower limit."""
+
+
+class ConstantAspectRatio(TypedDict, total=False):
+    """One value."""
+
+    law: Literal["constant"]
+    """Options: law."""
+    value: float
+    """The value."""
+
+
+AspectRatio = NormalAspectRatio | UniformAspectRatio | ConstantAspectRatio
+
+
+class Cone(TypedDict, total=False):
+    """The directions within an angle of one direction, all equally likely."""
+
+    direction: _Numbers
+    """Its axis, of any length; a fibre has no front and no back."""
+    within_degrees: float
+    """Half of its opening, degrees; 0 for parallel fibres, 90 for all directions."""
+
+
+class FullerCurve(TypedDict, total=False):
+    """P(d) = (d / d_max)^n (Fuller and Thompson 1907 with n = 0.5; codes use 0.45 to 0.70)."""
+
+    exponent: float
+    """The exponent n."""
+    kind: Literal["fuller"]
+    """Options: kind."""
+
+
+class BolomeyCurve(TypedDict, total=False):
+    """P(d) = A + (1 - A) sqrt(d / d_max) (Bolomey 1935)."""
+
+    a: float
+    """A, 0.08 for stiff to 0.16 for fluid concrete."""
+    kind: Literal["bolomey"]
+    """Options: kind."""
+
+
+class SievesCurve(TypedDict, total=False):
+    """A sieve analysis; between two sieves P is linear in log d, as such curves are drawn."""
+
+    kind: Literal["sieves"]
+    """Options: kind."""
+    passing: _Numbers
+    """Share that passes each sieve, 0 to 1."""
+    sieves_mm: _Numbers
+    """Sieve openings, mm, ascending."""
+
+
+class StandardCurve(TypedDict, total=False):
+    """A curve of a standard; of a band the middle."""
+
+    kind: Literal["standard"]
+    """Options: kind."""
+    name: Literal["din-1045-2-a8", "din-1045-2-b8", "din-1045-2-c8", "din-1045-2-a16", "din-1045-2-b16", "din-1045-2-c16", "din-1045-2-a32", "din-1045-2-b32", "din-1045-2-c32", "en-12620-4-8", "en-12620-8-16", "en-12620-16-32", "astm-c33-1", "astm-c33-2", "astm-c33-3", "astm-c33-357", "astm-c33-4", "astm-c33-467", "astm-c33-5", "astm-c33-56", "astm-c33-57", "astm-c33-6", "astm-c33-67", "astm-c33-7", "astm-c33-8", "astm-c33-89", "astm-c33-9", "gbt-14685-5-16", "gbt-14685-5-20", "gbt-14685-5-25", "gbt-14685-5-31.5", "gbt-14685-5-40"]
+    """Which."""
+
+
+class SievesFileCurve(TypedDict, total=False):
+    """A CSV file that lies beside the spec: sieve_mm,passing."""
+
+    file: str
+    """A CSV file that lies beside the spec: sieve_mm,passing."""
+    kind: Literal["sieves"]
+    """Options: kind."""
+
+
+Curve = FullerCurve | BolomeyCurve | SievesCurve | StandardCurve | SievesFileCurve
+
+
+class Fibres(TypedDict, total=False):
+    """Straight fibres, `[fibres]` in a spec."""
+
+    diameter_mm: float
+    """Diameter of the cylinder of the same volume and length, mm."""
+    fraction: float
+    """Their volume over the specimen's, 0 to 1."""
+    length_mm: float
+    """Length, mm."""
+    orientation: Cone | None
+    """Directions before placement; all are equally likely where it is absent. Rearrangement rotates the fibres further: the statistics report by how much."""
+
+
+class Grading(TypedDict, total=False):
+    """What is asked of the aggregate sizes."""
+
+    classes_mm: _Numbers
+    """Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; a spec that leaves them out gets `Grading.usual_classes`."""
+    curve: Curve
+    """Share of the volume finer than a size, over all sizes."""
+    d_max_mm: float
+    """Largest aggregate, mm."""
+    d_min_mm: float
+    """Smallest aggregate, mm."""
+    form: Literal["normalised", "raw"]
+    """How the part of the curve outside `d_min_mm` to `d_max_mm` is treated."""
+    size: Literal["longest-axis", "sieve"]
+    """Which length of an aggregate is its size."""
+    size_law: Literal["uniform", "volume-uniform"]
+    """How sizes are distributed within a class."""
+
+
+class Itz(TypedDict, total=False):
+    """Law of the ITZ thickness: uniform between two limits, per aggregate."""
+
+    thickness_mm: _Numbers
+    """Lower and upper limit of the thickness, mm. Both 0: the model has no ITZ."""
+
+
+Periodic = Sequence[Literal["x", "y", "z"]]
+
+
+class Placement(TypedDict, total=False):
+    """How aggregates are placed."""
+
+    attempts: int | None
+    """Random positions tried per aggregate; absent: up to 50,000."""
+    min_gap_mm: float
+    """Smallest distance between two aggregates, mm; 0 means: proved apart."""
+    strategy: Literal["auto", "take-and-place", "rearrange"]
+    """Which strategy places."""
+    surplus: float
+    """Volume generated beyond the target, as a share of it (the paper's 2 to 3 %)."""
+    time_limit_s: float | None
+    """Stop after this many seconds with the best packing found."""
+    wall_gap_mm: float
+    """Smallest distance between an aggregate and the specimen's surface, mm. At periodic faces it is the distance of the aggregates' outermost points, as far as a translation of the whole packing can give it."""
+
+
+class Shape(TypedDict, total=False):
+    """What is asked of the aggregates' shape."""
+
+    elongation: AspectRatio
+    """Law of b/a, the intermediate over the longest axis; of no meaning for a library."""
+    flatness: AspectRatio
+    """Law of c/b, the shortest over the intermediate axis; of no meaning for a library."""
+    grains: Sequence[Template]
+    """The grains of a library."""
+    kind: Literal["polyhedron", "rounded", "crushed", "library"]
+    """Which kind of polyhedron."""
+    library: str | Sequence[str]
+    """A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec."""
+    vertices: Sequence[int]
+    """Fewest and most vertices; of no meaning for a library."""
+
+
+class CubeSpecimen(TypedDict, total=False):
+    """A cube from the origin."""
+
+    kind: Literal["cube"]
+    """Options: kind."""
+    periodic: Periodic
+    """The axes along which it repeats itself; it has no walls across them."""
+    side_mm: float
+    """Side, mm."""
+
+
+class BoxSpecimen(TypedDict, total=False):
+    """A box from the origin."""
+
+    kind: Literal["box"]
+    """Options: kind."""
+    periodic: Periodic
+    """The axes along which it repeats itself; it has no walls across them."""
+    size_mm: _Numbers
+    """Edge lengths along x, y, z, mm."""
+
+
+class PrismSpecimen(TypedDict, total=False):
+    """A box as beams are named: the length along x, the width along y, the depth upwards."""
+
+    depth_mm: float
+    """Along z, mm."""
+    kind: Literal["prism"]
+    """Options: kind."""
+    length_mm: float
+    """Along x, mm."""
+    width_mm: float
+    """Along y, mm."""
+
+
+class CylinderSpecimen(TypedDict, total=False):
+    """An upright cylinder: its axis is parallel to z."""
+
+    diameter_mm: float
+    """Diameter, mm."""
+    height_mm: float
+    """Along z, mm."""
+    kind: Literal["cylinder"]
+    """Options: kind."""
+
+
+class SphereSpecimen(TypedDict, total=False):
+    """A sphere."""
+
+    diameter_mm: float
+    """Diameter, mm."""
+    kind: Literal["sphere"]
+    """Options: kind."""
+
+
+class NotchedPrismSpecimen(TypedDict, total=False):
+    """A prism with a notch sawn into the middle of its lower side, across its width."""
+
+    depth_mm: float
+    """Along z, the notch's included, mm."""
+    kind: Literal["notched-prism"]
+    """Options: kind."""
+    length_mm: float
+    """Along x, mm."""
+    notch_depth_mm: float
+    """Of the notch, from z = 0 upwards, mm."""
+    notch_width_mm: float
+    """Of the notch, along x, mm."""
+    width_mm: float
+    """Along y, mm."""
+
+
+class DogboneSpecimen(TypedDict, total=False):
+    """A plate that narrows in round arcs to a neck in the middle of its length."""
+
+    kind: Literal["dogbone"]
+    """Options: kind."""
+    length_mm: float
+    """Along x, mm."""
+    neck_length_mm: float
+    """Of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle."""
+    neck_width_mm: float
+    """Narrowest width, mm."""
+    radius_mm: float
+    """Of the arcs, mm; they are polygons within 0.005 mm."""
+    thickness_mm: float
+    """Along z, mm."""
+    width_mm: float
+    """Along y, at the ends, mm."""
+
+
+class PolyhedronSpecimen(TypedDict, total=False):
+    """The convex hull of points, moved to the origin."""
+
+    kind: Literal["polyhedron"]
+    """Options: kind."""
+    vertices_mm: Sequence[_Numbers]
+    """Four points or more, mm."""
+
+
+class MeshSpecimen(TypedDict, total=False):
+    """The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL instead."""
+
+    kind: Literal["mesh"]
+    """Options: kind."""
+    triangles: Sequence[Sequence[int]]
+    """Indices of corners, counter-clockwise seen from outside."""
+    vertices_mm: Sequence[_Numbers]
+    """Corners, mm."""
+
+
+class MeshFileSpecimen(TypedDict, total=False):
+    """An STL file that lies beside the spec."""
+
+    file: str
+    """An STL file that lies beside the spec."""
+    kind: Literal["mesh"]
+    """Options: kind."""
+
+
+Specimen = CubeSpecimen | BoxSpecimen | PrismSpecimen | CylinderSpecimen | SphereSpecimen | NotchedPrismSpecimen | DogboneSpecimen | PolyhedronSpecimen | MeshSpecimen | MeshFileSpecimen
+
+
+Template = Sequence[_Numbers]
+
+
+class Voids(TypedDict, total=False):
+    """Spherical voids, `[voids]` in a spec."""
+
+    diameter_mm: _Numbers
+    """Smallest and largest diameter, mm; every diameter between them is drawn equally often."""
+    fraction: float
+    """Their volume over the specimen's, 0 to 1."""
+
+
+class SpecOptions(TypedDict, total=False):
+    """Everything that decides a model, with the paper's specimen as default."""
+
+    fibres: Fibres | None
+    """Straight fibres, if any."""
+    fraction: float
+    """Volume of the aggregates over the specimen's, 0 to 1."""
+    grading: Grading
+    """Sizes."""
+    itz: Itz
+    """Interfacial transition zone."""
+    mix: dict[str, object]
+    """A mix design, `[mix]` in a spec, given instead of `fraction`."""
+    placement: Placement
+    """Placement."""
+    seed: int
+    """Seed of all randomness."""
+    shape: Shape
+    """Shapes."""
+    specimen: Specimen
+    """What is filled."""
+    voids: Voids | None
+    """Spherical voids, if any."""
+
+
+class MeshOptions(TypedDict, total=False):
+    """`MeshOptions` as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must keep its default."""
+
+    fit: Literal["fitted", "plain"]
+    """Lattices alone."""
+    itz: Literal["solid", "cohesive", "smeared", "none"]
+    """As `MeshOptions.itz`."""
+    joined: Literal["keep", "mortar"]
+    """As `MeshOptions.joined`."""
+    order: int
+    """1 or 2; voxels take 1."""
+    slabs: int | None
+    """Conforming meshes alone."""
+    subsamples: int
+    """Voxels alone."""
+    thin_itz: bool
+    """Voxels alone."""
+    volumes: Literal["fitted", "exact"]
+    """As `MeshOptions.volumes`."""
+
+
+class DeckElastic(TypedDict, total=False):
+    """Isotropic linear elasticity."""
+
+    density_t_per_mm3: float
+    """Density, tonne/mm3."""
+    poisson_ratio: float
+    """Poisson's ratio."""
+    youngs_modulus_mpa: float
+    """Young's modulus, MPa."""
+
+
+class DeckLoading(TypedDict, total=False):
+    """How the explicit analyses are loaded."""
+
+    duration_s: float
+    """Length of the step, s."""
+    frames: int
+    """Frames of field output."""
+    friction: float
+    """Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6."""
+    time_increment_s: float
+    """Time increment that mass scaling keeps, s."""
+
+
+class DeckMaterials(TypedDict, total=False):
+    """Values of the phases."""
+
+    aggregate: DeckElastic
+    """Aggregate cores, which stay elastic."""
+    cohesive_mode_power: float
+    """Exponent of Benzeggagh and Kenane's mixed-mode fracture energy of a cohesive ITZ."""
+    cohesive_shear_energy_ratio: float
+    """Fracture energy of a cohesive ITZ in sliding over that in opening, 1 or more."""
+    cohesive_thickness_mm: float
+    """Thickness that gives a cohesive ITZ its stiffness E / t, mm."""
+    fibre: DeckElastic
+    """Fibres, which stay elastic: steel."""
+    itz: DeckElastic
+    """Interfacial transition zone."""
+    itz_strength_ratio: float
+    """Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature."""
+    mortar: DeckElastic
+    """Mortar."""
+    mortar_strength: DeckStrength
+    """Strength of the mortar."""
+    plasticity: DeckPlasticity
+    """Yield surface and flow of the damaged plasticity."""
+
+
+class DeckPlasticity(TypedDict, total=False):
+    """Parameters of `*CONCRETE DAMAGED PLASTICITY`."""
+
+    biaxial_ratio: float
+    """Biaxial over uniaxial compressive strength."""
+    dilation_angle_deg: float
+    """Dilation angle, degrees."""
+    eccentricity: float
+    """Eccentricity of the flow potential."""
+    meridian_ratio: float
+    """Ratio of the second invariants on the tensile and the compressive meridian, K_c."""
+    viscosity_s: float
+    """Viscosity parameter, s (without effect in Abaqus/Explicit)."""
+
+
+class DeckStrength(TypedDict, total=False):
+    """What the uniaxial curves are made of."""
+
+    compressive_mpa: float
+    """Compressive strength, MPa."""
+    crushing_energy_n_per_mm: float
+    """Energy of crushing beyond the peak, N/mm."""
+    fracture_energy_n_per_mm: float
+    """Fracture energy in tension, N/mm."""
+    peak_strain: float
+    """Strain at the compressive strength."""
+    tensile_mpa: float
+    """Tensile strength, MPa."""
+
+
+class DeckOptions(TypedDict, total=False):
+    """What a deck holds besides the mesh."""
+
+    allow_joined: bool
+    """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
+    analysis: Literal["none", "elastic", "compression", "tension"]
+    """The analysis the deck runs; `geometry_only` leaves it out."""
+    geometry_only: bool
+    """Write nodes, elements, sets and surfaces alone, for `*INCLUDE`."""
+    heading: Sequence[str]
+    """Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept."""
+    loading: DeckLoading
+    """How compression and tension are loaded."""
+    materials: DeckMaterials
+    """Material values."""
+    periodic_equations: bool
+    """Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z."""
+    reduced_integration: bool
+    """Hexahedra with reduced integration, C3D8R for C3D8."""
+    section_mm2: float | None
+    """Section that stresses are forces over, mm2; absent: the mesh's volume over its height."""
+    strain: float | None
+    """Mean axial strain at the end of the analysis, a positive number; absent: the analysis' own."""
+    with_damage: bool
+    """Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own."""
+
+
+class SolveInterface(TypedDict, total=False):
+    """Cohesive faces between aggregates and mortar."""
+
+    friction: float
+    """Coulomb's coefficient in a crack."""
+    mixity_exponent: float
+    """Exponent of Benzeggagh and Kenane's criterion."""
+    shear_energy_ratio: float
+    """Fracture energy in sliding over that in opening."""
+    stiffness_n_per_mm3: float | None
+    """Stiffness, N/mm3; absent, twenty times E / h of the mortar, h the element size, so that the specimen is no softer."""
+
+
+class SolveOptions(TypedDict, total=False):
+    """A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test."""
+
+    duration_s: float | None
+    """Time of the whole test, s."""
+    frames: int
+    """Frames that the observer gets, evenly over the time; 0 for none."""
+    friction: float
+    """Coulomb's coefficient between plates and specimen; in tension the plates are glued on."""
+    hourglass: float
+    """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra alone)."""
+    interface: SolveInterface
+    """Cohesive faces."""
+    itz: Literal["smeared", "none"]
+    """What a mesh without an ITZ has at the aggregates."""
+    joined: Literal["mortar", "keep"]
+    """What becomes of aggregates that share nodes."""
+    law: Literal["elastic", "cdp", "cdpm2"]
+    """The law of mortar and ITZ."""
+    ramp: float
+    """Share of the time in which the plate gains its speed."""
+    rows: int
+    """Rows of the curve, at most."""
+    strain: float | None
+    """Mean axial strain at the end; 0.005 in compression, 0.0005 in tension."""
+    time_step_s: float | None
+    """Time step that mass scaling keeps, s."""
+
+
+class StatisticsOptions(TypedDict, total=False):
+    """How much is sampled, and how finely it is resolved."""
+
+    lag_mm: float
+    """Step between two lags of the correlation functions, mm."""
+    lags: int
+    """Number of lags, from 0; those that no line of the specimen has are left out, as are those beyond 10,000."""
+    layer_mm: float
+    """Width of a layer of the wall effect, mm; at least a thousandth of the specimen."""
+    lines: int
+    """Random lines for the correlation functions."""
+    points: int
+    """Random points for the wall effect."""
+    seed: int
+    """Seed of the samples."""

@@ -1,0 +1,199 @@
+//! What `mesocrete.study` takes from Rust: cases with hashes and folder names, their state, records and tables.
+
+use crate::boundary::{file_error, guard};
+use crate::packing::PyPacking;
+use crate::spec::{self, spec_error};
+use crate::tree::{self, plain};
+use meso_files::Beside;
+use meso_study::{Axis, Case, Plan, PlanError, Record, State, Status, Table, ensemble, of_packing, save_tables};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// The cases of a study.
+#[pyclass(name = "_StudyPlan", module = "mesocrete._mesocrete", frozen)]
+pub(crate) struct PyStudyPlan(Plan);
+
+/// The axes of a dict from dotted keys to iterables.
+fn axes(over: &Bound<'_, PyDict>) -> PyResult<Vec<Axis>> {
+    let axis = |(key, values): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<Axis> {
+        let key: String = key
+            .extract()
+            .map_err(|_| PyTypeError::new_err(format!("the names in over are str, not {}", tree::type_name(&key))))?;
+        let is_text = values.extract::<String>().is_ok();
+        let listed = if is_text { None } else { values.try_iter().ok() };
+        let listed = listed.ok_or_else(|| {
+            PyTypeError::new_err(format!("over[{key:?}] is {values}; give an iterable of values, e.g. [{values}]"))
+        })?;
+        let path = format!("over[{key:?}]");
+        let values = listed.map(|value| tree::from_python(&path, &value?)).collect::<PyResult<_>>()?;
+        Ok(Axis { key, values })
+    };
+    over.iter().map(axis).collect()
+}
+
+fn plan_error(error: &PlanError) -> PyErr {
+    match error {
+        PlanError::Spec(case, error) => {
+            let of_spec = spec_error(error);
+            let text = format!("case {case}: {error}");
+            Python::attach(|py| match of_spec.is_instance_of::<PyTypeError>(py) {
+                true => PyTypeError::new_err(text),
+                false => PyValueError::new_err(text),
+            })
+        }
+        other => PyValueError::new_err(other.to_string()),
+    }
+}
+
+#[pymethods]
+impl PyStudyPlan {
+    /// Every combination of `over` laid over `spec`, as for `pack`.
+    #[new]
+    fn new(spec: Option<&Bound<'_, PyAny>>, over: &Bound<'_, PyDict>) -> PyResult<Self> {
+        guard(|| {
+            let (base, folder) = spec::tree_of(spec)?;
+            let plan = Plan::new(&base, &axes(over)?, &Value::Object(Map::new()), &mut Beside(&folder));
+            plan.map(Self).map_err(|error| plan_error(&error))
+        })
+    }
+
+    /// The axes' keys.
+    #[getter]
+    fn keys(&self) -> Vec<String> {
+        self.0.keys.clone()
+    }
+
+    /// The folders' names, in the cases' order.
+    #[getter]
+    fn folders(&self) -> Vec<&str> {
+        self.0.cases.iter().map(|case| case.folder.as_str()).collect()
+    }
+
+    /// The axes' values of a case.
+    fn values<'py>(&self, py: Python<'py>, number: usize) -> PyResult<Bound<'py, PyAny>> {
+        plain(py, &self.case(number)?.values.iter().cloned().collect::<Map<_, _>>())
+    }
+
+    /// The complete spec of a case.
+    fn spec(&self, number: usize) -> PyResult<spec::PySpec> {
+        Ok(spec::PySpec(self.case(number)?.spec.clone()))
+    }
+
+    /// "done", "failed", "packed" or "open": what a case's folder in `out` says; `then` is what is done beyond packing.
+    fn state(&self, number: usize, then: &str, out: PathBuf) -> PyResult<&'static str> {
+        let case = self.case(number)?;
+        Ok(match State::of(case, then, &out.join(&case.folder)) {
+            State::Over(record) if record.status == Status::Failed => "failed",
+            State::Over(_) => "done",
+            State::Packed => "packed",
+            State::Open => "open",
+        })
+    }
+
+    /// Makes a case's folder and empties it of what a killed run left; returns whether a packing that counts is there.
+    fn prepare(&self, number: usize, then: &str, out: PathBuf) -> PyResult<bool> {
+        let case = self.case(number)?;
+        let folder = out.join(&case.folder);
+        // A failed case is done again from its packing, where it has one.
+        let state = match State::of(case, then, &folder) {
+            State::Over(record) if record.files.contains_key(meso_study::MODEL) => State::Packed,
+            State::Over(_) => State::Open,
+            other => other,
+        };
+        state.prepare(&folder).map_err(|error| file_error(&folder, error))?;
+        Ok(state == State::Packed)
+    }
+
+    /// Writes a case's record: its results, or the message of its failure.
+    #[pyo3(signature = (number, then, out, results, error))]
+    fn record(
+        &self,
+        number: usize,
+        then: &str,
+        out: PathBuf,
+        results: &Bound<'_, PyDict>,
+        error: Option<String>,
+    ) -> PyResult<()> {
+        guard(|| {
+            let case = self.case(number)?;
+            let folder = out.join(&case.folder);
+            let results = match tree::from_python("the result of then", results.as_any())? {
+                Value::Object(results) => results,
+                _ => Map::new(),
+            };
+            let ended = error.map_or(Ok(results), Err);
+            let record = Record::new(case, then, ended, &folder).and_then(|record| record.save(&folder));
+            record.map_err(|error| file_error(&folder, error))
+        })
+    }
+
+    /// Writes the tables of the cases that are over into `out`; returns the columns of the cases, and of the ensembles.
+    fn tables<'py>(
+        &self,
+        py: Python<'py>,
+        then: &str,
+        out: PathBuf,
+    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
+        let records = self.records(then, &out);
+        let table = save_tables(&out, &self.0.keys, &records).map_err(|error| file_error(&out, error))?;
+        let groups = ensemble(&table, &self.0.keys, meso_study::REPLICATE);
+        Ok((columns(py, &table)?, columns(py, &groups)?))
+    }
+
+    /// Mean and scatter over the axis `replicate`.
+    fn ensemble<'py>(
+        &self,
+        py: Python<'py>,
+        then: &str,
+        out: PathBuf,
+        replicate: &str,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        if !self.0.keys.iter().any(|key| key == replicate) {
+            let keys = self.0.keys.join(", ");
+            let message = format!("replicate is {replicate:?}; it must be an axis of the study: {keys}");
+            return Err(PyValueError::new_err(message));
+        }
+        let table = meso_study::tabulate(&self.0.keys, &self.records(then, &out));
+        columns(py, &ensemble(&table, &self.0.keys, replicate))
+    }
+
+    /// The records of the cases that are over, as dicts.
+    fn results<'py>(&self, py: Python<'py>, then: &str, out: PathBuf) -> PyResult<Bound<'py, PyAny>> {
+        plain(py, &self.records(then, &out))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.cases.len()
+    }
+}
+
+impl PyStudyPlan {
+    fn case(&self, number: usize) -> PyResult<&Case> {
+        self.0.cases.get(number).ok_or_else(|| PyValueError::new_err(format!("there is no case {number}")))
+    }
+
+    fn records(&self, then: &str, out: &Path) -> Vec<Record> {
+        let state = |case: &Case| State::of(case, then, &out.join(&case.folder));
+        let states = self.0.cases.iter().map(state);
+        states.filter_map(|state| if let State::Over(record) = state { Some(*record) } else { None }).collect()
+    }
+}
+
+/// A table as a dict of lists, None where there is no value.
+fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for column in &table.columns {
+        let cells = (0..table.rows()).map(|row| tree::to_python(py, &column.values.json(row)));
+        dict.set_item(&column.name, PyList::new(py, cells.collect::<PyResult<Vec<_>>>()?)?)?;
+    }
+    Ok(dict)
+}
+
+/// What a study notes of a packing where nothing else is done with it.
+#[pyfunction(name = "_study_results")]
+pub(crate) fn study_results<'py>(py: Python<'py>, packing: &PyPacking) -> PyResult<Bound<'py, PyAny>> {
+    plain(py, &of_packing(&packing.0.report))
+}

@@ -1,0 +1,33 @@
+//! The tables in a study's folder.
+
+use crate::ensemble::{REPLICATE, ensemble};
+use crate::record::{Record, new_file};
+use crate::table::{Table, tabulate};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+/// Names of the tables: all cases twice, then the ensembles.
+pub const TABLES: [&str; 3] = ["table.csv", "table.parquet", "ensemble.csv"];
+
+/// Writes the tables of `records` into `out`, each whole or not at all; returns the table of all cases.
+///
+/// # Errors
+/// Those of the file system.
+pub fn save_tables(out: &Path, keys: &[String], records: &[Record]) -> io::Result<Table> {
+    let table = tabulate(keys, records);
+    let groups = ensemble(&table, keys, REPLICATE);
+    save(out, TABLES[0], |file| table.write_csv(file))?;
+    save(out, TABLES[1], |file| table.write_parquet(file))?;
+    save(out, TABLES[2], |file| groups.write_csv(file))?;
+    Ok(table)
+}
+
+fn save(out: &Path, name: &str, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
+    let file = new_file(out)?;
+    let mut buffer = BufWriter::new(file.as_file());
+    write(&mut buffer)?;
+    buffer.flush()?;
+    drop(buffer);
+    file.persist(out.join(name)).map(drop).map_err(|failed| failed.error)
+}

@@ -1,0 +1,167 @@
+//! What a case leaves in its folder: `case.json`, written last and as a whole.
+
+use crate::case::Case;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Name of the record in a case's folder.
+pub const RECORD: &str = "case.json";
+/// Name of the saved model in a case's folder.
+pub const MODEL: &str = "model.json";
+/// Names of files that were being written when their process was killed.
+const UNFINISHED: (&str, &str) = (".mesocrete-", ".tmp");
+
+/// The result of a case. It holds no times, so that a case has the same record wherever it ran.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Version of mesocrete.
+    pub mesocrete: String,
+    /// Name of the folder.
+    pub case: String,
+    /// Hash of the complete spec and task.
+    pub hash: String,
+    /// What was done with the packing beyond the task, e.g. the fingerprint of a Python function; empty for nothing.
+    pub then: String,
+    /// The axes' values.
+    pub values: Map<String, Value>,
+    /// How it ended.
+    pub status: Status,
+    /// Why it failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// What it found.
+    pub results: Map<String, Value>,
+    /// Every other file of the folder and its length, bytes.
+    pub files: BTreeMap<String, u64>,
+}
+
+/// How a case ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Status {
+    /// With its results.
+    Done,
+    /// With an error, which is kept.
+    Failed,
+}
+
+/// An error of a case, as its record keeps it.
+pub type Failed = String;
+
+/// What a folder says about a case.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    /// Nothing is there, or what a killed run left.
+    Open,
+    /// The packing is there; what is done with it has changed.
+    Packed,
+    /// Done or failed: nothing is left to do.
+    Over(Box<Record>),
+}
+
+impl Record {
+    /// The record of a case whose files are all in `folder`.
+    ///
+    /// # Errors
+    /// Where the folder cannot be read.
+    pub fn new(case: &Case, then: &str, ended: Result<Map<String, Value>, Failed>, folder: &Path) -> io::Result<Self> {
+        let status = if ended.is_ok() { Status::Done } else { Status::Failed };
+        let error = ended.as_ref().err().cloned();
+        Ok(Self {
+            mesocrete: env!("CARGO_PKG_VERSION").to_owned(),
+            case: case.folder.clone(),
+            hash: case.hash.clone(),
+            then: then.to_owned(),
+            values: case.values.iter().cloned().collect(),
+            status,
+            error,
+            results: ended.unwrap_or_default(),
+            files: files(folder)?,
+        })
+    }
+
+    /// Writes the record into `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn save(&self, folder: &Path) -> io::Result<()> {
+        let mut file = new_file(folder)?;
+        serde_json::to_writer_pretty(&mut file, self)?;
+        writeln!(file)?;
+        file.persist(folder.join(RECORD)).map(drop).map_err(|failed| failed.error)
+    }
+}
+
+impl State {
+    /// Looks into a case's `folder`; `then` as in [`Record`]. Files that are not as long as their record says count as
+    /// absent: a machine that lost its power may leave such.
+    pub fn of(case: &Case, then: &str, folder: &Path) -> Self {
+        let Ok(bytes) = std::fs::read(folder.join(RECORD)) else { return Self::Open };
+        let Ok(record) = serde_json::from_slice::<Record>(&bytes) else { return Self::Open };
+        let is_whole = |name: &str| {
+            let length = std::fs::metadata(folder.join(name)).map(|file| file.len());
+            record.files.get(name).is_some_and(|wanted| length.is_ok_and(|length| length == *wanted))
+        };
+        if record.hash != case.hash {
+            return Self::Open;
+        }
+        if record.then == then && record.files.keys().all(|name| is_whole(name)) {
+            return Self::Over(Box::new(record));
+        }
+        if is_whole(MODEL) { Self::Packed } else { Self::Open }
+    }
+
+    /// Empties `folder` of what a killed run left, and makes it where it is not there; a packing that counts is kept.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn prepare(&self, folder: &Path) -> io::Result<()> {
+        std::fs::create_dir_all(folder)?;
+        for name in [RECORD, MODEL] {
+            if name == RECORD || *self == Self::Open {
+                remove(&folder.join(name))?;
+            }
+        }
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if is_unfinished(&name) {
+                remove(&entry.path())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_unfinished(name: &str) -> bool {
+    name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1)
+}
+
+fn remove(path: &Path) -> io::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Every file in `folder` but the record, and its length.
+fn files(folder: &Path) -> io::Result<BTreeMap<String, u64>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let (name, data) = (entry.file_name().to_string_lossy().into_owned(), entry.metadata()?);
+        if data.is_file() && name != RECORD && !is_unfinished(&name) {
+            found.insert(name, data.len());
+        }
+    }
+    Ok(found)
+}
+
+/// A temporary file with the permissions that any new file gets.
+pub(crate) fn new_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let new = |path: &Path| std::fs::File::options().write(true).create_new(true).open(path);
+    tempfile::Builder::new().prefix(UNFINISHED.0).suffix(UNFINISHED.1).make_in(folder, new)
+}

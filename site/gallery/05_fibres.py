@@ -1,0 +1,16 @@
+"""Fibres and voids
+
+Straight fibres and spherical voids are further phases. They are placed together with the aggregates, without overlap.
+"""
+import mesocrete as mc
+
+spec = {
+    "specimen": mc.Specimen.prism(80, 40, 40),
+    "grading": mc.Grading.fuller(5, 12),
+    "fibres": {"fraction": 0.005, "diameter_mm": 0.8, "length_mm": 20.0},
+    "voids": {"fraction": 0.01, "diameter_mm": [2.0, 4.0]},
+}
+packing = mc.pack(spec, fraction=0.25, seed=6)
+phases = [body.phase for body in packing.inclusions]
+print({phase: phases.count(phase) for phase in sorted(set(phases))})
+packing.plot(screenshot="picture.png", opacity=0.7)

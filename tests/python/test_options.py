@@ -1,0 +1,160 @@
+"""Options explain themselves: one source in Rust, from which schema, types, completions and manual come."""
+
+import importlib.util
+import json
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import mesocrete as mc
+
+ROOT = Path(__file__).resolve().parents[2]
+if sys.version_info >= (3, 11):
+    import tomllib
+
+
+@pytest.fixture(scope="module")
+def schema(command):
+    """Return a validator of SPEC.toml."""
+    jsonschema = pytest.importorskip("jsonschema")
+    import subprocess
+
+    printed = subprocess.run([command, "schema"], capture_output=True, text=True, check=True).stdout
+    found = json.loads(printed)
+    jsonschema.Draft202012Validator.check_schema(found)
+    return jsonschema.Draft202012Validator(found)
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="tomllib came with 3.11")
+def test_every_recipe_fits_the_schema(schema):
+    recipes = sorted((ROOT / "crates" / "meso-core" / "src" / "recipes").glob("*.toml"))
+    assert {path.stem for path in recipes} == set(mc.recipes())
+    for path in recipes:
+        spec = tomllib.loads(path.read_text(encoding="utf-8"))
+        assert [error.message for error in schema.iter_errors(spec)] == [], path.name
+        assert not list(schema.iter_errors(mc.Spec.recipe(path.stem).to_dict())), path.name
+
+
+@pytest.mark.parametrize(
+    "spec",
+    [
+        {"fractoin": 0.3},
+        {"fraction": "half"},
+        {"specimen": {"kind": "cub", "side_mm": 3}},
+        {"specimen": {"kind": "cube", "side": 3}},
+        {"grading": {"curve": {"kind": "fuller", "n": 0.5}}},
+        {"placement": {"strategy": "fast"}},
+        {"mix": {"cement": 300}},
+    ],
+)
+def test_what_pack_refuses_by_its_form_the_schema_refuses(schema, spec):
+    assert list(schema.iter_errors(spec))
+    with pytest.raises((ValueError, TypeError)):
+        mc.Spec(**spec)
+
+
+def test_every_option_of_the_schema_is_described(schema):
+    def nameless(tree, path):
+        for key, prop in tree.get("properties", {}).items():
+            if "description" not in prop and "const" not in prop:
+                yield f"{path}.{key}"
+        for key, definition in tree.get("$defs", {}).items():
+            yield from nameless(definition, key)
+
+    assert list(nameless(schema.schema, "spec")) == []
+
+
+def script(name):
+    """Import a script that writes a part of the package."""
+    found = importlib.util.spec_from_file_location(name, ROOT / "crates" / "meso-py" / f"{name}.py")
+    module = importlib.util.module_from_spec(found)
+    found.loader.exec_module(module)
+    return module
+
+
+def test_the_stub_has_the_docstrings_of_the_compiled_module():
+    module = script("make_stub_docs")
+    stub = module.STUB.read_text(encoding="utf-8")
+    assert module.documented(stub) == stub, "run crates/meso-py/make_stub_docs.py"
+    assert stub.count('"""') > 100
+
+
+def test_the_types_are_those_of_the_schemas(command):
+    module = script("make_types")
+    assert module.types(command) == module.TARGET.read_text(encoding="utf-8"), "run crates/meso-py/make_types.py"
+
+
+def test_recipes_are_specs():
+    assert "rve-60" in mc.recipes()
+    assert mc.Spec.recipe("rve-60").specimen == {"kind": "cube", "side_mm": 60.0, "periodic": ["x", "y", "z"]}
+    assert mc.Spec.recipe("paper") == mc.Spec()
+    with pytest.raises(ValueError, match=r'there is no recipe "rve-61"; the recipes are paper, '):
+        mc.Spec.recipe("rve-61")
+
+
+def test_gradings_and_specimens_have_their_names():
+    spec = mc.Spec(grading=mc.Grading.fuller(4, 16, size="sieve"), specimen=mc.Specimen.cylinder(100, 200))
+    assert spec.grading["curve"] == {"kind": "fuller", "exponent": 0.5}
+    assert (spec.grading["d_max_mm"], spec.grading["size"]) == (16.0, "sieve")
+    assert spec.specimen == {"kind": "cylinder", "diameter_mm": 100.0, "height_mm": 200.0}
+    for specimen in (
+        mc.Specimen.cube(50, periodic=True),
+        mc.Specimen.box(50, 60, 70, periodic="x"),
+        mc.Specimen.prism(160, 40, 40),
+        mc.Specimen.sphere(50),
+        mc.Specimen.polyhedron([[0, 0, 0], [60, 0, 0], [0, 60, 0], [0, 0, 60]]),
+    ):
+        assert mc.Spec(specimen=specimen).specimen["kind"] == specimen["kind"]
+    for grading in (mc.Grading.bolomey(5, 20), mc.Grading.standard("din-1045-2-a16", 2, 16)):
+        assert mc.Spec(grading=grading).grading["curve"]["kind"] == grading["curve"]["kind"]
+
+
+def test_arrays_are_sieve_tables():
+    table = np.array([[2.0, 0.2], [8.0, 0.6], [16.0, 1.0]])
+    grading = mc.Grading.sieves(table[:, 0], table[:, 1], 4, 16)
+    assert mc.Spec(grading=grading).grading["curve"]["sieves_mm"] == [2.0, 8.0, 16.0]
+    with pytest.raises(ValueError, match=r"sieve_mm has shape \(3, 2\); it must be one row of numbers"):
+        mc.Grading.sieves(table, table[:, 1], 4, 16)
+
+
+def test_threads_change_nothing_and_a_time_limit_ends_a_packing():
+    spec = {"specimen": mc.Specimen.cube(40), "fraction": 0.3, "grading": {"d_max_mm": 12.0}}
+    assert mc.pack(spec, threads=1) == mc.pack(spec, threads=2)
+    hopeless = {"specimen": mc.Specimen.cube(60), "fraction": 0.7}
+    with pytest.warns(UserWarning):
+        packing = mc.pack(hopeless, time_limit=0.2)
+    assert packing.report()["stop_reason"] in ("time-limit", "jammed")
+    for wrong, message in (({"threads": 0}, "threads is 0"), ({"time_limit": -1.0}, "time_limit_s is -1")):
+        with pytest.raises(ValueError, match=message):
+            mc.pack(spec, **wrong)
+    with pytest.raises(TypeError, match="time_limit is of type str; it must be a number of seconds"):
+        mc.pack(spec, time_limit="1 s")
+
+
+def test_bodies_of_the_package_collide():
+    spec = {"specimen": mc.Specimen.cube(40), "fraction": 0.2, "grading": {"d_max_mm": 12.0}}
+    packing = mc.pack(spec)
+    a, b = packing.aggregates[:2]
+    assert not mc.gjk.intersects(a, b)
+    assert mc.gjk.intersects(a, a.body)
+    assert mc.gjk.distance(a, b) == mc.gjk.distance(a.vertices, b.vertices) > 0.0
+    assert mc.gjk.intersects_many(a, list(packing.aggregates)).sum() == 1
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell", "elvish"])
+def test_shells_know_every_command_and_flag(run, shell):
+    script = run("completions", shell)
+    assert script.returncode == 0
+    for word in ("pack", "study", "element-size-mm", "retry-failed"):
+        assert word in script.stdout, word
+
+
+def test_the_manual_has_a_page_for_every_command(run, tmp_path):
+    assert run("man", "-o", ".").returncode == 0
+    commands = re.findall(r"^  ([a-z]+)  ", run("--help").stdout, re.MULTILINE)
+    names = {path.name for path in tmp_path.glob("*.1")}
+    assert names == {"mesocrete.1", *(f"mesocrete-{name}.1" for name in commands if name != "help")}
+    assert "element\\-size\\-mm" in (tmp_path / "mesocrete-mesh.1").read_text(encoding="utf-8")

@@ -1,0 +1,91 @@
+//! Deck and engine read one table: every key of `[materials]` changes both, or stands here as one that only decks have.
+
+use crate::samples::{concrete, small_cube};
+use meso_core::export::abaqus::{self, Analysis, DeckOptions};
+use meso_core::materials::Materials;
+use meso_core::mesh::{ItzForm, Method};
+use meso_core::{Silent, Spec};
+use meso_solve::{Interface, Test};
+use serde_json::Value;
+
+use crate::samples::{Meshed, options};
+
+/// Abaqus/Explicit, which runs the decks' tests, ignores the viscosity too: it is for a Standard step of one's own.
+const DECK_ALONE: [&str; 1] = ["plasticity.viscosity_s"];
+
+/// Names and values of all keys, dotted.
+fn keys(value: &Value, name: &str) -> Vec<String> {
+    match value {
+        Value::Object(table) => table.iter().flat_map(|(key, value)| keys(value, &format!("{name}.{key}"))).collect(),
+        _ => vec![name.trim_start_matches('.').to_owned()],
+    }
+}
+
+/// The default materials with the value of `key` 4 % larger.
+fn changed(key: &str) -> Materials {
+    let mut all = serde_json::to_value(Materials::default()).unwrap();
+    let place = key.split('.').fold(&mut all, |table, part| &mut table[part]);
+    *place = (1.04 * place.as_f64().unwrap()).into();
+    serde_json::from_value(all).unwrap()
+}
+
+/// The small cube with cohesive elements, and with a solid ITZ and fibres: what one lacks, the other has.
+fn meshes() -> [Meshed; 2] {
+    let mut spec: Spec = small_cube(1.0).spec;
+    spec.fibres = Some(serde_json::from_str(r#"{"fraction": 0.02, "diameter_mm": 2.0, "length_mm": 10.0}"#).unwrap());
+    let model = meso_core::pack(&spec, &Silent).unwrap();
+    let solid = options(Method::VOXEL, 1.5, ItzForm::Solid);
+    [
+        concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive),
+        Meshed::of(&model.bodies(), model.spec.specimen.clone(), solid),
+    ]
+}
+
+fn decks(meshes: &[Meshed], materials: &Materials) -> Vec<u8> {
+    let mut text = Vec::new();
+    for meshed in meshes {
+        let deck = DeckOptions {
+            analysis: Analysis::Compression,
+            allow_joined: true,
+            materials: materials.clone(),
+            ..DeckOptions::default()
+        };
+        abaqus::write(&meshed.mesh, &deck, &mut text).unwrap();
+    }
+    text
+}
+
+/// Few steps and much strain: into softening, physics apart.
+fn fast() -> Test {
+    Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 50, ..Test::default() }
+}
+
+fn curves(meshes: &[Meshed], materials: &Materials, test: &Test) -> Vec<u64> {
+    let rows = meshes.iter().flat_map(|meshed| meshed.solve(materials, test).curve);
+    rows.flat_map(|row| row.values()).map(f64::to_bits).collect()
+}
+
+#[test]
+fn every_key_of_materials_changes_deck_and_engine() {
+    let meshes = meshes();
+    let usual = Materials::default();
+    let (deck, curve) = (decks(&meshes, &usual), curves(&meshes, &usual, &fast()));
+    let keys = keys(&serde_json::to_value(&usual).unwrap(), "");
+    assert!(keys.len() >= 26, "{keys:?}");
+    for key in &keys {
+        let materials = changed(key);
+        assert_ne!(materials, usual, "{key}");
+        assert!(decks(&meshes, &materials) != deck, "{key} is not in the decks");
+        let moves = curves(&meshes, &materials, &fast()) != curve;
+        assert_eq!(moves, !DECK_ALONE.contains(&key.as_str()), "{key} in the engine");
+    }
+}
+
+/// What the engine has beyond a deck: rubbing of faces that have parted.
+#[test]
+fn friction_in_cracks_is_the_engine_s_alone() {
+    let meshes = meshes();
+    let usual = Materials::default();
+    let test = |friction| Test { interface: Interface { friction }, ..fast() };
+    assert!(curves(&meshes, &usual, &test(0.0)) != curves(&meshes, &usual, &test(0.6)));
+}

@@ -1,0 +1,21 @@
+//! Tests of studies: combinations, hashes, records, tables.
+
+mod ensembles;
+mod plans;
+mod records;
+mod tables;
+
+use meso_files::Beside;
+use meso_study::{Axis, Plan, PlanError};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A plan of cubes of 30 mm, with these axes.
+pub(crate) fn plan(axes: &[(&str, Value)]) -> Result<Plan, PlanError> {
+    let base = json!({ "fraction": 0.2, "specimen": { "kind": "cube", "side_mm": 30 }, "grading": { "d_max_mm": 10 } });
+    let axis = |(key, values): &(&str, Value)| Axis {
+        key: (*key).to_owned(),
+        values: values.as_array().expect("a list").clone(),
+    };
+    Plan::new(&base, &axes.iter().map(axis).collect::<Vec<_>>(), &json!({}), &mut Beside(Path::new("")))
+}

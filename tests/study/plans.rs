@@ -1,0 +1,80 @@
+//! Every combination, once, with a hash of its complete spec.
+
+use crate::plan;
+use meso_study::{PlanError, digest};
+use serde_json::json;
+
+#[test]
+fn every_combination_is_a_case_and_the_last_axis_runs_fastest() {
+    let plan = plan(&[("seed", json!([1, 2, 3])), ("fraction", json!([0.2, 0.3]))]).unwrap();
+    let found: Vec<_> = plan.cases.iter().map(|case| (case.spec.seed, case.spec.fraction)).collect();
+    assert_eq!(found, [(1, 0.2), (1, 0.3), (2, 0.2), (2, 0.3), (3, 0.2), (3, 0.3)]);
+    let folders: std::collections::BTreeSet<_> = plan.cases.iter().map(|case| &case.folder).collect();
+    assert_eq!(folders.len(), 6);
+    assert!(plan.cases[1].folder.starts_with("seed-1_fraction-0.3_"), "{}", plan.cases[1].folder);
+}
+
+#[test]
+fn no_axes_are_one_case() {
+    assert_eq!(plan(&[]).unwrap().cases.len(), 1);
+}
+
+#[test]
+fn a_changed_limit_keeps_the_classes_that_follow_from_it() {
+    let plan = plan(&[("grading.d_max_mm", json!([10, 12]))]).unwrap();
+    let largest = |i: usize| *plan.cases[i].spec.grading.classes_mm.last().unwrap();
+    assert_eq!((largest(0), largest(1)), (10.0, 12.0));
+}
+
+#[test]
+fn sections_are_axes_and_another_kind_replaces_them() {
+    let values = json!([{ "kind": "sphere", "diameter_mm": 30 }, { "side_mm": 40 }]);
+    let plan = plan(&[("specimen", values)]).unwrap();
+    assert_eq!(plan.cases[0].spec.specimen.kind(), "sphere");
+    assert!((plan.cases[1].spec.specimen.volume() - 64e3).abs() < 1e-6);
+    assert!(plan.cases[0].folder.starts_with("specimen-sphere_"));
+}
+
+#[test]
+fn the_hash_is_of_the_complete_spec() {
+    let one = |values| plan(&[("fraction", values)]).unwrap().cases[0].clone();
+    // A whole number is the same number.
+    assert_eq!(plan(&[("specimen.side_mm", json!([30]))]).unwrap().cases[0].hash, one(json!([0.2])).hash);
+    assert_ne!(one(json!([0.2])).hash, one(json!([0.21])).hash);
+    assert_eq!(one(json!([0.2])).hash.len(), 64);
+    // The one of FIPS 180-2.
+    assert!(digest(b"abc").starts_with("ba7816bf8f01cfea414140de5dae2223"));
+}
+
+#[test]
+fn a_longer_axis_keeps_the_folders_there_are() {
+    let folders = |values| -> Vec<String> {
+        plan(&[("seed", values)]).unwrap().cases.into_iter().map(|case| case.folder).collect()
+    };
+    let (few, many) = (folders(json!([2, 3])), folders(json!([1, 2, 3, 4])));
+    assert!(few.iter().all(|folder| many.contains(folder)));
+}
+
+#[test]
+fn wrong_studies_are_named_before_the_work() {
+    let wrong = |axes: &[(&str, serde_json::Value)]| plan(axes).unwrap_err();
+    assert_eq!(wrong(&[("seed", json!([]))]), PlanError::Empty("seed".to_owned()));
+    assert!(matches!(
+        wrong(&[("specimen", json!([{}])), ("specimen.side_mm", json!([3]))]),
+        PlanError::Overlapping(..)
+    ));
+    assert!(matches!(wrong(&[("seed", json!([1, 1]))]), PlanError::Twice(..)));
+    assert!(matches!(wrong(&[("grading..d", json!([1]))]), PlanError::Key(_)));
+    let error = wrong(&[("seed", json!([4])), ("fraction", json!([0.3, 1.5]))]).to_string();
+    assert!(error.starts_with("case seed = 4, fraction = 1.5: fraction is 1.5"), "{error}");
+    let error = wrong(&[("grading.d_maxmm", json!([4]))]).to_string();
+    assert!(error.contains("grading.d_maxmm"), "{error}");
+}
+
+#[test]
+fn flags_of_a_task_change_the_hash_and_not_the_spec() {
+    let plan = plan(&[("mesh.element-size-mm", json!([2, 4]))]).unwrap();
+    assert_eq!(plan.cases[0].spec, plan.cases[1].spec);
+    assert_eq!(plan.cases[1].task, json!({ "mesh": { "element-size-mm": 4 } }));
+    assert_ne!(plan.cases[0].hash, plan.cases[1].hash);
+}
