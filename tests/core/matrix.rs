@@ -125,7 +125,6 @@ fn cases(first: u64, count: u64) -> usize {
         if model.bodies().is_empty() {
             continue;
         }
-        println!("case {seed}: {options:?}\n{text}");
         read_back(&model, &options, &mut chance);
         done += 1;
     }
