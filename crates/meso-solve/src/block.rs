@@ -188,6 +188,7 @@ pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     let mut history = W::virgin();
     let states = history.as_ref().len();
     let memory = &memory[..states];
+    #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain loads")]
     for i in 0..states {
         history.as_mut()[i] = L::load(&memory[i]);
     }
@@ -227,6 +228,7 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     }
     // Of the energy stored, the share by which the integrity fell is lost.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
+    #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
     for i in 0..states {
         history.as_ref()[i].store(&mut memory[i]);
     }

@@ -122,6 +122,7 @@ fn footer(table: &Table, chunks: &[Chunk]) -> Vec<u8> {
         element.number(5, I32, table.columns.len() as i64);
     };
     let columns = table.columns.iter().map(|column| move |element: &mut Thrift| schema(element, column));
+    #[allow(clippy::type_complexity, reason = "the closures borrow from here")]
     let mut elements: Vec<Box<dyn FnOnce(&mut Thrift) + '_>> = vec![Box::new(root)];
     elements.extend(columns.map(|write| Box::new(write) as Box<dyn FnOnce(&mut Thrift)>));
     meta.structures(2, elements);
