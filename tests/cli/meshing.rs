@@ -149,7 +149,7 @@ fn values_that_no_deck_can_hold_are_named() {
             "mortar = { youngs_modulus_mpa = 2e4, poisson_ratio = 0.5, density_t_per_mm3 = 2e-9 }",
             "materials.mortar.poisson_ratio is 0.5; it must lie between -1 and 0.5",
         ),
-        ("cohesive_thickness_mm = 60", "materials.cohesive_thickness_mm is 60; it must be below 4.762e1"),
+        ("cohesive_thickness_mm = 200", "materials.cohesive_thickness_mm is 200; it must be below 1.143e2"),
         ("plasticity = { biaxial_ratio = 0.5 }", "materials.plasticity.biaxial_ratio is 0.5; it must be 1 or more"),
         ("mortar = { density_t_per_mm3 = 2.4 }", "materials.mortar.density_t_per_mm3 is 2.4; it must be a positive"),
         ("itz_strength_rato = 0.7", "m.toml: line 2: materials.itz_strength_rato is not a known key; did you mean"),

@@ -1,4 +1,4 @@
-//! How work without a result worth keeping is ended from outside: it unwinds at the next [`point`].
+//! How work without a result worth keeping is ended from outside: it unwinds at the next `point`.
 //!
 //! Packing is stopped through [`Progress`](crate::Progress) and keeps the best it has. A mesh, a check or statistics that
 //! nobody waits for any more has nothing to keep; to hand a flag down to every loop of them would say so in a hundred

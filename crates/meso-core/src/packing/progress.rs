@@ -78,11 +78,12 @@ impl Measure {
         Self { plan: plan.to_vec(), most: AtomicU64::new(0), latest: AtomicUsize::new(0) }
     }
 
-    /// Takes in the share of a stage; one that is not in the plan counts for nothing.
+    /// Takes in the share of a stage; a stage that is not in the plan and a share that is no number count for nothing.
     pub fn tell(&self, stage: Stage, share: f64) {
         let Some(place) = self.plan.iter().position(|planned| planned.0 == stage) else { return };
         let weight = |stages: &[(Stage, f64)]| stages.iter().map(|planned| planned.1).sum::<f64>();
-        let done = weight(&self.plan[..place]) + self.plan[place].1 * share.clamp(0.0, 1.0);
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        let done = weight(&self.plan[..place]) + self.plan[place].1 * share;
         self.most.fetch_max((done / weight(&self.plan)).to_bits(), Ordering::Relaxed);
         self.latest.fetch_max(place, Ordering::Relaxed);
     }

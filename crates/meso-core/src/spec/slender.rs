@@ -72,7 +72,8 @@ mod tests {
 
     /// All grains of one size.
     fn most(size: [f64; 3]) -> f64 {
-        let grading = Grading { d_min_mm: 10.0, d_max_mm: 10.001, ..Grading::default() };
+        let (d_min_mm, d_max_mm) = (10.0, 10.001);
+        let grading = Grading { d_min_mm, d_max_mm, classes_mm: vec![d_min_mm, d_max_mm], ..Grading::default() };
         MOST_MEETINGS / excluded_over_own(&[block(size)], &grading)
     }
 
