@@ -6,7 +6,7 @@ use meso_core::formats::ImageFormat;
 use meso_core::geometry::Plane;
 use meso_core::gjk;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::packing::Images;
+use meso_core::packing::{Container, Images};
 use meso_core::spec::Spec;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
 use meso_core::{Model, Silent, pack};
@@ -49,12 +49,12 @@ fn centres(image: &VoxelImage) -> Vec<Vec3> {
 type Solid<'a> = (&'a Aggregate, Aabb, Vec<Plane>);
 
 /// Phase and grain of a point, by every half-space of every body near it.
-fn look(model: &Model, bodies: &[Solid], x: &Vec3) -> (u8, i32) {
+fn look(container: &dyn Container, bodies: &[Solid], x: &Vec3) -> (u8, i32) {
     let height = |planes: &[Plane]| planes.iter().map(|p| p.normal.dot(x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
     let near = bodies.iter().filter(|(_, aabb, _)| aabb.distance(x) == 0.0);
     let mut holding = near.map(|(body, _, planes)| (body, height(planes)));
     let Some((body, height)) = holding.find(|(_, height)| *height <= 0.0) else {
-        return if model.spec.specimen.container().contains(x) { (0, -1) } else { (255, -2) };
+        return if container.contains(x) { (0, -1) } else { (255, -2) };
     };
     let phase = match body.kind {
         Kind::Aggregate if height > -body.itz_thickness_mm => 1,
@@ -72,13 +72,14 @@ fn every_voxel_has_the_phase_and_the_grain_of_the_half_spaces_around_its_centre(
         let model = packed(spec);
         let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
         let shown: Vec<Solid> = shown.iter().map(|b| (b, b.body.aabb(), b.body.planes().collect())).collect();
+        let container = model.spec.specimen.container();
         let options = ImageOptions { voxel_size_mm: 0.75, ..ImageOptions::default() };
         let (frame, Values::Label(phases)) = image(&model, options) else { panic!("phases are labels") };
         let (_, Values::Id(grains)) = image(&model, ImageOptions { quantity: Quantity::Grain, ..options }) else {
             panic!("grains are ids")
         };
         for (number, centre) in centres(&frame).iter().enumerate() {
-            let expected = look(&model, &shown, centre);
+            let expected = look(&*container, &shown, centre);
             assert_eq!((phases[number], grains[number]), expected, "at {centre} of {spec}");
         }
         seen.extend(phases);
