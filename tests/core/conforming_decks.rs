@@ -1,7 +1,7 @@
 //! Periodic decks of conforming meshes: every upper node tied, and what CalculiX makes of them beside the other meshes of the
 //! same packing. (Skipped where `gmsh` or `ccx` is not installed.)
 
-use crate::calculix::gmsh;
+use crate::calculix::{as_stiff, gmsh};
 use crate::cohesive_decks::with_springs;
 use crate::mesh::deck;
 use crate::periodic_decks::{SIDE_MM, equations, modulus, solve_deck, tied};
@@ -59,8 +59,7 @@ fn calculix_finds_the_modulus_of_the_other_meshes_in_a_conforming_one_of_a_perio
     let model = packed([true; 3]);
     let mut moduli = Vec::new();
     for method in [Method::CONFORMING, Method::Voxel { thin_itz: false, subsamples: 4 }, Method::FITTED] {
-        // As without periods: voxels by the majority of their points.
-        let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
+        let options = MeshOptions { itz: ItzForm::None, ..as_stiff(method) };
         let Some(mesh) = meshed(&model, options) else { return };
         let Some(solved) = solve_deck(&deck(&mesh, &tied(Analysis::Elastic))) else { return };
         moduli.push(modulus(&solved));
