@@ -189,11 +189,11 @@ class Aggregate:
 
     @property
     def centroid(self) -> NDArray[np.float64]:
-        """Centre of volume, mm: shape (3,)."""
+        """Centre of volume: ndarray, shape (3,), float64, mm."""
 
     @property
     def size(self) -> float:
-        """Longest distance of two vertices, mm."""
+        """Longest distance of two vertices, mm: the longest axis 2a."""
 
     @property
     def sieve_size(self) -> float:
@@ -222,31 +222,31 @@ class Aggregates:
 
     @property
     def volume(self) -> NDArray[np.float64]:
-        """Volumes, mm3: shape (n,)."""
+        """Volumes, mm3: ndarray, shape (n,), float64; so are the other properties of all aggregates."""
 
     @property
     def area(self) -> NDArray[np.float64]:
-        """Surfaces, mm2: shape (n,)."""
+        """Surfaces, mm2."""
 
     @property
     def size(self) -> NDArray[np.float64]:
-        """Longest distances of two vertices, mm: shape (n,)."""
+        """Longest distances of two vertices, mm."""
 
     @property
     def sieve_size(self) -> NDArray[np.float64]:
-        """Sides of the smallest square holes that they pass, mm: shape (n,)."""
+        """Sides of the smallest square holes that they pass, mm."""
 
     @property
     def itz_thickness(self) -> NDArray[np.float64]:
-        """Thicknesses of the ITZ shells, mm: shape (n,)."""
+        """Thicknesses of the ITZ shells, mm."""
 
     @property
     def size_class(self) -> NDArray[np.int64]:
-        """Indices of the size classes, from the finest: shape (n,)."""
+        """Indices of the size classes, from the finest: ndarray, shape (n,), int64."""
 
     @property
     def centroid(self) -> NDArray[np.float64]:
-        """Centres of volume, mm: shape (n, 3)."""
+        """Centres of volume, mm: ndarray, shape (n, 3)."""
 
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[Aggregate]: ...
@@ -303,10 +303,17 @@ class Packing:
 
     @property
     def work(self) -> dict[str, Any]:
-        """What the result cost: counters, and wall times by stage under `seconds`; a new dict."""
+        """What the result cost: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
+        new dict.
+        """
 
     def table(self) -> dict[str, NDArray[Any]]:
-        """Every aggregate, void and fibre as a row: a dict of arrays, as `pandas.DataFrame` takes it."""
+        """Every aggregate, void and fibre as a row: a dict of arrays of one length, as `pandas.DataFrame` takes it.
+
+        Columns: `id`, `class` (int64), `phase` (str), `size_mm` (longest distance of two vertices), `sieve_size_mm`,
+        `volume_mm3`, `area_mm2`, `sphericity` (Wadell), `centroid_x_mm`, `centroid_y_mm`, `centroid_z_mm`,
+        `itz_thickness_mm` (float64), `vertices`, `faces` (int64). They are those of the `.csv`, and the sieve size.
+        """
 
     def voxelize(
         self,
@@ -316,7 +323,36 @@ class Packing:
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
     ) -> NDArray[Any]:
-        """What is at every voxel of edge `h`, mm: an array [z, y, x] in C order; see docs/images.md."""
+        """What is at every voxel of the specimen, or of a box in it.
+
+        Voxel (k, j, i) has its centre at (i + 0.5, j + 0.5, k + 0.5) h from the lower corner of the specimen's bounding
+        box, or of `box`. It lies in a body if its centre lies in the closed polyhedron.
+
+        Parameters
+        ----------
+        h : float
+            Edge of a voxel, mm; along periodic axes it must divide the specimen's length.
+        what : {"phase", "grain", "share", "distance"}
+            "phase": uint8, 0 mortar, 1 ITZ, 2 aggregate, 3 void, 4 fibre, 255 outside the specimen. "grain": int32, the id
+            of the aggregate, void or fibre, -1 in the mortar, -2 outside. "share": float32, the share of the voxel's
+            volume, exact to rounding; see `of`. "distance": float32, mm to the nearest surface of an aggregate, void or
+            fibre, negative inside, NaN outside the specimen.
+        box : pair of triples, optional
+            Lower and upper corner of the part that is shown, mm, in the specimen's bounding box.
+        of : {"aggregate", "core", "itz", "void", "fibre"}
+            Whose share: of aggregates with their ITZ shells (as the packing's fraction counts them), of aggregates
+            without, of the shells alone, of voids or of fibres.
+
+        Returns
+        -------
+        ndarray, shape (nz, ny, nx), C order
+
+        Raises
+        ------
+        ValueError, TypeError
+            Names the option, its value and what is accepted. Images of more than 2^33 voxels are left to
+            `mesocrete image`, which streams them.
+        """
 
     def section(
         self,
@@ -327,7 +363,30 @@ class Packing:
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
     ) -> NDArray[Any]:
-        """What is on the plane across `axis` at `at` mm, `px` pixels along its longer side; lowest row first."""
+        """What is on a plane across an axis, pixel by pixel.
+
+        Parameters
+        ----------
+        axis : {"x", "y", "z"}
+            The axis that the plane is across.
+        at : float
+            Where on it, mm.
+        px : int
+            Pixels along the longer side of the section; they are square.
+        what, of
+            As for `voxelize`; shares are those of cubic voxels.
+
+        Returns
+        -------
+        ndarray, shape (rows, columns)
+            [y, x] across z, [z, x] across y, [z, y] across x; the first row is the lowest, as with
+            `matplotlib.pyplot.imshow(..., origin="lower")`.
+
+        Raises
+        ------
+        ValueError, TypeError
+            Names the option, its value and what is accepted.
+        """
 
     def _repr_html_(self) -> str: ...
     def _section_svg(self, axis: int, at: float) -> str: ...
@@ -370,7 +429,8 @@ class Packing:
         Returns
         -------
         dict
-            `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed) and `findings`, a list of what is wrong.
+            `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed), `findings`, a list of what is wrong, and
+            `not_checked`, what a check of the model alone cannot tell.
         """
 
     def statistics(self, *, progress: bool | Callable[..., object] | None = None, **options: Unpack[StatisticsOptions]) -> dict[str, Any]:
@@ -379,6 +439,8 @@ class Packing:
 
         Parameters
         ----------
+        progress : bool or callable, optional
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
         **options
             How much is sampled, and how finely: `seed`, `lines`, `lag_mm`, `lags`, `points`, `layer_mm`.
 
@@ -398,8 +460,11 @@ class Packing:
             How the specimen is divided; "voxel" is the default.
         element_size : float, optional
             Edge length of the elements, mm; default 2.
+        progress : bool or callable, optional
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
         **options
-            The other options of `mesocrete mesh`, e.g. `itz="none"`.
+            The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
+            if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
 
         Raises
         ------
@@ -534,8 +599,8 @@ class Mesh:
             Moments, evenly over the test, whose fields are kept in `Response.frames`.
         threads : int, optional
             All cores when absent. It changes the time, never the result.
-        progress : callable, optional
-            Called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
+        progress : bool or callable, optional
+            True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
         **options
             `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `hourglass`, `interface`: see docs/solve.md.
@@ -557,7 +622,9 @@ class Mesh:
         """The mesh as a PyVista unstructured grid (needs the extra `plot`)."""
 
     def plot(self, **options: Any) -> Any:
-        """Shows the mesh by phase; `cut`, `phases`, `screenshot`, and options of `pyvista.Plotter.add_mesh`."""
+        """Shows the mesh by phase (needs the extra `plot`); see `plot_mesh` in the reference for `cut`, `phases` and
+        `screenshot`.
+        """
 
     def to_meshio(self) -> Any:
         """The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`)."""
@@ -697,9 +764,10 @@ def pack(
         All cores when absent. It changes the time, never the result.
     time_limit : float, optional
         Stop after so many seconds with the best packing found; replaces the spec's.
-    progress : callable, optional
-        Called about 25 times a second as `progress(fraction, target)`; when it returns False, the best valid packing
-        found so far is returned.
+    progress : bool or callable, optional
+        True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
+        `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
+        name, too: "take", "place" or "prove". When it returns False, the best valid packing found so far is returned.
 
     Returns
     -------

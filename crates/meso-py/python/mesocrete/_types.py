@@ -352,9 +352,9 @@ class MeshOptions(TypedDict, total=False):
 
     fit: Literal["fitted", "plain"]
     """Lattices alone."""
-    itz: Literal["solid", "cohesive", "smeared", "none"]
-    """As `MeshOptions.itz`."""
-    joined: Literal["keep", "mortar"]
+    itz: Literal["solid", "cohesive", "smeared", "none"] | None
+    """As `MeshOptions.itz`; absent: what the elements can show, see `ItzForm.carried_by`."""
+    joined: Literal["keep", "mortar", "cut"]
     """As `MeshOptions.joined`."""
     order: int
     """1 or 2; voxels take 1."""
@@ -475,16 +475,10 @@ class DeckOptions(TypedDict, total=False):
 
 
 class SolveInterface(TypedDict, total=False):
-    """Cohesive faces between aggregates and mortar."""
+    """What cohesive faces between aggregates and mortar have beside `[materials]`, and a deck cannot have."""
 
     friction: float
     """Coulomb's coefficient in a crack."""
-    mixity_exponent: float
-    """Exponent of Benzeggagh and Kenane's criterion."""
-    shear_energy_ratio: float
-    """Fracture energy in sliding over that in opening."""
-    stiffness_n_per_mm3: float | None
-    """Stiffness, N/mm3; absent, twenty times E / h of the mortar, h the element size, so that the specimen is no softer."""
 
 
 class SolveOptions(TypedDict, total=False):
