@@ -269,6 +269,7 @@ pub struct MeshTable {
     pub slabs: Option<u32>,
 }
 
+#[expect(clippy::derivable_impls, reason = "the defaults are those of the options, not of the types")]
 impl Default for MeshTable {
     fn default() -> Self {
         Self { itz: None, ..MeshOptions::default().into() }
