@@ -114,10 +114,10 @@ fn distances_are_those_of_the_nearest_body_and_negative_inside() {
         let model = packed(spec);
         let options = ImageOptions { voxel_size_mm: 3.0, quantity: Quantity::Distance, ..ImageOptions::default() };
         let (frame, Values::Real(distances)) = image(&model, options) else { panic!("distances are reals") };
-        let period = model.spec.specimen.period();
+        let (period, container) = (model.spec.specimen.period(), model.spec.specimen.container());
         let mut inside = 0;
         for (centre, distance) in centres(&frame).iter().zip(distances) {
-            if !model.spec.specimen.container().contains(centre) {
+            if !container.contains(centre) {
                 assert!(distance.is_nan());
                 continue;
             }
