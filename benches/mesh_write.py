@@ -7,9 +7,7 @@ folder and are removed. Each format has a process of its own, so that its peak i
 ten thousand elements and enters nothing.
 """
 
-import datetime
 import os
-import platform
 import resource
 import subprocess
 import sys
@@ -18,8 +16,9 @@ import time
 from pathlib import Path
 
 import mesocrete as mc
+from origin import RESULTS, origin
 
-TABLE = Path(__file__).parent / "results" / "mesh_write.csv"
+TABLE = RESULTS / "mesh_write.csv"
 HEADER = "method,elements,format,file_mb,wall_s,cpu_s,peak_mb,peak_before_mb,machine,date,commit"
 MESHES = {"voxel": {"element_size": 0.69}, "lattice": {"element_size": 1.6, "fit": "plain"}}
 QUICK = {"voxel": {"element_size": 6}, "lattice": {"element_size": 10, "fit": "plain"}}
@@ -33,18 +32,6 @@ def cpu_seconds():
 
 def peak_mb():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6
-
-
-def machine():
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    names = [line.split(": ")[1] for line in lines if line.startswith("model name")]
-    return f"{names[0] if names else platform.processor()} {os.cpu_count()} threads".replace(",", " ")
-
-
-def origin():
-    command = ["git", "rev-parse", "--short", "HEAD"]
-    commit = subprocess.run(command, cwd=TABLE.parent, capture_output=True, text=True, check=False).stdout.strip()
-    return f"{machine()},{datetime.datetime.now(datetime.timezone.utc):%Y-%m-%d},{commit or 'unknown'}"
 
 
 def row(model, method, extension, quick):

@@ -75,22 +75,22 @@ impl Gmsh {
     /// [`MeshError::MissingGmsh`], [`MeshError::Stopped`], [`MeshError::Files`] (a full disk, too), and [`MeshError::Gmsh`]
     /// with what gmsh had to say where it failed.
     pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
-        let folder = tempfile::Builder::new().prefix("mesocrete-").tempdir();
-        let folder = folder.map_err(|error| files(&std::env::temp_dir(), error))?;
-        let running = Running::in_folder(folder.path());
-        self.run(&Task { surfaces, folder: folder.path(), running: &running, stop })
+        let running = Running::in_new_folder().map_err(|error| files(&std::env::temp_dir(), error))?;
+        self.run(&Task { surfaces, running: &running, stop })
     }
 
     fn run(&self, task: &Task) -> Result<Vec<u8>, MeshError> {
-        let in_folder = |error| files(task.folder, error);
-        write_input(task.surfaces, task.folder).map_err(in_folder)?;
+        let in_folder = |error| files(task.running.folder(), error);
+        let create = |name| task.running.in_folder(|folder| File::create(folder.join(name)));
+        let (mesh, script) = (create("surfaces.msh").map_err(in_folder)?, create("volumes.geo").map_err(in_folder)?);
+        write_input(task.surfaces, mesh, script).map_err(in_folder)?;
         let outcome = self.call(task)?;
-        let output = std::fs::read(task.folder.join("volumes.msh")).unwrap_or_default();
+        let output = std::fs::read(task.running.folder().join("volumes.msh")).unwrap_or_default();
         if outcome.status.success() && output.ends_with(END) {
             return Ok(output);
         }
         // A full disk ends gmsh in many ways, and another element size does not help.
-        probe_disk(task.folder).map_err(in_folder)?;
+        task.running.in_folder(probe_disk).map_err(in_folder)?;
         let what = match (outcome.status.success(), output.is_empty()) {
             (false, _) => format!("gmsh failed ({})", outcome.status),
             (true, true) => "gmsh made no mesh".to_owned(),
@@ -100,23 +100,17 @@ impl Gmsh {
     }
 
     fn call(&self, task: &Task) -> Result<Outcome, MeshError> {
-        let in_folder = |error| files(task.folder, error);
+        let in_folder = |error| files(task.running.folder(), error);
         // Not through pipes: nobody would empty them in the meantime.
-        let mut saying = File::options()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(true)
-            .open(task.folder.join("said.txt"))
-            .map_err(in_folder)?;
+        let mut saying = task.running.in_folder(|folder| open_anew(&folder.join("said.txt"))).map_err(in_folder)?;
         let mut command = self.command();
-        command.current_dir(task.folder).arg("volumes.geo").args(GMSH_OPTIONS);
+        command.current_dir(task.running.folder()).arg("volumes.geo").args(GMSH_OPTIONS);
         command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
         command.stdin(Stdio::null());
         command.stderr(saying.try_clone().map_err(in_folder)?).stdout(saying.try_clone().map_err(in_folder)?);
         ends_with_us::arrange(&mut command);
-        let child = command.spawn().map_err(|error| self.missing(&error))?;
-        let status = task.wait(child)?;
+        task.running.start(&mut command).map_err(|error| self.missing(&error))?;
+        let status = task.wait()?;
         let mut said = Vec::new();
         saying.seek(SeekFrom::Start(0)).and_then(|_| saying.read_to_end(&mut said)).map_err(in_folder)?;
         Ok(Outcome { status, said: String::from_utf8_lossy(&said).trim().to_owned() })
@@ -145,7 +139,6 @@ impl VolumeMesher for Gmsh {
 /// One run of gmsh.
 struct Task<'a> {
     surfaces: &'a Surfaces,
-    folder: &'a Path,
     running: &'a Running,
     stop: &'a dyn Fn() -> bool,
 }
@@ -157,11 +150,10 @@ struct Outcome {
 }
 
 impl Task<'_> {
-    /// Waits for `child`, or ends it when the caller or the user says so.
-    fn wait(&self, child: std::process::Child) -> Result<ExitStatus, MeshError> {
-        self.running.begin(child);
+    /// Waits for the process, or ends it when the caller or the user says so.
+    fn wait(&self) -> Result<ExitStatus, MeshError> {
         loop {
-            if let Some(status) = self.running.status().map_err(|error| files(self.folder, error))? {
+            if let Some(status) = self.running.status().map_err(|error| files(self.running.folder(), error))? {
                 return Ok(status);
             }
             if (self.stop)() {
@@ -173,9 +165,14 @@ impl Task<'_> {
     }
 }
 
-fn write_input(surfaces: &Surfaces, folder: &Path) -> io::Result<()> {
-    surfaces.write(File::create(folder.join("surfaces.msh"))?)?;
-    std::fs::write(folder.join("volumes.geo"), surfaces.script("surfaces.msh"))
+/// A new file to write and then to read.
+fn open_anew(path: &Path) -> io::Result<File> {
+    File::options().read(true).write(true).create(true).truncate(true).open(path)
+}
+
+fn write_input(surfaces: &Surfaces, mesh: File, mut script: File) -> io::Result<()> {
+    surfaces.write(mesh)?;
+    script.write_all(surfaces.script("surfaces.msh").as_bytes())
 }
 
 /// Fails where the disk is full.

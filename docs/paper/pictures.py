@@ -1,0 +1,119 @@
+"""Pictures of the compression tests that run.py has run: curves, sections of damage and of stress."""
+
+import csv
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib import pyplot
+
+matplotlib.use("Agg")
+# Points of the curve, as the paper names them: share of the peak, and on which side of it.
+POINTS = {"A": (0.3, "before"), "B": (0.8, "before"), "C": (1.0, "before"), "D": (0.8, "after"), "E": (0.0, "after")}
+# What `phase` holds in a cell of an aggregate.
+AGGREGATE = 2
+
+
+def draw(done: list[tuple], out: Path) -> None:
+    """Draw the curves of every group of `done`, pairs of a case and its folder, and sections of the frictions."""
+    for group in dict.fromkeys(case.group for case, _ in done):
+        draw_curves([(case, folder) for case, folder in done if case.group == group], out / f"{group}.png")
+    for case, folder in done:
+        if case.group == "friction":
+            describe(case.name, folder)
+            if case.seed == 1:
+                draw_sections(case.label, folder, out / f"damage-{case.label}.png")
+
+
+def read_curve(folder: Path) -> tuple[list[float], list[float]]:
+    """Read strain and stress of a case."""
+    with (folder / "curve.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return [float(r["strain"]) for r in rows], [float(r["stress_mpa"]) for r in rows]
+
+
+def draw_curves(group: list[tuple], path: Path) -> None:
+    """All curves of a group, one colour a label."""
+    figure, axes = pyplot.subplots(figsize=(6, 4), layout="constrained")
+    labels = list(dict.fromkeys(case.label for case, _ in group))
+    named = set()
+    for case, folder in group:
+        strain, stress = read_curve(folder)
+        name = None if case.label in named else case.label
+        axes.plot([100 * x for x in strain], stress, f"C{labels.index(case.label)}", lw=1, label=name)
+        named.add(case.label)
+    if group[0][0].group == "friction":
+        axes.axhline(35.6, color="black", lw=0.8, ls="--", label="peak in Vonk's test")
+    axes.set(xlabel="strain, %", ylabel="stress, MPa", title=group[0][0].group, ylim=(0, None))
+    axes.legend()
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
+
+
+def frames_at_points(folder: Path) -> dict[str, str]:
+    """Find the frame nearest to each of the points A to E of the curve."""
+    strain, stress = read_curve(folder)
+    peak = max(range(len(stress)), key=stress.__getitem__)
+    frames = json.loads((folder / "result.json").read_text(encoding="utf-8"))["frames"]
+    wanted = {point: strain[index_at(stress, peak, *at)] for point, at in POINTS.items()}
+    return {p: min(frames, key=lambda frame: abs(frame["strain"] - x))["file"] for p, x in wanted.items()}
+
+
+def index_at(stress: list[float], peak: int, share: float, side: str) -> int:
+    """Where the curve first reaches a share of its peak on that side; the end where it never falls so far."""
+    if side == "before":
+        return next(i for i in range(peak + 1) if stress[i] >= share * stress[peak])
+    return next((i for i in range(peak, len(stress)) if stress[i] <= share * stress[peak]), len(stress) - 1)
+
+
+def draw_sections(label: str, folder: Path, path: Path) -> None:
+    """Damage at half depth at the points A to E, and the least principal stress of the aggregates at E."""
+    import pyvista
+
+    figure, axes = pyplot.subplots(1, len(POINTS) + 1, figsize=(17, 3.2), layout="constrained")
+    for axis, (point, file) in zip(axes, frames_at_points(folder).items(), strict=False):
+        cut = pyvista.read(folder / file).slice(normal="y").triangulate()
+        aggregate = cut["phase"] == AGGREGATE
+        paint(axis, cut, np.where(aggregate, -0.25, cut["damage"]), cmap="inferno_r", vmin=-0.25, vmax=1)
+        axis.set(title=point)
+    stress = np.where(aggregate, least_principal(cut["stress_mpa"]), np.nan)
+    colours = paint(axes[-1], cut, stress, cmap="viridis", vmin=-95, vmax=0)
+    axes[-1].set(title="E, aggregates")
+    figure.colorbar(colours, ax=axes[-1], label="least principal stress, MPa")
+    figure.suptitle(f"damage, friction {label}")
+    figure.savefig(path, dpi=80)
+    pyplot.close(figure)
+
+
+def paint(axis: pyplot.Axes, cut, values: np.ndarray, **colours):
+    """Fill the triangles of a section, seen along y."""
+    faces = cut.faces.reshape(-1, 4)[:, 1:]
+    axis.set(aspect="equal", xticks=[], yticks=[])
+    return axis.tripcolor(cut.points[:, 0], cut.points[:, 2], faces, facecolors=values, **colours)
+
+
+def least_principal(tensors: Iterable) -> np.ndarray:
+    """Least principal value of symmetric tensors xx, yy, zz, xy, yz, xz, one a row."""
+    xx, yy, zz, xy, yz, xz = np.asarray(tensors, dtype=float).T
+    rows = [np.stack(row, -1) for row in ([xx, xy, xz], [xy, yy, yz], [xz, yz, zz])]
+    return np.linalg.eigvalsh(np.stack(rows, -2))[:, 0]
+
+
+def describe(name: str, folder: Path) -> None:
+    """Print how much is damaged near the plates and between, and what stress the aggregates carry, at the end."""
+    import pyvista
+
+    mesh = pyvista.read(folder / frames_at_points(folder)["E"])
+    sizes = mesh.compute_cell_sizes(length=False, area=False)["Volume"]
+    low, high = mesh.bounds[4:]
+    height = (mesh.cell_centers().points[:, 2] - low) / (high - low)
+    matrix = mesh["phase"] != AGGREGATE
+    near, middle = matrix & (np.abs(height - 0.5) > 0.4), matrix & (np.abs(height - 0.5) < 0.1)
+    broken = (mesh["damage"] > 0.9) * sizes
+    shares = [broken[part].sum() / sizes[part].sum() for part in (near, middle)]
+    least = least_principal(mesh["stress_mpa"][~matrix])
+    percentiles = ", ".join(f"{np.percentile(least, p):.0f}" for p in (1, 50, 99))
+    print(f"{name}: {shares[0]:.0%} of mortar and ITZ broken in the tenths at the plates, {shares[1]:.0%} in the middle fifth;")
+    print(f"  least principal stress in the aggregates, percentiles 1, 50, 99: {percentiles} MPa")

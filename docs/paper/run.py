@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Runs the compression tests of docs/paper.md, one folder a case, and draws them.
+
+    cargo build --release && python3 docs/paper/run.py OUT             everything at the paper's size: a night on two cores
+    python3 docs/paper/run.py OUT --small                              50 mm cubes: less than two hours
+    python3 docs/paper/run.py OUT --only friction --seeds 1            one group, one seed
+
+A case whose result is there is skipped, and one that was killed goes on from its checkpoint, so the same command
+finishes what was begun. Needs numpy and matplotlib, and PyVista for the sections. The figures of every case go to
+OUT/cases.csv, the pictures to OUT/*.png, the tables to the terminal.
+"""
+
+import argparse
+import csv
+import json
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pictures
+
+HERE = Path(__file__).resolve().parent
+MATERIALS = HERE / "mortar.toml"
+CHECKPOINT_S = "300"
+# What cases.csv keeps of a result.json.
+FIGURES = [
+    "elements", "steps", "modulus_mpa", "peak_mpa", "peak_strain", "stress_at_end_mpa", "softened",
+    "kinetic_over_internal_max", "energy_balance_error", "added_mass_percent", "joined_pairs",
+]  # fmt: skip
+
+
+@dataclass
+class Case:
+    """One specimen, crushed once."""
+
+    group: str
+    label: str
+    seed: int
+    spec: dict
+    flags: list[str] = field(default_factory=list)
+    materials: str = ""
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return f"{self.group}-{self.label.replace(', h = ', '-').replace(' ', '')}-{self.seed}"
+
+
+def main() -> None:
+    """Run what is missing, then tabulate and draw all there is."""
+    args = parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    chosen = [case for case in cases(small=args.small) if is_chosen(case, args)]
+    for number, case in enumerate(chosen, 1):
+        print(f"{number}/{len(chosen)} {case.name}", flush=True)
+        if not args.draw:
+            run(args.program, case, args.out)
+    tabulate(chosen, args.out)
+    pictures.draw([(case, args.out / case.name) for case in chosen if read_result(args.out / case.name)], args.out)
+
+
+def parse_args() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path, help="folder of the results")
+    parser.add_argument("--small", action="store_true", help="50 mm cubes")
+    parser.add_argument("--only", action="append", default=[], metavar="GROUP", help="one group of cases; repeatable")
+    parser.add_argument("--seeds", type=int, default=5, metavar="N", help="at most so many seeds (default 5)")
+    parser.add_argument("--draw", action="store_true", help="run nothing; tabulate and draw what is there")
+    parser.add_argument("--program", default=str(HERE.parent.parent / "target/release/mesocrete"), help="the mesocrete to run")
+    return parser.parse_args()
+
+
+def is_chosen(case: Case, args: argparse.Namespace) -> bool:
+    """Whether the command line asks for this case."""
+    return case.seed <= args.seeds and (not args.only or case.group in args.only)
+
+
+def cases(*, small: bool) -> list[Case]:
+    """Name every case, seed by seed; groups that need the large specimen first."""
+    whole, side = (50.0, 50.0) if small else (150.0, 100.0)
+    found = []
+    for seed in range(1, 4):
+        for friction in ("0.1", "0.6"):
+            found.append(Case("friction", friction, seed, cube(whole, seed), ["--friction", friction, "--frames", "20"]))
+    for seed in range(1, 6):
+        found += influences(side, seed)
+        # The paper's four sizes; below 2 mm a 100 mm cube would take the night for itself.
+        for size in ("2.4", "2.0", "1.6", "1.2"):
+            found.append(Case("meshes", size, seed, cube(50.0, seed), ["--element-size-mm", size]))
+        found += slenderness(side, seed)
+    return found
+
+
+def influences(side: float, seed: int) -> list[Case]:
+    """The paper's Sec. 4: fraction, strength of the ITZ over the mortar's, thickness of a solid ITZ."""
+    found = []
+    for fraction in (0.2, 0.3, 0.4):
+        found.append(Case("fraction", f"{fraction}", seed, cube(side, seed, fraction)))
+    for ratio in ("0.5", "0.7", "0.9"):
+        found.append(Case("itz", ratio, seed, cube(side, seed), materials=f"itz_strength_ratio = {ratio}"))
+    for thickness in (0.1, 0.3, 0.5):
+        flags = ["--itz", "solid"]
+        found.append(Case("thickness", f"{thickness}", seed, cube(side, seed, itz=thickness), flags))
+    return found
+
+
+def slenderness(side: float, seed: int) -> list[Case]:
+    """Cylinders once and twice as high as wide, between plates of dry steel and of teflon."""
+    found = []
+    for friction in ("0.1", "0.6"):
+        for height in (1, 2):
+            spec = cube(side, seed)
+            spec["specimen"] = {"kind": "cylinder", "diameter_mm": side, "height_mm": height * side}
+            found.append(Case("slenderness", f"{friction}, h = {height} d", seed, spec, ["--friction", friction]))
+    return found
+
+
+def cube(side: float, seed: int, fraction: float = 0.4, itz: float | None = None) -> dict:
+    """The paper's concrete: Fuller 5 to 20 mm (16 mm below 100 mm), with gaps of 1 mm, which elements of 2 mm show."""
+    largest = 20.0 if side >= 100.0 else 16.0
+    spec = {
+        "seed": seed,
+        "fraction": fraction,
+        "specimen": {"kind": "cube", "side_mm": side},
+        "grading": {"d_min_mm": 5.0, "d_max_mm": largest, "classes_mm": [5.0, 10.0, 15.0, largest]},
+        "placement": {"min_gap_mm": 1.0},
+    }
+    if itz is not None:
+        spec["itz"] = {"thickness_mm": [itz, itz]}
+    return spec
+
+
+def run(program: str, case: Case, out: Path) -> None:
+    """Crush it, unless that was done with the same words before."""
+    folder = out / case.name
+    folder.mkdir(exist_ok=True)
+    materials = f"[materials]\n{case.materials}\n" if case.materials else ""
+    materials += MATERIALS.read_text(encoding="utf-8")
+    words = json.dumps([case.spec, case.flags, materials], sort_keys=True)
+    asked = folder / "asked.json"
+    same = asked.exists() and asked.read_text(encoding="utf-8") == words
+    if same and (folder / "result.json").exists():
+        return
+    (folder / "SPEC.toml").write_text(to_toml(case.spec), encoding="utf-8")
+    (folder / "materials.toml").write_text(materials, encoding="utf-8")
+    asked.write_text(words, encoding="utf-8")
+    resume = ["--resume"] if same and (folder / "checkpoint.bin").exists() else []
+    command = [program, "solve", str(folder / "SPEC.toml"), "-o", str(folder), "--force", "--quiet"]
+    command += ["--materials", str(folder / "materials.toml"), "--checkpoint", CHECKPOINT_S, *resume]
+    command += with_defaults(case.flags)
+    with (folder / "messages.txt").open("w", encoding="utf-8") as messages:
+        code = subprocess.run(command, stderr=messages, check=False).returncode
+    if code != 0:
+        asked.unlink()
+        print(f"  failed: {(folder / 'messages.txt').read_text(encoding='utf-8').strip()}", file=sys.stderr)
+
+
+def with_defaults(flags: list[str]) -> list[str]:
+    """Elements of 2 mm and one frame, unless the case says otherwise."""
+    size = [] if "--element-size-mm" in flags else ["--element-size-mm", "2"]
+    return [*flags, *size, *([] if "--frames" in flags else ["--frames", "1"])]
+
+
+def to_toml(table: dict) -> str:
+    """Write a spec of two levels as TOML."""
+    top = "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items() if not isinstance(value, dict))
+    inner = {key: value for key, value in table.items() if isinstance(value, dict)}
+    return top + "".join(
+        f"[{key}]\n" + "".join(f"{name} = {json.dumps(value)}\n" for name, value in values.items())
+        for key, values in inner.items()
+    )
+
+
+def tabulate(chosen: list[Case], out: Path) -> None:
+    """Write the figures of every case, and print mean and scatter of every label."""
+    rows = [(case, result) for case in chosen if (result := read_result(out / case.name))]
+    with (out / "cases.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["group", "label", "seed", *FIGURES, "solve_s"])
+        for case, result in rows:
+            writer.writerow([case.group, case.label, case.seed, *map(result.get, FIGURES), result["seconds"]["solve"]])
+    print("| group | label | seeds | modulus, MPa | peak, MPa | peak strain | end over peak |\n|---|---|---|---|---|---|---|")
+    for group, label in dict.fromkeys((case.group, case.label) for case, _ in rows):
+        print(row(group, label, [r for case, r in rows if (case.group, case.label) == (group, label)]))
+
+
+def row(group: str, label: str, results: list[dict]) -> str:
+    """Mean and standard deviation over the seeds of a label, as a row of a table."""
+    import numpy as np
+
+    left = [result["stress_at_end_mpa"] / result["peak_mpa"] for result in results]
+    columns = [np.array([result[key] for result in results]) for key in ("modulus_mpa", "peak_mpa", "peak_strain")]
+    digits = [0, 1, 5, 2]
+    cells = [f"{x.mean():.{n}f} ± {x.std():.{n}f}" for x, n in zip([*columns, np.array(left)], digits, strict=True)]
+    return f"| {group} | {label} | {len(results)} | {' | '.join(cells)} |"
+
+
+def read_result(folder: Path) -> dict | None:
+    """Read the figures of a case that was finished."""
+    path = folder / "result.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+
+
+if __name__ == "__main__":
+    main()
