@@ -76,7 +76,7 @@ def draw_sections(label: str, folder: Path, path: Path) -> None:
     for axis, (point, file) in zip(axes, frames_at_points(folder).items(), strict=False):
         cut = pyvista.read(folder / file).slice(normal="y").triangulate()
         aggregate = cut["phase"] == AGGREGATE
-        paint(axis, cut, np.where(aggregate, -0.25, cut["damage"]), cmap="inferno_r", vmin=-0.25, vmax=1)
+        paint(axis, cut, np.where(aggregate, np.nan, cut["damage"]), cmap="inferno_r", vmin=0, vmax=1)
         axis.set(title=point)
     stress = np.where(aggregate, least_principal(cut["stress_mpa"]), np.nan)
     colours = paint(axes[-1], cut, stress, cmap="viridis", vmin=-95, vmax=0)
@@ -90,7 +90,9 @@ def draw_sections(label: str, folder: Path, path: Path) -> None:
 def paint(axis: pyplot.Axes, cut, values: np.ndarray, **colours):
     """Fill the triangles of a section, seen along y."""
     faces = cut.faces.reshape(-1, 4)[:, 1:]
-    axis.set(aspect="equal", xticks=[], yticks=[])
+    axis.set(aspect="equal", xticks=[], yticks=[], facecolor="0.7")
+    axis.margins(0)
+    values = np.ma.masked_invalid(values)
     return axis.tripcolor(cut.points[:, 0], cut.points[:, 2], faces, facecolors=values, **colours)
 
 

@@ -52,12 +52,14 @@ def main() -> None:
     args = parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = [case for case in cases(small=args.small) if is_chosen(case, args)]
+    folders = shared_folders(cases(small=args.small), args.out)
     for number, case in enumerate(chosen, 1):
-        print(f"{number}/{len(chosen)} {case.name}", flush=True)
         if not args.draw:
-            run(args.program, case, args.out)
-    tabulate(chosen, args.out)
-    pictures.draw([(case, args.out / case.name) for case in chosen if read_result(args.out / case.name)], args.out)
+            print(f"{number}/{len(chosen)} {case.name}", flush=True)
+            run(args.program, case, folders[case.name])
+    done = [(case, folders[case.name]) for case in chosen if read_result(folders[case.name])]
+    tabulate(done, args.out / "cases.csv")
+    pictures.draw(done, args.out)
 
 
 def parse_args() -> argparse.Namespace:
@@ -93,13 +95,28 @@ def cases(*, small: bool) -> list[Case]:
     return found
 
 
+def shared_folders(all_cases: list[Case], out: Path) -> dict[str, Path]:
+    """One folder for all cases that are the same test, named after the first of them."""
+    first: dict[str, Path] = {}
+    return {case.name: first.setdefault(words_of(case), out / case.name) for case in all_cases}
+
+
+def words_of(case: Case) -> str:
+    """What decides the result of a case: its spec, flags and materials, but not how many frames are kept."""
+    flags = with_defaults(case.flags)
+    at = flags.index("--frames")
+    return json.dumps([case.spec, sorted(flags[:at] + flags[at + 2 :]), materials_of(case)], sort_keys=True)
+
+
 def influences(side: float, seed: int) -> list[Case]:
     """The paper's Sec. 4: fraction, strength of the ITZ over the mortar's, thickness of a solid ITZ."""
     found = []
     for fraction in (0.2, 0.3, 0.4):
         found.append(Case("fraction", f"{fraction}", seed, cube(side, seed, fraction)))
     for ratio in ("0.5", "0.7", "0.9"):
-        found.append(Case("itz", ratio, seed, cube(side, seed), materials=f"itz_strength_ratio = {ratio}"))
+        # 0.7 is the default.
+        text = "" if ratio == "0.7" else f"itz_strength_ratio = {ratio}"
+        found.append(Case("itz", ratio, seed, cube(side, seed), materials=text))
     for thickness in (0.1, 0.3, 0.5):
         flags = ["--itz", "solid"]
         found.append(Case("thickness", f"{thickness}", seed, cube(side, seed, itz=thickness), flags))
@@ -132,19 +149,16 @@ def cube(side: float, seed: int, fraction: float = 0.4, itz: float | None = None
     return spec
 
 
-def run(program: str, case: Case, out: Path) -> None:
+def run(program: str, case: Case, folder: Path) -> None:
     """Crush it, unless that was done with the same words before."""
-    folder = out / case.name
     folder.mkdir(exist_ok=True)
-    materials = f"[materials]\n{case.materials}\n" if case.materials else ""
-    materials += MATERIALS.read_text(encoding="utf-8")
-    words = json.dumps([case.spec, case.flags, materials], sort_keys=True)
+    words = words_of(case)
     asked = folder / "asked.json"
     same = asked.exists() and asked.read_text(encoding="utf-8") == words
     if same and (folder / "result.json").exists():
         return
     (folder / "SPEC.toml").write_text(to_toml(case.spec), encoding="utf-8")
-    (folder / "materials.toml").write_text(materials, encoding="utf-8")
+    (folder / "materials.toml").write_text(materials_of(case), encoding="utf-8")
     asked.write_text(words, encoding="utf-8")
     resume = ["--resume"] if same and (folder / "checkpoint.bin").exists() else []
     command = [program, "solve", str(folder / "SPEC.toml"), "-o", str(folder), "--force", "--quiet"]
@@ -157,10 +171,16 @@ def run(program: str, case: Case, out: Path) -> None:
         print(f"  failed: {(folder / 'messages.txt').read_text(encoding='utf-8').strip()}", file=sys.stderr)
 
 
+def materials_of(case: Case) -> str:
+    """The mortar of all tests, with what the case changes."""
+    changed = f"[materials]\n{case.materials}\n" if case.materials else ""
+    return changed + MATERIALS.read_text(encoding="utf-8")
+
+
 def with_defaults(flags: list[str]) -> list[str]:
-    """Elements of 2 mm and one frame, unless the case says otherwise."""
-    size = [] if "--element-size-mm" in flags else ["--element-size-mm", "2"]
-    return [*flags, *size, *([] if "--frames" in flags else ["--frames", "1"])]
+    """Elements of 2 mm, a friction of 0.1 and one frame, unless the case says otherwise."""
+    usual = {"--element-size-mm": "2", "--friction": "0.1", "--frames": "1"}
+    return [*flags, *(word for flag, value in usual.items() if flag not in flags for word in (flag, value))]
 
 
 def to_toml(table: dict) -> str:
@@ -173,10 +193,10 @@ def to_toml(table: dict) -> str:
     )
 
 
-def tabulate(chosen: list[Case], out: Path) -> None:
+def tabulate(done: list[tuple[Case, Path]], path: Path) -> None:
     """Write the figures of every case, and print mean and scatter of every label."""
-    rows = [(case, result) for case in chosen if (result := read_result(out / case.name))]
-    with (out / "cases.csv").open("w", newline="", encoding="utf-8") as file:
+    rows = [(case, read_result(folder)) for case, folder in done]
+    with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["group", "label", "seed", *FIGURES, "solve_s"])
         for case, result in rows:
