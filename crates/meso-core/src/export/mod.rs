@@ -1,13 +1,18 @@
 //! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
 
 pub mod abaqus;
+mod appearance;
 #[doc(hidden)]
 pub mod csv;
+pub(crate) mod glb;
 #[doc(hidden)]
 pub mod msh;
+pub(crate) mod obj;
+pub(crate) mod ply;
 #[doc(hidden)]
 pub mod pvtu;
 pub(crate) mod raster;
+pub(crate) mod step;
 #[doc(hidden)]
 pub mod stl;
 pub mod vtk;
