@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 
 /// A small packing of the paper's grains: some are so close that elements of 2 mm join them.
 fn grains() -> (Vec<Aggregate>, Specimen) {
-    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(40.0), ..Default::default() };
+    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(32.0), ..Default::default() };
     spec.placement.min_gap_mm = 0.3;
     (meso_core::pack(&spec, &Silent).unwrap().aggregates, spec.specimen)
 }
