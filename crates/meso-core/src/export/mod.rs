@@ -2,8 +2,7 @@
 
 pub mod abaqus;
 mod appearance;
-#[doc(hidden)]
-pub mod csv;
+pub(crate) mod csv;
 pub(crate) mod glb;
 #[doc(hidden)]
 pub mod msh;
@@ -16,7 +15,6 @@ pub(crate) mod step;
 #[doc(hidden)]
 pub mod stl;
 pub mod vtk;
-#[doc(hidden)]
-pub mod vtu;
+pub(crate) mod vtu;
 #[doc(hidden)]
 pub mod vtu_mesh;

@@ -15,7 +15,7 @@ const POLYGON: u8 = 7;
 ///
 /// # Errors
 /// Those of `out`; more points than 32-bit node numbers reach.
-pub fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
+pub(crate) fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
     write_as(Layout::Cells, aggregates, encoding, out)
 }
 
