@@ -96,13 +96,16 @@ pub(crate) fn closest_points<'py>(
     })
 }
 
+/// A unit vector, shape (3,).
+type Direction<'py> = Bound<'py, PyArray1<f64>>;
+
 /// What `mesocrete.gjk.penetration` names: depth, at_least, direction.
 #[pyfunction]
 pub(crate) fn penetration<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
     b: &Bound<'py, PyAny>,
-) -> PyResult<Option<(f64, f64, Bound<'py, PyArray1<f64>>)>> {
+) -> PyResult<Option<(f64, f64, Direction<'py>)>> {
     guard(|| {
         let (a, b) = (vertices("a", a)?, vertices("b", b)?);
         let found = py.detach(|| Penetration::of(&a, &b)).map_err(|error| gjk_error(&error))?;
@@ -117,7 +120,7 @@ pub(crate) fn time_of_impact<'py>(
     a: &Bound<'py, PyAny>,
     b: &Bound<'py, PyAny>,
     motion: &Bound<'py, PyAny>,
-) -> PyResult<Option<(f64, Option<f64>, Bound<'py, PyArray1<f64>>)>> {
+) -> PyResult<Option<(f64, Option<f64>, Direction<'py>)>> {
     guard(|| {
         let (a, b, motion) = (vertices("a", a)?, vertices("b", b)?, one_vector("motion", motion)?);
         let found = py.detach(|| Impact::of(&a, &b, &motion)).map_err(|error| gjk_error(&error))?;
@@ -125,7 +128,7 @@ pub(crate) fn time_of_impact<'py>(
     })
 }
 
-fn vector<'py>(py: Python<'py>, v: &Vec3) -> Bound<'py, PyArray1<f64>> {
+fn vector<'py>(py: Python<'py>, v: &Vec3) -> Direction<'py> {
     PyArray1::from_slice(py, v.as_slice())
 }
 

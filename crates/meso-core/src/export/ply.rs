@@ -19,7 +19,7 @@ pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
     let triangles: usize = bodies.iter().map(|body| body.body.triangles().count()).sum();
     write!(out, "ply\nformat binary_little_endian 1.0\ncomment mesocrete, mm\nelement vertex {points}\n")?;
     write!(out, "property double x\nproperty double y\nproperty double z\nelement face {triangles}\n")?;
-    write!(out, "property list uchar int vertex_indices\n")?;
+    writeln!(out, "property list uchar int vertex_indices")?;
     write!(out, "property uchar red\nproperty uchar green\nproperty uchar blue\n")?;
     write!(
         out,
