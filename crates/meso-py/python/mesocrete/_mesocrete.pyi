@@ -450,7 +450,7 @@ class Packing:
         """
 
     def mesh(
-        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, progress: bool | Callable[..., object] | None = None, **options: Unpack[MeshOptions]
+        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, accept_phase_error: bool = False, progress: bool | Callable[..., object] | None = None, **options: Unpack[MeshOptions]
     ) -> Mesh:
         """Meshes the packing.
 
@@ -460,6 +460,8 @@ class Packing:
             How the specimen is divided; "voxel" is the default.
         element_size : float, optional
             Edge length of the elements, mm; default 2.
+        accept_phase_error : bool, optional
+            Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
         progress : bool or callable, optional
             True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
         **options
@@ -469,7 +471,7 @@ class Packing:
         Raises
         ------
         ValueError, TypeError
-            Names the option, its value and the accepted range.
+            Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
         """
 
     def to_pyvista(self, **options: Any) -> Any:
