@@ -41,7 +41,7 @@ struct Case {
 
 impl Case {
     fn new(a: Vec<Vec3>, b: Vec<Vec3>) -> Self {
-        let overlap = gjk::intersects_with(Method::Exact, &a, &b).expect("in range");
+        let overlap = Method::Exact.intersects(&a, &b).expect("in range");
         let distance = gjk::distance(&a, &b).expect("in range");
         let size = a.iter().chain(&b).map(|p| (p - a[0]).norm()).fold(0.0, f64::max);
         let shape =
@@ -56,7 +56,7 @@ impl Case {
 type Ask<'a> = Box<dyn Fn(&Case) -> Option<bool> + 'a>;
 
 fn contestants(ccd: Option<&Ccd>) -> Vec<(&'static str, Ask<'_>)> {
-    let own = |method: Method| -> Ask<'_> { Box::new(move |c| gjk::intersects_with(method, &c.a, &c.b).ok()) };
+    let own = |method: Method| -> Ask<'_> { Box::new(move |c| method.intersects(&c.a, &c.b).ok()) };
     let mut all: Vec<(&str, Ask<'_>)> = vec![
         ("enhanced", own(Method::Enhanced)),
         ("classical (Johnson)", own(Method::Classical)),

@@ -1,5 +1,6 @@
-//! Run time of collision tests: `cargo bench -p meso-core --bench gjk -- [--isa scalar|avx2|avx512] [--quick]`.
+//! Run time of collision tests: `cargo bench -p meso-core --bench gjk -- [--isa scalar|avx2|avx512] [--only SET] [--quick]`.
 //!
+//! `--only "near touch"` measures this pair set alone, and writes no file.
 //! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing, single and batched. Medians of
 //! processor time in one run, contestants taking turns; CSV and SVG files, one for each instruction set, go to `benches/results/`.
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
@@ -14,7 +15,8 @@ use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
 use collision::table::{count, save};
 use collision::{Measured, machine};
-use meso_core::gjk::{self, Method, PairQuery};
+use meso_core::gjk::{self, Impact, Method, PairQuery, Penetration};
+use meso_core::math::Vec3;
 use meso_core::testing::{Counters, isa, overlap_counted, overlap_with};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
@@ -92,8 +94,12 @@ fn pair_sets(ccd: Option<&Ccd>) {
         ("separated", pairs::separated(&grains)),
         ("near touch", pairs::near_touch(&grains)),
     ];
-    for (name, queries) in &sets {
+    let only = only();
+    for (name, queries) in sets.iter().filter(|(name, _)| only.as_deref().is_none_or(|only| only == *name)) {
         report(name, &grains, queries, ccd, &mut table);
+    }
+    if only.is_some() {
+        return;
     }
     let stream = pairs::placement_stream(count(100, 40) as f64, 0.40, count(20_000, 1000));
     report("placement stream", &stream.grains, &stream.queries[..stream.queries.len().min(20_000)], ccd, &mut table);
@@ -121,6 +127,40 @@ fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, ta
     for peer in ["libccd MPR", "parry"].iter().filter_map(|peer| time(peer).map(|t| (peer, t))) {
         println!("  against {}: single {:.1} x, batched {:.1} x", peer.0, peer.1 / times[1], peer.1 / times[0]);
     }
+}
+
+/// What a witness costs: microseconds per pair of plain points, intersecting ones for the depth, separated ones for the rest.
+fn witnesses() {
+    let grains = pairs::grains(count(1000, 50));
+    let mut table = Measured::new("question,us_per_pair,widest_bounds_over_size");
+    let moved = |q: &Query| grains[q.b as usize].points.iter().map(|p| p + q.x).collect::<Vec<Vec3>>();
+    let points = |queries: Vec<Query>| -> Vec<_> {
+        queries.iter().map(|q| (grains[q.a as usize].points.as_slice(), moved(q), q.x)).collect()
+    };
+    type Asked<'a> = (&'a [Vec3], Vec<Vec3>, Vec3);
+    let (deep, apart) = (points(pairs::intersecting(&grains)), points(pairs::separated(&grains)));
+    let size = |(a, b, _): &Asked<'_>| a.iter().chain(b).map(|p| p.norm()).fold(0.0, f64::max);
+    let ask_all: [(&str, &[Asked<'_>], &dyn Fn(&Asked<'_>) -> f64); 4] = [
+        ("penetration", &deep, &|(a, b, _)| {
+            let found = Penetration::of(a, b).expect("finite").expect("overlap");
+            found.depth - found.at_least
+        }),
+        ("distance", &apart, &|(a, b, _)| 0.0 * gjk::distance(a, b).expect("finite")),
+        ("closest points", &apart, &|(a, b, _)| 0.0 * gjk::closest_points(a, b).expect("finite")[0].x),
+        ("time of impact", &apart, &|(a, b, x)| {
+            let found = Impact::of(a, b, &-x).expect("finite").expect("it hits");
+            found.by.map_or(f64::INFINITY, |by| (by - found.not_before) * x.norm())
+        }),
+    ];
+    println!();
+    for (question, asked, ask) in ask_all {
+        let run = |asked: &[Asked<'_>]| asked.iter().filter(|asked| ask(asked) >= 0.0).count();
+        let times = compare(&[(question.to_owned(), Box::new(run))], asked, CHUNK, count(ROUNDS, 1));
+        let widest = asked.iter().map(|asked| ask(asked) / size(asked)).fold(0.0, f64::max);
+        println!("  {question:28} {:8.2} us   bounds {widest:.1e} of the size apart at most", times[0] * 1e6);
+        table.row(&[question.into(), format!("{:.2}", times[0] * 1e6), format!("{widest:.2e}")]);
+    }
+    table.save(&format!("gjk_witnesses_{}.csv", isa().name()));
 }
 
 /// Whole placement attempts: the peers stop at the first overlap, in the grid's order.
@@ -203,9 +243,18 @@ fn figure_4(ccd: Option<&Ccd>) {
     save(&format!("gjk_fig4_{}.svg", isa().name()), &plot.svg());
 }
 
+/// The pair set of `--only`.
+fn only() -> Option<String> {
+    std::env::args().skip_while(|arg| arg != "--only").nth(1)
+}
+
 fn main() {
     println!("{}", machine::choose_isa().name());
     let ccd = Ccd::load().inspect_err(|reason| println!("{reason}")).ok();
     pair_sets(ccd.as_ref());
+    if only().is_some() {
+        return;
+    }
+    witnesses();
     figure_4(ccd.as_ref());
 }

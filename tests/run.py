@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs every test of mesocrete, Rust and Python, on a machine that has cargo and Python 3.10 or newer.
 
-    python3 tests/run.py --quick    the quick tier: formatting, clippy, and the Rust tests that take a second or less
+    python3 tests/run.py --quick    the quick tier: formatting, clippy, docs, and the Rust tests of a second or less
     python3 tests/run.py            set up .venv, build the wheel, cargo test, pytest
     python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel
 
@@ -97,18 +97,22 @@ def make_venv() -> Path:
 def install(python: Path) -> None:
     """Install what the tests need, and mesocrete as a user gets it: as a wheel."""
     pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
-    must(f"requirements into {VENV.name}", [*pip, "-r", str(ROOT / "tests" / "requirements.txt")])
-    for package in read_requirements("requirements-optional.txt"):
-        optional(package, [*pip, package])
+    needed, optional = (str(ROOT / "tests" / f"requirements{which}.txt") for which in ("", "-optional"))
+    # All in one go; one by one only where something cannot be had.
+    if run(f"everything into {VENV.name}", [*pip, "-r", needed, "-r", optional]) != 0:
+        must(f"requirements into {VENV.name}", [*pip, "-r", needed])
+        for package in read_requirements(Path(optional)):
+            if run(package, [*pip, package]) != 0:
+                print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
     # The tests' own profile: with debug assertions, and compiled once for Rust and Python.
     os.environ["MATURIN_PEP517_ARGS"] = "--profile dev"
     # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
     must("the wheel", [*pip, "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)])
 
 
-def read_requirements(name: str) -> list[str]:
+def read_requirements(path: Path) -> list[str]:
     """Read the packages a requirements file names."""
-    lines = (ROOT / "tests" / name).read_text(encoding="utf-8").splitlines()
+    lines = path.read_text(encoding="utf-8").splitlines()
     return [line for line in lines if line and not line.startswith("#")]
 
 
@@ -118,7 +122,9 @@ def quick_stages() -> list[tuple[str, list[str]]]:
     return [
         ("cargo fmt", ["cargo", "fmt", "--all", "--check"]),
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
-        ("quick cargo test", ["cargo", "test", "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
+        ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
+        ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
+        ("quick cargo test", ["cargo", "test", "--workspace", "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
 
@@ -145,11 +151,11 @@ def supply_chain() -> list[tuple[str, list[str]]]:
 def stages(python: Path, *, slow: bool) -> list[tuple[str, list[str]]]:
     """Name the test commands, in order."""
     tier = ["--", "--include-ignored"] if slow else []
+    checks = ["--config", "profile.dev.package.meso-core.debug-assertions=true"] if slow else []
     return [
         *supply_chain(),
-        ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
-        ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
-        ("cargo test", ["cargo", "test", "--no-fail-fast", *tier]),
+        # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
+        ("cargo test", ["cargo", "test", "--workspace", "--no-fail-fast", *checks, *tier]),
         ("stubtest", [str(python), "-m", "mypy.stubtest", "mesocrete"]),
         ("pytest", [str(python), "-m", "pytest", *(["--slow"] if slow else [])]),
         *(bench_stages(python) if slow else []),
@@ -173,12 +179,6 @@ def must(what: str, command: list[str]) -> None:
     """Run a step of the set-up; the tests mean nothing without it."""
     if run(what, command) != 0:
         sys.exit(f"the set-up failed at: {what}")
-
-
-def optional(what: str, command: list[str]) -> None:
-    """Run a step of the set-up that only makes more tests run."""
-    if run(what, command) != 0:
-        print(f"   {what}: not to be had here; the tests that need them skip", flush=True)
 
 
 def run(name: str, command: list[str]) -> int:

@@ -13,7 +13,7 @@ fn every_answer_is_the_exact_one_in_every_family() {
             let (a, b) = family(&mut Dice::new(seed));
             let truth = reference::intersects(&a, &b);
             for method in Method::ALL {
-                let answer = gjk::intersects_with(method, &a, &b).unwrap();
+                let answer = method.intersects(&a, &b).unwrap();
                 assert_eq!(answer, truth, "{name}, seed {seed}, {method:?}\na = {a:?}\nb = {b:?}");
             }
         }

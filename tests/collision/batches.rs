@@ -94,6 +94,39 @@ fn a_hundred_thousand_near_touching_bodies_get_the_exact_answer_in_every_form() 
     (100..110).for_each(|seed| assert_every_form_is_exact(seed, 10_000));
 }
 
+/// Variants of each pair, from 1e-16 to 1e-2 of touching: a place of touching is dear to find.
+const VARIANTS: usize = 20;
+
+#[test]
+#[ignore = "slow tier: 10^7 pairs of bodies at every instruction set, some minutes of processor time"]
+fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instruction_set() {
+    let (mut hits, mut pairs) = (0, 0);
+    for seed in 200..300 {
+        let mut dice = Dice::new(seed);
+        let bodies = bodies(&mut dice);
+        let touching = near_touch(&mut dice, &bodies, 5_000);
+        let mut asks = Vec::with_capacity(VARIANTS * touching.len());
+        for ask in &touching {
+            let off = |dice: &mut Dice| dice.decade(-16.0, -2.0) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
+            asks.extend((0..VARIANTS).map(|_| PairQuery { b_from_a: ask.b_from_a * (1.0 + off(&mut dice)), ..*ask }));
+        }
+        // The search in double precision from the start, certified or exact, is what the other tests hold against
+        // references.
+        let truth: Vec<bool> = asks.iter().map(|q| overlap_with(Method::Enhanced, q.a, q.b, &q.b_from_a)).collect();
+        for isa in Isa::ALL {
+            let isa = choose(isa);
+            assert_eq!(overlap_many(&asks), truth, "many at a time, seed {seed}, {isa:?}");
+            assert!(
+                asks.iter().map(|q| overlap(q.a, q.b, &q.b_from_a)).eq(truth.iter().copied()),
+                "seed {seed}, {isa:?}"
+            );
+        }
+        (hits, pairs) = (hits + truth.iter().filter(|&&hit| hit).count(), pairs + truth.len());
+    }
+    assert_eq!(pairs, 10_000_000);
+    assert!((3_000_000..7_000_000).contains(&hits), "{hits} overlap");
+}
+
 #[test]
 fn an_attempt_is_clear_when_all_its_pairs_are_apart() {
     let mut dice = Dice::new(8);

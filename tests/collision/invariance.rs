@@ -72,7 +72,7 @@ fn a_body_without_points_is_named() {
     let point = [Vec3::zeros()];
     assert_eq!(gjk::intersects(&[], &point), Err(GjkError::Empty { body: Operand::A }));
     assert_eq!(gjk::distance(&point, &[]), Err(GjkError::Empty { body: Operand::B }));
-    let many = gjk::intersects_many(Method::Enhanced, &point, [&point[..], &[]]);
+    let many = Method::Enhanced.intersects_many(&point, [&point[..], &[]]);
     assert_eq!(many.unwrap_err().to_string(), "bodies[1] has no points; a body needs at least one");
 }
 
@@ -98,7 +98,7 @@ fn every_finite_number_gets_the_exact_answer() {
                 b.push(Vec3::new(0.5, f64::MAX, libm::scalbn(1.0, power)));
                 let far = reference::intersects(&a, &b);
                 for method in Method::ALL {
-                    assert_eq!(gjk::intersects_with(method, &a, &b), Ok(far), "power {i}, seed {seed}");
+                    assert_eq!(method.intersects(&a, &b), Ok(far), "power {i}, seed {seed}");
                 }
             }
         }

@@ -6,5 +6,7 @@ mod bodies;
 mod families;
 mod invariance;
 mod oracle;
+mod packed;
 mod reference;
 mod slow;
+mod witnesses;

@@ -17,7 +17,7 @@ fn floating_point_and_exact_arithmetic_agree_on_ten_million_pairs() {
         .into_par_iter()
         .filter(|&seed| {
             let (a, b) = families[seed as usize % families.len()].1(&mut Dice::new(1 << 40 | seed));
-            gjk::intersects(&a, &b) != gjk::intersects_with(Method::Exact, &a, &b)
+            gjk::intersects(&a, &b) != Method::Exact.intersects(&a, &b)
         })
         .collect();
     assert_eq!(wrong, [0; 0], "seeds of pairs with different answers");

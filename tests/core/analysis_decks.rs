@@ -12,10 +12,11 @@ use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
 
 /// A small packing of the paper's grains: some are so close that elements of 2 mm join them.
 fn grains() -> (Vec<Aggregate>, Specimen) {
-    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(40.0), ..Default::default() };
+    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(32.0), ..Default::default() };
     spec.placement.min_gap_mm = 0.3;
     (meso_core::pack(&spec, &Silent).unwrap().aggregates, spec.specimen)
 }
@@ -28,6 +29,10 @@ fn meshed(options: MeshOptions) -> Mesh {
 fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
     meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0 })
 }
+
+/// Joined aggregates kept, without and with cohesive elements: what several tests look at.
+static KEPT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::None, Joined::Keep, Volumes::Fitted));
+static COHESIVE: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted));
 
 fn compression() -> DeckOptions {
     DeckOptions { analysis: Analysis::Compression, ..Default::default() }
@@ -60,24 +65,24 @@ fn outer_faces(mesh: &Mesh) -> Vec<Vec<u32>> {
 
 #[test]
 fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
-    let mesh = lattice(ItzForm::None, Joined::Keep, Volumes::Fitted);
-    let shared = shared_by_cores(&mesh);
+    let mesh = &*KEPT;
+    let shared = shared_by_cores(mesh);
     assert!(shared > 20, "{shared}: nothing to refuse");
-    let error = compression().validate(&mesh).unwrap_err().to_string();
+    let error = compression().validate(mesh).unwrap_err().to_string();
     assert!(error.contains(&format!("share {shared} nodes")) && error.contains("joined mortar"), "{error}");
-    assert_eq!(DeckOptions { allow_joined: true, ..compression() }.validate(&mesh), Ok(()));
+    assert_eq!(DeckOptions { allow_joined: true, ..compression() }.validate(mesh), Ok(()));
     // A modulus of the skeleton is too stiff, and is doubted; so is a test that was asked for all the same.
     let elastic = DeckOptions { analysis: Analysis::Elastic, ..Default::default() };
-    assert_eq!(elastic.validate(&mesh), Ok(()));
+    assert_eq!(elastic.validate(mesh), Ok(()));
     for deck in [elastic, DeckOptions { allow_joined: true, ..compression() }] {
-        let doubts = deck.doubts(&mesh, None);
+        let doubts = deck.doubts(mesh, None);
         assert!(
             doubts[0].contains(&format!("share {shared} nodes")) && doubts[0].contains("joined mortar"),
             "{doubts:?}"
         );
     }
-    assert_eq!(DeckOptions::default().doubts(&mesh, None), Vec::<String>::new());
-    assert_eq!(compression().validate(&lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted)), Ok(()));
+    assert_eq!(DeckOptions::default().doubts(mesh, None), Vec::<String>::new());
+    assert_eq!(compression().validate(&COHESIVE), Ok(()));
 }
 
 #[test]
@@ -103,8 +108,8 @@ fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
 
 #[test]
 fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
-    let [whole, cut, kept] =
-        [Joined::Mortar, Joined::Cut, Joined::Keep].map(|joined| lattice(ItzForm::None, joined, Volumes::Fitted));
+    let [whole, cut] = [Joined::Mortar, Joined::Cut].map(|joined| lattice(ItzForm::None, joined, Volumes::Fitted));
+    let kept = &*KEPT;
     assert!(whole.points == kept.points && whole.cells == kept.cells, "no element is made smaller");
     let became_mortar = kept.phase.iter().zip(&whole.phase).filter(|(a, b)| a != b).count();
     assert_eq!((became_mortar, became_mortar), (whole.notes.parted_cells, kept.joining_cells().len()));
@@ -112,7 +117,7 @@ fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
     for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
         cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
     }
-    let qualities = quality::cells(&kept);
+    let qualities = quality::cells(kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
     let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
     let both: f64 =
@@ -179,7 +184,11 @@ fn peak(deck: &Deck, material: &str) -> f64 {
 
 #[test]
 fn the_itz_of_thin_cells_is_no_tougher_than_mortar() {
-    let deck = Deck::read(&deck(&lattice(ItzForm::Solid, Joined::Mortar, Volumes::Fitted), &compression()));
+    let mut spec = Spec { fraction: 0.3, specimen: Specimen::cube(20.0), ..Default::default() };
+    (spec.grading.d_max_mm, spec.grading.classes_mm) = (10.0, vec![5.0, 10.0]);
+    let options = MeshOptions { method: Method::FITTED, joined: Joined::Mortar, ..Default::default() };
+    let mesh = mesh::build(&meso_core::pack(&spec, &Silent).unwrap(), &options).unwrap();
+    let deck = Deck::read(&deck(&mesh, &compression()));
     let softened =
         |material| rows(&deck, material, "CONCRETE COMPRESSION DAMAGE").into_iter().filter(|row| row[0] > 0.0);
     let [itz, mortar] = ["ITZ", "MORTAR"].map(|material| softened(material).collect::<Vec<_>>());
@@ -194,9 +203,9 @@ fn the_itz_of_thin_cells_is_no_tougher_than_mortar() {
 
 #[test]
 fn an_elastic_deck_with_a_cohesive_itz_is_elastic() {
-    let mesh = lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted);
+    let mesh = &*COHESIVE;
     let keywords = |options: &DeckOptions| -> BTreeSet<String> {
-        let deck = Deck::read(&deck(&mesh, options));
+        let deck = Deck::read(&deck(mesh, options));
         deck.materials.into_values().flatten().map(|card| card.keyword).collect()
     };
     let elastic = BTreeSet::from(["DENSITY", "ELASTIC"].map(String::from));
@@ -206,12 +215,12 @@ fn an_elastic_deck_with_a_cohesive_itz_is_elastic() {
     let with_damage = keywords(&DeckOptions { with_damage: true, ..Default::default() });
     assert!(with_damage.contains("DAMAGE EVOLUTION") && with_damage.contains("CONCRETE DAMAGED PLASTICITY"));
     let both = DeckOptions { with_damage: true, analysis: Analysis::Elastic, ..Default::default() };
-    assert!(both.validate(&mesh).unwrap_err().to_string().contains("with_damage is true; analysis elastic"));
+    assert!(both.validate(mesh).unwrap_err().to_string().contains("with_damage is true; analysis elastic"));
 }
 
 #[test]
 fn debonded_faces_still_bear_compression_and_sliding_takes_more_energy_than_opening() {
-    let deck = Deck::read(&deck(&lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted), &compression()));
+    let deck = Deck::read(&deck(&COHESIVE, &compression()));
     let section = deck.sections.iter().find(|section| section.cohesive).unwrap();
     let controls = section.controls.as_ref().expect("it has section controls");
     assert_eq!([controls.parameter("ELEMENT DELETION"), controls.parameter("MAX DEGRADATION")], ["NO", "1.0"]);
@@ -353,8 +362,9 @@ fn a_deck_holds_the_whole_specimen() {
         deck.element_sets[set].iter().map(cell).inspect(|volume| assert!(*volume > 0.0)).sum()
     };
     let (aggregate, mortar) = (volume("AGGREGATE"), volume("MORTAR") + volume("ITZ"));
-    let exact: f64 = grains().0.iter().map(|grain| grain.body.volume()).sum();
-    assert!((aggregate + mortar - 64_000.0).abs() < 1e-3 && (aggregate / exact - 1.0).abs() < 0.005);
+    let (grains, specimen) = grains();
+    let exact: f64 = grains.iter().map(|grain| grain.body.volume()).sum();
+    assert!((aggregate + mortar - specimen.volume()).abs() < 1e-3 && (aggregate / exact - 1.0).abs() < 0.005);
     assert_eq!(deck.friction, Some(0.1));
     assert_eq!(deck.rigid_bodies.len(), 2);
 }

@@ -94,9 +94,12 @@ pub(crate) fn hashin_shtrikman(volumes: &PhaseVolumes, materials: &Materials) ->
     })
 }
 
-/// A packing of 40 mm with grains of 8 to 16 mm, at 35 %.
+/// Cross-section of [`packed`], mm2.
+pub(crate) const AREA_MM2: f64 = 900.0;
+
+/// A packing of 30 mm with grains of 8 to 16 mm, at 35 %.
 pub(crate) fn packed() -> Model {
-    let mut spec = Spec { fraction: 0.35, specimen: Specimen::cube(40.0), ..Default::default() };
+    let mut spec = Spec { fraction: 0.35, specimen: Specimen::cube(30.0), ..Default::default() };
     // Room for the conforming mesh.
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     spec.grading = Grading { d_min_mm: 8.0, d_max_mm: 16.0, classes_mm: vec![8.0, 16.0], ..spec.grading };
@@ -113,7 +116,7 @@ fn calculix_finds_moduli_between_the_hashin_shtrikman_bounds_that_agree() {
             eprintln!("{method:?} skipped: no `gmsh` here (Debian: gmsh)");
             continue;
         };
-        let Some(modulus) = modulus(&mesh, 1600.0) else { return };
+        let Some(modulus) = modulus(&mesh, AREA_MM2) else { return };
         let [low, high] = hashin_shtrikman(&PhaseVolumes::of_mesh(&mesh), &Materials::default());
         assert!(low < modulus && modulus < high, "{method:?}: {low} < {modulus} < {high}");
         moduli.push(modulus);
@@ -138,8 +141,8 @@ fn calculix_reads_the_geometry_through_include() {
     // A user's own deck: what follows the geometry, after one line.
     let rest = &whole[whole.find("*MATERIAL").unwrap()..];
     let own = format!("*INCLUDE, INPUT=geometry.inp\n{rest}");
-    let Some(included) = modulus_of(&own, &[("geometry.inp", &geometry)], 1600.0) else { return };
-    assert_eq!(Some(included), modulus_of(&whole, &[], 1600.0));
+    let Some(included) = modulus_of(&own, &[("geometry.inp", &geometry)], AREA_MM2) else { return };
+    assert_eq!(Some(included), modulus_of(&whole, &[], AREA_MM2));
 }
 
 /// Runs gmsh; where it cannot be run there is no output.

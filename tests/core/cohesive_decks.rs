@@ -1,7 +1,7 @@
 //! Cohesive decks in a solver that we did not write. CalculiX has no cohesive elements: springs between the nodes they
 //! join stand in for them. (Skipped where `ccx` is not installed.)
 
-use crate::calculix::{elastic, modulus, modulus_of, packed};
+use crate::calculix::{AREA_MM2, elastic, modulus, modulus_of, packed};
 use crate::mesh::deck;
 use crate::periodic_decks::{self, modulus_by_force, tied};
 use meso_core::export::abaqus::Analysis;
@@ -52,10 +52,10 @@ fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_when_stiff_and_
             let options = MeshOptions { method, itz, element_size_mm: 4.0, ..Default::default() };
             mesh::build(&model, &options).unwrap()
         };
-        let Some(bonded) = modulus(&meshed(ItzForm::None), 1600.0) else { return };
+        let Some(bonded) = modulus(&meshed(ItzForm::None), AREA_MM2) else { return };
         let apart = meshed(ItzForm::Cohesive);
         let text = deck(&apart, &elastic());
-        let [stiff, soft] = [1e10, 1.0].map(|k| modulus_of(&with_springs(&apart, &text, k), &[], 1600.0).unwrap());
+        let [stiff, soft] = [1e10, 1.0].map(|k| modulus_of(&with_springs(&apart, &text, k), &[], AREA_MM2).unwrap());
         // A node without its spring, or with another's, would show here: the grains would hang on fewer nodes.
         assert!((stiff / bonded - 1.0).abs() < 1e-5, "{method:?}: {stiff}, bonded {bonded}");
         assert!(soft < 0.7 * bonded, "{method:?}: {soft}, bonded {bonded}");

@@ -122,7 +122,7 @@ fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
 fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
     for specimen in rooms() {
         for method in [Method::VOXEL, Method::FITTED] {
-            let options = MeshOptions { method, element_size_mm: 3.0, ..Default::default() };
+            let options = MeshOptions { method, element_size_mm: 4.0, ..Default::default() };
             let mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
             let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });
             Deck::read(&text);

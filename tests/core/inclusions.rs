@@ -13,6 +13,7 @@ use meso_core::{Model, Silent, Spec, pack, page, saved};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 const BOTH: &str = "fraction = 0.35\nspecimen = { kind = 'cube', side_mm = 50 }\n\
                     [voids]\nfraction = 0.03\ndiameter_mm = [2, 4]\n\
@@ -26,6 +27,12 @@ fn packed(text: &str) -> Model {
     let model = pack(&spec(text), &Silent).unwrap();
     assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
     model
+}
+
+/// The packing of [`BOTH`], which most tests look at.
+fn both() -> Model {
+    static MODEL: LazyLock<Model> = LazyLock::new(|| packed(BOTH));
+    MODEL.clone()
 }
 
 fn of(model: &Model, kind: Kind) -> Vec<&Aggregate> {
@@ -50,7 +57,7 @@ fn assert_delivered(model: &Model) {
 
 #[test]
 fn both_strategies_deliver_the_grading_and_the_further_phases() {
-    let model = packed(BOTH);
+    let model = both();
     assert_eq!(model.report.phases.iter().map(|phase| phase.phase).collect::<Vec<_>>(), [Kind::Void, Kind::Fibre]);
     assert_delivered(&model);
     let literal = packed(&format!("{BOTH}[placement]\nstrategy = 'take-and-place'"));
@@ -60,7 +67,7 @@ fn both_strategies_deliver_the_grading_and_the_further_phases() {
 
 #[test]
 fn voids_and_fibres_have_the_volume_of_the_spheres_and_cylinders_they_stand_for() {
-    let model = packed(BOTH);
+    let model = both();
     for void in of(&model, Kind::Void) {
         let (volume, across) = (void.body.volume(), longest_distance(void.body.vertices()));
         let diameter = (volume * 6.0 / PI).cbrt();
@@ -88,7 +95,7 @@ fn voids_far_smaller_than_the_specimen_take_no_memory_of_their_own_size() {
 
 #[test]
 fn fibres_point_in_all_directions() {
-    let model = packed(BOTH);
+    let model = both();
     let fibres = of(&model, Kind::Fibre);
     let mean_square = |axis: usize| {
         let along = fibres.iter().map(|fibre| (fibre.body.aabb().size()[axis] / 20.0).powi(2));
@@ -170,7 +177,7 @@ fn tree(model: &Model) -> Value {
 
 #[test]
 fn a_saved_model_brings_its_voids_and_fibres_back_bit_for_bit() {
-    let mut model = packed(BOTH);
+    let mut model = both();
     model.report.seconds = Default::default();
     assert_eq!(saved::read(&bytes(&model, Format::Json)).unwrap(), model);
     let tree = tree(&model);
@@ -198,7 +205,7 @@ fn a_file_whose_inclusions_do_not_fit_is_refused_by_name() {
         (|t, _| t["inclusions"][0]["faces"] = json!([[0, 1, 2]]), "a solid has at least 4 of each"),
         (|t, _| drop(t["spec"].as_object_mut().unwrap().remove("voids")), "its phase is void; the spec asks for none"),
     ];
-    let good = tree(&packed(BOTH));
+    let good = tree(&both());
     let first = good["aggregates"].as_array().unwrap().len();
     for (change, part) in cases {
         let mut tree = good.clone();
@@ -210,7 +217,7 @@ fn a_file_whose_inclusions_do_not_fit_is_refused_by_name() {
 
 #[test]
 fn a_file_without_a_report_gets_the_figures_of_its_phases() {
-    let model = packed(BOTH);
+    let model = both();
     let mut tree = tree(&model);
     tree.as_object_mut().unwrap().remove("report");
     assert_eq!(saved::read(tree.to_string().as_bytes()).unwrap().report.phases, model.report.phases);
@@ -218,7 +225,7 @@ fn a_file_without_a_report_gets_the_figures_of_its_phases() {
 
 #[test]
 fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
-    let good = packed(BOTH);
+    let good = both();
     let (void, fibre) = (0, good.inclusions.len() - 1);
     let found = |change: &dyn Fn(&mut Model)| {
         let mut model = good.clone();
@@ -261,7 +268,7 @@ fn fibres_as_long_as_the_recipes_are_sound() {
 
 #[test]
 fn surfaces_are_written_with_the_phase_they_bound() {
-    let model = packed(BOTH);
+    let model = both();
     let text = String::from_utf8_lossy(&bytes(&model, Format::Vtu)).into_owned();
     let faces: usize = model.bodies().iter().map(|body| body.body.faces().len()).sum();
     assert!(text.contains(&format!("NumberOfCells=\"{faces}\"")), "every face of every body is a cell");
@@ -279,7 +286,7 @@ fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
         page::write(model, &statistics(model, &options).unwrap(), &mut out).unwrap();
         String::from_utf8(out).unwrap()
     };
-    let page = page_of(&packed(BOTH));
+    let page = page_of(&both());
     let shown = ["class=\"vo\"", "class=\"fi\"", "<tr><td>voids<td>0.03000", "<tr><td>fibres<td>0.01000"];
     assert!(shown.iter().all(|part| page.contains(part)));
     let plain = page_of(&two_boxes());
@@ -297,7 +304,7 @@ fn a_phase_of_which_nothing_is_placed_holds_nothing_and_not_less() {
 
 #[test]
 fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
-    let model = packed(BOTH);
+    let model = both();
     let figures = statistics(&model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap();
     assert!((figures.fraction - model.report.fraction).abs() < 1e-9, "of the aggregates alone");
     assert_eq!(figures.phases.iter().map(|figures| figures.phase).collect::<Vec<_>>(), [Kind::Void, Kind::Fibre]);
@@ -329,7 +336,7 @@ fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
 
 #[test]
 fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
-    let model = packed(BOTH);
+    let model = both();
     let exact = PhaseVolumes::exact(&model.bodies(), &model.spec.specimen, |_| 0.0).unwrap();
     let holes = model.report.phases[0].fraction * model.spec.specimen.volume();
     assert!((exact.total() - (model.spec.specimen.volume() - holes)).abs() < 1e-6);
@@ -350,7 +357,7 @@ fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
 
 #[test]
 fn a_deck_gives_fibres_a_set_and_a_material_and_voids_none() {
-    let model = packed(BOTH);
+    let model = both();
     let mesh = meshed(&model, Method::VOXEL, ItzForm::Solid);
     let mut out = Vec::new();
     abaqus::write(&mesh, &Default::default(), &mut out).unwrap();
@@ -366,7 +373,7 @@ fn a_deck_gives_fibres_a_set_and_a_material_and_voids_none() {
 
 #[test]
 fn fibres_are_bonded_where_aggregates_get_cohesive_elements() {
-    let model = packed(BOTH);
+    let model = both();
     let mesh = meshed(&model, Method::VOXEL, ItzForm::Cohesive);
     assert!(mesh.phase.contains(&Phase::Fibre) && mesh.cohesive().len() > 1000);
     assert!(mesh.cohesive_aggregate.iter().all(|&id| (id as usize) < model.aggregates.len()));

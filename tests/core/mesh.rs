@@ -19,15 +19,15 @@ pub(crate) fn aggregate(id: u32, body: Polyhedron, itz_thickness_mm: f64) -> Agg
     Aggregate { id, kind: Kind::Aggregate, class: 0, itz_thickness_mm, body }
 }
 
-/// Blocks turned at random in the cells of a 4 x 4 x 4 grid of 10 mm: disjoint, and not aligned with any mesh.
+/// Blocks turned at random in the cells of a 3 x 3 x 3 grid of 10 mm: disjoint, and not aligned with any mesh.
 pub(crate) fn turned_blocks() -> (Vec<Aggregate>, Specimen) {
     let at = |id: u32| {
-        let centre = Vec3::new((id % 4) as f64, (id / 4 % 4) as f64, (id / 16) as f64) * 10.0 + Vec3::repeat(5.0);
+        let centre = Vec3::new((id % 3) as f64, (id / 3 % 3) as f64, (id / 9) as f64) * 10.0 + Vec3::repeat(5.0);
         let half = [2.0 + f64::from(id % 3) * 0.3, 2.5, 2.8];
         let turn = Rotation::from_euler_angles(f64::from(id) * 0.7, f64::from(id) * 1.3, f64::from(id) * 2.1);
         aggregate(id, block(half.map(|h| -h), half).rotated(&turn).translated(&centre), 0.5)
     };
-    ((0..64).map(at).collect(), Specimen::cube(40.0))
+    ((0..27).map(at).collect(), Specimen::cube(30.0))
 }
 
 fn sampled(subsamples: u32) -> Method {
@@ -85,14 +85,14 @@ fn every_voxel_has_the_phase_of_its_centre() {
 fn the_solid_itz_is_never_thinner_than_a_voxel() {
     let (grains, specimen) = turned_blocks();
     let mesh = voxels(&grains, &specimen, MeshOptions { element_size_mm: 1.0, ..Default::default() });
-    let neighbours = |c: usize| [1, 40, 1600].into_iter().map(move |step| c + step).filter(|&n| n < 64_000);
+    let neighbours = |c: usize| [1, 30, 900].into_iter().map(move |step| c + step).filter(|&n| n < 27_000);
     let touches = |c: usize, n: usize| {
         let pair = [mesh.phase[c], mesh.phase[n]];
         pair.contains(&Phase::Aggregate) && pair.contains(&Phase::Mortar)
     };
     assert!(mesh.phase.contains(&Phase::Aggregate), "the blocks must keep a core for this test to say anything");
     // Blocks stay clear of the cube's faces, so that stepping over the end of a row meets mortar on both sides.
-    assert!((0..64_000).all(|c| neighbours(c).all(|n| !touches(c, n))));
+    assert!((0..27_000).all(|c| neighbours(c).all(|n| !touches(c, n))));
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn lattice(element_size_mm: f64, method: Method) -> Mesh {
 #[test]
 fn a_fitted_lattice_fills_the_specimen_without_inverted_cells() {
     let mesh = lattice(1.0, Method::FITTED);
-    assert!((PhaseVolumes::of_mesh(&mesh).total() / 64_000.0 - 1.0).abs() < 1e-9);
+    assert!((PhaseVolumes::of_mesh(&mesh).total() / 27_000.0 - 1.0).abs() < 1e-9);
     assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
 }
 
@@ -212,7 +212,7 @@ fn the_faces_of_a_fitted_lattice_match_in_pairs() {
     faces.sort_unstable();
     let at = |node: u32, axis: usize| mesh.points[node as usize][axis];
     for group in faces.chunk_by(|a, b| a == b) {
-        let outer = (0..3).any(|axis| [0.0, 40.0].iter().any(|x| group[0].iter().all(|&n| at(n, axis) == *x)));
+        let outer = (0..3).any(|axis| [0.0, 30.0].iter().any(|x| group[0].iter().all(|&n| at(n, axis) == *x)));
         assert_eq!(group.len(), if outer { 1 } else { 2 }, "{:?}", group[0]);
     }
 }

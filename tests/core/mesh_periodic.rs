@@ -13,7 +13,7 @@ use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 
-const AXES: [[bool; 3]; 4] = [[true; 3], [false, true, true], [true, false, false], [false, false, true]];
+const AXES: [[bool; 3]; 3] = [[true; 3], [false, true, true], [true, false, false]];
 /// The solid ITZ has its own thickness.
 const THIN_VOXELS: Method = Method::Voxel { thin_itz: true, subsamples: 1 };
 const METHODS: [Method; 3] = [THIN_VOXELS, Method::PLAIN, Method::FITTED];

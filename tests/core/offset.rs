@@ -61,14 +61,25 @@ fn compare(
 
 #[test]
 fn well_shaped_bodies_keep_twelve_digits() {
+    keep_twelve_digits(1);
+}
+
+#[test]
+#[ignore = "slow tier"]
+fn many_well_shaped_bodies_keep_twelve_digits() {
+    keep_twelve_digits(3);
+}
+
+/// Of `many` times the least number of bodies.
+fn keep_twelve_digits(many: usize) {
     let mut source = Source::new(30);
     let few = |clouds: Vec<Cloud>| clouds.into_iter().filter(|c| c.points.len() < 16).collect::<Vec<_>>();
     let families = [
-        few(paper(&mut source, 20)),
-        few(lattices(&mut source, 60)),
-        few(duplicates(&mut source, 30)),
+        few(paper(&mut source, 8 * many)),
+        few(lattices(&mut source, 20 * many)),
+        few(duplicates(&mut source, 12 * many)),
         few(coplanar(&mut source)),
-        few(scaled(&mut source, 40)),
+        few(scaled(&mut source, 16 * many)),
     ];
     for family in families {
         let score = score(&family);
@@ -189,7 +200,7 @@ fn nearly_coplanar_clouds_have_an_offset_at_every_noise() {
 
 #[test]
 fn plates_keep_nine_digits_or_are_refused() {
-    let mut plates = near_flat(&mut Source::new(31), 24);
+    let mut plates = near_flat(&mut Source::new(31), 12);
     plates.extend(issues());
     plates.retain(|cloud| cloud.points.len() < 20);
     let score = score(&plates);
@@ -202,11 +213,11 @@ fn plates_keep_nine_digits_or_are_refused() {
 fn vanishing_is_decided_to_the_last_bit() {
     let mut source = Source::new(32);
     let families = [
-        paper(&mut source, 12),
-        lattices(&mut source, 12),
+        paper(&mut source, 6),
+        lattices(&mut source, 6),
         coplanar(&mut source),
-        near_flat(&mut source, 12),
-        scaled(&mut source, 8),
+        near_flat(&mut source, 6),
+        scaled(&mut source, 6),
     ];
     let (mut vanished, mut left) = (0, 0);
     for cloud in families.into_iter().flatten().filter(|cloud| cloud.points.len() < 14) {
@@ -220,7 +231,7 @@ fn vanishing_is_decided_to_the_last_bit() {
             *(if vanishes { &mut vanished } else { &mut left }) += 1;
         }
     }
-    assert!(vanished > 100 && left > 100, "{vanished} vanished, {left} left");
+    assert!(vanished > 60 && left > 60, "{vanished} vanished, {left} left");
 }
 
 /// Offsets of hard sets, at shares of the inradius and at its neighbours, against the reference.
@@ -241,8 +252,8 @@ fn score_hard_sets(seed: u64, sets: usize) -> Score {
 
 #[test]
 fn offsets_of_hard_sets_are_right_or_refused() {
-    let score = score_hard_sets(35, 100);
-    assert!(score.worst <= 1e-9 && score.right > 30 && score.vanished > 50, "{score:?}");
+    let score = score_hard_sets(35, 50);
+    assert!(score.worst <= 1e-9 && score.right > 15 && score.vanished > 25, "{score:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Second-order tetrahedra: nodes in the middle of edges, and what decks and CalculiX make of them.
 
-use crate::calculix::{hashin_shtrikman, modulus, packed};
+use crate::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
 use crate::mesh::{by_hand, deck, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
@@ -142,7 +142,7 @@ fn calculix_finds_second_order_softer_than_first_and_above_the_lower_bound() {
         let method = Method::Lattice { fit: Fit::Fitted, order };
         let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
-        modulus(&mesh, 1600.0).map(|modulus| (modulus, PhaseVolumes::of_mesh(&mesh)))
+        modulus(&mesh, AREA_MM2).map(|modulus| (modulus, PhaseVolumes::of_mesh(&mesh)))
     };
     let (Some((first, _)), Some((second, volumes))) = (solve(Order::Linear), solve(Order::Quadratic)) else { return };
     let [low, high] = hashin_shtrikman(&volumes, &Materials::default());

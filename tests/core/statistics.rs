@@ -7,6 +7,7 @@ use meso_core::math::Vec3;
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::statistics::{Options, Statistics, statistics};
 use meso_core::{Model, Silent, Spec, pack};
+use std::sync::LazyLock;
 
 /// A model of a cube that holds `bodies`.
 fn model(side_mm: f64, bodies: Vec<Polyhedron>) -> Model {
@@ -46,13 +47,16 @@ fn balls() -> Vec<Polyhedron> {
         .collect()
 }
 
+/// The figures of [`balls`], which several tests look at.
+static OF_BALLS: LazyLock<Statistics> = LazyLock::new(|| measured(60.0, balls()));
+
 fn close(value: f64, expected: f64, relative: f64) -> bool {
     (value / expected - 1.0).abs() < relative
 }
 
 #[test]
 fn correlations_of_balls_meet_their_limits() {
-    let found = measured(60.0, balls());
+    let found = &*OF_BALLS;
     let (f, s, c) = (found.fraction, found.specific_surface_per_mm, &found.correlation);
     assert!(close(f, 216.0 * 36.0 * std::f64::consts::PI / 216_000.0, 0.02));
     assert!(close(c.two_point[0], f, 0.02), "S2(0) is {}, f is {f}", c.two_point[0]);
@@ -64,7 +68,7 @@ fn correlations_of_balls_meet_their_limits() {
 
 #[test]
 fn correlations_of_balls_follow_the_closed_forms() {
-    let found = measured(60.0, balls());
+    let found = &*OF_BALLS;
     let (f, c) = (found.fraction, &found.correlation);
     for (k, &r) in c.lag_mm.iter().enumerate().filter(|(_, r)| **r <= 3.0) {
         // Pairs within one ball (others are 4 mm off), over the pairs within the cube.
@@ -124,7 +128,7 @@ fn correlations_of_a_periodic_packing_meet_their_limits() {
 
 #[test]
 fn nearest_distances_of_a_lattice_are_its_gaps() {
-    let found = measured(60.0, balls()).nearest_distance_mm.unwrap();
+    let found = OF_BALLS.nearest_distance_mm.unwrap();
     // A polyhedral ball lacks up to 0.03 mm of the sphere.
     assert!(found.min >= 4.0 && found.max < 4.1, "{found:?}");
     let two = [[10.0, 30.0], [46.0, 30.0]].map(|[x, y]| ball(Vec3::new(x, y, 30.0), 3.0));
@@ -178,7 +182,7 @@ fn shapes_and_orientation_of_turned_blocks_are_theirs() {
 
 #[test]
 fn balls_are_equant_and_nearly_spheres() {
-    let shapes = measured(60.0, balls()).shapes;
+    let shapes = &OF_BALLS.shapes;
     assert_eq!(shapes.zingg.equant, 216);
     assert!(shapes.wadell_sphericity.unwrap().min > 0.99);
     assert!(close(shapes.sieve_size_mm.unwrap().mean, 6.0, 0.02));

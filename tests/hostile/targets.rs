@@ -106,7 +106,7 @@ pub(crate) fn hull(bytes: &[u8]) {
     let Ok(hull) = convex_hull(&points) else { return };
     assert!(hull.volume() > 0.0);
     for point in &points {
-        let inside = gjk::intersects_with(Method::Exact, hull.vertices(), &[*point]).expect("finite numbers");
+        let inside = Method::Exact.intersects(hull.vertices(), &[*point]).expect("finite numbers");
         assert!(inside, "{point} of {points:?}");
     }
 }
@@ -133,10 +133,10 @@ pub(crate) fn collision(bytes: &[u8]) {
         return;
     }
     let (a, b) = points.split_at(points.len() / 2);
-    let exact = gjk::intersects_with(Method::Exact, a, b).expect("finite numbers");
+    let exact = Method::Exact.intersects(a, b).expect("finite numbers");
     for method in Method::ALL {
-        assert_eq!(gjk::intersects_with(method, a, b).expect("finite numbers"), exact, "{method:?}: {a:?} {b:?}");
-        assert_eq!(gjk::intersects_with(method, b, a).expect("finite numbers"), exact, "{method:?} swapped");
+        assert_eq!(method.intersects(a, b).expect("finite numbers"), exact, "{method:?}: {a:?} {b:?}");
+        assert_eq!(method.intersects(b, a).expect("finite numbers"), exact, "{method:?} swapped");
     }
     assert_eq!(gjk::distance(a, b).expect("finite numbers") == 0.0, exact, "{a:?} {b:?}");
 }

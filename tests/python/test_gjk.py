@@ -147,3 +147,112 @@ def test_memory_stays_flat_over_many_calls():
     before = resident_pages()
     calls(50_000)
     assert resident_pages() - before < 500  # 2 MB: a leak of 40 bytes a call shows
+
+
+def grains(rng, count, away=0.0):
+    return [ball(rng, rng.uniform(-away, away, 3) + rng.normal(size=3), rng.uniform(0.3, 1.0)) for _ in range(count)]
+
+
+def test_closest_points_are_those_of_boxes():
+    points = gjk.closest_points(CUBE, CUBE + [3.0, 0.25, 5.0])
+    assert points.shape == (2, 3)
+    assert np.linalg.norm(points[1] - points[0]) == np.hypot(2.0, 4.0)
+    shared = gjk.closest_points(CUBE, CUBE + [0.5, 0.5, 0.5])
+    assert (shared[0] == shared[1]).all()
+
+
+def test_penetration_is_the_shortest_way_out_of_a_box():
+    found = gjk.penetration(CUBE, CUBE + [0.1, 0.7, 0.2])
+    assert found.at_least <= 0.3 <= found.depth < 0.3 + 1e-13
+    assert found.direction == pytest.approx([0.0, 1.0, 0.0])
+    assert not gjk.intersects(CUBE, CUBE + [0.1, 0.7, 0.2] + found.direction * (found.depth + 1e-12))
+    assert gjk.penetration(CUBE, CUBE + 2.0) is None
+
+
+def test_a_moving_box_arrives_when_its_distance_is_covered():
+    found = gjk.time_of_impact(CUBE, CUBE + [4.0, 0.0, 0.0], [-4.0, 0.0, 0.0])
+    assert found.not_before <= 0.75 <= found.by < 0.75 + 1e-13
+    assert found.direction == pytest.approx([1.0, 0.0, 0.0])
+    assert gjk.time_of_impact(CUBE, CUBE + [4.0, 0.0, 0.0], [0.0, 9.0, 0.0]) is None
+    with pytest.raises(ValueError, match="motion must be three finite numbers"):
+        gjk.time_of_impact(CUBE, CUBE, [0.0, np.nan, 0.0])
+
+
+@pytest.mark.parametrize("away", [0.0, 300.0])
+def test_bodies_answer_as_their_points_do(away):
+    rng = np.random.default_rng(5)
+    points = grains(rng, 40, away / 100.0)
+    points = [p + away for p in points]
+    bodies = gjk.Bodies(points)
+    truth = np.array([[gjk.intersects(a, b) for b in points] for a in points])
+    assert 100 < truth.sum() < 1500
+    for row, a in zip(truth, points, strict=True):
+        assert (bodies.intersects(a) == row).all()
+        assert (gjk.intersects_many(a, points) == row).all()
+    pairs = np.argwhere(np.ones_like(truth))
+    assert (bodies.intersects_pairs(pairs) == truth.ravel()).all()
+    upper = np.argwhere(np.triu(truth, 1))
+    assert (bodies.overlapping_pairs() == upper).all()
+
+
+def test_bodies_are_shifted_exactly():
+    row = gjk.Bodies([CUBE, CUBE + [2.0, 0.0, 0.0], [[9.0, 9.0, 9.0]]])
+    ulp = np.nextafter(1.0, 2.0) - 1.0
+    shifts = [[-1.0, 0.0, 0.0], [-1.0 + ulp, 0.0, 0.0], [-1.0, 1e-300, -1.0], [-1.0, 1.0 + ulp, 0.0]]
+    assert row.intersects_pairs([[0, 1]] * 4, shifts=shifts).tolist() == [True, False, True, False]
+    assert row.intersects(CUBE, shift=[1.0, 1.0, 1.0]).tolist() == [True, True, False]
+    assert row.intersects_pairs(np.empty((0, 2), int)).shape == (0,)
+    assert row.intersects_pairs([[1, 0]], other=gjk.Bodies([CUBE + [3.0, 1.0, 0.5]])).tolist() == [True]
+
+
+def test_bodies_are_turned_and_displaced():
+    rng = np.random.default_rng(6)
+    rotation = pytest.importorskip("scipy.spatial.transform").Rotation
+    shapes, positions = grains(rng, 12), rng.uniform(-1, 1, (12, 3))
+    turns = rotation.random(12, random_state=7)
+    placed = gjk.Bodies(shapes).placed(positions, turns.as_quat())
+    expected = [turn.apply(shape) + at for turn, shape, at in zip(turns, shapes, positions, strict=True)]
+    assert np.allclose(placed.points(3), expected[3], atol=1e-14)
+    truth = [[i, j] for i, j in itertools.combinations(range(12), 2) if gjk.intersects(placed.points(i), placed.points(j))]
+    assert placed.overlapping_pairs().tolist() == truth
+    with pytest.raises(ValueError, match=r"rotations has shape \(12, 3\)"):
+        gjk.Bodies(shapes).placed(positions, positions)
+
+
+def test_places_are_clear_beyond_the_gap():
+    rng = np.random.default_rng(8)
+    bodies, own = gjk.Bodies(shapes := grains(rng, 30, 3.0)), ball(rng, 0.0, 0.5)
+    shifts = rng.uniform(-4, 4, (200, 3))
+    for gap in (0.0, 0.25):
+        truth = [all(gjk.distance(own + shift, shape) > gap for shape in shapes) for shift in shifts]
+        assert bodies.clear(own, shifts, gap=gap).tolist() == truth
+        assert 20 < sum(truth) < 190
+    with pytest.raises(ValueError, match="gap is -1"):
+        bodies.clear(own, shifts, gap=-1.0)
+
+
+def test_bodies_take_what_the_package_makes_and_survive_pickling():
+    import pickle
+
+    packing = mc.pack(fraction=0.2, seed=3, specimen={"kind": "cube", "side_mm": 60.0})
+    bodies = gjk.Bodies(packing.aggregates)
+    assert len(bodies) == len(packing)
+    assert len(bodies.overlapping_pairs()) == 0
+    copy = pickle.loads(pickle.dumps(bodies))  # noqa: S301 - our own
+    assert (copy.points(0) == bodies.points(0)).all()
+    assert repr(copy) == f"Bodies({len(packing)} bodies)"
+    assert bodies.intersects(packing.aggregates[0]).sum() == 1
+
+
+def test_wrong_bodies_and_pairs_are_named():
+    bodies = gjk.Bodies([CUBE, CUBE + 2.0])
+    with pytest.raises(ValueError, match=r"bodies\[1\]\[0\] is"):
+        gjk.Bodies([CUBE, [[0.0, np.nan, 0.0]]])
+    with pytest.raises(ValueError, match=r"pairs\[1\] is \(0, 2\)"):
+        bodies.intersects_pairs([[0, 1], [0, 2]])
+    with pytest.raises(TypeError, match="pairs has dtype float64"):
+        bodies.intersects_pairs([[0.0, 1.0]])
+    with pytest.raises(ValueError, match="shifts has 1 rows"):
+        bodies.intersects_pairs([[0, 1], [1, 0]], shifts=[[0, 0, 0]])
+    with pytest.raises(IndexError, match="there is no body 2"):
+        bodies.points(2)

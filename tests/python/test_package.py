@@ -1,12 +1,18 @@
 """The package itself: what it names, what importing it does."""
 
 import importlib.metadata
+import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+import pytest
+
 import mesocrete as mc
+
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def python(code):
@@ -59,3 +65,16 @@ def test_aggregates_are_a_sequence():
 def test_classes_name_the_package_they_are_imported_from():
     for name in ("Aggregate", "Mesh", "Packing", "Polyhedron", "Spec"):
         assert getattr(mc, name).__module__ == "mesocrete"
+
+
+def test_the_wheel_and_the_rust_tests_share_their_crates():
+    """Another feature in either, and everything is compiled twice."""
+    if shutil.which("cargo") is None:
+        pytest.skip("no cargo here")
+
+    def features(*selected):
+        tree = ["cargo", "tree", "--quiet", "--prefix", "none", "--format", "{p} {f}", "--edges", *selected]
+        lines = subprocess.run(tree, cwd=ROOT, capture_output=True, text=True, timeout=60, check=True).stdout.splitlines()
+        return {line.removesuffix(" (*)") for line in lines}
+
+    assert features("normal,build", "-p", "meso-py") <= features("normal,build,dev", "--workspace")

@@ -48,7 +48,6 @@ pub mod model;
 pub mod packing;
 #[cfg(feature = "concrete")]
 pub mod page;
-#[cfg(feature = "concrete")]
 mod prefetch;
 #[cfg(feature = "concrete")]
 pub mod recipes;

@@ -13,7 +13,7 @@ use crate::geometry::sieve_size;
 use crate::model::Model;
 use crate::statistics::Statistics;
 #[doc(hidden)]
-pub use scene::base64;
+pub use scene::{TURNTABLE, base64};
 
 use plot::{Curve, Plot};
 use rayon::prelude::*;

@@ -33,7 +33,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::command::run_command;
     #[pymodule_export]
-    use super::gjk::{distance, intersects, intersects_many};
+    use super::gjk::{PyBodies, closest_points, distance, intersects, intersects_many, penetration, time_of_impact};
     #[pymodule_export]
     use super::mesh::PyMesh;
     #[pymodule_export]

@@ -8,9 +8,9 @@ use super::ellipsoid::{Ellipsoids, Known};
 use super::enhanced::Enhanced;
 use super::exact::ExactPair;
 use super::gauge::Solid;
+use super::method::Method;
 use super::mpr::{self, Portal, Refined};
 use super::pair::{Found, NarrowPair, Pair, View};
-use super::points::Method;
 use super::simplex::Corners;
 use crate::geometry::CompactPolyhedron;
 use crate::math::Vec3;
@@ -193,9 +193,18 @@ impl<'a> Query<'a> {
         }
     }
 
+    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the direction that the
+    /// search began with and the portal that it came to.
+    pub(crate) fn apart_or(&self, open: impl FnOnce(&Vec3, Option<Portal>) -> bool) -> bool {
+        let known = self.glance().1;
+        let Known::Nothing(v) = known else { return matches!(known, Known::Apart(_)) };
+        let narrow = self.search_narrow(&v);
+        narrow.answer().unwrap_or_else(|| open(&v, narrow.portal()))
+    }
+
     /// The answer by a search from direction `v`, whatever it takes.
     #[inline(never)]
-    pub(crate) fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
+    fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
         let narrow = self.search_narrow(v);
         narrow.answer().unwrap_or_else(|| self.settle_from(v, narrow.portal(), counters))
     }

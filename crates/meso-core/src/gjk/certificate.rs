@@ -31,7 +31,7 @@ where
 
 /// An upper bound of p . v; 5 u: one for the coordinate, one for each product, two for the sum, and its own.
 #[inline(always)]
-fn highest(p: &Vec3, v: &Vec3) -> f64 {
+pub(super) fn highest(p: &Vec3, v: &Vec3) -> f64 {
     let terms = p.component_mul(v);
     terms.sum() + 6.0 * U * terms.abs().sum()
 }

@@ -9,6 +9,9 @@ use crate::math::{Mat3, Vec3};
 /// Room for the rounding of everything this file computes: some hundred operations on well-conditioned matrices.
 pub(crate) const SLACK: f64 = 1e-9;
 
+/// Lengths that single precision holds.
+const SINGLE: std::ops::Range<f64> = 1e-37..1e37;
+
 /// The header of a body.
 ///
 #[derive(Clone, Copy, Debug)]
@@ -107,9 +110,12 @@ impl Ellipsoids {
             inradius = inradius.min(offset);
             inner_squared = inner_squared.min(offset * offset / normal.dot(&(s * normal)));
         }
+        // Nothing is known of a body whose radius single precision would round to infinity or to nothing.
+        let inradius = if SINGLE.contains(&inradius) { inradius } else { f64::NAN };
         self.row[7] = (inradius * (1.0 - 1e-6)) as f32;
         // Below this the rounding of the axis could count; such flat bodies gain little from an inner ellipsoid.
-        self.row[6] = if inner_squared > 1e-4 { (inner_squared * (1.0 - 1e-6)) as f32 } else { 0.0 };
+        self.row[6] =
+            if (1e-4..f64::INFINITY).contains(&inner_squared) { (inner_squared * (1.0 - 1e-6)) as f32 } else { 0.0 };
     }
 
     /// The verdict of the spheres of bodies whose centres lie `x` apart; `None` where they leave it open.

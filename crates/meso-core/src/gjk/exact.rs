@@ -86,20 +86,44 @@ impl<'a, A: Support + ?Sized, B: Support + ?Sized> ExactPair<'a, A, B> {
 
     /// The squared distance of the bodies, 0 when they share a point, and the direction from A to B along it.
     pub(crate) fn squared_distance(&self, start: &[(u32, u32)]) -> (SquaredDistance, Point) {
+        let Nearest { corners, v } = self.descend(start);
+        if v.is_zero() {
+            return (self.fraction(BigInt::zero(), BigInt::from(1)), v);
+        }
+        // The nearest point is v scaled so that its height is that of the corners: |v|2 = height2 / v.v.
+        let height = corners[0].w.dot(&v);
+        (self.fraction(&height * &height, v.dot(&v)), v.negated())
+    }
+
+    /// A point of A and one of B (not displaced) that are nearest each other, one point where the bodies share any: each
+    /// coordinate is the exact one, rounded once.
+    pub(crate) fn closest_points(&self, start: &[(u32, u32)]) -> [Vec3; 2] {
+        let Nearest { corners, .. } = self.descend(start);
+        let weights = weights(&corners);
+        let total: BigInt = weights.iter().sum();
+        let combined = |point_of: &dyn Fn(&Corner) -> Vec3| {
+            let points = corners.iter().map(|corner| Point::new(&point_of(corner), self.exponent));
+            let sum = points.zip(&weights).fold(Point::zero(), |sum, (point, weight)| sum.plus(&point.times(weight)));
+            sum.over(&total, i64::from(self.exponent))
+        };
+        [combined(&|corner| self.a.point(corner.of.0 as usize)), combined(&|corner| self.b.point(corner.of.1 as usize))]
+    }
+
+    /// The part of a simplex of A - B that no point of A - B is nearer than.
+    fn descend(&self, start: &[(u32, u32)]) -> Nearest {
         let mut corners = self.starting_corners(start);
         loop {
-            let Nearest { corners: kept, v } = nearest(&corners);
-            if v.is_zero() {
-                return (self.fraction(BigInt::zero(), BigInt::from(1)), v);
+            let found = nearest(&corners);
+            if found.v.is_zero() {
+                return found;
             }
-            let height = kept[0].w.dot(&v);
-            match self.below(&v, &height, false) {
+            let height = found.corners[0].w.dot(&found.v);
+            match self.below(&found.v, &height, false) {
                 Some(corner) => {
-                    corners = kept;
+                    corners = found.corners;
                     corners.push(corner);
                 }
-                // The nearest point is v scaled so that its height is that of the corners: |v|2 = height2 / v.v.
-                None => return (self.fraction(&height * &height, v.dot(&v)), v.negated()),
+                None => return found,
             }
         }
     }
@@ -203,6 +227,25 @@ fn nearest(corners: &[Corner]) -> Nearest {
     }
     // No point, edge or triangle is nearest: the origin is strictly inside.
     Nearest { corners: corners.to_vec(), v: Point::zero() }
+}
+
+/// The shares of the corners in their point nearest the origin, which lies strictly inside; only their ratios count.
+fn weights(corners: &[Corner]) -> Vec<BigInt> {
+    match corners.iter().map(|corner| &corner.w).collect::<Vec<_>>()[..] {
+        [a, b] => {
+            let e = b.minus(a);
+            vec![b.dot(&e), -a.dot(&e)]
+        }
+        [a, b, c] => {
+            let n = b.minus(a).cross(&c.minus(a));
+            [(b, c), (c, a), (a, b)].map(|(p, q)| n.dot(&p.cross(q))).to_vec()
+        }
+        [a, b, c, d] => {
+            let (ab, cd) = (a.cross(b), c.cross(d));
+            [b.dot(&cd), a.dot(&cd), d.dot(&ab), c.dot(&ab)].map(|volume| volume.abs()).to_vec()
+        }
+        _ => vec![BigInt::from(1)],
+    }
 }
 
 /// A positive multiple of the point of the part's affine hull nearest the origin, if it lies strictly inside the part.

@@ -30,6 +30,10 @@ impl Point {
         Self(std::array::from_fn(|i| &self.0[i] - &other.0[i]))
     }
 
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|i| &self.0[i] + &other.0[i]))
+    }
+
     pub(crate) fn negated(&self) -> Self {
         Self(std::array::from_fn(|i| -&self.0[i]))
     }
@@ -49,6 +53,15 @@ impl Point {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
             &p[j] * &q[k] - &p[k] * &q[j]
         }))
+    }
+
+    /// The point over a positive number, in units of 2^`exponent`: rounded once.
+    pub(crate) fn over(&self, denominator: &BigInt, exponent: i64) -> Vec3 {
+        let [x, y, z] = std::array::from_fn(|i| {
+            let shift = 66 + denominator.bits().saturating_sub(self.0[i].bits());
+            to_double(&((&self.0[i] << shift) / denominator), exponent - shift as i64)
+        });
+        Vec3::new(x, y, z)
     }
 
     /// The direction in doubles, the largest component between 1/2 and 1; components below 2^-900 of it become 0.

@@ -5,7 +5,9 @@
 
 use super::cascade::Counters;
 use super::lockstep::{Glance, Pending, Search, Undecided};
+use super::mpr::Portal;
 use super::pair_query::PairQuery;
+use crate::math::Vec3;
 use crate::simd::{Simd, Vectorized, dispatch};
 use std::cell::RefCell;
 use std::ops::Range;
@@ -22,15 +24,44 @@ const FEW: usize = 8;
 /// assert_eq!(overlap_many(&[query(1.0), query(2.0), query(3.0)]), [true, true, false]);
 /// ```
 pub fn overlap_many(queries: &[PairQuery<'_>]) -> Vec<bool> {
+    overlap_settled(queries, &Own { queries, gap: 0.0 })
+}
+
+/// [`overlap_many`] where `open` answers what bounds and lockstep leave open.
+pub(super) fn overlap_settled(queries: &[PairQuery<'_>], open: &dyn Settle) -> Vec<bool> {
     if queries.len() < FEW || !lockstep_pays() {
-        return queries.iter().map(|q| !q.query(0.0).apart(&mut Counters::default())).collect();
+        return (0..queries.len()).map(|i| !is_apart(queries, i, 0.0, open)).collect();
     }
     with_work(|work| {
         work.glance(queries, 0.0);
         work.chosen.extend(0..work.pending.len() as u32);
-        work.search(queries, 0.0);
+        work.search(queries, 0.0, open);
         work.answers.iter().map(|&answer| answer == Some(true)).collect()
     })
+}
+
+/// One question after the other.
+fn is_apart(queries: &[PairQuery<'_>], i: usize, gap: f64, open: &dyn Settle) -> bool {
+    queries[i].query(gap).apart_or(|v, portal| open.is_farther(i, v, portal))
+}
+
+/// Answers a question that searches in floating point left open.
+pub(super) trait Settle {
+    /// Whether the pair of the `query`th question is more than the gap apart; the search started from direction `v` and may
+    /// have come to a portal.
+    fn is_farther(&self, query: usize, v: &Vec3, portal: Option<Portal>) -> bool;
+}
+
+/// From the bodies themselves.
+struct Own<'a, 'q> {
+    queries: &'a [PairQuery<'q>],
+    gap: f64,
+}
+
+impl Settle for Own<'_, '_> {
+    fn is_farther(&self, query: usize, v: &Vec3, portal: Option<Portal>) -> bool {
+        self.queries[query].query(self.gap).settle_from(v, portal, &mut Counters::default())
+    }
 }
 
 /// True on instruction sets where many pairs in lockstep take less than two thirds of the time of one after the other.
@@ -63,17 +94,21 @@ fn lockstep_pays() -> bool {
 /// # Panics
 /// When `ends` does not ascend to the number of `queries`.
 pub fn clear_many(queries: &[PairQuery<'_>], ends: &[u32], gap: f64) -> Vec<bool> {
+    clear_settled(queries, ends, gap, &Own { queries, gap })
+}
+
+/// [`clear_many`] where `open` answers what bounds and lockstep leave open.
+pub(super) fn clear_settled(queries: &[PairQuery<'_>], ends: &[u32], gap: f64, open: &dyn Settle) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
     if !lockstep_pays() {
-        let apart = |q: &PairQuery<'_>| q.query(gap).apart(&mut Counters::default());
-        return attempts(ends).map(|attempt| queries[attempt].iter().all(apart)).collect();
+        return attempts(ends).map(|mut attempt| attempt.all(|i| is_apart(queries, i, gap, open))).collect();
     }
     with_work(|work| {
         work.glance(queries, gap);
         work.choose_closest(ends);
-        work.search(queries, gap);
+        work.search(queries, gap, open);
         work.choose_rest();
-        work.search(queries, gap);
+        work.search(queries, gap, open);
         // All that is open still belongs to an attempt that has failed.
         let clear = |attempt: Range<usize>| !any(&work.answers[attempt], |answer| answer != Some(false));
         attempts(ends).map(clear).collect()
@@ -114,14 +149,14 @@ impl Work {
     }
 
     /// Answers the chosen questions.
-    fn search(&mut self, queries: &[PairQuery<'_>], gap: f64) {
+    fn search(&mut self, queries: &[PairQuery<'_>], gap: f64, open: &dyn Settle) {
         let Self { answers, pending, chosen, undecided, .. } = self;
         dispatch(Search { queries, gap, pending, chosen, answers, undecided });
         chosen.clear();
         for Undecided { entry, portal } in undecided.drain(..) {
             let i = pending.queries()[entry as usize] as usize;
             let v = pending.direction(entry as usize);
-            answers[i] = Some(!queries[i].query(gap).settle_from(&v, portal, &mut Counters::default()));
+            answers[i] = Some(!open.is_farther(i, &v, portal));
         }
     }
 

@@ -14,47 +14,60 @@
 //! # Ok::<(), gjk::GjkError>(())
 //! ```
 //!
-//! For many queries about the same bodies, make a [`Body`] of each and ask [`overlap`] or [`apart`], with the displacement of
-//! one body from the other. [`overlap_many`] asks many pairs at once, and [`clear_many`] many placement attempts.
+//! [`closest_points`] adds a witness to a distance, [`Penetration`] is the depth of an overlap, and [`Impact`] is when
+//! a moving body arrives.
+//!
+//! For many queries about the same points, make [`Bodies`] of them. Where they are about bodies that hold their frames'
+//! origins and are displaced from each other, a [`Body`] of each is faster still: ask [`overlap`] or [`apart`],
+//! [`overlap_many`] for many pairs at once, and [`clear_many`] for many placement attempts.
 //!
 //! The modules, from the question to its proof:
 //!
-//! 1. `points` checks plain points and brings them to a common scale; `cascade` takes pairs of [`Body`]s; `many` takes many.
+//! 1. `points` takes plain points, `scaled` brings them to a common scale; `cascade` takes pairs of [`Body`]s; `many` takes many.
 //! 2. `ellipsoid` and `gauge` decide most pairs without a search.
 //! 3. `mpr` searches bodies that hold their frames' origins, in f32 and then in f64; `enhanced` and `classical` all others;
 //!    `kernel` finds their supports, and `lockstep` runs `mpr` on a register of pairs at once.
 //! 4. `certificate` proves what they propose, and `exact` decides the rest in integers.
 
+mod bodies;
 mod body;
 pub(crate) mod cascade;
 mod certificate;
 mod classical;
 mod ellipsoid;
 mod enhanced;
+mod error;
 mod exact;
 mod gauge;
+mod impact;
 mod integer;
 mod kernel;
 mod lockstep;
 mod many;
+mod method;
 mod mpr;
 mod nearest;
 mod pair;
 mod pair_query;
+mod penetration;
 mod points;
+mod scaled;
 mod simplex;
 mod support;
 
+pub use bodies::Bodies;
 pub use body::Body;
 pub(crate) use body::Bounds;
 pub(crate) use cascade::{Counters, apart_counted, apart_from};
 pub use cascade::{apart, overlap};
+pub use error::{GjkError, Operand};
 pub(crate) use gauge::Solid;
+pub use impact::Impact;
 pub use many::{clear_many, overlap_many};
+pub use method::Method;
 pub use pair_query::PairQuery;
+pub use penetration::Penetration;
 pub(crate) use points::farther;
-pub use points::{
-    GjkError, Method, Operand, Proof, Verdict, distance, intersects, intersects_many, intersects_with, verdict,
-    verdict_with,
-};
+pub use points::{Proof, Verdict, closest_points, distance, intersects, verdict};
+#[doc(hidden)]
 pub use support::Support;

@@ -39,6 +39,8 @@ pub(crate) struct Pair<'a> {
 pub(crate) struct Originals<'a> {
     pub(crate) a: &'a [Vec3],
     pub(crate) b: &'a [Vec3],
+    /// B's displacement, in their units.
+    pub(crate) x: Vec3,
     /// A power of two.
     pub(crate) scale: f64,
 }
@@ -105,8 +107,8 @@ impl Pair<'_> {
     fn difference(&self, of: (u32, u32)) -> Difference {
         let (a, b) = (self.a.unpadded(of.0) as usize, self.b.unpadded(of.1) as usize);
         match self.originals {
-            Some(Originals { a: from_a, b: from_b, scale }) => {
-                let Difference { w, magnitude } = Difference::new(&from_a[a], &from_b[b], &Vec3::zeros());
+            Some(Originals { a: from_a, b: from_b, x, scale }) => {
+                let Difference { w, magnitude } = Difference::new(&from_a[a], &from_b[b], x);
                 Difference { w: w * *scale, magnitude: magnitude * *scale }
             }
             None => Difference::new(&self.a.point(a), &self.b.point(b), &self.x),

@@ -64,7 +64,6 @@ fn assemble(
 ) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
     told(0.02);
-    let container = specimen.container();
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut bodies = images_near(aggregates, specimen, 0.0);
     bodies.sort_by(before);
@@ -73,7 +72,7 @@ fn assemble(
     let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
     told(0.6);
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
-        clip(&mut mesh, &*container);
+        clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, bodies);
     fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));

@@ -14,6 +14,9 @@ const COLOURS: u16 = 6;
 /// Cosine of the angle from which on two polygons of the specimen's surface meet in an edge that is drawn.
 const SHARP: f64 = 0.94;
 
+/// The script of a canvas to turn, `turntable`; a viewer's own script follows it.
+pub const TURNTABLE: &str = include_str!("turntable.js");
+
 /// Writes the canvas, its controls, the data and the script.
 pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let surface = model.spec.specimen.container().surface();
@@ -25,18 +28,18 @@ pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>The packing, to turn</h2>")?;
     writeln!(
         out,
-        "<canvas id=\"view\" data-size=\"{x} {y} {z}\" role=\"img\" aria-label=\"the packing in 3D\"></canvas>"
+        "<canvas id=\"view\" tabindex=\"0\" data-size=\"{x} {y} {z}\" role=\"img\" aria-label=\"the packing in 3D\"></canvas>"
     )?;
     writeln!(
         out,
         "<p class=\"note\"><label>cut <input id=\"cut\" type=\"range\" min=\"0\" max=\"1\" step=\"0.005\" value=\"1\"></label> \
-         Drag to turn, scroll to zoom. Coloured by size class, from the finest{}.</p>",
+         Drag to turn, use the wheel or two fingers to zoom, or the arrow keys, + and -. Coloured by size class, from the finest{}.</p>",
         if shown.len() < bodies.len() { "; the largest bodies alone are shown" } else { "" }
     )?;
     for (name, bytes) in [("bodies", bodies_of(shown, &all)), ("edges", edges_of(&surface, &all))] {
         writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{}</script>", base64(&bytes))?;
     }
-    writeln!(out, "<script>\n{}</script>", include_str!("viewer.js"))
+    writeln!(out, "<script>\n{TURNTABLE}{}</script>", include_str!("viewer.js"))
 }
 
 /// A place in the box as three numbers of 16 bits, the lowest byte first.

@@ -11,12 +11,15 @@ use super::super::kernel::Real;
 use super::super::mpr::{self, MAX_STEPS, Portal, Refined, TURN};
 use super::super::pair_query::PairQuery;
 use super::pending::Pending;
-use super::supports::{Groups, Supports, unpacked};
+use super::supports::{Groups, Supports, doubt, unpacked};
 use super::vectors::{Vectors, first_lanes, narrow_lanes};
 use crate::simd::{Lanes, Lockstep, MOST_LANES, Simd, Vectorized, for_each_lane};
 
 /// Registers of pairs in flight: what one waits for, another fills.
 const RANKS: usize = 2;
+
+/// Pairs ahead of which the points in f64 are asked for, which the search in f32 never reads.
+const SOON: usize = 3;
 
 /// A pair that the search left open.
 #[derive(Clone, Copy, Debug)]
@@ -84,6 +87,11 @@ impl<'q> Search<'_, 'q> {
     fn resume<S: Simd>(&mut self, simd: S) {
         let mut left = 0;
         for i in 0..self.undecided.len() {
+            if let Some(soon) = self.undecided.get(i + SOON) {
+                let PairQuery { a, b, .. } = self.query(soon.entry);
+                a.prefetch_wide();
+                b.prefetch_wide();
+            }
             let Undecided { entry, portal } = self.undecided[i];
             let refined = match portal {
                 Some(portal) => mpr::resume(self.query(entry).query(self.gap).pair(), simd, portal, self.gap),
@@ -286,7 +294,7 @@ impl<S: Simd> Rank<S> {
         let (apart, leaves) = supports.apart(simd, self.direction, self.reach, search.gap as f32);
         let second = self.second;
         let (w, slots) = supports.points(simd, &groups, self.v0);
-        let stuck = self.take(simd, w, slots);
+        let stuck = self.take(simd, w, slots, doubt(simd, self.direction, self.reach));
         self.direction = self.next_direction();
         self.face_origin(simd, second);
         let (inside, enclosed) = self.encloses_origin(simd);
@@ -329,18 +337,18 @@ impl<S: Simd> Rank<S> {
         });
     }
 
-    /// Puts the new points where they belong; returns the lanes that make no progress.
+    /// Puts the new points where they belong; returns the lanes that make no progress beyond `doubt`.
     ///
     /// The second point as it comes; then discovery in the lanes without a portal and refinement in the others: see
     /// [`mpr`](super::super::mpr).
     #[inline(always)]
-    fn take(&mut self, simd: S, w: Vectors<S::F32>, slots: S::F32) -> u32 {
+    fn take(&mut self, simd: S, w: Vectors<S::F32>, slots: S::F32, doubt: S::F32) -> u32 {
         let seeking = !(self.found | self.second);
         let zero = S::F32::all(simd, 0.0);
         let across = self.v0.cross(w);
         let [v1, v2, v3] = self.corners;
         let [e1, e2, e3] = [v1.dot(across), v2.dot(across), v3.dot(across)];
-        let stuck = self.found & !(w - v1).dot(self.direction).above(zero);
+        let stuck = self.found & !(w - v1).dot(self.direction).above(doubt);
         // Discovery: outside of the plane v0 v3 v1, of v0 v2 v3, or found.
         let outside31 = seeking & e1.above(zero);
         let outside23 = seeking & !outside31 & zero.above(e2);

@@ -43,8 +43,7 @@ impl<S: Simd> Supports<S> {
     /// The lanes that are proved more than `gap` apart, and those for which a portal search is over.
     #[inline(always)]
     pub(super) fn apart(&self, simd: S, direction: Vectors<S::F32>, reach: S::F32, gap: f32) -> (u32, u32) {
-        let doubt =
-            (direction.norm1() * reach).times_plus(S::F32::all(simd, f32::HEIGHT_ERROR), S::F32::all(simd, f32::TINY));
+        let doubt = doubt(simd, direction, reach);
         let beyond = if gap == 0.0 {
             self.separation
         } else {
@@ -70,6 +69,12 @@ impl<S: Simd> Supports<S> {
         }
         (Vectors::load(simd, &w) + v0, S::F32::load(simd, &slots, 0))
     }
+}
+
+/// The most that rounding can add to the separation along `direction`.
+#[inline(always)]
+pub(super) fn doubt<S: Simd>(simd: S, direction: Vectors<S::F32>, reach: S::F32) -> S::F32 {
+    (direction.norm1() * reach).times_plus(S::F32::all(simd, f32::HEIGHT_ERROR), S::F32::all(simd, f32::TINY))
 }
 
 /// Two slots as the bits of a number, which is only moved.

@@ -9,6 +9,7 @@ use crate::response::{Ended, Summary};
 use crate::test::Kind;
 use meso_core::math::Aabb;
 use meso_core::mesh::Mesh;
+use meso_core::page::TURNTABLE;
 use meso_core::page::plot::{Curve, Plot, SMALL, escape};
 use std::io::{self, BufWriter, Write};
 
@@ -208,5 +209,5 @@ fn cracks(mesh: &Mesh, last: &Snapshot, out: &mut impl Write) -> io::Result<()> 
     for (name, bytes) in [("corners", &corners), ("openings", &cracks.openings), ("triangles", &triangles)] {
         writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{}</script>", base64(bytes))?;
     }
-    writeln!(out, "<script>\n{VIEWER}</script>")
+    writeln!(out, "<script>\n{TURNTABLE}{VIEWER}</script>")
 }
