@@ -21,7 +21,7 @@ ROOT = SITE.parent
 BUILD = ROOT / "build"
 PAGES = BUILD / "docs"
 STUB = ROOT / "crates" / "meso-py" / "python" / "mesocrete" / "_mesocrete.pyi"
-MODULES = [STUB, STUB.with_name("_options.py"), STUB.with_name("_study.py")]
+MODULES = [STUB, *(STUB.with_name(name) for name in ("_options.py", "_study.py", "_results.py"))]
 
 
 def main() -> None:
@@ -109,10 +109,23 @@ def reference() -> str:
         for node in ast.parse(module.read_text(encoding="utf-8")).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 text += [f"## {node.name}\n", doc(node)]
-                text += [entry(item, node.name) for item in node.body if is_public(item)]
+                items = [item for item in node.body if is_public(item)]
+                # Of overloads the first has the docstring.
+                text += [entry(b, node.name) for a, b in zip([None, *items], items) if not (a and a.name == b.name)]
+                text += fields(node)
             elif isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
                 text.append(entry(node, ""))
     return "\n".join(text)
+
+
+def fields(node: ast.ClassDef) -> list[str]:
+    """Write the keys of a dict's type."""
+    keys = [
+        f"- `{key.target.id}`: `{ast.unparse(key.annotation)}`. {ast.literal_eval(text.value)}"
+        for key, text in zip(node.body, node.body[1:])
+        if isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name) and isinstance(text, ast.Expr)
+    ]
+    return ["\n".join(keys) + "\n"] if keys else []
 
 
 def is_public(node: ast.stmt) -> bool:

@@ -24,9 +24,13 @@ def documented(text: str) -> str:
             edits += edit(node, getattr(_mesocrete, node.name, None), "    ")
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             owner = getattr(_mesocrete, node.name, None)
+            before = ""
             for item in node.body:
-                if isinstance(item, ast.FunctionDef) and not item.name.startswith("_") and not is_overload(item):
-                    edits += edit(item, getattr(owner, item.name, None), "        ")
+                if isinstance(item, ast.FunctionDef) and not item.name.startswith("_"):
+                    # Of overloads the first has it.
+                    if item.name != before:
+                        edits += edit(item, getattr(owner, item.name, None), "        ")
+                    before = item.name if is_overload(item) else ""
     for first, last, new in sorted(edits, reverse=True):
         lines[first:last] = new
     return "\n".join(lines) + "\n"

@@ -1,7 +1,7 @@
 """A study with its scatter
 
-How much does the largest gap between grains scatter, and how many packings does a mean need? `ensemble()` answers for each
-fraction; [Studies](../studies.md) has the details.
+How much do the number of grains and the largest one scatter, and how many packings does a mean need? `ensemble()` answers
+for each fraction; [Studies](../studies.md) has the details.
 """
 import matplotlib.pyplot as plt
 
@@ -10,8 +10,7 @@ import mesocrete as mc
 
 def figures(packing: mc.Packing) -> dict[str, float]:
     """Return what is compared."""
-    volumes = [grain.volume for grain in packing.aggregates]
-    return {"grains": len(volumes), "largest_mm3": max(volumes)}
+    return {"grains": len(packing), "largest_mm3": float(packing.aggregates.volume.max())}
 
 
 spec = {"specimen": mc.Specimen.cube(40), "grading": mc.Grading.fuller(5, 12)}

@@ -48,6 +48,23 @@ fn every_combination_has_a_folder_and_a_row() {
 }
 
 #[test]
+fn cases_at_the_same_time_leave_the_same_files() {
+    let (one, three) = (folder(STUDY), folder(STUDY));
+    assert_eq!(one.run(&["study", "STUDY.toml", "-q"]).code, 0);
+    assert_eq!(three.run(&["study", "STUDY.toml", "-q", "--jobs", "3"]).code, 0);
+    assert_eq!(cases(&one), cases(&three));
+    for name in cases(&one) {
+        for file in ["case.json", "model.json", "grains.csv"] {
+            let file = format!("study/{name}/{file}");
+            assert_eq!(one.read(&file), three.read(&file), "{file}");
+        }
+    }
+    for table in ["table.csv", "table.parquet", "ensemble.csv"] {
+        assert_eq!(one.read(&format!("study/{table}")), three.read(&format!("study/{table}")));
+    }
+}
+
+#[test]
 fn a_torn_case_is_done_again_and_the_others_are_not() {
     let folder = folder(STUDY);
     assert_eq!(folder.run(&["study", "STUDY.toml"]).code, 0);

@@ -92,7 +92,9 @@ fn a_periodic_deck_of_two_voxels_reads_as_by_hand() {
 
 #[test]
 fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
-    let (grains, specimen) = turned_blocks();
+    // Eight of them are enough for every element and set.
+    let (mut grains, specimen) = (turned_blocks().0, Specimen::cube(20.0));
+    grains.retain(|grain| [grain.id % 3, grain.id / 3 % 3, grain.id / 9].iter().all(|place| *place < 2));
     let mut seen = BTreeSet::new();
     let quadratic = Method::Lattice { fit: Fit::Fitted, order: Order::Quadratic };
     for method in [Method::VOXEL, Method::FITTED, quadratic] {

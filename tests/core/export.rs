@@ -2,6 +2,7 @@
 
 use crate::models::two_boxes;
 use meso_core::formats::{Format, Surfaces};
+use meso_core::saved;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -15,6 +16,14 @@ fn written(format: Format) -> Vec<u8> {
 fn the_extension_names_the_format_in_either_case() {
     assert_eq!(Format::from_path(Path::new("a/b.JSON")), Some(Format::Json));
     assert_eq!(Format::from_path(Path::new("b.tar.stl")), Some(Format::Stl));
+    assert_eq!(Format::from_path(Path::new("b.Json.GZ")), Some(Format::JsonGz));
+    assert_eq!(Format::from_path(Path::new("b.stp")), Some(Format::Step));
+    assert!(
+        Format::ALL
+            .iter()
+            .all(|format| { Format::from_path(&Path::new("a").with_extension(format.extension())) == Some(*format) })
+    );
+    assert_eq!(Format::from_path(Path::new("b.csv.gz")), None);
     assert_eq!(Format::from_path(Path::new("json")), None);
     assert_eq!(Format::from_path(Path::new("model.xyz")), None);
 }
@@ -36,6 +45,34 @@ fn an_stl_holds_every_triangle_with_its_outward_normal() {
         })
         .sum();
     assert!((volume - 1343.0).abs() < 1e-2, "{volume}");
+}
+
+#[test]
+fn a_compressed_model_reads_back_to_the_same() {
+    let compressed = written(Format::JsonGz);
+    assert!(compressed.len() < written(Format::Json).len());
+    assert_eq!(saved::read(&compressed).unwrap(), saved::read(&written(Format::Json)).unwrap());
+    let torn = saved::read(&compressed[..compressed.len() - 1]).unwrap_err().to_string();
+    assert!(torn.starts_with("this is no saved model of mesocrete"), "{torn}");
+}
+
+#[test]
+fn every_entity_that_a_step_file_names_is_there() {
+    let surfaces = Surfaces { mortar: true, ..Surfaces::default() };
+    let mut bytes = Vec::new();
+    Format::Step.write(&two_boxes(), surfaces, &mut bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let entities: Vec<&str> = text.lines().filter(|line| line.starts_with('#')).collect();
+    for (number, line) in (1..).zip(&entities) {
+        let (own, of) = line.split_once('=').unwrap();
+        assert_eq!(own, format!("#{number}"));
+        // A reader meets everything before what names it.
+        let named = of.split('#').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_digit()).next().unwrap());
+        assert!(named.map(|name| name.parse::<usize>().unwrap()).all(|name| name < number), "{line}");
+    }
+    let count = |of: &str| entities.iter().filter(|line| line.contains(&format!("={of}("))).count();
+    assert_eq!([count("MANIFOLD_SOLID_BREP"), count("BREP_WITH_VOIDS"), count("CLOSED_SHELL")], [2, 1, 3]);
+    assert_eq!([count("ADVANCED_FACE"), count("EDGE_CURVE"), count("ORIENTED_CLOSED_SHELL")], [18, 36, 2]);
 }
 
 #[test]

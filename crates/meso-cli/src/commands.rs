@@ -44,9 +44,9 @@ pub(crate) enum Command {
     Pack(pack::Args),
     /// Mesh a saved model for finite elements
     Mesh(mesh::Args),
-    /// Crush or pull a specimen here: from a model, a spec or nothing to the stress-strain curve
+    /// Test a specimen in compression or tension: from a model, a spec or nothing to the stress-strain curve
     Solve(Box<solve::Args>),
-    /// Pack, mesh and test every combination of some options; a killed study goes on where it was
+    /// Pack, mesh and test every combination of some options; a killed study resumes where it stopped
     Study(study::Args),
     /// Prove that a saved model keeps its promises: no overlaps, all inside, all convex
     Check(check::Args),

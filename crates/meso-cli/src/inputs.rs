@@ -13,6 +13,8 @@ const LONGEST_SPEC: u64 = 32 << 20;
 const LONGEST_MODEL: u64 = 32 << 30;
 /// A model begins within so many bytes.
 const HEAD: u64 = 4096;
+/// A compressed one begins so.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Reads a SPEC.toml, `-` for standard input. Values that cannot be are named with their line.
 pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
@@ -38,7 +40,7 @@ pub(crate) fn model(path: &Path) -> Result<Model, Failure> {
     let mut source = source(path)?;
     let mut bytes = Vec::new();
     source.by_ref().take(HEAD).read_to_end(&mut bytes).map_err(fail)?;
-    if bytes.trim_ascii_start().starts_with(b"{") {
+    if bytes.trim_ascii_start().starts_with(b"{") || bytes.starts_with(&GZIP) {
         read_rest(path, source, &mut bytes, LONGEST_MODEL, "no saved model")?;
     }
     saved::read(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))

@@ -8,11 +8,12 @@
 use crate::failure::INTERRUPTED;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
-static POLLED: AtomicBool = AtomicBool::new(false);
+/// Runs that read [`asked`]: a study has several at once.
+static POLLED: AtomicUsize = AtomicUsize::new(0);
 /// The process ends as soon as [`hold`] is free.
 static ENDING: AtomicBool = AtomicBool::new(false);
 static HIDDEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -22,7 +23,7 @@ pub(crate) fn install() {
     // This fails only if an earlier run in the same process has set it.
     let _ = ctrlc::set_handler(|| {
         let first = !ASKED.swap(true, Ordering::SeqCst);
-        if !(first && POLLED.load(Ordering::SeqCst)) {
+        if !(first && POLLED.load(Ordering::SeqCst) > 0) {
             ENDING.store(true, Ordering::SeqCst);
             meso_gmsh::end_all();
             let hidden = hold();
@@ -42,14 +43,14 @@ pub(crate) struct Polling;
 
 impl Polling {
     pub(crate) fn begin() -> Self {
-        POLLED.store(true, Ordering::SeqCst);
+        POLLED.fetch_add(1, Ordering::SeqCst);
         Self
     }
 }
 
 impl Drop for Polling {
     fn drop(&mut self) {
-        POLLED.store(false, Ordering::SeqCst);
+        POLLED.fetch_sub(1, Ordering::SeqCst);
     }
 }
 
@@ -77,7 +78,6 @@ pub(crate) fn end_if_told() {
 /// whose number the environment names: between any two steps, without waiting for the right moment.
 #[cfg(debug_assertions)]
 pub(crate) fn step() -> io::Result<()> {
-    use std::sync::atomic::AtomicUsize;
     static STEPS: AtomicUsize = AtomicUsize::new(0);
     let number = STEPS.fetch_add(1, Ordering::SeqCst).to_string();
     let is_now = |name: &str| std::env::var(name).is_ok_and(|at| at == number);

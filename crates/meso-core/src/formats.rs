@@ -2,11 +2,12 @@
 
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Values, npy, png, tif, vti};
+use crate::export::step::Block;
 use crate::export::vtk::Encoding;
-use crate::export::{csv, msh, pvtu, stl, vtu, vtu_mesh};
+use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
 use crate::mesh::Mesh;
 use crate::model::Model;
-use crate::packing::Images;
+use crate::packing::{Images, Specimen, Surface};
 use crate::page;
 use crate::saved;
 use crate::voxel_image::{ImageError, ImageOptions, Quantity, Region, VoxelImage};
@@ -19,8 +20,12 @@ use std::path::{Path, PathBuf};
 pub struct Surfaces {
     /// What is shown of aggregates that cross a face of a periodic specimen.
     pub images: Images,
-    /// Of a `.vtu`.
+    /// Of a `.vtu` and a `.vtp`.
     pub encoding: Encoding,
+    /// An `.stl` as text, each body a solid with its name.
+    pub named_solids: bool,
+    /// A `.step` with the mortar as a solid with cavities.
+    pub mortar: bool,
 }
 
 /// A format that holds the aggregates themselves; meshes have their own.
@@ -28,24 +33,53 @@ pub struct Surfaces {
 pub enum Format {
     /// The saved model.
     Json,
+    /// The saved model, compressed.
+    JsonGz,
     /// Surfaces as polygons.
     Vtu,
+    /// The same as poly data.
+    Vtp,
     /// Surfaces as triangles.
     Stl,
+    /// Solids with plane faces.
+    Step,
+    /// A scene.
+    Glb,
+    /// Triangles with ids and colours.
+    Ply,
+    /// Polygons in named groups.
+    Obj,
     /// One row per body.
     Csv,
 }
 
 impl Format {
     /// All formats, the saved model first.
-    pub const ALL: [Self; 4] = [Self::Json, Self::Vtu, Self::Stl, Self::Csv];
+    pub const ALL: [Self; 10] = [
+        Self::Json,
+        Self::JsonGz,
+        Self::Vtu,
+        Self::Vtp,
+        Self::Stl,
+        Self::Step,
+        Self::Glb,
+        Self::Ply,
+        Self::Obj,
+        Self::Csv,
+    ];
 
     /// The extension without its dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Json => "json",
+            Self::JsonGz => "json.gz",
             Self::Vtu => "vtu",
+            Self::Vtp => "vtp",
             Self::Stl => "stl",
+            Self::Step => "step",
+            Self::Glb => "glb",
+            Self::Ply => "ply",
+            Self::Obj => "obj",
             Self::Csv => "csv",
         }
     }
@@ -54,19 +88,30 @@ impl Format {
     pub fn describe(self) -> &'static str {
         match self {
             Self::Json => "the saved model, bit for bit; every other command reads it",
+            Self::JsonGz => "the saved model, compressed to less than half; every other command reads it",
             Self::Vtu => "aggregate surfaces as polygons with ids, classes, ITZ: ParaView, PyVista, meshio",
+            Self::Vtp => "the same as poly data: ParaView, PyVista",
             Self::Stl => "aggregate surfaces as triangles: CAD, 3D printers",
+            Self::Step => "one editable solid per aggregate, named and coloured: Abaqus/CAE, CAD, gmsh",
+            Self::Glb => "one named object per aggregate, coloured by class: slides, browsers, Blender",
+            Self::Ply => "triangles with ids, classes and colours: trimesh, MeshLab",
+            Self::Obj => "polygons, one object per aggregate, with colours: Blender, trimesh",
             Self::Csv => "one row per aggregate, void and fibre: size, volume, area, centroid, ITZ",
         }
     }
 
-    /// The format that the extension of `path` names, in either case.
+    /// The format that the extension of `path` names, in either case; `.stp` is `.step`.
     pub fn from_path(path: &Path) -> Option<Self> {
         let extension = lower_extension(path)?;
-        Self::ALL.into_iter().find(|format| format.extension() == extension)
+        let stem = Path::new(path.file_stem()?);
+        match extension.as_str() {
+            "gz" => (lower_extension(stem)? == "json").then_some(Self::JsonGz),
+            "stp" => Some(Self::Step),
+            _ => Self::ALL.into_iter().find(|format| format.extension() == extension),
+        }
     }
 
-    /// Writes `model` to `out` in this format; `surfaces` counts where the format holds surfaces (`.vtu`, `.stl`).
+    /// Writes `model` to `out` in this format; `surfaces` counts where the format holds surfaces.
     ///
     /// # Errors
     /// Those of `out`; what the format cannot hold.
@@ -77,11 +122,40 @@ impl Format {
         };
         match self {
             Self::Json => saved::write(model, out),
+            Self::JsonGz => saved::write_compressed(model, out),
             Self::Vtu => vtu::write(&shown(), surfaces.encoding, out),
+            Self::Vtp => vtu::write_polygons(&shown(), surfaces.encoding, out),
+            Self::Stl if surfaces.named_solids => stl::write_solids(&shown(), out),
             Self::Stl => stl::write(&shown(), out),
+            Self::Step => {
+                let mortar = surfaces.mortar.then(|| block(&model.spec.specimen)).transpose()?;
+                step::write(&shown(), mortar.as_ref(), out)
+            }
+            Self::Glb => glb::write(&shown(), out),
+            Self::Ply => ply::write(&shown(), out),
+            Self::Obj => obj::write(&shown(), out),
             Self::Csv => csv::write(model.aggregates.iter().chain(&model.inclusions), out),
         }
     }
+}
+
+/// What bounds the mortar.
+fn block(specimen: &Specimen) -> io::Result<Block> {
+    if !specimen.period().is_none() {
+        let message = "a periodic specimen has no mortar that is one solid: aggregates cross its faces; write the \
+                       aggregates alone, or pack a specimen with walls";
+        return Err(io::Error::other(message));
+    }
+    Ok(match specimen {
+        Specimen::Cylinder { diameter_mm, height_mm } => {
+            Block::Cylinder { radius: diameter_mm / 2.0, height: *height_mm }
+        }
+        Specimen::Sphere { diameter_mm } => Block::Sphere { radius: diameter_mm / 2.0 },
+        flat => {
+            let Surface { points, faces } = flat.container().surface();
+            Block::Polygons { points, faces }
+        }
+    })
 }
 
 /// A format that holds a mesh for finite elements.

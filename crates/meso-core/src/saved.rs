@@ -6,7 +6,10 @@
 //! counter-clockwise from outside. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
 //! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so
 //! that the same spec and seed give the same bytes.
+//!
+//! `.json.gz` is the same text, compressed in members of 1 MB (RFC 1952), which `gunzip` and Python's `gzip` read as one.
 
+mod gzip;
 mod read;
 
 pub use read::{ReadError, read};
@@ -49,6 +52,16 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
+/// The same, compressed.
+///
+/// # Errors
+/// Those of `out`.
+pub(crate) fn write_compressed(model: &Model, out: impl Write) -> io::Result<()> {
+    let mut out = gzip::Members::new(out);
+    write(model, &mut out)?;
+    out.finish()
+}
+
 /// One line per body; some of them are made at a time, on the threads of the pool that this is called in. Outside of
 /// any it starts none: a process that was forked from one with a pool would wait for threads that it does not have.
 fn list(
@@ -66,18 +79,25 @@ fn list(
         }
         Ok(lines)
     };
-    let in_pool = rayon::current_thread_index().is_some();
-    let threads = if in_pool { rayon::current_num_threads() } else { 1 };
-    for several in bodies.chunks(AT_ONCE * threads) {
-        let shares: io::Result<Vec<Vec<u8>>> = if in_pool {
-            several.par_chunks(AT_ONCE).map(lines).collect()
-        } else {
-            several.chunks(AT_ONCE).map(lines).collect()
-        };
+    for several in bodies.chunks(AT_ONCE * threads()) {
         // Longer than the buffer: they go past it.
-        shares?.iter().try_for_each(|lines| out.write_all(lines))?;
+        in_chunks(several, AT_ONCE, lines)?.iter().try_for_each(|lines| out.write_all(lines))?;
     }
     out.write_all(b"\n]")
+}
+
+/// Threads of the pool that this is called in; 1 outside of any.
+fn threads() -> usize {
+    rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads())
+}
+
+/// What `make` makes of every chunk, on all [`threads`].
+fn in_chunks<T: Sync>(
+    values: &[T],
+    size: usize,
+    make: impl Fn(&[T]) -> io::Result<Vec<u8>> + Sync,
+) -> io::Result<Vec<Vec<u8>>> {
+    if threads() > 1 { values.par_chunks(size).map(&make).collect() } else { values.chunks(size).map(make).collect() }
 }
 
 fn entry(out: &mut impl Write, key: &str, value: &(impl Serialize + ?Sized)) -> io::Result<()> {

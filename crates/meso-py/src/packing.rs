@@ -13,7 +13,7 @@ use crate::spec::{self, PySpec};
 use crate::tree::plain;
 use crate::views::call_view;
 use crate::{arrays, files, image, table};
-use meso_core::check::{Check, check};
+use meso_core::check::{Check, check_watched};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
 use meso_core::packing::{Images, Stage};
@@ -130,8 +130,9 @@ impl PyPacking {
 
     /// Writes the packing, whole or not at all; the extension names the format.
     ///
-    /// `.json` is the saved model, `.vtu` and `.stl` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus
-    /// deck of the default mesh (`mesh()` has the options). `compress` packs what a `.vtu` holds.
+    /// `.json` is the saved model and `.json.gz` the same, compressed; `.step` has an editable solid per aggregate; `.vtu`,
+    /// `.vtp`, `.stl`, `.ply`, `.obj` and `.glb` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus deck of
+    /// the default mesh (`mesh()` has the options).
     ///
     /// Parameters
     /// ----------
@@ -139,9 +140,15 @@ impl PyPacking {
     ///     Where to.
     /// overwrite : bool
     ///     Whether to replace a file that is there.
+    /// compress : bool
+    ///     Whether to compress the data of a `.vtu` or `.vtp`.
     /// images : {"none", "whole", "cut"}
-    ///     Aggregates that cross a face of a periodic specimen, in `.vtu` and `.stl`: each once, every image that reaches
-    ///     in, or these cut at the faces, so that opposite faces match.
+    ///     Aggregates that cross a face of a periodic specimen, where surfaces are written: each once, every image that
+    ///     reaches in, or these cut at the faces, so that opposite faces match.
+    /// mortar : bool
+    ///     Whether a `.step` has the mortar, too: a solid with a cavity per aggregate.
+    /// named_solids : bool
+    ///     Whether an `.stl` is text, each aggregate a solid with its name.
     ///
     /// Raises
     /// ------
@@ -149,10 +156,21 @@ impl PyPacking {
     ///     For an extension that names no format; the message lists them.
     /// OSError
     ///     Where the file cannot be written, or exists and `overwrite` is False.
-    #[pyo3(signature = (path, *, overwrite=true, compress=false, images="none"))]
-    fn write(&self, py: Python<'_>, path: PathBuf, overwrite: bool, compress: bool, images: &str) -> PyResult<()> {
+    #[pyo3(signature = (path, *, overwrite=true, compress=false, images="none", mortar=false, named_solids=false))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of one call")]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        overwrite: bool,
+        compress: bool,
+        images: &str,
+        mortar: bool,
+        named_solids: bool,
+    ) -> PyResult<()> {
         let model = Arc::clone(&self.0);
-        let surfaces = Surfaces { encoding: Encoding::compressed(compress), images: named_images(images)? };
+        let encoding = Encoding::compressed(compress);
+        let surfaces = Surfaces { encoding, images: named_images(images)?, mortar, named_solids };
         guard(|| beside_python(py, None, move |watch| files::write_model(&model, &path, overwrite, surfaces, watch))?)
     }
 
@@ -166,15 +184,24 @@ impl PyPacking {
 
     /// Proves, independently of how it was packed, that nothing overlaps and everything lies inside.
     ///
+    /// Parameters
+    /// ----------
+    /// progress : bool or callable, optional
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+    ///
     /// Returns
     /// -------
     /// dict
     ///     `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed), `findings`, a list of what is wrong, and
     ///     `not_checked`, what a check of the model alone cannot tell.
-    fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    #[pyo3(signature = (*, progress=None))]
+    fn check<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
-            let model = Arc::clone(&self.0);
-            let check = beside_python(py, None, move |_| check(&model))?;
+            let (model, progress) = (Arc::clone(&self.0), listener(py, progress)?);
+            let plan = Plan(&[(Stage::Prove, 1.0)], 1.0);
+            let check = in_stages(py, progress.as_ref(), plan, move |watch| {
+                check_watched(&model, &|share| watch.stage(Stage::Prove, share))
+            })?;
             plain(py, &Checked { sound: check.is_sound(), check })
         })
     }

@@ -3,9 +3,11 @@
 use super::values;
 use crate::failure::{Failure, RUN};
 use crate::outputs::{Target, Unit};
+use crate::progress::Watch;
 use crate::{inputs, stderr, threads};
-use meso_core::Model;
-use meso_core::check::{Check, Finding, check};
+use meso_core::check::{Check, Finding, check_watched};
+use meso_core::packing::Stage;
+use meso_core::{Model, Progress};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -15,7 +17,7 @@ const LISTED: usize = 20;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json); `-` is standard input
+    /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
     /// Write the findings as JSON instead of a table
     #[arg(long)]
@@ -27,7 +29,9 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
-    let found = threads::with(args.threads, || check(&model))?;
+    let mut watch = Watch::of_files(false, &[(Stage::Prove, 1.0)]);
+    let found = threads::with(args.threads, || check_watched(&model, &|share| watch.stage(Stage::Prove, share)))?;
+    watch.finish();
     Unit::default()
         .fill(&Target::Stdout, false, |out| if args.json { json(&found, out) } else { table(&model, &found, out) })?;
     if found.is_sound() {

@@ -12,20 +12,26 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json); `-` is standard input
+    /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; `-` is standard output. May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
+    #[arg(help = format!("File to write, its format by the extension: {}; `-` is standard output. May be repeated", known(".")))]
     output: Vec<PathBuf>,
-    /// Format on standard output: json, vtu, stl, csv
     #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_name)]
+    #[arg(help = format!("Format on standard output: {}", known("")))]
     format: Format,
-    /// Compress the data of a .vtu (zlib)
+    /// Compress the data of a .vtu or .vtp (zlib)
     #[arg(long)]
     compress: bool,
     #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
-    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, in .vtu and .stl: {}", names::list::<Images>()))]
+    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, where surfaces are written: {}", names::list::<Images>()))]
     images: Images,
+    /// Add the mortar to a .step: a solid with a cavity per aggregate
+    #[arg(long)]
+    mortar: bool,
+    /// Write an .stl as text, each aggregate a solid with its name
+    #[arg(long)]
+    named_solids: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
@@ -41,8 +47,20 @@ fn format_name(text: &str) -> Result<Format, String> {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
+    for (given, flag, format) in
+        [(args.mortar, "--mortar", Format::Step), (args.named_solids, "--named-solids", Format::Stl)]
+    {
+        if given && plan.iter().all(|(_, planned)| *planned != format) {
+            return Err(Failure::Usage(format!("{flag} is for a .{}, which -o does not name", format.extension())));
+        }
+    }
     let model = inputs::model(&args.model)?;
-    let surfaces = Surfaces { encoding: Encoding::compressed(args.compress), images: args.images };
+    let surfaces = Surfaces {
+        encoding: Encoding::compressed(args.compress),
+        images: args.images,
+        mortar: args.mortar,
+        named_solids: args.named_solids,
+    };
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.force, |out| format.write(&model, surfaces, out))?;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json); `-` is standard input
+    /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
     /// File to write, its format by the extension: .npy, .tif, .vti; of a section .png and .svg, too; `-` writes the
     /// .npy to standard output. May be repeated

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json); `-` is standard input
+    /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
     /// File to write, its format by the extension: .inp, .vtu, .pvtu (pieces beside it), .msh; `-` is standard output
     /// (.inp). May be repeated

@@ -35,13 +35,13 @@ pub(super) struct Meshing {
     #[arg(skip)]
     thickness: OnceLock<Itz>,
     #[arg(long, value_parser = names::parse::<Joined>)]
-    #[arg(help = format!("What becomes of aggregates that would share nodes: {} [default: keep; with an analysis cut]", names::list::<Joined>()))]
+    #[arg(help = format!("How aggregates that would share nodes are treated: {} [default: keep; with an analysis cut]", names::list::<Joined>()))]
     joined: Option<Joined>,
     #[arg(long, value_parser = names::parse::<Volumes>)]
-    #[arg(help = format!("Which volume the aggregates of a fitted lattice have: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
+    #[arg(help = format!("Volume of the aggregates in a fitted lattice: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
     volumes: Option<Volumes>,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
-    #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
+    #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10); lattice and conforming
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
@@ -94,7 +94,7 @@ pub(super) struct Meshing {
     /// A TOML file with a [materials] table; values it leaves out keep their illustrative defaults
     #[arg(long, value_name = "FILE")]
     materials: Option<PathBuf>,
-    /// Parts of a specimen that gmsh fills apart; absent: as its memory needs
+    /// Number of parts that gmsh fills one by one; absent: as many as its memory needs
     #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
     slabs: Option<u32>,
     /// The program gmsh, for --method conforming

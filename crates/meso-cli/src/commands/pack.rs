@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
-    /// File to write, its format by the extension: .json, .vtu, .stl, .csv; a page: .html; meshes: .inp, .msh, .pvtu;
-    /// `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
+    /// File to write, its format by the extension: .json, .json.gz, .vtu, .vtp, .stl, .step, .glb, .ply, .obj, .csv; a
+    /// page: .html; meshes: .inp, .msh, .pvtu; `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Seed of all randomness; the same seed gives the same bytes
@@ -37,27 +37,27 @@ pub(crate) struct Args {
     /// Random positions tried per aggregate
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     attempts: Option<u32>,
-    /// Smallest distance between two aggregates; 0 means: proved apart. Where none is asked for, `--method conforming`
-    /// takes 0.05, and an --analysis half an element, less where the packing would get too dense
+    /// Smallest distance between two aggregates; 0 only proves them apart. The default is 0, with `--method conforming`
+    /// 0.05, and with an --analysis half an element, or less where the packing would get too dense
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     min_gap_mm: Option<f64>,
-    /// The same between an aggregate and the specimen's surface; periodic packings are moved until no face grazes an
-    /// aggregate
+    /// Smallest distance between an aggregate and the specimen's surface. Periodic packings are shifted until no aggregate
+    /// touches a face
     #[arg(long, value_name = "MM", value_parser = values::number, allow_negative_numbers = true)]
     wall_gap_mm: Option<f64>,
-    /// Stop after S seconds with the best packing found; where little is in place by then, it is given a second more
+    /// Stop after S seconds with the best packing found. If generation used up the time, placement gets one more second
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     time_limit: Option<f64>,
     /// Number of threads; all cores when absent. It changes the time, never the result
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
     #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
-    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, in .vtu and .stl: {}", names::list::<Images>()))]
+    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, where surfaces are written: {}", names::list::<Images>()))]
     images: Images,
     /// Exit with 3 when the target is not reached
     #[arg(long)]
     strict: bool,
-    /// Compress the data of a .vtu (zlib)
+    /// Compress the data of a .vtu or .vtp (zlib)
     #[arg(long)]
     compress: bool,
     /// Replace files that are there already
@@ -169,7 +169,8 @@ impl Args {
         let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.force)).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
-        let surfaces = Surfaces { encoding: Encoding::compressed(self.compress), images: self.images };
+        let encoding = Encoding::compressed(self.compress);
+        let surfaces = Surfaces { encoding, images: self.images, ..Surfaces::default() };
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force, surfaces })
     }
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json); `-` is standard input
+    /// A saved model (.json or .json.gz); `-` is standard input
     model: PathBuf,
     /// Page to write (.html), or the statistics alone (.json); `-` writes the page to standard output
     #[arg(short, long, value_name = "FILE")]

@@ -21,14 +21,14 @@ use watch::Watching;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// A saved model (.json; `-` is standard input), or what to pack (SPEC.toml); absent: a 150 mm cube, Fuller 5 to 20 mm,
+    /// A saved model (.json or .json.gz; `-` is standard input), or what to pack (SPEC.toml); absent: a 150 mm cube, Fuller 5 to 20 mm,
     /// 40 %, gaps of 1 mm, in elements of 4 mm
     model: Option<PathBuf>,
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
     #[arg(long, default_value = "compression", value_parser = names::parse::<Kind>)]
-    #[arg(help = format!("What is done to the specimen, along z: {}", names::list::<Kind>()))]
+    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<Kind>()))]
     test: Kind,
     /// Friction between plates and specimen; in tension the plates are glued on
     #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
@@ -53,7 +53,7 @@ pub(crate) struct Args {
     /// Write checkpoint.bin every S seconds, for --resume
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     checkpoint: Option<f64>,
-    /// Go on from the checkpoint.bin in DIR, with the same other flags as before
+    /// Resume from the checkpoint.bin in DIR; give the same flags as before
     #[arg(long)]
     resume: bool,
     /// Seed of the packing, where one is made
@@ -68,7 +68,7 @@ pub(crate) struct Args {
     /// Replace results that are there already
     #[arg(short, long)]
     force: bool,
-    /// Say nothing but warnings and errors
+    /// Print only warnings and errors
     #[arg(short, long)]
     quiet: bool,
     #[command(flatten)]

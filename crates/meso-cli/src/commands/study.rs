@@ -10,7 +10,9 @@ use crate::{interrupt, stderr};
 use file::StudyFile;
 use meso_study::{Case, Plan, Record, State, Status, TABLES, save_tables};
 use std::io::{self, IsTerminal};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use steps::Steps;
 
 #[derive(clap::Args, Debug)]
@@ -21,13 +23,16 @@ pub(crate) struct Args {
     /// Folder of the study: a folder for each case, table.csv, table.parquet and ensemble.csv
     #[arg(short, long, value_name = "DIR", default_value = "study")]
     output: PathBuf,
-    /// Do failed cases again; done ones are never done twice
+    /// Run failed cases again; finished cases are never repeated
     #[arg(long)]
     retry_failed: bool,
-    /// List the cases and what is left to do, and do nothing
+    /// List the cases and their states, and run none
     #[arg(long)]
     dry_run: bool,
-    /// Number of threads; all cores when absent. It changes the time, never the result
+    /// Number of cases that run at the same time. It changes the time, never the result
+    #[arg(short, long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
+    jobs: Option<u16>,
+    /// Number of threads of a case; when absent the cores are shared among the cases at the same time
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
     /// Print only warnings and errors
@@ -39,7 +44,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let file = StudyFile::read(&args.study)?;
     let plan = file.plan()?;
     // Before the work: whatever cannot be is named while nothing is lost.
-    let steps = plan.cases.iter().map(|case| file.steps(case, &args.output, args.threads));
+    let steps = plan.cases.iter().map(|case| file.steps(case, &args.output, args.threads()));
     let steps = steps.collect::<Result<Vec<Steps>, _>>()?;
     let states: Vec<State> =
         plan.cases.iter().map(|case| State::of(case, "", &args.output.join(&case.folder))).collect();
@@ -47,19 +52,20 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         return list(&plan, &states);
     }
     std::fs::create_dir_all(&args.output).map_err(|error| Failure::file(&args.output, &error))?;
-    let mut study = Study::new(args, plan.cases.len());
-    for ((case, steps), state) in plan.cases.iter().zip(&steps).zip(states) {
-        if let Some(record) = study.over(&state) {
-            study.records.push(record);
-            continue;
-        }
-        study.draw(case);
-        match study.run(case, steps, &state)? {
-            Some(record) => study.records.push(record),
-            None => break,
-        }
-    }
+    let study = Study::new(args, &plan.cases, &states);
+    study.run(&steps, &states)?;
     study.finish(&plan.keys)
+}
+
+impl Args {
+    /// Threads of a case: cases at the same time share the cores.
+    fn threads(&self) -> Option<u16> {
+        let shared = |jobs: u16| {
+            let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+            (cores / usize::from(jobs)).max(1) as u16
+        };
+        self.threads.or_else(|| self.jobs.filter(|jobs| *jobs > 1).map(shared))
+    }
 }
 
 /// Prints each case's folder and whether it is done, failed or open.
@@ -80,31 +86,53 @@ fn list(plan: &Plan, states: &[State]) -> Result<u8, Failure> {
 /// A study while it runs.
 struct Study<'a> {
     args: &'a Args,
-    cases: usize,
-    records: Vec<Record>,
+    cases: &'a [Case],
+    /// By case; none of those that are open.
+    records: Mutex<Vec<Option<Record>>>,
     /// Cases that were done before.
     found: usize,
     seen: bool,
 }
 
 impl<'a> Study<'a> {
-    fn new(args: &'a Args, cases: usize) -> Self {
+    fn new(args: &'a Args, cases: &'a [Case], states: &[State]) -> Self {
         let seen = !args.quiet && io::stderr().is_terminal();
-        Self { args, cases, records: Vec::new(), found: 0, seen }
+        let records: Vec<Option<Record>> = states.iter().map(|state| over(state, args.retry_failed)).collect();
+        let found = records.iter().flatten().count();
+        Self { args, cases, records: Mutex::new(records), found, seen }
     }
 
-    /// The record of a case that needs nothing more.
-    fn over(&mut self, state: &State) -> Option<Record> {
-        let State::Over(record) = state else { return None };
-        if record.status == Status::Failed && self.args.retry_failed {
-            return None;
-        }
-        self.found += 1;
-        Some((**record).clone())
+    fn records(&self) -> MutexGuard<'_, Vec<Option<Record>>> {
+        self.records.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Does the open cases, as many at a time as asked, until all are done, one cannot be recorded or the user stops it.
+    fn run(&self, steps: &[Steps], states: &[State]) -> Result<(), Failure> {
+        let open: Vec<usize> =
+            (0..).zip(&*self.records()).filter(|(_, record)| record.is_none()).map(|(i, _)| i).collect();
+        let open = Mutex::new(open.into_iter());
+        let next = || open.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let work = || -> Result<(), Failure> {
+            while let Some(number) = next().filter(|_| !interrupt::asked()) {
+                self.draw(&self.cases[number]);
+                let ended = self.case(&self.cases[number], &steps[number], &states[number]);
+                if ended.is_err() {
+                    // The others finish their cases and find nothing more to do.
+                    while next().is_some() {}
+                }
+                self.records()[number] = ended?;
+            }
+            Ok(())
+        };
+        std::thread::scope(|scope| {
+            let others: Vec<_> = (1..self.args.jobs.unwrap_or(1)).map(|_| scope.spawn(work)).collect();
+            let own = work();
+            others.into_iter().map(|other| other.join().unwrap_or(Err(Failure::Bug))).fold(own, Result::and)
+        })
     }
 
     /// Does a case and writes its record; none where the user stopped it.
-    fn run(&self, case: &Case, steps: &Steps, state: &State) -> Result<Option<Record>, Failure> {
+    fn case(&self, case: &Case, steps: &Steps, state: &State) -> Result<Option<Record>, Failure> {
         let folder = self.args.output.join(&case.folder);
         let fail = |error: io::Error| Failure::file(&folder, &error);
         state.prepare(&folder).map_err(fail)?;
@@ -117,18 +145,16 @@ impl<'a> Study<'a> {
         Ok(Some(record))
     }
 
-    fn failed(&self) -> usize {
-        self.records.iter().filter(|record| record.status == Status::Failed).count()
-    }
-
     /// The one bar of the study.
     fn draw(&self, case: &Case) {
         if self.seen {
-            let (done, cases) = (self.records.len(), self.cases);
+            let records = self.records();
+            let (done, cases) = (records.iter().flatten().count(), self.cases.len());
             let bar = bar(done as f64 / cases as f64);
+            let failed = failed(records.iter().flatten());
             show(&format!(
                 "{CLEAR}{}",
-                fit(&format!("study {bar} {done} of {cases}, {} failed: {}", self.failed(), case.folder))
+                fit(&format!("study {bar} {done} of {cases}, {failed} failed: {}", case.folder))
             ));
         }
     }
@@ -139,15 +165,17 @@ impl<'a> Study<'a> {
             show(CLEAR);
         }
         let out = &self.args.output;
-        save_tables(out, keys, &self.records).map_err(|error| Failure::file(out, &error))?;
-        for record in self.records.iter().filter(|record| record.status == Status::Failed) {
+        let records: Vec<Record> = self.records().iter().flatten().cloned().collect();
+        save_tables(out, keys, &records).map_err(|error| Failure::file(out, &error))?;
+        for record in records.iter().filter(|record| record.status == Status::Failed) {
             stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
         }
         if !self.args.quiet {
-            let (done, failed) = (self.records.len() - self.failed(), self.failed());
+            let failed = failed(&records);
+            let done = records.len() - failed;
             stderr::line(format!(
                 "{done} of {} cases done ({} before), {failed} failed{}",
-                self.cases,
+                self.cases.len(),
                 self.found,
                 if failed > 0 { "; --retry-failed does them again" } else { "" }
             ));
@@ -159,6 +187,17 @@ impl<'a> Study<'a> {
         }
         Ok(0)
     }
+}
+
+/// The record of a case that needs nothing more.
+fn over(state: &State, retry_failed: bool) -> Option<Record> {
+    let State::Over(record) = state else { return None };
+    let again = retry_failed && record.status == Status::Failed;
+    (!again).then(|| (**record).clone())
+}
+
+fn failed<'a>(records: impl IntoIterator<Item = &'a Record>) -> usize {
+    records.into_iter().filter(|record| record.status == Status::Failed).count()
 }
 
 /// The text within the columns that every terminal has.

@@ -16,7 +16,7 @@ itz_thickness_mm,vertices,faces,phase";
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write<'a>(bodies: impl IntoIterator<Item = &'a Aggregate>, out: impl Write) -> io::Result<()> {
+pub(crate) fn write<'a>(bodies: impl IntoIterator<Item = &'a Aggregate>, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "{HEADER}")?;
     for Aggregate { id, kind, class, itz_thickness_mm, body } in bodies {

@@ -1,17 +1,20 @@
 //! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
 
 pub mod abaqus;
-#[doc(hidden)]
-pub mod csv;
+mod appearance;
+pub(crate) mod csv;
+pub(crate) mod glb;
 #[doc(hidden)]
 pub mod msh;
+pub(crate) mod obj;
+pub(crate) mod ply;
 #[doc(hidden)]
 pub mod pvtu;
 pub(crate) mod raster;
+pub(crate) mod step;
 #[doc(hidden)]
 pub mod stl;
 pub mod vtk;
-#[doc(hidden)]
-pub mod vtu;
+pub(crate) mod vtu;
 #[doc(hidden)]
 pub mod vtu_mesh;

@@ -1,8 +1,10 @@
-//! Aggregate surfaces as binary STL: triangles without ids, for CAD programs and 3D printers.
+//! Aggregate surfaces as STL, for CAD programs and 3D printers: binary triangles without ids, or one named solid per body
+//! as text.
 //!
 //! Coordinates are rounded to f32, as the format requires: at most 8e-6 mm in a 150 mm specimen. For the exact
 //! polyhedra read the `.json`.
 
+use super::appearance::name;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use std::io::{self, BufWriter, Write};
@@ -28,9 +30,37 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-fn write_triangle([a, b, c]: [Vec3; 3], out: &mut impl Write) -> io::Result<()> {
-    let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-    for value in [normal, a, b, c].iter().flat_map(|v| v.iter()) {
+/// Writes every body to `out` as a solid of its own, which has its name; the text form, some five times as long.
+///
+/// # Errors
+/// Those of `out`.
+pub(crate) fn write_solids(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
+    let mut out = BufWriter::new(out);
+    for body in bodies {
+        let (name, vertices) = (name(body), body.body.vertices());
+        writeln!(out, "solid {name}")?;
+        for triangle in body.body.triangles() {
+            let corners = triangle.map(|i| vertices[i as usize]);
+            writeln!(out, "facet normal {}\nouter loop", spaced(&normal(&corners)))?;
+            corners.iter().try_for_each(|corner| writeln!(out, "vertex {}", spaced(corner)))?;
+            out.write_all(b"endloop\nendfacet\n")?;
+        }
+        writeln!(out, "endsolid {name}")?;
+    }
+    out.flush()
+}
+
+fn spaced(v: &Vec3) -> String {
+    format!("{} {} {}", v.x as f32, v.y as f32, v.z as f32)
+}
+
+fn normal([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+}
+
+fn write_triangle(corners: [Vec3; 3], out: &mut impl Write) -> io::Result<()> {
+    let [a, b, c] = corners;
+    for value in [normal(&corners), a, b, c].iter().flat_map(|v| v.iter()) {
         out.write_all(&(*value as f32).to_le_bytes())?;
     }
     out.write_all(&[0, 0])

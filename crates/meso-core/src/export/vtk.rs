@@ -1,4 +1,4 @@
-//! The frame of every `.vtu`: arrays declared first, then their bytes appended, raw or compressed.
+//! The frame of every `.vtu` and `.vtp`: arrays declared first, then their bytes appended, raw or compressed.
 //!
 //! Little-endian, sizes counted in 64 bits. VTK, PyVista and meshio all read appended data; meshio wants the offsets
 //! unpadded and in the order of the arrays, and one line break after the last. Raw arrays are streamed; compressed
@@ -99,15 +99,26 @@ fn deflate(block: &[u8]) -> io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// An unstructured grid.
+/// How cells are declared.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Layout {
+    /// Cells of any type: an unstructured grid.
+    Cells,
+    /// Polygons, which need no types: poly data.
+    Polygons,
+}
+
+/// An unstructured grid, or poly data.
 pub(super) struct Grid<'a> {
+    /// Which of both.
+    pub(super) layout: Layout,
     /// Number of points.
     pub(super) points: usize,
     /// Number of cells.
     pub(super) cells: usize,
     /// Positions.
     pub(super) positions: Array<'a>,
-    /// Connectivity, offsets and types.
+    /// Connectivity, offsets and types; poly data leave out the last.
     pub(super) topology: [Array<'a>; 3],
     /// Values at the points.
     pub(super) point_data: Vec<Array<'a>>,
@@ -137,7 +148,12 @@ impl Grid<'_> {
     }
 
     fn arrays(&self) -> impl Iterator<Item = &Array<'_>> {
-        std::iter::once(&self.positions).chain(&self.topology).chain(&self.point_data).chain(&self.cell_data)
+        std::iter::once(&self.positions).chain(self.shown()).chain(&self.point_data).chain(&self.cell_data)
+    }
+
+    /// The arrays of topology that the layout has.
+    fn shown(&self) -> &[Array<'_>] {
+        if self.layout == Layout::Cells { &self.topology } else { &self.topology[..2] }
     }
 
     /// Everything before the first array's bytes; each array begins where the one before it ends.
@@ -153,15 +169,19 @@ impl Grid<'_> {
             line
         });
         let mut lines = |count: usize| declared.by_ref().take(count).collect::<String>();
+        let (kind, count, cells) = match self.layout {
+            Layout::Cells => ("UnstructuredGrid", "NumberOfCells", "Cells"),
+            Layout::Polygons => ("PolyData", "NumberOfPolys", "Polys"),
+        };
         writeln!(out, "<?xml version=\"1.0\"?>")?;
-        write!(out, "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ")?;
-        writeln!(out, "header_type=\"UInt64\"{compressor}>\n<UnstructuredGrid>")?;
-        writeln!(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points, self.cells)?;
-        write!(out, "<Points>\n{}</Points>\n<Cells>\n{}</Cells>\n", lines(1), lines(3))?;
+        write!(out, "<VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" ")?;
+        writeln!(out, "header_type=\"UInt64\"{compressor}>\n<{kind}>")?;
+        writeln!(out, "<Piece NumberOfPoints=\"{}\" {count}=\"{}\">", self.points, self.cells)?;
+        write!(out, "<Points>\n{}</Points>\n<{cells}>\n{}</{cells}>\n", lines(1), lines(self.shown().len()))?;
         if !self.point_data.is_empty() {
             write!(out, "<PointData>\n{}</PointData>\n", lines(self.point_data.len()))?;
         }
         write!(out, "<CellData Scalars=\"{}\">\n{}", self.cell_data[0].name, lines(self.cell_data.len()))?;
-        write!(out, "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_")
+        write!(out, "</CellData>\n</Piece>\n</{kind}>\n<AppendedData encoding=\"raw\">\n_")
     }
 }

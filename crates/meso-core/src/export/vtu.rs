@@ -1,32 +1,43 @@
-//! Aggregate surfaces as polygons in a VTK unstructured grid (`.vtu`), for ParaView, PyVista and meshio.
+//! Aggregate surfaces as polygons for ParaView, PyVista and meshio: a VTK unstructured grid (`.vtu`) or poly data (`.vtp`).
 //!
 //! Cell data: `aggregate` (id), `class`, `phase` (2 aggregate, 3 void, 4 fibre), `itz_thickness_mm`.
 
-use super::vtk::{Array, Encoding, Grid};
-use crate::aggregate::{Aggregate, Kind};
+use super::appearance::phase;
+use super::vtk::{Array, Encoding, Grid, Layout};
+use crate::aggregate::Aggregate;
 use crate::geometry::Face;
-use crate::mesh::Phase;
 use std::io::{self, Write};
 
 /// VTK's number of a polygon cell.
 const POLYGON: u8 = 7;
-/// The phase of voids, which meshes do not have.
-const VOID: u8 = 3;
 
 /// Writes the outer surfaces of `aggregates` to `out`, one polygon per face.
 ///
 /// # Errors
 /// Those of `out`; more points than 32-bit node numbers reach.
-pub fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
+pub(crate) fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
+    write_as(Layout::Cells, aggregates, encoding, out)
+}
+
+/// The same as poly data.
+///
+/// # Errors
+/// As [`write`].
+pub(crate) fn write_polygons(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
+    write_as(Layout::Polygons, aggregates, encoding, out)
+}
+
+fn write_as(layout: Layout, aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
     let sum = |count: fn(&Aggregate) -> usize| -> usize { aggregates.iter().map(count).sum() };
     let points = sum(|a| a.body.vertices().len());
     if points > i32::MAX as usize {
-        return Err(io::Error::other("a .vtu of surfaces holds at most 2147483647 points"));
+        return Err(io::Error::other("a file of VTK surfaces holds at most 2147483647 points"));
     }
     let (faces, corners) = (sum(|a| a.body.faces().len()), sum(|a| a.body.faces().map(Face::len).sum()));
     let positions =
         || aggregates.iter().flat_map(|a| a.body.vertices()).flat_map(|v| [v.x, v.y, v.z]).map(f64::to_le_bytes);
     let grid = Grid {
+        layout,
         points,
         cells: faces,
         positions: Array::new("Float64", "Points", 3 * points, positions).of_vectors(),
@@ -46,14 +57,6 @@ pub fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> i
         ],
     };
     grid.write(encoding, out)
-}
-
-fn phase(kind: Kind) -> u8 {
-    match kind {
-        Kind::Aggregate => Phase::Aggregate as u8,
-        Kind::Void => VOID,
-        Kind::Fibre => Phase::Fibre as u8,
-    }
 }
 
 /// The faces' node numbers: every aggregate brings its own points.

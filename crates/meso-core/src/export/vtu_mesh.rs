@@ -3,7 +3,7 @@
 //! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
 //! `radius_ratio` and `min_dihedral_deg`.
 
-use super::vtk::{Array, Encoding, Grid};
+use super::vtk::{Array, Encoding, Grid, Layout};
 use crate::mesh::{CellKind, Mesh, NO_AGGREGATE, Phase, quality};
 use std::io::{self, Write};
 
@@ -89,6 +89,7 @@ fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
     };
     let positions = || mesh.points.iter().flat_map(|p| [p.x, p.y, p.z]).map(f64::to_le_bytes);
     Grid {
+        layout: Layout::Cells,
         points: mesh.points.len(),
         cells,
         positions: Array::new("Float64", "Points", 3 * mesh.points.len(), positions).of_vectors(),

@@ -2,7 +2,7 @@
 //!
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
-use super::VERSION;
+use super::{VERSION, gzip};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, Spec, SpecError};
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// Why a file is no saved model.
@@ -80,14 +81,20 @@ struct FileInclusion {
     faces: Vec<Vec<u32>>,
 }
 
-/// Reads the bytes of a saved model.
+/// Reads the bytes of a saved model, compressed or not.
 ///
 /// A file without a `report` gets the figures that follow from its aggregates.
 ///
 /// # Errors
 /// See [`ReadError`].
 pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
-    let file: File = serde_json::from_slice(bytes).map_err(|error| ReadError::NotAModel(error.to_string()))?;
+    let text = if bytes.starts_with(&gzip::MAGIC) {
+        Cow::Owned(gzip::expand(bytes).map_err(ReadError::NotAModel)?)
+    } else {
+        Cow::Borrowed(bytes)
+    };
+    let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
+    drop(text);
     accept_version(&file.mesocrete)?;
     let spec = Spec::from_value(&file.spec)?;
     accept_repeats(&file, &spec)?;

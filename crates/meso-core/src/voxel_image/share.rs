@@ -1,12 +1,13 @@
-//! The share of every voxel that bodies take, exact to rounding: voxels that a surface crosses are clipped by its planes.
+//! The share of every voxel that bodies take, exact to rounding.
 //!
-//! Along a row of voxels a body's planes cut out two intervals: of those that it meets, and of those that it holds
-//! whole. Between the two a voxel is clipped by the planes that cross it: up to four of them clip five tetrahedra, which
-//! is five times faster; more of them clip the voxel's faces, since tetrahedra would multiply.
+//! A column of voxels along x holds of a body what lies between the faces that look to +x and those that look to -x. So
+//! every face is divided by the planes between voxels, and each piece counts twice: what lies between it and its voxel's
+//! lower side, and its projection, which all voxels below it in the column have whole (the divergence theorem). The work
+//! grows with the surface, not with the planes that cross a voxel.
 
 use super::options::ShareOf;
 use crate::aggregate::{Aggregate, Kind};
-use crate::geometry::Plane;
+use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::location::PointGrid;
 use rayon::prelude::*;
@@ -20,15 +21,21 @@ pub(super) struct Shares {
 }
 
 struct Body {
-    planes: Vec<Plane>,
+    surface: Polyhedron,
     aabb: Aabb,
     /// 1, or -1 of the core that a shell lacks.
     sign: f32,
 }
 
+/// Shares this close to 0 or 1 are; rounding leaves less.
+const WHOLE: f64 = 1e-9;
+
 impl Shares {
     pub(super) fn new(grid: PointGrid, of: ShareOf, aggregates: &[Aggregate]) -> Self {
-        let bodies: Vec<Body> = aggregates.par_iter().flat_map_iter(|aggregate| parts(aggregate, of)).collect();
+        Self::of(grid, aggregates.par_iter().flat_map_iter(|aggregate| parts(aggregate, of)).collect())
+    }
+
+    fn of(grid: PointGrid, bodies: Vec<Body>) -> Self {
         let mut by_layer = vec![Vec::new(); grid.counts[2]];
         for (index, body) in bodies.iter().enumerate() {
             touched(&grid, 2, &body.aabb).for_each(|k| by_layer[k].push(index as u32));
@@ -38,45 +45,26 @@ impl Shares {
 
     /// Adds what all bodies take of the voxels of layer `k`.
     pub(super) fn add(&self, k: usize, layer: &mut [f32]) {
-        let z = self.grid.coordinate(2, k);
+        let mut columns = Columns::default();
         for &index in &self.by_layer[k] {
             let body = &self.bodies[index as usize];
-            for j in touched(&self.grid, 1, &body.aabb) {
-                let row = &mut layer[j * self.grid.counts[0]..][..self.grid.counts[0]];
-                self.add_row(body, self.grid.coordinate(1, j), z, row);
-            }
-        }
-    }
-
-    fn add_row(&self, body: &Body, y: f64, z: f64, row: &mut [f32]) {
-        let h = self.grid.spacing.x;
-        let [met, held] = body.intervals(y, z, h);
-        let met = self.grid.range(0, met[0].max(body.aabb.min.x - h), met[1].min(body.aabb.max.x + h));
-        let held = self.grid.range(0, held[0], held[1]);
-        for i in met {
-            let share = if held.contains(&i) {
-                1.0
-            } else {
-                body.share(&Vec3::new(self.grid.coordinate(0, i), y, z), h) as f32
-            };
-            row[i] += body.sign * share;
+            columns.fill(&self.grid, k, body);
+            columns.add_to(&self.grid, body.sign, layer);
         }
     }
 }
 
 /// The convex parts of an aggregate that count.
 fn parts(aggregate: &Aggregate, of: ShareOf) -> Vec<Body> {
-    let part = |offset: f64, sign: f32| {
-        let planes = aggregate.body.planes().map(|plane| Plane { offset: plane.offset - offset, ..plane });
-        Body { planes: planes.collect(), aabb: aggregate.body.aabb(), sign }
-    };
-    let shell = aggregate.itz_thickness_mm;
+    let part = |surface: Polyhedron, sign: f32| Body { aabb: surface.aabb(), surface, sign };
+    let whole = || part(aggregate.body.clone(), 1.0);
+    let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(core, sign));
     match (of, aggregate.kind) {
         (ShareOf::Aggregate, Kind::Aggregate) | (ShareOf::Void, Kind::Void) | (ShareOf::Fibre, Kind::Fibre) => {
-            vec![part(0.0, 1.0)]
+            vec![whole()]
         }
-        (ShareOf::Core, Kind::Aggregate) => vec![part(shell, 1.0)],
-        (ShareOf::Itz, Kind::Aggregate) => vec![part(0.0, 1.0), part(shell, -1.0)],
+        (ShareOf::Core, Kind::Aggregate) => core(1.0).into_iter().collect(),
+        (ShareOf::Itz, Kind::Aggregate) => std::iter::once(whole()).chain(core(-1.0)).collect(),
         _ => Vec::new(),
     }
 }
@@ -87,145 +75,165 @@ fn touched(grid: &PointGrid, axis: usize, aabb: &Aabb) -> Range<usize> {
     grid.range(axis, aabb.min[axis] - half, aabb.max[axis] + half)
 }
 
-impl Body {
-    /// The centres, by x, of the voxels in a row that the planes leave partly inside, and wholly.
-    fn intervals(&self, y: f64, z: f64, h: f64) -> [[f64; 2]; 2] {
-        let mut intervals = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
-        for Plane { normal, offset } in &self.planes {
-            let reach = offset - normal.y * y - normal.z * z;
-            let half = normal.abs().sum() * h / 2.0;
-            for ([low, high], reach) in intervals.iter_mut().zip([reach + half, reach - half]) {
-                if normal.x > 0.0 {
-                    *high = high.min(reach / normal.x);
-                } else if normal.x < 0.0 {
-                    *low = low.max(reach / normal.x);
-                } else if reach < 0.0 {
-                    *high = f64::NEG_INFINITY;
+/// The lower side of a voxel.
+fn side(grid: &PointGrid, axis: usize, voxel: usize) -> f64 {
+    grid.coordinate(axis, voxel) - grid.spacing[axis] / 2.0
+}
+
+/// One layer of the columns that a body reaches into.
+#[derive(Default)]
+struct Columns {
+    across: Range<usize>,
+    along: Range<usize>,
+    /// By column and voxel, and one more for what lies beyond the last voxel.
+    pieces: Vec<Pieces>,
+    knives: [Knife; 2],
+}
+
+/// What the pieces of faces in a voxel sum up to.
+#[derive(Clone, Copy, Default)]
+struct Pieces {
+    /// Their projections along x, mm2; negative where they look to -x.
+    area: f64,
+    /// The volume between them and the voxel's lower side, mm3, signed as the area.
+    volume: f64,
+}
+
+impl Columns {
+    fn fill(&mut self, grid: &PointGrid, k: usize, body: &Body) {
+        (self.across, self.along) = (touched(grid, 1, &body.aabb), touched(grid, 0, &body.aabb));
+        self.pieces.clear();
+        self.pieces.resize(self.across.len() * (self.along.len() + 1), Pieces::default());
+        let (bottom, top) = (side(grid, 2, k), side(grid, 2, k + 1));
+        let Self { across, along, pieces, knives: [by_y, by_x] } = self;
+        let [mut above, mut layer, mut rest] = [const { Vec::new() }; 3];
+        for face in body.surface.faces() {
+            let polygon: Vec<Vec3> = face.iter().map(|corner| body.surface.vertices()[corner as usize]).collect();
+            divide(&polygon, 2, bottom, &mut rest, &mut above);
+            divide(&above, 2, top, &mut layer, &mut rest);
+            by_y.slice(grid, 1, across.clone(), &layer, |j, strip| {
+                if j == across.end {
+                    return;
                 }
+                let column = &mut pieces[(j - across.start) * (along.len() + 1)..][..=along.len()];
+                by_x.slice(grid, 0, along.clone(), strip, |i, piece| {
+                    column[i - along.start].add(piece, side(grid, 0, i));
+                });
+            });
+        }
+    }
+
+    fn add_to(&self, grid: &PointGrid, sign: f32, layer: &mut [f32]) {
+        let h = grid.spacing.x;
+        let voxel = h * grid.spacing.y * grid.spacing.z;
+        for (j, column) in self.across.clone().zip(self.pieces.chunks_exact(self.along.len() + 1)) {
+            let row = &mut layer[j * grid.counts[0]..][self.along.clone()];
+            let mut beyond = column[row.len()].area;
+            for (value, pieces) in row.iter_mut().zip(column).rev() {
+                let share = (pieces.volume + h * beyond) / voxel;
+                beyond += pieces.area;
+                *value += sign * snapped(share) as f32;
             }
         }
-        intervals
     }
+}
 
-    /// Share of the voxel about `centre`, by clipping it with the planes that cross it.
-    fn share(&self, centre: &Vec3, h: f64) -> f64 {
-        let mut few = [Plane { normal: Vec3::zeros(), offset: 0.0 }; FEW];
-        let mut count = 0;
-        for plane in self.in_voxels(centre, h) {
-            let half = plane.normal.abs().sum() / 2.0;
-            if plane.offset <= -half {
-                return 0.0;
+fn snapped(share: f64) -> f64 {
+    match share {
+        share if share < WHOLE => 0.0,
+        share if share > 1.0 - WHOLE => 1.0,
+        share => share,
+    }
+}
+
+impl Pieces {
+    /// Adds a convex polygon above `bottom`.
+    fn add(&mut self, piece: &[Vec3], bottom: f64) {
+        let first = piece[0];
+        for pair in piece[1..].windows(2) {
+            let (a, b) = (pair[0] - first, pair[1] - first);
+            let area = (a.y * b.z - a.z * b.y) / 2.0;
+            self.area += area;
+            self.volume += area * (first.x - bottom + (a.x + b.x) / 3.0);
+        }
+    }
+}
+
+/// Divides polygons, and keeps the memory for it.
+#[derive(Default)]
+struct Knife {
+    rest: Vec<Vec3>,
+    below: Vec<Vec3>,
+    above: Vec<Vec3>,
+}
+
+impl Knife {
+    /// Hands the parts of a polygon in each of `voxels` along `axis` to `visit`, and what is beyond the last with the
+    /// number after it. What lies before the first is left out.
+    fn slice(
+        &mut self,
+        grid: &PointGrid,
+        axis: usize,
+        voxels: Range<usize>,
+        polygon: &[Vec3],
+        mut visit: impl FnMut(usize, &[Vec3]),
+    ) {
+        let Self { rest, below, above } = self;
+        let ends = polygon.iter().map(|v| v[axis]);
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let met = grid.range(axis, low - grid.spacing[axis] / 2.0, grid.coordinate(axis, grid.counts[axis]));
+        // Rounding may call the first one later than it is, not earlier than the body's first.
+        let first =
+            if met.is_empty() { voxels.end } else { met.start.saturating_sub(1).clamp(voxels.start, voxels.end) };
+        divide(polygon, axis, side(grid, axis, first), below, rest);
+        for voxel in first..voxels.end {
+            let end = side(grid, axis, voxel + 1);
+            if high <= end {
+                visit_solid(rest, |part| visit(voxel, part));
+                return;
             }
-            if plane.offset < half {
-                if let Some(place) = few.get_mut(count) {
-                    *place = plane;
-                }
-                count += 1;
-            }
+            divide(rest, axis, end, below, above);
+            visit_solid(below, |part| visit(voxel, part));
+            std::mem::swap(rest, above);
         }
-        match few.get(..count) {
-            Some(few) => TETRAHEDRA.iter().map(|corners| clipped(&corners.map(corner), few)).sum::<f64>() / 6.0,
-            None => part_of_cube(self.in_voxels(centre, h)),
-        }
-    }
-
-    /// The planes in units of voxels, from the centre of one.
-    fn in_voxels(&self, centre: &Vec3, h: f64) -> impl Iterator<Item = Plane> {
-        self.planes
-            .iter()
-            .map(move |&Plane { normal, offset }| Plane { normal, offset: (offset - normal.dot(centre)) / h })
+        visit_solid(rest, |part| visit(voxels.end, part));
     }
 }
 
-/// Planes that clip tetrahedra.
-const FEW: usize = 4;
-
-/// Five tetrahedra that fill a cube, by the cube's corners: bit i of a corner's number is its side along axis i.
-const TETRAHEDRA: [[usize; 4]; 5] = [[0, 1, 2, 4], [3, 2, 1, 7], [5, 4, 7, 1], [6, 7, 4, 2], [1, 2, 4, 7]];
-
-fn corner(number: usize) -> Vec3 {
-    Vec3::from_fn(|axis, _| (number >> axis & 1) as f64 - 0.5)
-}
-
-/// Six times the volume of the part of a tetrahedron below all planes.
-fn clipped(tet: &[Vec3; 4], planes: &[Plane]) -> f64 {
-    let Some((plane, rest)) = planes.split_first() else {
-        return (tet[1] - tet[0]).dot(&(tet[2] - tet[0]).cross(&(tet[3] - tet[0]))).abs();
-    };
-    let mut by_height = tet.map(|v| (plane.normal.dot(&v) - plane.offset, v));
-    by_height.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let [a, b, c, d] = by_height.map(|(_, v)| v);
-    let cut = |i: usize, j: usize| {
-        let ((low, from), (high, to)) = (by_height[i], by_height[j]);
-        from + (to - from) * (low / (low - high))
-    };
-    match by_height.iter().filter(|(height, _)| *height <= 0.0).count() {
-        0 => 0.0,
-        1 => clipped(&[a, cut(0, 1), cut(0, 2), cut(0, 3)], rest),
-        // A prism between the two triangles about a and b.
-        2 => {
-            let ([ac, ad], [bc, bd]) = ([cut(0, 2), cut(0, 3)], [cut(1, 2), cut(1, 3)]);
-            [[a, ac, ad, b], [ac, ad, b, bc], [ad, b, bc, bd]].iter().map(|part| clipped(part, rest)).sum()
-        }
-        // All but the corner above.
-        3 => clipped(&[a, b, c, d], rest) - clipped(&[d, cut(0, 3), cut(1, 3), cut(2, 3)], rest),
-        _ => clipped(&[a, b, c, d], rest),
+/// Calls `visit` with a polygon that has an area.
+fn visit_solid(polygon: &[Vec3], visit: impl FnOnce(&[Vec3])) {
+    if polygon.len() > 2 {
+        visit(polygon);
     }
 }
 
-/// The corners of a cube's faces, counter-clockwise from outside.
-const FACES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-
-/// Volume of the part of the unit cube below all planes, by its faces.
-fn part_of_cube(planes: impl Iterator<Item = Plane>) -> f64 {
-    let mut faces: Vec<Vec<Vec3>> = FACES.iter().map(|face| face.map(corner).to_vec()).collect();
-    for plane in planes {
-        let height = |v: &Vec3| plane.normal.dot(v) - plane.offset;
-        if faces.iter().flatten().all(|v| height(v) <= 0.0) {
-            continue;
+/// The parts of a polygon below `place` on `axis`, and from there on. Two polygons with a common edge cut it at the same
+/// point to the last bit, so that the parts cover what the whole did.
+fn divide(polygon: &[Vec3], axis: usize, place: f64, below: &mut Vec<Vec3>, above: &mut Vec<Vec3>) {
+    below.clear();
+    above.clear();
+    let Some(mut from) = polygon.last() else { return };
+    for to in polygon {
+        if (from[axis] < place) != (to[axis] < place) {
+            let (low, high) = if from[axis] < place { (from, to) } else { (to, from) };
+            let mut cut = low + (high - low) * ((place - low[axis]) / (high[axis] - low[axis]));
+            cut[axis] = place;
+            below.push(cut);
+            above.push(cut);
         }
-        let mut rim = Vec::new();
-        faces.iter_mut().for_each(|face| *face = below(face, height, &mut rim));
-        faces.retain(|face| face.len() > 2);
-        sort_around(&plane.normal, &mut rim);
-        faces.push(rim);
+        if to[axis] < place {
+            below.push(*to)
+        } else {
+            above.push(*to)
+        }
+        from = to;
     }
-    let pyramid =
-        |face: &Vec<Vec3>| (2..face.len()).map(|k| face[0].dot(&face[k - 1].cross(&face[k]))).sum::<f64>() / 6.0;
-    faces.iter().map(pyramid).sum()
-}
-
-/// The part of a polygon that is not above a plane; where its edges cross this is added to `rim`, too.
-fn below(face: &[Vec3], height: impl Fn(&Vec3) -> f64, rim: &mut Vec<Vec3>) -> Vec<Vec3> {
-    let mut part = Vec::with_capacity(face.len() + 1);
-    for (k, from) in face.iter().enumerate() {
-        let to = &face[(k + 1) % face.len()];
-        let (start, end) = (height(from), height(to));
-        if start <= 0.0 {
-            part.push(*from);
-        }
-        if (start <= 0.0) != (end <= 0.0) {
-            let cut = from + (to - from) * (start / (start - end));
-            part.push(cut);
-            rim.push(cut);
-        }
-    }
-    part
-}
-
-/// Puts the corners of a convex polygon in counter-clockwise order about its normal.
-fn sort_around(normal: &Vec3, corners: &mut [Vec3]) {
-    let centre = corners.iter().sum::<Vec3>() / corners.len().max(1) as f64;
-    let across = normal.cross(&Vec3::ith(normal.iamin(), 1.0));
-    let along = normal.cross(&across);
-    let angle = |v: &Vec3| libm::atan2((v - centre).dot(&along), (v - centre).dot(&across));
-    corners.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Polyhedron, clipped as part_in_box, convex_hull};
+    use crate::geometry::{clipped as part_in_box, convex_hull};
 
     /// A body of 24 corners.
     fn body() -> Polyhedron {
@@ -237,32 +245,46 @@ mod tests {
         convex_hull(&(0..24).map(point).collect::<Vec<_>>()).unwrap()
     }
 
-    #[test]
-    fn a_body_inside_one_voxel_takes_its_own_share() {
-        let body = body();
-        let own = Body { planes: body.planes().collect(), aabb: body.aabb(), sign: 1.0 };
-        assert!((own.share(&Vec3::repeat(4.0), 9.0) * 729.0 / body.volume() - 1.0).abs() < 1e-12);
+    /// Shares of `body` in voxels of `h` mm from `first` voxels off the origin on, layer by layer.
+    fn shares(body: &Polyhedron, h: f64, first: f64, counts: [usize; 3]) -> Vec<f64> {
+        let grid = PointGrid { origin: Vec3::repeat((first + 0.5) * h), spacing: Vec3::repeat(h), counts };
+        let body = Body { surface: body.clone(), aabb: body.aabb(), sign: 1.0 };
+        let shares = Shares::of(grid, vec![body]);
+        let layer = |k: usize| {
+            let mut layer = vec![0.0; counts[0] * counts[1]];
+            shares.add(k, &mut layer);
+            layer
+        };
+        (0..counts[2]).flat_map(layer).map(f64::from).collect()
     }
 
     #[test]
-    fn shares_are_those_of_the_exact_clip_and_add_up_to_the_volume() {
+    fn a_body_inside_one_voxel_takes_its_own_share() {
+        let share = shares(&body(), 9.0, 0.0, [1; 3])[0];
+        assert!((share * 729.0 / body().volume() - 1.0).abs() < 1e-7, "{share}");
+    }
+
+    #[test]
+    fn shares_are_those_of_the_exact_clip() {
         let body = body();
-        let aabb = body.aabb();
-        let own = Body { planes: body.planes().collect(), aabb, sign: 1.0 };
-        for h in [0.7, 2.0] {
+        // The whole body; a grid that holds a part of it, so that it reaches beyond on all sides.
+        for (h, first, counts) in
+            [(0.7, 0.0, [14, 13, 12]), (2.0, 0.0, [5; 3]), (0.5, 6.0, [4, 5, 6]), (0.25, 9.0, [9, 1, 2])]
+        {
             let (mut sum, mut crossed) = (0.0, 0);
-            for number in 0..14_usize.pow(3) {
-                let low = Vec3::new((number % 14) as f64, (number / 14 % 14) as f64, (number / 196) as f64) * h;
+            for (number, share) in shares(&body, h, first, counts).into_iter().enumerate() {
+                let (i, j, k) = (number % counts[0], number / counts[0] % counts[1], number / (counts[0] * counts[1]));
+                let low = (Vec3::new(i as f64, j as f64, k as f64).add_scalar(first)) * h;
                 let voxel = Aabb { min: low, max: low.add_scalar(h) };
-                let exact = if aabb.intersects(&voxel) { part_in_box(&body, &voxel) } else { None };
+                let exact = if body.aabb().intersects(&voxel) { part_in_box(&body, &voxel) } else { None };
                 let exact = exact.map_or(0.0, |part| part.volume() / h.powi(3));
-                let share = own.share(&low.add_scalar(h / 2.0), h);
-                assert!((share - exact).abs() < 1e-9, "{share} for {exact} at {low}");
+                assert!((share - exact).abs() < 1e-6, "{share} for {exact} at {low}");
+                assert!(exact > 0.0 || share == 0.0, "{share} outside at {low}");
                 sum += share;
                 crossed += usize::from(share > 0.0 && share < 1.0);
             }
-            assert!((sum * h.powi(3) / body.volume() - 1.0).abs() < 1e-10);
-            assert!(crossed > 20, "{crossed}");
+            assert!(first > 0.0 || (sum * h.powi(3) / body.volume() - 1.0).abs() < 1e-7);
+            assert!(crossed > 8, "{crossed}");
         }
     }
 }

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, TypeAlias, final, overload
+from typing import Any, Literal, TypeAlias, TypedDict, final, overload
 
+import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]
 import numpy as np
+from matplotlib.axes import Axes  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from numpy.typing import ArrayLike, NDArray
+from pyvista import PolyData, UnstructuredGrid  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from typing_extensions import Unpack
 
-from . import _types
+from . import _results, _types
 from ._types import DeckOptions, MeshOptions, SolveOptions, SpecOptions, StatisticsOptions
 
 __version__: str
@@ -39,6 +42,12 @@ __all__ = [
 ]
 
 _Path: TypeAlias = str | PathLike[str]
+
+class _Images(TypedDict, total=False):
+    images: Literal["none", "whole", "cut"]
+
+class _Axes(TypedDict, total=False):
+    ax: Axes | None
 
 @final
 class Spec:
@@ -103,8 +112,8 @@ class Spec:
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Spec: ...
-    def __deepcopy__(self, _memo: Any) -> Spec: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+    def __deepcopy__(self, _memo: object) -> Spec: ...
+    def __reduce__(self) -> tuple[object, ...]: ...
 
 @final
 class Polyhedron:
@@ -148,8 +157,8 @@ class Polyhedron:
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Polyhedron: ...
-    def __deepcopy__(self, _memo: Any) -> Polyhedron: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+    def __deepcopy__(self, _memo: object) -> Polyhedron: ...
+    def __reduce__(self) -> tuple[object, ...]: ...
 
 @final
 class Aggregate:
@@ -213,8 +222,8 @@ class Aggregate:
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Aggregate: ...
-    def __deepcopy__(self, _memo: Any) -> Aggregate: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+    def __deepcopy__(self, _memo: object) -> Aggregate: ...
+    def __reduce__(self) -> tuple[object, ...]: ...
 
 @final
 class Aggregates:
@@ -268,7 +277,7 @@ class Aggregates:
 
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+    def __reduce__(self) -> tuple[object, ...]: ...
 
 @final
 class Packing:
@@ -298,16 +307,16 @@ class Packing:
     def bounds(self) -> tuple[list[float], list[float]]:
         """The specimen's bounding box: lowest and highest corner, mm."""
 
-    def report(self) -> dict[str, Any]:
+    def report(self) -> _results.Report:
         """The result: a dict with the keys of `--summary-json` but `seconds`, so that equal runs compare equal."""
 
     @property
-    def work(self) -> dict[str, Any]:
+    def work(self) -> _results.WorkDone:
         """What the result cost: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
         new dict.
         """
 
-    def table(self) -> dict[str, NDArray[Any]]:
+    def table(self) -> _results.Table:
         """Every aggregate, void and fibre as a row: a dict of arrays of one length, as `pandas.DataFrame` takes it.
 
         Columns: `id`, `class` (int64), `phase` (str), `size_mm` (longest distance of two vertices), `sieve_size_mm`,
@@ -315,14 +324,15 @@ class Packing:
         `itz_thickness_mm` (float64), `vertices`, `faces` (int64). They are those of the `.csv`, and the sieve size.
         """
 
+    @overload
     def voxelize(
         self,
         h: float,
-        what: Literal["phase", "grain", "share", "distance"] = "phase",
+        what: Literal["phase"] = "phase",
         box: Sequence[Sequence[float]] | None = None,
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
-    ) -> NDArray[Any]:
+    ) -> NDArray[np.uint8]:
         """What is at every voxel of the specimen, or of a box in it.
 
         Voxel (k, j, i) has its centre at (i + 0.5, j + 0.5, k + 0.5) h from the lower corner of the specimen's bounding
@@ -354,15 +364,35 @@ class Packing:
             `mesocrete image`, which streams them.
         """
 
+    @overload
+    def voxelize(
+        self,
+        h: float,
+        what: Literal["grain"],
+        box: Sequence[Sequence[float]] | None = None,
+        *,
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[np.int32]: ...
+    @overload
+    def voxelize(
+        self,
+        h: float,
+        what: Literal["share", "distance"],
+        box: Sequence[Sequence[float]] | None = None,
+        *,
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[np.float32]: ...
+
+    @overload
     def section(
         self,
         axis: Literal["x", "y", "z"],
         at: float,
         px: int = 512,
-        what: Literal["phase", "grain", "share", "distance"] = "phase",
+        what: Literal["phase"] = "phase",
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
-    ) -> NDArray[Any]:
+    ) -> NDArray[np.uint8]:
         """What is on a plane across an axis, pixel by pixel.
 
         Parameters
@@ -388,16 +418,45 @@ class Packing:
             Names the option, its value and what is accepted.
         """
 
+    @overload
+    def section(
+        self,
+        axis: Literal["x", "y", "z"],
+        at: float,
+        px: int = 512,
+        *,
+        what: Literal["grain"],
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[np.int32]: ...
+    @overload
+    def section(
+        self,
+        axis: Literal["x", "y", "z"],
+        at: float,
+        px: int = 512,
+        *,
+        what: Literal["share", "distance"],
+        of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
+    ) -> NDArray[np.float32]: ...
+
     def _repr_html_(self) -> str: ...
     def _section_svg(self, axis: int, at: float) -> str: ...
     def _asked_curve(self) -> tuple[list[float], list[float]]: ...
     def write(
-        self, path: _Path, *, overwrite: bool = True, compress: bool = False, images: Literal["none", "whole", "cut"] = "none"
+        self,
+        path: _Path,
+        *,
+        overwrite: bool = True,
+        compress: bool = False,
+        images: Literal["none", "whole", "cut"] = "none",
+        mortar: bool = False,
+        named_solids: bool = False,
     ) -> None:
         """Writes the packing, whole or not at all; the extension names the format.
 
-        `.json` is the saved model, `.vtu` and `.stl` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus
-        deck of the default mesh (`mesh()` has the options). `compress` packs what a `.vtu` holds.
+        `.json` is the saved model and `.json.gz` the same, compressed; `.step` has an editable solid per aggregate; `.vtu`,
+        `.vtp`, `.stl`, `.ply`, `.obj` and `.glb` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus deck of
+        the default mesh (`mesh()` has the options).
 
         Parameters
         ----------
@@ -405,9 +464,15 @@ class Packing:
             Where to.
         overwrite : bool
             Whether to replace a file that is there.
+        compress : bool
+            Whether to compress the data of a `.vtu` or `.vtp`.
         images : {"none", "whole", "cut"}
-            Aggregates that cross a face of a periodic specimen, in `.vtu` and `.stl`: each once, every image that reaches
-            in, or these cut at the faces, so that opposite faces match.
+            Aggregates that cross a face of a periodic specimen, where surfaces are written: each once, every image that
+            reaches in, or these cut at the faces, so that opposite faces match.
+        mortar : bool
+            Whether a `.step` has the mortar, too: a solid with a cavity per aggregate.
+        named_solids : bool
+            Whether an `.stl` is text, each aggregate a solid with its name.
 
         Raises
         ------
@@ -423,8 +488,13 @@ class Packing:
         Exact for planes; curved walls are polygons within 1e-3 of their size.
         """
 
-    def check(self) -> dict[str, Any]:
+    def check(self, *, progress: bool | Callable[..., object] | None = None) -> _results.CheckResult:
         """Proves, independently of how it was packed, that nothing overlaps and everything lies inside.
+
+        Parameters
+        ----------
+        progress : bool or callable, optional
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
 
         Returns
         -------
@@ -433,7 +503,7 @@ class Packing:
             `not_checked`, what a check of the model alone cannot tell.
         """
 
-    def statistics(self, *, progress: bool | Callable[..., object] | None = None, **options: Unpack[StatisticsOptions]) -> dict[str, Any]:
+    def statistics(self, *, progress: bool | Callable[..., object] | None = None, **options: Unpack[StatisticsOptions]) -> _results.Statistics:
         """Measures grading, shape, orientation, wall effect, gaps and correlation functions of the aggregates, and counts
         voids and fibres under `phases`.
 
@@ -474,13 +544,13 @@ class Packing:
             Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
         """
 
-    def to_pyvista(self, **options: Any) -> Any:
+    def to_pyvista(self, **options: Unpack[_Images]) -> PolyData:
         """The bodies' outer surfaces as PyVista polygons (needs the extra `plot`); `images` as for `write`."""
 
-    def plot(self, **options: Any) -> Any:
+    def plot(self, **options: object) -> object:
         """Shows the aggregates, coloured by class; with `screenshot=path` writes the picture instead (extra `plot`)."""
 
-    def plot_grading(self, **options: Any) -> Any:
+    def plot_grading(self, **options: Unpack[_Axes]) -> Axes:
         """Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`)."""
 
     def _surfaces(self, images: str) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]: ...
@@ -488,8 +558,8 @@ class Packing:
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Packing: ...
-    def __deepcopy__(self, _memo: Any) -> Packing: ...
-    def __reduce__(self) -> tuple[Any, ...]: ...
+    def __deepcopy__(self, _memo: object) -> Packing: ...
+    def __reduce__(self) -> tuple[object, ...]: ...
 
 @final
 class Mesh:
@@ -530,7 +600,7 @@ class Mesh:
         there are fibres.
         """
 
-    def quality(self) -> dict[str, Any]:
+    def quality(self) -> _results.QualityReport:
         """The worst cells, a histogram of smallest dihedral angles, the cells below 8 degrees (`bad_cells`), the stable
         time step that the default materials allow, the phases' volumes (`volumes_mm3`) against the exact ones
         (`exact_volumes_mm3`), and how far the interface nodes lie from the aggregates' surfaces: a dict.
@@ -541,7 +611,7 @@ class Mesh:
         it as `joined_rms_mm` and `joined_max_mm` say.
         """
 
-    def mass_scaling(self, time_step_s: float = 5e-7) -> dict[str, Any]:
+    def mass_scaling(self, time_step_s: float = 5e-7) -> _results.MassScaling:
         """The mass that explicit dynamics in steps of `time_step_s` seconds takes, with the default materials: a dict of
         `time_step_s`, `factor` (mass with what scaling adds over the mesh's own) and `phases`, a list of dicts of `phase`,
         `elements`, `scaled` (share of them whose own step is shorter), `factor`, `shortest_step_s` and `mass_t`.
@@ -620,22 +690,22 @@ class Mesh:
             On Ctrl-C, within 0.5 s.
         """
 
-    def to_pyvista(self) -> Any:
+    def to_pyvista(self) -> UnstructuredGrid:
         """The mesh as a PyVista unstructured grid (needs the extra `plot`)."""
 
-    def plot(self, **options: Any) -> Any:
+    def plot(self, **options: object) -> object:
         """Shows the mesh by phase (needs the extra `plot`); see `plot_mesh` in the reference for `cut`, `phases` and
         `screenshot`.
         """
 
-    def to_meshio(self) -> Any:
+    def to_meshio(self) -> meshio.Mesh:
         """The mesh as a meshio mesh with a cell set per phase (needs the extra `mesh`)."""
 
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __copy__(self) -> Mesh: ...
-    def __deepcopy__(self, _memo: Any) -> Mesh: ...
+    def __deepcopy__(self, _memo: object) -> Mesh: ...
 
 @final
 class Response:
@@ -650,7 +720,7 @@ class Response:
         """
 
     @property
-    def result(self) -> dict[str, Any]:
+    def result(self) -> _results.TestResult:
         """The figures of the test, as in `result.json`: a dict; a copy."""
 
     @property
@@ -661,13 +731,13 @@ class Response:
     def last(self) -> Frame | None:
         """The end of the test; None where it diverged."""
 
-    def plot(self, **options: Any) -> Any:
+    def plot(self, **options: object) -> Axes:
         """Draws stress over strain with the peak; returns the matplotlib axes (extra `plot`).
 
         `ax` are axes to draw on; further `options` go to `Axes.plot`.
         """
 
-    def to_pyvista(self, frame: int | None = None) -> Any:
+    def to_pyvista(self, frame: int | None = None) -> UnstructuredGrid:
         """A frame, by its place in `frames`, or the end, as a PyVista grid with all fields (extra `plot`).
 
         Raises
@@ -693,7 +763,7 @@ class Response:
         """
 
     def __copy__(self) -> Response: ...
-    def __deepcopy__(self, _memo: Any) -> Response: ...
+    def __deepcopy__(self, _memo: object) -> Response: ...
 
 @final
 class Frame:
@@ -741,7 +811,7 @@ class Frame:
 
     def _mesh(self) -> tuple[NDArray[np.float64], NDArray[np.int64], str]: ...
     def __copy__(self) -> Frame: ...
-    def __deepcopy__(self, _memo: Any) -> Frame: ...
+    def __deepcopy__(self, _memo: object) -> Frame: ...
 
 def pack(
     spec: Spec | SpecOptions | Mapping[str, object] | _Path | None = None,

@@ -5,75 +5,99 @@ They return plain dicts, as in a SPEC.toml; `pack` and `Spec` check the values.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from . import _types
+
+Axes = Sequence[Literal["x", "y", "z"]] | str | bool | None
+
+
+class GradingOptions(TypedDict, total=False):
+    """The keys of a grading beside its curve and limits."""
+
+    classes_mm: list[float]
+    form: Literal["normalised", "raw"]
+    size: Literal["longest-axis", "sieve"]
+    size_law: Literal["uniform", "volume-uniform"]
 
 
 class Grading:
     """Gradings, for the key `grading` of a spec; `options` are its further keys: `classes_mm`, `size`, `size_law`, `form`."""
 
     @staticmethod
-    def fuller(d_min_mm: float, d_max_mm: float, exponent: float = 0.5, **options: Any) -> dict[str, Any]:
+    def fuller(d_min_mm: float, d_max_mm: float, exponent: float = 0.5, **options: Unpack[GradingOptions]) -> _types.Grading:
         """Return Fuller's curve between two sizes, mm: (d / d_max)^exponent."""
-        curve = {"kind": "fuller", "exponent": exponent}
+        curve: _types.FullerCurve = {"kind": "fuller", "exponent": exponent}
         return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
     @staticmethod
-    def bolomey(d_min_mm: float, d_max_mm: float, a: float = 0.1, **options: Any) -> dict[str, Any]:
+    def bolomey(d_min_mm: float, d_max_mm: float, a: float = 0.1, **options: Unpack[GradingOptions]) -> _types.Grading:
         """Return Bolomey's curve between two sizes, mm: a + (1 - a) (d / d_max)^0.5, `a` from 0.08 to 0.16."""
         return {"curve": {"kind": "bolomey", "a": a}, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
     @staticmethod
     def sieves(
-        sieve_mm: ArrayLike, passing: ArrayLike, d_min_mm: float, d_max_mm: float, **options: Any
-    ) -> dict[str, Any]:
+        sieve_mm: ArrayLike, passing: ArrayLike, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]
+    ) -> _types.Grading:
         """Return a sieve table: openings, mm, ascending, and the share that passes each, 0 to 1; arrays of shape (n,)."""
-        curve = {"kind": "sieves", "sieves_mm": _row("sieve_mm", sieve_mm), "passing": _row("passing", passing)}
+        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": _row("sieve_mm", sieve_mm), "passing": _row("passing", passing)}
         return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
     @staticmethod
-    def standard(name: str, d_min_mm: float, d_max_mm: float, **options: Any) -> dict[str, Any]:
+    def standard(name: str, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]) -> _types.Grading:
         """Return a curve of a standard between two sizes, mm, e.g. "din-1045-2-a16"."""
-        return {"curve": {"kind": "standard", "name": name}, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
+        curve = cast("_types.StandardCurve", {"kind": "standard", "name": name})
+        return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
 
 
 class Specimen:
     """Specimens, for the key `specimen` of a spec; lengths in mm."""
 
     @staticmethod
-    def cube(side_mm: float, periodic: str | list[str] | bool | None = None) -> dict[str, Any]:
+    def cube(side_mm: float, periodic: Axes = None) -> _types.CubeSpecimen:
         """Return a cube; `periodic` names the axes along which it repeats itself, True all of them."""
-        return {"kind": "cube", "side_mm": side_mm, **_periodic(periodic)}
+        cube: _types.CubeSpecimen = {"kind": "cube", "side_mm": side_mm}
+        if axes := _periodic(periodic):
+            cube["periodic"] = axes
+        return cube
 
     @staticmethod
-    def box(x_mm: float, y_mm: float, z_mm: float, periodic: str | list[str] | bool | None = None) -> dict[str, Any]:
+    def box(x_mm: float, y_mm: float, z_mm: float, periodic: Axes = None) -> _types.BoxSpecimen:
         """Return a box of three edge lengths."""
-        return {"kind": "box", "size_mm": [x_mm, y_mm, z_mm], **_periodic(periodic)}
+        box: _types.BoxSpecimen = {"kind": "box", "size_mm": [x_mm, y_mm, z_mm]}
+        if axes := _periodic(periodic):
+            box["periodic"] = axes
+        return box
 
     @staticmethod
-    def prism(length_mm: float, width_mm: float, depth_mm: float) -> dict[str, Any]:
+    def prism(length_mm: float, width_mm: float, depth_mm: float) -> _types.PrismSpecimen:
         """Return a beam: its length along x, its depth along z."""
         return {"kind": "prism", "length_mm": length_mm, "width_mm": width_mm, "depth_mm": depth_mm}
 
     @staticmethod
-    def cylinder(diameter_mm: float, height_mm: float) -> dict[str, Any]:
+    def cylinder(diameter_mm: float, height_mm: float) -> _types.CylinderSpecimen:
         """Return an upright cylinder."""
         return {"kind": "cylinder", "diameter_mm": diameter_mm, "height_mm": height_mm}
 
     @staticmethod
-    def sphere(diameter_mm: float) -> dict[str, Any]:
+    def sphere(diameter_mm: float) -> _types.SphereSpecimen:
         """Return a sphere."""
         return {"kind": "sphere", "diameter_mm": diameter_mm}
 
     @staticmethod
-    def polyhedron(vertices_mm: ArrayLike) -> dict[str, Any]:
+    def polyhedron(vertices_mm: ArrayLike) -> _types.PolyhedronSpecimen:
         """Return the convex hull of points, shape (n, 3)."""
         return {"kind": "polyhedron", "vertices_mm": np.asarray(vertices_mm, float).tolist()}
 
     @staticmethod
-    def mesh(vertices_mm: ArrayLike, triangles: ArrayLike) -> dict[str, Any]:
+    def mesh(vertices_mm: ArrayLike, triangles: ArrayLike) -> _types.MeshSpecimen:
         """Return what a closed surface encloses: points (n, 3), triangles (m, 3) counter-clockwise from outside."""
         points = np.asarray(vertices_mm, float).tolist()
         return {"kind": "mesh", "vertices_mm": points, "triangles": np.asarray(triangles, int).tolist()}
@@ -87,7 +111,7 @@ def _row(name: str, values: ArrayLike) -> list[float]:
     return [float(value) for value in row]
 
 
-def _periodic(axes: str | list[str] | bool | None) -> dict[str, Any]:
-    if axes is None or axes is False:
-        return {}
-    return {"periodic": ["x", "y", "z"] if axes is True else list(axes)}
+def _periodic(axes: Axes) -> _types.Periodic:
+    if isinstance(axes, bool) or axes is None:
+        return ["x", "y", "z"] if axes else []
+    return cast("_types.Periodic", list(axes))

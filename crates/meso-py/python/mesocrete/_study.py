@@ -10,13 +10,48 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, load, pack
 
+if TYPE_CHECKING:
+    from typing_extensions import NotRequired
+
 _MODEL = "model.json"
+
+
+class Submitter(Protocol):
+    """What hands calls to workers: an `Executor` of `concurrent.futures`, or a client of `dask.distributed`."""
+
+    @property
+    def submit(self) -> Callable[..., object]:
+        """Hand a call over; returns its future."""
+
+
+class CaseRecord(TypedDict):
+    """What a case leaves in its `case.json`."""
+
+    mesocrete: str
+    """Version that did it."""
+    case: str
+    """Its folder."""
+    hash: str
+    """Of the complete spec and what is done with it."""
+    then: str
+    """Fingerprint of `then`; empty without one."""
+    values: dict[str, object]
+    """Of the axes."""
+    status: Literal["done", "failed"]
+    """How it ended."""
+    results: dict[str, object]
+    """What `then` returned, or the figures of the packing."""
+    error: NotRequired[str]
+    """Why it failed."""
+    files: dict[str, int]
+    """Every other file of the folder and its length, bytes."""
 
 
 class Study:
@@ -39,9 +74,9 @@ class Study:
         return [self.out / name for name in self._plan.folders]
 
     @property
-    def results(self) -> list[dict[str, Any]]:
+    def results(self) -> list[CaseRecord]:
         """The records of all cases that are over, as in their `case.json`: `case`, `values`, `status`, `results`, ..."""
-        records: list[dict[str, Any]] = self._plan.results(self._then, self.out)
+        records: list[CaseRecord] = self._plan.results(self._then, self.out)
         return records
 
     @property
@@ -57,14 +92,14 @@ class Study:
         """Read the packing of a case from its folder."""
         return load(self.folders[number] / _MODEL)
 
-    def table(self) -> dict[str, np.ndarray[Any, Any]]:
+    def table(self) -> dict[str, NDArray[np.generic]]:
         """Return one row a case as a dict of arrays of equal length, as in `table.csv`; also writes the files anew.
 
         Missing numbers are NaN, missing texts "". `pandas.DataFrame(study.table())` makes a frame.
         """
         return _arrays(self._plan.tables(self._then, self.out)[0])
 
-    def ensemble(self, replicate: str = "seed") -> dict[str, np.ndarray[Any, Any]]:
+    def ensemble(self, replicate: str = "seed") -> dict[str, NDArray[np.generic]]:
         """Return mean and scatter over the axis `replicate`, for each combination of the others and each figure.
 
         The columns are the other axes, `figure`, `n`, `mean`, `std`, `cv`, `low` and `high` (95 % confidence interval of the
@@ -85,12 +120,12 @@ class Study:
 
 
 def study(
-    spec: Spec | Mapping[str, Any] | str | os.PathLike[str] | None = None,
-    over: Mapping[str, Iterable[Any]] | None = None,
+    spec: Spec | Mapping[str, object] | str | os.PathLike[str] | None = None,
+    over: Mapping[str, Iterable[object]] | None = None,
     *,
-    then: Callable[..., Any] | None = None,
+    then: Callable[..., object] | None = None,
     out: str | os.PathLike[str] = "study",
-    executor: Any = None,
+    executor: Submitter | None = None,
     threads: int | None = None,
     retry_failed: bool = False,
     progress: bool | Callable[[int, int], object] | None = None,
@@ -317,7 +352,7 @@ def _bar(over: int | None, cases: int) -> None:
     sys.stderr.flush()
 
 
-def _arrays(columns: Mapping[str, list[Any]]) -> dict[str, np.ndarray[Any, Any]]:
+def _arrays(columns: Mapping[str, list[Any]]) -> dict[str, NDArray[np.generic]]:
     return {name: _array(values) for name, values in columns.items()}
 
 

@@ -27,9 +27,9 @@ pub(super) struct Division {
     #[arg(help = format!("How the interfacial transition zone enters the test: {}", names::list::<Zone>()))]
     itz: Zone,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
-    #[arg(help = format!("What a lattice does at the aggregates' surfaces: {}", names::list::<Fit>()))]
+    #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
-    /// Sub-samples per voxel and axis, 1 to 8; more than 1 takes the majority
+    /// Sub-samples per voxel and axis, 1 to 8; with more than 1 each body gets as many voxels as its samples fill
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
     subsamples: u32,

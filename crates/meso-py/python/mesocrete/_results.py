@@ -1,0 +1,487 @@
+"""Types of all dicts that the package returns, for editors and type checkers.
+
+Written by make_results.py from the Rust structs; do not edit.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from typing_extensions import NotRequired
+
+# `class` is no name of Python's: the table and a few more have their keys as texts.
+Table = TypedDict(
+    "Table",
+    {
+        "id": NDArray[np.int64],
+        "class": NDArray[np.int64],
+        "phase": NDArray[np.str_],
+        "size_mm": NDArray[np.float64],
+        "sieve_size_mm": NDArray[np.float64],
+        "volume_mm3": NDArray[np.float64],
+        "area_mm2": NDArray[np.float64],
+        "sphericity": NDArray[np.float64],
+        "centroid_x_mm": NDArray[np.float64],
+        "centroid_y_mm": NDArray[np.float64],
+        "centroid_z_mm": NDArray[np.float64],
+        "itz_thickness_mm": NDArray[np.float64],
+        "vertices": NDArray[np.int64],
+        "faces": NDArray[np.int64],
+    },
+)
+"""Every aggregate, void and fibre as a row."""
+
+
+class SpecimenReport(TypedDict):
+    """Kind and volume of the specimen."""
+
+    kind: str
+    """As in the spec."""
+    volume_mm3: float
+    """mm3."""
+
+
+class ClassReport(TypedDict):
+    """Asked and reached volume of one class, over the specimen's volume."""
+
+    d_min_mm: float
+    """Lower limit, mm."""
+    d_max_mm: float
+    """Upper limit, mm."""
+    target_fraction: float
+    """Asked."""
+    fraction: float
+    """Reached."""
+    aggregates: int
+    """Number of aggregates."""
+
+
+class PhaseReport(TypedDict):
+    """Asked and reached volume of a further phase, over the specimen's volume."""
+
+    phase: str
+    """Voids or fibres."""
+    target_fraction: float
+    """Asked."""
+    fraction: float
+    """Reached."""
+    volume_mm3: float
+    """Volume of the bodies, mm3."""
+    bodies: int
+    """Number of bodies."""
+
+
+class Work(TypedDict):
+    """How many candidates or pairs each stage saw; a pair a stage decides goes no further."""
+
+    candidates: int
+    """Candidate positions tried."""
+    pairs_broad: int
+    """Pairs the broad phase named."""
+    pairs_sphere: int
+    """Pairs left after the bounding spheres."""
+    pairs_axis: int
+    """Pairs left after the ellipsoid axis."""
+    gjk_calls: int
+    """Pairs put to GJK."""
+    exact_calls: int
+    """Pairs put to exact arithmetic."""
+    sweeps: int
+    """Sweeps of the rearrangement."""
+
+
+class Seconds(TypedDict):
+    """Wall-clock seconds by stage. The core reads no clock: its callers fill these in."""
+
+    total: float
+    """All of it."""
+    take: float
+    """Generating the grains."""
+    place: float
+    """Placing them."""
+    write: float
+    """Writing files."""
+
+
+class Report(TypedDict):
+    """The figures of one run: the keys of `--summary-json`."""
+
+    version: str
+    """Version of mesocrete."""
+    seed: int
+    """Seed of the run."""
+    target_fraction: float
+    """Asked volume fraction of the aggregates, 0 to 1."""
+    fraction: float
+    """Reached volume fraction."""
+    aggregates: int
+    """Aggregates placed."""
+    discarded: int
+    """Aggregates taken but not placed."""
+    specimen: SpecimenReport
+    """The specimen."""
+    grading: str
+    """The curve behind the classes, e.g. `fuller, normalised, n = 0.5`."""
+    strategy: str
+    """The strategy that placed."""
+    classes: list[ClassReport]
+    """Per size class, from the finest."""
+    phases: NotRequired[list[PhaseReport]]
+    """Voids and fibres, where the spec asks for some."""
+    itz_limited: list[int]
+    """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
+    stop_reason: str
+    """Why it ended."""
+    stop_detail: str
+    """The same in a sentence: which class or fraction fell short, and by how much."""
+    work: Work
+    """Counters of each stage."""
+
+
+class Distribution(TypedDict):
+    """Mean, spread and quantiles of a sample; a quantile between two values is between them as it is between their ranks."""
+
+    mean: float
+    """Mean."""
+    sd: float
+    """Standard deviation (of the sample, over n)."""
+    min: float
+    """Smallest."""
+    p10: float
+    """A tenth is less."""
+    median: float
+    """Half is less."""
+    p90: float
+    """Nine tenths are less."""
+    max: float
+    """Largest."""
+
+
+class Zingg(TypedDict):
+    """Zingg's four classes, divided at b / a = 2/3 and c / b = 2/3 (Zingg 1935)."""
+
+    equant: int
+    """Both ratios above 2/3."""
+    disc: int
+    """Flat, not elongated: c / b at most 2/3."""
+    rod: int
+    """Elongated, not flat: b / a at most 2/3."""
+    blade: int
+    """Both at most 2/3."""
+
+
+class Shapes(TypedDict):
+    """Shape of all aggregates, each counted once."""
+
+    length_mm: Distribution | None
+    """Longest extent a, mm."""
+    elongation: Distribution | None
+    """Elongation b / a."""
+    flatness: Distribution | None
+    """Flatness c / b."""
+    wadell_sphericity: Distribution | None
+    """Wadell's sphericity: surface of the ball of the same volume over the surface (Wadell 1932)."""
+    krumbein_sphericity: Distribution | None
+    """Krumbein's intercept sphericity, the cube root of b c / a^2 (Krumbein 1941)."""
+    sieve_size_mm: Distribution | None
+    """Width of the smallest square hole passed, mm."""
+    zingg: Zingg
+    """Numbers by Zingg's classes."""
+
+
+class Orientation(TypedDict):
+    """Directions of the longest axes."""
+
+    tensor: list[list[float]]
+    """Mean of a a^T over the unit vectors a along the longest axes: a third of the identity where there is no order."""
+    eigenvalues: list[float]
+    """Its eigenvalues, ascending; they sum to 1."""
+
+
+class WallEffect(TypedDict):
+    """Aggregate fraction by layers parallel to the surface."""
+
+    depth_mm: list[float]
+    """Middle of the layer below the specimen's surface, mm."""
+    fraction: list[float]
+    """Share of the layer's sampled points that lie in an aggregate."""
+    points: list[int]
+    """Sampled points in the layer: the fraction's standard error is sqrt(f (1 - f) / points)."""
+
+
+class Correlation(TypedDict):
+    """The correlation functions at equidistant lags."""
+
+    lag_mm: list[float]
+    """Lags r, mm."""
+    two_point: list[float]
+    """S2(r), from pairs of points that both lie in the specimen."""
+    lineal_path: list[float]
+    """L(r)."""
+    slope_per_mm: float
+    """Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific surface."""
+    mean_chord_mm: float
+    """Mean length of the chords, mm."""
+    lines: int
+    """Random lines looked at."""
+
+
+class PhaseFigures(TypedDict):
+    """The figures of one phase beside the aggregates."""
+
+    phase: str
+    """Voids or fibres."""
+    bodies: int
+    """Number of bodies."""
+    volume_mm3: float
+    """Their volume, mm3."""
+    fraction: float
+    """Their volume over the specimen's."""
+    specific_surface_per_mm: float
+    """Their surface over the specimen's volume, 1/mm."""
+    orientation: NotRequired[Orientation | None]
+    """Directions of the longest axes; absent for voids, which have none."""
+
+
+class Statistics(TypedDict):
+    """The figures of one packing."""
+
+    fraction: float
+    """Volume of the aggregates over the specimen's."""
+    specific_surface_per_mm: float
+    """Surface of the aggregates over the specimen's volume, 1/mm."""
+    classes: list[ClassReport]
+    """Asked and reached volume, and number, by size class."""
+    shapes: Shapes
+    """Shape."""
+    orientation: Orientation
+    """Directions of the longest axes."""
+    wall_effect: WallEffect
+    """Fraction against depth."""
+    nearest_distance_mm: Distribution | None
+    """Distance from each aggregate to the nearest other one, mm; absent for fewer than two. In a periodic specimen images count as others, an aggregate's own among them."""
+    correlation: Correlation
+    """Two-point correlation and lineal path."""
+    phases: NotRequired[list[PhaseFigures]]
+    """Voids and fibres, where there are some; all other figures are of the aggregates alone."""
+
+
+class InterfaceDistance(TypedDict):
+    """How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is the staircase that is measured. Nodes that cohesive elements parted are one; middles of edges are left out."""
+
+    nodes: int
+    """Nodes where an aggregate meets something else."""
+    off: int
+    """Those of them that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more than 1e-9 of the specimen."""
+    rms_mm: float
+    """Root mean square of all nodes' distances, mm: each to the nearest of these surfaces."""
+    max_mm: float
+    """The largest of these distances, mm."""
+    joined: int
+    """Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen."""
+    joined_rms_mm: float
+    """Root mean square of what the gaps were at them, mm: from the node to the farthest of the aggregates that meet there."""
+    joined_max_mm: float
+    """The largest of these distances, mm."""
+
+
+class PhaseVolumes(TypedDict):
+    """Volume of every phase, mm3."""
+
+    aggregate: float
+    """Aggregate cores."""
+    itz: float
+    """Shells."""
+    mortar: float
+    """Everything else, but for voids."""
+    fibre: NotRequired[float]
+    """Fibres."""
+
+
+class QualityReport(TypedDict):
+    """The worst of all cells, with a histogram, and how much of each phase is there. Cells are indices; decks count from 1."""
+
+    cells: int
+    """Number of cells."""
+    min_dihedral_deg: list[float]
+    """Smallest dihedral angle, degrees, and the cell's index."""
+    max_dihedral_deg: list[float]
+    """Largest dihedral angle, degrees, and the cell's index."""
+    min_radius_ratio: list[float]
+    """Smallest radius ratio and the cell's index."""
+    shortest_altitude_mm: list[float]
+    """Shortest altitude, mm, and the cell's index."""
+    dihedral_histogram: list[int]
+    """Cells by smallest dihedral angle: below 1, 2, 5, 8, 10, 15, 30 degrees and the rest."""
+    bad_cells: list[int]
+    """The cells with a dihedral angle below `BAD_DEG`."""
+    inverted: int
+    """Cells with no positive volume."""
+    stable_time_step_s: float
+    """Stable time step of explicit dynamics, s: 1 / (c sqrt(sum |grad N|^2)) of the worst cell, c the dilatational wave speed."""
+    cohesive_time_step_s: float | None
+    """The same of cohesive elements, by their stiffness and mass per area; `None` where there are none."""
+    volumes_mm3: PhaseVolumes
+    """Volume of every phase in the mesh, mm3."""
+    exact_volumes_mm3: PhaseVolumes | None
+    """The same from the polyhedra themselves, with the shells of a solid ITZ where the mesh has one; `None` where a core has no trustworthy volume."""
+    interface_distance: InterfaceDistance
+    """How near the interfaces lie to the aggregates' surfaces."""
+
+
+class PhaseScaling(TypedDict):
+    """One phase's share of it."""
+
+    phase: str
+    """Name of the phase's element set."""
+    elements: int
+    """Number of elements."""
+    scaled: float
+    """Share of them whose own step is shorter, 0 to 1."""
+    factor: float
+    """Their mass with what is added, over their own."""
+    shortest_step_s: float
+    """Shortest step of its elements, s."""
+    mass_t: float
+    """Their mass before scaling, tonne."""
+
+
+class MassScaling(TypedDict):
+    """The mass that a time step costs."""
+
+    time_step_s: float
+    """The step, s."""
+    factor: float
+    """Mass of all elements with what is added, over their own."""
+    phases: list[PhaseScaling]
+    """The phases that the mesh has; cohesive elements are the ITZ."""
+
+
+class CheckResult(TypedDict):
+    """Scope and findings of a check. Where a finding speaks of an aggregate, voids and fibres are included: their ids follow those of the aggregates."""
+
+    sound: bool
+    """True where nothing was found."""
+    aggregates: int
+    """Aggregates looked at."""
+    pairs_tested: int
+    """Pairs whose boxes come within the asked gap of each other: those were put to the exact test."""
+    fraction: float
+    """Volume of the polyhedra over the specimen's."""
+    findings: list[dict[str, str | int | float]]
+    """Everything that is not as promised; empty for a sound model."""
+    not_checked: list[str]
+    """What was not looked at, in words."""
+
+
+class CurveFigures(TypedDict):
+    """Figures of a curve."""
+
+    modulus_mpa: float
+    """Secant to 30 % of the peak, MPa."""
+    peak_mpa: float
+    """Highest stress, MPa."""
+    peak_strain: float
+    """Strain at the highest stress."""
+    stress_at_end_mpa: float
+    """Stress of the last row, MPa."""
+    softened: bool
+    """Whether the stress fell below 0.8 of the peak."""
+
+
+class Energies(TypedDict):
+    """Energies at the end of a test, mJ."""
+
+    kinetic: float
+    """See `Row`."""
+    internal: float
+    """See `Row`."""
+    external: float
+    """See `Row`."""
+    friction_work: float
+    """See `Row`."""
+    hourglass: float
+    """See `Row`."""
+    dissipated: float
+    """See `Row`."""
+
+
+class PhaseResult(TypedDict):
+    """A phase of a test."""
+
+    name: str
+    """Lower case."""
+    volume_fraction: float
+    """Of its cells in the test, over the specimen's gross volume."""
+    exact_fraction: float | None
+    """Of the exact bodies, where known."""
+    dissipated_mj: float
+    """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
+
+
+class TestResult(CurveFigures):
+    """What `result.json` holds, but for seconds."""
+
+    version: str
+    """Of mesocrete."""
+    seed: int
+    """Of the packing."""
+    fraction: float
+    """Of the packing."""
+    mesh: dict[str, object]
+    """The options of the mesh."""
+    frames: list[dict[str, str | int | float]]
+    """File, number, strain and stress of every frame."""
+    seconds: dict[str, float]
+    """Wall times by part, s."""
+    test: str
+    """Compression or tension."""
+    friction: float
+    """Coulomb's coefficient between plates and specimen."""
+    law: str
+    """The law of mortar and ITZ."""
+    elements: int
+    """Cells of the mesh."""
+    cohesive_elements: int
+    """Cohesive elements of the mesh."""
+    steps: int
+    """Steps taken."""
+    steps_planned: int
+    """Steps of the whole test."""
+    time_step_s: float
+    """s."""
+    stable_time_step_s: float
+    """Longest step that would have needed no mass, s."""
+    added_mass_percent: float
+    """Mass added over the specimen's own."""
+    kinetic_over_internal_max: float
+    """Largest kinetic over internal energy after the ramp."""
+    energy_balance_error: float
+    """Largest difference of work and energies over the work."""
+    hourglass_over_internal: float
+    """Largest hourglass over internal energy after the ramp."""
+    energies: Energies
+    """Energies at the end, mJ."""
+    joined_pairs: int
+    """Pairs of aggregates that share nodes in the mesh, or did before mortar parted them there."""
+    joined_cells: int
+    """Cells of these aggregates that became mortar, in the mesh and in the test."""
+    phases: list[PhaseResult]
+    """What the test's phases were."""
+    ended: str | dict[str, str]
+    """How the test ended."""
+    warnings: list[str]
+    """What was wrong, in sentences."""
+    errors: list[str]
+    """Why the curve is not to be trusted, in sentences."""
+
+
+class WorkDone(Work):
+    """The work and its wall times."""
+
+    seconds: Seconds
+    """By stage, s."""
