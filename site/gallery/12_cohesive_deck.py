@@ -9,7 +9,7 @@ import mesocrete as mc
 
 spec = {"specimen": mc.Specimen.cube(30), "grading": mc.Grading.fuller(8, 14), "placement": {"min_gap_mm": 1.0}}
 packing = mc.pack(spec, fraction=0.2, seed=1)
-mesh = packing.mesh(method="lattice", element_size=4.0, itz="cohesive")
+mesh = packing.mesh(method="lattice", element_size=3.0, itz="cohesive")
 mesh.write("test.inp", analysis="compression")
 text = Path("test.inp").read_text()
 print([line for line in text.splitlines() if line.startswith("*ELEMENT")])

@@ -20,6 +20,7 @@ mod interrupt;
 mod layer_errors;
 mod meshing;
 mod outputs;
+mod phase_error;
 mod report;
 mod same_bytes;
 mod solve;

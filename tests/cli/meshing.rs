@@ -22,6 +22,7 @@ fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in
         ["--frames", "7"],
     ]
     .concat();
+    let flags = [&flags[..], &["--accept-phase-error"]].concat();
     let run = folder.run(&[&["pack", "small.toml", "-o", "once.inp", "-o", "once.json"][..], &flags[..]].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("meshed ") && run.stderr.contains("wrote once.inp"), "{}", run.stderr);
@@ -79,7 +80,17 @@ fn a_script_that_would_be_in_the_way_is_kept_and_named() {
 #[test]
 fn durations_and_time_increments_can_be_asked_for() {
     let folder = Folder::with_model();
-    let flags = ["--analysis", "tension", "--element-size-mm", "4", "--duration", "0.01", "--time-increment", "2e-7"];
+    let flags = [
+        "--analysis",
+        "tension",
+        "--element-size-mm",
+        "4",
+        "--accept-phase-error",
+        "--duration",
+        "0.01",
+        "--time-increment",
+        "2e-7",
+    ];
     let run = folder.run(&[&["mesh", "small.json", "-o", "m.inp"][..], &flags].concat());
     assert_eq!(run.code, 0, "{}", run.stderr);
     let deck = text(&folder, "m.inp");
@@ -165,7 +176,7 @@ fn values_that_no_deck_can_hold_are_named() {
 #[test]
 fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
     let folder = Folder::with_model();
-    let flags = ["--element-size-mm", "8", "--analysis", "elastic", "--geometry-only"];
+    let flags = ["--element-size-mm", "8", "--analysis", "elastic", "--geometry-only", "--accept-phase-error"];
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.vtu"][..], &flags].concat());
     let said: Vec<&str> = run.stderr.lines().collect();
     assert_eq!(run.code, 0, "{}", run.stderr);
@@ -181,7 +192,17 @@ fn the_time_step_of_cohesive_elements_is_told_beside_that_of_the_others() {
     // 0.1 mm times the root of 2.2e-9 tonne/mm3 over 20,000 MPa.
     let folder = Folder::with_model();
     for (itz, told) in [("cohesive", true), ("none", false)] {
-        let run = folder.run(&["mesh", "small.json", "-fo", "m.inp", "--element-size-mm", "8", "--itz", itz]);
+        let run = folder.run(&[
+            "mesh",
+            "small.json",
+            "-fo",
+            "m.inp",
+            "--element-size-mm",
+            "8",
+            "--itz",
+            itz,
+            "--accept-phase-error",
+        ]);
         assert_eq!(
             run.stderr.contains("the cohesive elements allow 3.3e-8 s, by their stiffness"),
             told,
@@ -194,7 +215,7 @@ fn the_time_step_of_cohesive_elements_is_told_beside_that_of_the_others() {
 #[test]
 fn flags_of_other_methods_and_analyses_are_missed_aloud() {
     let folder = Folder::with_model();
-    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "8"];
+    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "8", "--accept-phase-error"];
     for (flags, said) in [
         (&["--fit", "plain"][..], "--fit is only for the method lattice"),
         (&["--slabs", "2"], "--slabs is only for the method conforming"),
@@ -209,7 +230,8 @@ fn flags_of_other_methods_and_analyses_are_missed_aloud() {
         assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and does nothing here\n")), "{flags:?}");
     }
     let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
-    let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "3", "--method", "voxel"];
+    let mesh =
+        ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "3", "--method", "voxel", "--accept-phase-error"];
     let run = folder.run(&[&mesh[..], &all, &["--analysis", "compression"]].concat());
     assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
@@ -226,6 +248,7 @@ fn the_strength_of_the_itz_is_its_ratio_of_the_mortars() {
             "m.inp",
             "--element-size-mm",
             "4",
+            "--accept-phase-error",
             "--analysis",
             "tension",
             "--materials",
@@ -288,7 +311,8 @@ fn elements_too_coarse_for_the_fibres_are_told() {
     folder.write("fibres.toml", spec);
     assert_eq!(folder.run(&["pack", "fibres.toml", "-o", "fibres.json"]).code, 0);
     for (size, told) in [("3", true), ("1", false)] {
-        let flags = ["--method", "lattice", "--itz", "none", "--element-size-mm", size, "--force"];
+        let flags =
+            ["--method", "lattice", "--itz", "none", "--element-size-mm", size, "--force", "--accept-phase-error"];
         let run = folder.run(&[&["mesh", "fibres.json", "-o", "fibres.vtu"][..], &flags].concat());
         assert_eq!(run.code, 0, "{}", run.stderr);
         assert_eq!(run.stderr.contains("too coarse for the fibres"), told, "{size} mm: {}", run.stderr);

@@ -8,7 +8,7 @@ import mesocrete as mc
 
 @pytest.fixture(scope="module")
 def mesh(packing):
-    return packing.mesh(method="voxel", element_size=3.0, itz="solid")
+    return packing.mesh(method="voxel", element_size=3.0, itz="solid", accept_phase_error=True)
 
 
 def test_arrays_have_the_documented_shapes(mesh):
@@ -42,7 +42,7 @@ def test_a_finer_mesh_comes_closer_to_the_exact_fraction(packing):
 
 
 def test_meshes_compare_by_value_and_say_what_they_are(mesh, packing):
-    assert packing.mesh(element_size=3.0, itz="solid") == mesh
+    assert packing.mesh(element_size=3.0, itz="solid", accept_phase_error=True) == mesh
     assert packing.mesh(element_size=6.0) != mesh
     assert repr(mesh) == "Mesh(9261 points, 8000 cells of type hexahedron)"
 
@@ -100,14 +100,14 @@ def test_deck_options_are_those_of_the_command(mesh, tmp_path):
 
 
 def test_lattices_of_tetrahedra_are_meshes_too(packing):
-    mesh = packing.mesh(method="lattice", element_size=4.0)
+    mesh = packing.mesh(method="lattice", element_size=4.0, accept_phase_error=True)
     assert mesh.cell_type == "tetra"
     assert mesh.cells.shape[1] == 4
     assert sum(mesh.volumes().values()) == pytest.approx(60.0**3, rel=1e-9)
 
 
 def test_second_order_adds_a_node_in_the_middle_of_every_edge(packing):
-    linear, quadratic = (packing.mesh(method="lattice", element_size=6.0, order=order) for order in (1, 2))
+    linear, quadratic = (packing.mesh(method="lattice", element_size=6.0, order=order, accept_phase_error=True) for order in (1, 2))
     assert quadratic.cell_type == "tetra10"
     assert np.array_equal(quadratic.cells[:, :4], linear.cells)
     ends = quadratic.cells[:, [0, 1, 2, 0, 1, 2]], quadratic.cells[:, [1, 2, 0, 3, 3, 3]]
@@ -180,3 +180,10 @@ def test_both_readers_read_the_vtu(mesh, tmp_path):
     theirs = meshio.read(tmp_path / "mesh.vtu")
     assert np.array_equal(theirs.points, mesh.points)
     assert np.array_equal(theirs.cells[0].data, mesh.cells)
+
+
+def test_a_mesh_that_lost_a_phase_is_an_error_unless_it_is_accepted(packing):
+    coarse = {"element_size": 4.0, "itz": "solid"}
+    with pytest.raises(ValueError, match=r"the ITZ takes .* where 10 % are accepted; take .*; accept_phase_error=True goes on"):
+        packing.mesh(**coarse)
+    assert packing.mesh(**coarse, accept_phase_error=True).volumes()["itz"] > 0

@@ -1,6 +1,7 @@
 //! What crosses from Rust to Python: only exceptions that `except Exception` catches.
 
-use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use meso_core::mesh::MeshError;
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::any::Any;
 use std::io;
@@ -33,4 +34,21 @@ pub(crate) fn file_error(path: &std::path::Path, error: io::Error) -> PyErr {
 fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_owned()
+}
+
+/// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
+pub(crate) fn mesh_error(error: MeshError) -> PyErr {
+    match error {
+        MeshError::Files { folder, error } => file_error(&folder, error),
+        MeshError::MissingGmsh { .. } => {
+            PyRuntimeError::new_err(format!("{error} for this Python or on the PATH, or mesh with method=\"lattice\""))
+        }
+        MeshError::PhaseError { .. } => {
+            PyValueError::new_err(format!("{error}; accept_phase_error=True goes on with it"))
+        }
+        MeshError::Gmsh(_) | MeshError::Seam { .. } | MeshError::Stopped | MeshError::Flat { .. } => {
+            PyRuntimeError::new_err(error.to_string())
+        }
+        _ => PyValueError::new_err(error.to_string()),
+    }
 }

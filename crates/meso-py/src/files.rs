@@ -1,6 +1,6 @@
 //! Files for the core's readers and writers, which open none: by extension, and whole or not at all.
 
-use crate::boundary::file_error;
+use crate::boundary::{file_error, mesh_error};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
@@ -39,9 +39,9 @@ pub(crate) fn write_model(
         return write_whole(path, overwrite, watch, |out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
-        let usual = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz));
-        let mesh = usual.and_then(|options| mesh::build(model, &options));
-        let mesh = mesh.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let options = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
+        let mesh = mesh::build(model, &options).map_err(mesh_error)?;
+        mesh::phases_kept(&mesh, &model.bodies(), &model.spec.specimen, &options).map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding, watch);
     }
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp"]].concat()))

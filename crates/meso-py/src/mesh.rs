@@ -1,7 +1,7 @@
 //! `Mesh`: points, cells and the phase of every cell.
 
 use crate::arrays;
-use crate::boundary::{file_error, guard};
+use crate::boundary::{guard, mesh_error};
 use crate::files;
 use crate::response::{self, Asked, Meshed, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
@@ -12,7 +12,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, Mesh, MeshError, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
+    self, Mesh, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
@@ -20,7 +20,7 @@ use meso_core::packing::Stage;
 use meso_core::{Model, Progress};
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyRuntimeError, PyUserWarning, PyValueError};
+use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::CString;
@@ -40,11 +40,15 @@ impl PartialEq for PyMesh {
 }
 
 /// Meshes `model` with the options that Python's keywords name.
+///
+/// # Errors
+/// A phase far off its volume is one, too, where that is not accepted.
 pub(crate) fn build(
     py: Python<'_>,
     model: Arc<Model>,
     progress: Option<&Bound<'_, PyAny>>,
     keywords: &Bound<'_, PyDict>,
+    accept_phase_error: bool,
 ) -> PyResult<PyMesh> {
     let progress = listener(py, progress)?;
     // `itz=None` means what it says.
@@ -52,7 +56,7 @@ pub(crate) fn build(
         keywords.set_item("itz", "none")?;
     }
     let table: MeshTable = options(Some(keywords))?;
-    let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(exception)?;
+    let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
     let built = in_stages(py, progress.as_ref(), Plan(&[(Stage::Mesh, 1.0)], 1.0), move |watch| {
@@ -60,23 +64,13 @@ pub(crate) fn build(
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         };
-        mesh::build_watched(&model, &with, &fill, &|share| watch.stage(Stage::Mesh, share))
+        let mesh = mesh::build_watched(&model, &with, &fill, &|share| watch.stage(Stage::Mesh, share))?;
+        if !accept_phase_error {
+            mesh::phases_kept(&mesh, &model.bodies(), &model.spec.specimen, &with)?;
+        }
+        Ok(mesh)
     })?;
-    built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(exception)
-}
-
-/// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
-fn exception(error: MeshError) -> PyErr {
-    match error {
-        MeshError::Files { folder, error } => file_error(&folder, error),
-        MeshError::MissingGmsh { .. } => {
-            PyRuntimeError::new_err(format!("{error} for this Python or on the PATH, or mesh with method=\"lattice\""))
-        }
-        MeshError::Gmsh(_) | MeshError::Seam { .. } | MeshError::Stopped | MeshError::Flat { .. } => {
-            PyRuntimeError::new_err(error.to_string())
-        }
-        _ => PyValueError::new_err(error.to_string()),
-    }
+    built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
 }
 
 /// gmsh for conforming meshes: this Python's module, else the program. It runs in a process of its own either way.

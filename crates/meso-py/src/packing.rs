@@ -325,6 +325,8 @@ impl PyPacking {
     ///     How the specimen is divided; "voxel" is the default.
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
+    /// accept_phase_error : bool, optional
+    ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
     /// progress : bool or callable, optional
     ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
     /// **options
@@ -334,13 +336,14 @@ impl PyPacking {
     /// Raises
     /// ------
     /// ValueError, TypeError
-    ///     Names the option, its value and the accepted range.
-    #[pyo3(signature = (*, method=None, element_size=None, progress=None, **options))]
+    ///     Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
+    #[pyo3(signature = (*, method=None, element_size=None, accept_phase_error=false, progress=None, **options))]
     fn mesh(
         &self,
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
         element_size: Option<&Bound<'_, PyAny>>,
+        accept_phase_error: bool,
         progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyMesh> {
@@ -351,7 +354,7 @@ impl PyPacking {
                     keywords.set_item(key, value)?;
                 }
             }
-            mesh::build(py, Arc::clone(&self.0), progress, &keywords)
+            mesh::build(py, Arc::clone(&self.0), progress, &keywords, accept_phase_error)
         })
     }
 

@@ -3,10 +3,11 @@
 use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
 use super::values;
-use crate::failure::Failure;
+use crate::failure::{Failure, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr, threads};
+use meso_core::Model;
 use meso_core::Spec;
 use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
@@ -30,6 +31,9 @@ pub(crate) struct Args {
     /// Compress the data of a .vtu (zlib)
     #[arg(long)]
     compress: bool,
+    /// Exit with 3 when a phase is more than 1 % off its exact volume
+    #[arg(long)]
+    strict: bool,
     /// Replace files that are there already
     #[arg(short, long)]
     force: bool,
@@ -100,7 +104,20 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
             .for_each(|path| stderr::line(format!("wrote {}", path.display())));
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, &deck));
     }
-    Ok(0)
+    if args.strict { exit_code(args, &mesh, &model) } else { Ok(0) }
+}
+
+/// Beyond this share of its exact volume `--strict` finds a phase off.
+const STRICT_PHASE_ERROR: f64 = 0.01;
+
+/// Exit code of a strict run that wrote its files; prints which phase is off.
+fn exit_code(args: &Args, mesh: &Mesh, model: &Model) -> Result<u8, Failure> {
+    let off = args.meshing.phase_off(mesh, model)?.filter(|off| off.error().abs() > STRICT_PHASE_ERROR);
+    Ok(off.map_or(0, |off| {
+        let (phase, error) = (off.phase.name(), 100.0 * off.error());
+        stderr::line(format!("warning: {phase} has {error:+.1} % of its exact volume, where --strict allows 1 %"));
+        SHORT
+    }))
 }
 
 fn plan(path: &Path, args: &Args) -> Result<(Target, MeshFormat), Failure> {

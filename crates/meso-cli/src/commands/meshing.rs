@@ -9,7 +9,7 @@ use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
 use meso_core::mesh::{
-    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, VolumeMesher, Volumes,
+    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, VolumeMesher, Volumes,
 };
 use meso_core::packing::{Specimen, Stage};
 use meso_core::spec::options_from_toml;
@@ -54,6 +54,9 @@ pub(super) struct Meshing {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
     subsamples: u32,
+    /// Go on where a phase is more than 10 % off its exact volume, which is refused otherwise
+    #[arg(long)]
+    accept_phase_error: bool,
     /// Hexahedra with reduced integration (C3D8R)
     #[arg(long)]
     reduced_integration: bool,
@@ -257,6 +260,7 @@ impl Meshing {
             ("--geometry-only", self.geometry_only),
             ("--periodic-equations", self.periodic_equations),
             ("--with-damage", self.with_damage),
+            ("--accept-phase-error", self.accept_phase_error),
         ];
         words.extend(flags.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_owned()));
         if mesh.subsamples > 1 {
@@ -309,7 +313,18 @@ impl Meshing {
 
     /// Meshes; options that cannot be are wrong usage.
     pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<Mesh, Failure> {
-        build(model, &self.options()?, &self.gmsh, quiet, watch)
+        let options = self.options()?;
+        let mesh = build(model, &options, &self.gmsh, quiet, watch)?;
+        if !self.accept_phase_error {
+            let kept = mesh::phases_kept(&mesh, &model.bodies(), &model.spec.specimen, &options);
+            kept.map_err(|error| wrong_mesh(&error))?;
+        }
+        Ok(mesh)
+    }
+
+    /// The phase of `mesh` that is farthest off its exact volume.
+    pub(super) fn phase_off(&self, mesh: &Mesh, model: &Model) -> Result<Option<PhaseOff>, Failure> {
+        Ok(PhaseOff::of(mesh, &model.bodies(), &model.spec.specimen, &self.options()?))
     }
 }
 
@@ -348,6 +363,7 @@ pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
         MeshError::MissingGmsh { .. } => {
             Failure::Run(format!("{error} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
+        MeshError::PhaseError { .. } => Failure::Run(format!("{error}; --accept-phase-error goes on with it")),
         MeshError::NearTouching { .. } => {
             Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
         }

@@ -101,21 +101,25 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
-        let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet, &watch)).transpose()?;
-        plan.write(&model, mesh.as_ref(), &deck, &watch)?;
+        let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet, &watch)).transpose();
+        // A packing is not lost with its mesh.
+        plan.write(&model, mesh.as_ref().ok().and_then(Option::as_ref), &deck, &watch)?;
         Ok((model, mesh))
     });
     watch.finish();
     let (model, mesh) = written?;
     if !args.quiet {
         print(&model.report);
-        if let Some(mesh) = &mesh {
+        if let Ok(Some(mesh)) = &mesh {
             MeshReport::of(mesh, &model, args.meshing.options()?, &deck).print();
             args.meshing.hint(&spec).into_iter().for_each(stderr::line);
         }
-        plan.files().for_each(|path| stderr::line(format!("wrote {}", path.display())));
-        plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &deck));
+        plan.files(mesh.is_ok()).for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        if mesh.is_ok() {
+            plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &deck));
+        }
     }
+    mesh?;
     Ok(exit_code(&model.report, args.strict))
 }
 
@@ -196,8 +200,11 @@ struct Plan {
 }
 
 impl Plan {
-    fn files(&self) -> impl Iterator<Item = &Path> {
-        self.outputs.iter().map(|(target, _)| target).chain(&self.summary).filter_map(Target::file)
+    /// The files that were written, those of meshes where there is one.
+    fn files(&self, has_mesh: bool) -> impl Iterator<Item = &Path> {
+        let is_there = move |content: &Content| has_mesh || !matches!(content, Content::Mesh(_));
+        let there = self.outputs.iter().filter(move |(_, content)| is_there(content)).map(|(target, _)| target);
+        there.chain(&self.summary).filter_map(Target::file)
     }
 
     fn meshes(&self) -> impl Iterator<Item = (&Target, MeshFormat)> {

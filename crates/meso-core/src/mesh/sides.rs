@@ -5,14 +5,13 @@
 //!
 //! Nodes on the faces of a periodic box are images of each other: one and the same in the endless specimen. With cohesive elements a
 //! place has a node for each material there, and which these are depends on the cells behind the face. So images are told apart
-//! by their *owner*, the aggregate whose cells have them, and `complete` gives every image of a place a node for each owner that
-//! any of them has.
+//! by their *owner*, the aggregate whose cells have them, and `complete` gives an image on an upper face a node for each owner that a
+//! cohesive element across the face needs there. Every node has cells or cohesive elements.
 
 use super::cells::{Cells, Mesh, NO_AGGREGATE};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Specimen;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 
 /// The bounding planes: axis, whether it is the upper one, and the name of its node set.
 pub const SIDES: [(usize, bool, &str); 6] = [
@@ -244,64 +243,95 @@ pub(crate) fn owners(mesh: &Mesh, sides: &Sides) -> Vec<u32> {
     }
     let mut owners = by_cells(mesh);
     let twins = twins(&mesh.points, mesh.periodic, sides, &owners);
-    for class in twins.chunk_by(|a, b| a.class == b.class) {
-        let all = owners_of(class);
-        for place in class.chunk_by(|a, b| a.along == b.along) {
-            // `complete` numbers the nodes it adds at a place by their owners.
-            let here = owners_of(place);
-            let added = place.iter().filter(|twin| twin.owner == NOBODY);
-            added.zip(all.difference(&here)).for_each(|(twin, owner)| owners[twin.node as usize] = *owner);
-        }
+    let needed = needed(mesh, &Joins::across(mesh, sides, &twins), &twins);
+    for place in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
+        // `complete` numbers the nodes it adds at a place by their owners.
+        let added = place.iter().filter(|twin| twin.owner == NOBODY);
+        added.zip(missing(&needed, place)).for_each(|(twin, owner)| owners[twin.node as usize] = owner);
     }
     owners
 }
 
-/// Gives every image of a place on the faces a node for each owner, and joins the materials that meet across a face by
-/// cohesive elements on the upper one.
+/// Joins the materials that meet across a face by cohesive elements on the upper one, with nodes of their own where those of
+/// the lower face's material are missing there.
 pub(super) fn complete(mesh: &mut Mesh) {
     let sides = Sides::of(mesh);
     let owners = by_cells(mesh);
     let mut twins = twins(&mesh.points, mesh.periodic, &sides, &owners);
+    let joins = Joins::across(mesh, &sides, &twins);
+    let needed = needed(mesh, &joins, &twins);
     let mut added = Vec::new();
-    for class in twins.chunk_by(|a, b| a.class == b.class) {
-        let all = owners_of(class);
-        for place in class.chunk_by(|a, b| a.along == b.along) {
-            for &owner in all.difference(&owners_of(place)) {
-                let node = (mesh.points.len() + added.len()) as u32;
-                added.push((mesh.points[place[0].node as usize], Twin { owner, node, ..place[0] }));
-            }
+    for place in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
+        for owner in missing(&needed, place) {
+            let node = (mesh.points.len() + added.len()) as u32;
+            added.push((mesh.points[place[0].node as usize], Twin { owner, node, ..place[0] }));
         }
     }
     mesh.points.extend(added.iter().map(|(point, _)| point));
     twins.extend(added.iter().map(|(_, twin)| twin));
     twins.sort_unstable();
-    join_across(mesh, &sides, &twins);
-}
-
-/// Cohesive elements where a cell on an upper face meets another material's on the lower one.
-fn join_across(mesh: &mut Mesh, sides: &Sides, twins: &[Twin]) {
-    let places = Places::new(mesh.points.len(), twins);
-    let mut joined = Vec::new();
-    for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
-        let lower = |face: &(u32, usize)| {
-            Some((places.key(&corners(mesh.by_aggregate(), face))?, mesh.aggregate[face.0 as usize]))
-        };
-        let mut low: Vec<(Vec<u32>, u32)> = sides.faces()[2 * axis].iter().filter_map(lower).collect();
-        low.sort_unstable();
-        let opposite = |own: &[u32]| {
-            let key = places.key(own)?;
-            low.binary_search_by(|entry| entry.0.cmp(&key)).ok().map(|found| low[found].1)
-        };
-        for face in &sides.faces()[2 * axis + 1] {
-            let (own, inside) = (corners(mesh.by_aggregate(), face), mesh.aggregate[face.0 as usize]);
-            let outside = opposite(&own).filter(|outside| *outside != inside);
-            joined.extend(outside.and_then(|outside| places.join(own, inside, outside)));
+    let places = Places::new(mesh.points.len(), &twins);
+    for Join { own, inside, outside } in joins.0 {
+        if let Some((aggregate, nodes)) = places.join(own, inside, outside) {
+            mesh.cohesive.extend(nodes);
+            mesh.cohesive_aggregate.push(aggregate);
         }
     }
-    for (aggregate, nodes) in joined {
-        mesh.cohesive.extend(nodes);
-        mesh.cohesive_aggregate.push(aggregate);
+}
+
+/// A cell's face on an upper face of the box, by its nodes, and the two materials that meet there.
+struct Join {
+    own: Vec<u32>,
+    inside: u32,
+    outside: u32,
+}
+
+/// Where a cell on an upper face meets another material's on the lower one.
+struct Joins(Vec<Join>);
+
+impl Joins {
+    fn across(mesh: &Mesh, sides: &Sides, twins: &[Twin]) -> Self {
+        let places = Places::new(mesh.points.len(), twins);
+        let mut joins = Vec::new();
+        for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
+            let lower = |face: &(u32, usize)| {
+                Some((places.key(&corners(mesh.by_aggregate(), face))?, mesh.aggregate[face.0 as usize]))
+            };
+            let mut low: Vec<(Vec<u32>, u32)> = sides.faces()[2 * axis].iter().filter_map(lower).collect();
+            low.sort_unstable();
+            let opposite = |own: &[u32]| {
+                let key = places.key(own)?;
+                low.binary_search_by(|entry| entry.0.cmp(&key)).ok().map(|found| low[found].1)
+            };
+            for face in &sides.faces()[2 * axis + 1] {
+                let (own, inside) = (corners(mesh.by_aggregate(), face), mesh.aggregate[face.0 as usize]);
+                let outside = opposite(&own).filter(|outside| *outside != inside);
+                joins.extend(outside.map(|outside| Join { own, inside, outside }));
+            }
+        }
+        Self(joins)
     }
+}
+
+/// The places on upper faces (class and `along`) with the owners that cohesive elements across them need there, ascending.
+fn needed(mesh: &Mesh, joins: &Joins, twins: &[Twin]) -> Vec<(u32, u8, u32)> {
+    let places = Places::new(mesh.points.len(), twins);
+    let of_join = |join: &Join| -> Vec<(u32, u8, u32)> {
+        let place = |&node: &u32| places.of[node as usize].map(|(class, along)| (class, along, join.outside));
+        join.own.iter().filter_map(place).collect()
+    };
+    let mut needed: Vec<(u32, u8, u32)> = joins.0.iter().flat_map(of_join).collect();
+    needed.sort_unstable();
+    needed.dedup();
+    needed
+}
+
+/// The owners needed at a place, given by its nodes, that have no cells there, ascending.
+fn missing<'a>(needed: &'a [(u32, u8, u32)], place: &'a [Twin]) -> impl Iterator<Item = u32> + 'a {
+    let here = (place[0].class, place[0].along);
+    let start = needed.partition_point(|entry| (entry.0, entry.1) < here);
+    let needed = needed[start..].iter().take_while(move |entry| (entry.0, entry.1) == here);
+    needed.map(|entry| entry.2).filter(|owner| place.iter().all(|twin| twin.owner != *owner))
 }
 
 /// The corners of a cell's face, counter-clockwise from outside.
@@ -364,10 +394,6 @@ fn by_cells(mesh: &Mesh) -> Vec<u32> {
         cell.iter().for_each(|&node| owners[node as usize] = aggregate);
     }
     owners
-}
-
-fn owners_of(twins: &[Twin]) -> BTreeSet<u32> {
-    twins.iter().map(|twin| twin.owner).filter(|owner| *owner != NOBODY).collect()
 }
 
 /// The nodes on faces across which the box repeats itself, by class, upper faces, owner and number; without those that
