@@ -530,8 +530,6 @@ class Packing:
             How the specimen is divided; "voxel" is the default.
         element_size : float, optional
             Edge length of the elements, mm; default 2.
-        accept_phase_error : bool, optional
-            Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
         progress : bool or callable, optional
             True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
         **options
@@ -541,7 +539,7 @@ class Packing:
         Raises
         ------
         ValueError, TypeError
-            Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
+            Names the option, its value and the accepted range.
         """
 
     def to_pyvista(self, **options: Unpack[_Images]) -> PolyData:
