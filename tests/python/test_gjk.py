@@ -181,7 +181,7 @@ def test_a_moving_box_arrives_when_its_distance_is_covered():
 @pytest.mark.parametrize("away", [0.0, 300.0])
 def test_bodies_answer_as_their_points_do(away):
     rng = np.random.default_rng(5)
-    points = grains(rng, 40, away / 100.0)
+    points = grains(rng, 40, away / 300.0)
     points = [p + away for p in points]
     bodies = gjk.Bodies(points)
     truth = np.array([[gjk.intersects(a, b) for b in points] for a in points])
@@ -234,7 +234,7 @@ def test_places_are_clear_beyond_the_gap():
 def test_bodies_take_what_the_package_makes_and_survive_pickling():
     import pickle
 
-    packing = mc.pack(fraction=0.2, seed=3, specimen={"kind": "cube", "side_mm": 60.0})
+    packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 60.0}}, fraction=0.2, seed=3)
     bodies = gjk.Bodies(packing.aggregates)
     assert len(bodies) == len(packing)
     assert len(bodies.overlapping_pairs()) == 0

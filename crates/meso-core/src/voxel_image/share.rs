@@ -222,9 +222,9 @@ fn divide(polygon: &[Vec3], axis: usize, place: f64, below: &mut Vec<Vec3>, abov
             above.push(cut);
         }
         if to[axis] < place {
-            below.push(*to)
+            below.push(*to);
         } else {
-            above.push(*to)
+            above.push(*to);
         }
         from = to;
     }

@@ -900,7 +900,7 @@ def intersects(a: _Points, b: _Points, method: _Method = "enhanced") -> bool:
     Parameters
     ----------
     a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
-        Hulls of any dimension; closed sets, so touching counts. Magnitudes 1e-60 to 1e60, or 0.
+        Hulls of any dimension; closed sets, so touching counts. Any finite numbers.
     method : str
         The search that proposes the answer: "enhanced", "classical", "signed-volumes" or "exact". The answer is
         certified and does not depend on it.
@@ -929,6 +929,8 @@ def intersects_many(
 ) -> NDArray[np.bool_]:
     """`intersects` of `a` with each of many bodies.
 
+    Boxes tell most bodies apart. To ask about the same bodies again, make `Bodies` of them.
+
     Parameters
     ----------
     a : array_like, shape (n, 3), or Aggregate, or Polyhedron
@@ -941,23 +943,128 @@ def intersects_many(
     ndarray, shape (len(bodies),), bool
     """
 
-def closest_points(a: _Points, b: _Points) -> NDArray[np.float64]: ...
-def penetration(a: _Points, b: _Points) -> tuple[float, float, NDArray[np.float64]] | None: ...
+def closest_points(a: _Points, b: _Points) -> NDArray[np.float64]:
+    """A point of each convex hull: the two that are nearest each other, or one that both share, twice.
+
+    Parameters
+    ----------
+    a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
+
+    Returns
+    -------
+    ndarray, shape (2, 3), float64
+        Row 0 lies in `a`, row 1 in `b`. Each coordinate is the exact one, rounded once.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For arrays that are no (n, 3) array of finite numbers.
+    """
+
+def penetration(a: _Points, b: _Points) -> tuple[float, float, NDArray[np.float64]] | None:
+    """What `mesocrete.gjk.penetration` names: depth, at_least, direction."""
+
 def time_of_impact(
     a: _Points, b: _Points, motion: ArrayLike
-) -> tuple[float, float | None, NDArray[np.float64]] | None: ...
+) -> tuple[float, float | None, NDArray[np.float64]] | None:
+    """What `mesocrete.gjk.time_of_impact` names: not_before, by, direction."""
+
 @final
 class Bodies:
+    """Convex bodies that are laid out once and asked often.
+
+    Parameters
+    ----------
+    bodies : iterable of array_like, shape (n, 3), or Aggregate, or Polyhedron
+        Hulls of any dimension, closed, in one frame and any unit. Any finite numbers.
+
+    All answers are exact for the points and shifts as given, as those of `intersects` are. Of a solid the corners of its
+    hull are kept, and points inside are dropped.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For a body that is no (n, 3) array of finite numbers; the message says which.
+    """
+
     def __new__(cls, bodies: Iterable[_Points]) -> Bodies: ...
     def __len__(self) -> int: ...
-    def points(self, index: int) -> NDArray[np.float64]: ...
-    def intersects(self, a: _Points, shift: ArrayLike | None = None) -> NDArray[np.bool_]: ...
+    def points(self, index: int) -> NDArray[np.float64]:
+        """The points of body `index`, in their order; of a solid the corners of its hull: ndarray, shape (n, 3), float64."""
+
+    def intersects(self, a: _Points, shift: ArrayLike | None = None) -> NDArray[np.bool_]:
+        """Whether each body shares a point with `a`.
+
+        Parameters
+        ----------
+        a : array_like, shape (n, 3), or Aggregate, or Polyhedron
+        shift : array_like, shape (3,), optional
+            Added to the points of `a`, exactly.
+
+        Returns
+        -------
+        ndarray, shape (len(self),), bool
+        """
+
     def intersects_pairs(
         self, pairs: ArrayLike, other: Bodies | None = None, shifts: ArrayLike | None = None
-    ) -> NDArray[np.bool_]: ...
-    def overlapping_pairs(self) -> NDArray[np.int64]: ...
-    def clear(self, a: _Points, shifts: ArrayLike, gap: float = 0.0) -> NDArray[np.bool_]: ...
-    def placed(self, positions: ArrayLike, rotations: ArrayLike | None = None) -> Bodies: ...
+    ) -> NDArray[np.bool_]:
+        """Whether the bodies of each pair share a point.
+
+        Parameters
+        ----------
+        pairs : array_like, shape (m, 2), int
+            (i, j): our body i and body j of `other`.
+        other : Bodies, optional
+            These bodies themselves by default.
+        shifts : array_like, shape (m, 3), optional
+            Added to the points of each second body, exactly.
+
+        Returns
+        -------
+        ndarray, shape (m,), bool
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a pair of bodies that are not there, and for arrays of another shape.
+        """
+
+    def overlapping_pairs(self) -> NDArray[np.int64]:
+        """All pairs of these bodies that share a point: ndarray, shape (k, 2), int64, in ascending order."""
+
+    def clear(self, a: _Points, shifts: ArrayLike, gap: float = 0.0) -> NDArray[np.bool_]:
+        """At which shifts `a` keeps clear of all bodies: placement attempts.
+
+        Parameters
+        ----------
+        a : array_like, shape (n, 3), or Aggregate, or Polyhedron
+        shifts : array_like, shape (m, 3)
+            Added to the points of `a`, exactly.
+        gap : float
+            The distance to exceed, at least 0, in the unit of the points.
+
+        Returns
+        -------
+        ndarray, shape (m,), bool
+        """
+
+    def placed(self, positions: ArrayLike, rotations: ArrayLike | None = None) -> Bodies:
+        """The bodies turned about the origin, if at all, and then displaced.
+
+        Each coordinate is rounded, so that answers are exact for what `points` then returns.
+
+        Parameters
+        ----------
+        positions : array_like, shape (len(self), 3)
+            Added to the points of each body.
+        rotations : array_like, shape (len(self), 4), optional
+            Quaternions x, y, z, w, as scipy's `Rotation.as_quat` gives them; they need not be of unit length.
+
+        Returns
+        -------
+        Bodies
+        """
 
 def recipes() -> dict[str, str]:
     """The specimens that `Spec.recipe` knows, by name, and what each of them is."""
