@@ -140,7 +140,8 @@ fn witnesses() {
     type Asked<'a> = (&'a [Vec3], Vec<Vec3>, Vec3);
     let (deep, apart) = (points(pairs::intersecting(&grains)), points(pairs::separated(&grains)));
     let size = |(a, b, _): &Asked<'_>| a.iter().chain(b).map(|p| p.norm()).fold(0.0, f64::max);
-    let ask_all: [(&str, &[Asked<'_>], &dyn Fn(&Asked<'_>) -> f64); 4] = [
+    type Ask<'f> = &'f dyn Fn(&Asked<'_>) -> f64;
+    let ask_all: [(&str, &[Asked<'_>], Ask); 4] = [
         ("penetration", &deep, &|(a, b, _)| {
             let found = Penetration::of(a, b).expect("finite").expect("overlap");
             found.depth - found.at_least

@@ -17,15 +17,12 @@ pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
         return Err(io::Error::other("a .ply holds at most 2147483647 points"));
     }
     let triangles: usize = bodies.iter().map(|body| body.body.triangles().count()).sum();
-    write!(out, "ply\nformat binary_little_endian 1.0\ncomment mesocrete, mm\nelement vertex {points}\n")?;
-    write!(out, "property double x\nproperty double y\nproperty double z\nelement face {triangles}\n")?;
+    writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment mesocrete, mm\nelement vertex {points}")?;
+    writeln!(out, "property double x\nproperty double y\nproperty double z\nelement face {triangles}")?;
     writeln!(out, "property list uchar int vertex_indices")?;
-    write!(out, "property uchar red\nproperty uchar green\nproperty uchar blue\n")?;
-    write!(
-        out,
-        "property int aggregate\nproperty int class\nproperty uchar phase\nproperty double itz_thickness_mm\n"
-    )?;
-    out.write_all(b"end_header\n")?;
+    writeln!(out, "property uchar red\nproperty uchar green\nproperty uchar blue")?;
+    writeln!(out, "property int aggregate\nproperty int class\nproperty uchar phase")?;
+    writeln!(out, "property double itz_thickness_mm\nend_header")?;
     for x in bodies.iter().flat_map(|body| body.body.vertices()).flat_map(|vertex| [vertex.x, vertex.y, vertex.z]) {
         out.write_all(&x.to_le_bytes())?;
     }
