@@ -91,7 +91,10 @@ fn every_wrong_flag_exits_with_2_and_names_the_flag() {
         (&["convert", "small.json"], "--output"),
         (&["convert", "small.json", "-o", "a.inp"], "a.inp: the extension names no format"),
         (&["convert", "small.json", "-o", "a.inp"], "mesocrete mesh"),
-        (&["convert", "small.json", "-o", "-", "--format", "png"], "it must be one of json, vtu, stl, csv"),
+        (
+            &["convert", "small.json", "-o", "-", "--format", "png"],
+            "it must be one of json, json.gz, vtu, vtp, stl, step, glb, ply, obj, csv",
+        ),
         (&["convert", "small.json", "-o", "small.json", "--force"], "small.json is the input; write to another file"),
         (&["check"], "MODEL"),
         (&["init", "moon"], "there is no recipe \"moon\"; the recipes are paper"),

@@ -45,7 +45,8 @@ impl Impact {
     ///
     /// ```
     /// use meso_core::{gjk, math::Vec3};
-    /// let (point, moving) = ([Vec3::zeros()], [Vec3::new(3.0, 0.0, 0.0), Vec3::new(5.0, 1.0, 0.0)]);
+    /// let corners = [[3.0, 0.0, 0.0], [5.0, 1.0, 0.0], [5.0, -1.0, 1.0], [5.0, -1.0, -1.0]];
+    /// let (point, moving) = ([Vec3::zeros()], corners.map(Vec3::from));
     /// let found = gjk::Impact::of(&point, &moving, &Vec3::new(-4.0, 0.0, 0.0))?.expect("it hits");
     /// assert!(found.not_before <= 0.75 && found.by.is_some_and(|by| by >= 0.75 && by - found.not_before < 1e-13));
     /// assert_eq!(gjk::Impact::of(&point, &moving, &Vec3::new(0.0, -4.0, 0.0))?, None);

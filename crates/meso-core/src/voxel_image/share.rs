@@ -284,7 +284,7 @@ mod tests {
                 crossed += usize::from(share > 0.0 && share < 1.0);
             }
             assert!(first > 0.0 || (sum * h.powi(3) / body.volume() - 1.0).abs() < 1e-7);
-            assert!(crossed > 8, "{crossed}");
+            assert!(crossed > 0 && (first > 0.0 || crossed > 20), "{crossed} of {counts:?}");
         }
     }
 }

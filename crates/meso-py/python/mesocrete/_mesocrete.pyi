@@ -18,6 +18,7 @@ __version__: str
 __all__ = [
     "Aggregate",
     "Aggregates",
+    "Bodies",
     "Frame",
     "Mesh",
     "Packing",
@@ -32,13 +33,16 @@ __all__ = [
     "_StudyPlan",
     "_run_command",
     "_study_results",
+    "closest_points",
     "convex_hull",
     "distance",
     "intersects",
     "intersects_many",
     "load",
     "pack",
+    "penetration",
     "recipes",
+    "time_of_impact",
 ]
 
 _Path: TypeAlias = str | PathLike[str]
