@@ -23,9 +23,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "tests" / "python"), str(ROOT / "benches")]
 
 from kills import campaign, session  # noqa: E402
-from mesh_write import origin  # noqa: E402
+from origin import RESULTS, origin  # noqa: E402
 
-RESULTS = ROOT / "benches" / "results"
 # When Ctrl-C comes, s after the start.
 DELAYS = [0.5, 1.5, 3.0]
 LARGE = "fraction = 0.55\nspecimen = { kind = 'cube', side_mm = 150 }\n"

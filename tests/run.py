@@ -31,6 +31,9 @@ PEERS = {
 # Benches of conforming meshes.
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
 
+# Benches of the Python module; the solvers' leaves out what is not installed.
+PYTHON_BENCHES = ["mesh_write.py", "solvers.py", "stopping.py"]
+
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [
     "calculix",
@@ -166,8 +169,8 @@ def bench_stages(python: Path) -> list[tuple[str, list[str]]]:
     """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
     benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
     rust = [["cargo", "bench", "--quiet", "--bench", name.stem, "--", "--quick"] for name in benches]
-    script = [str(python), str(ROOT / "benches" / "mesh_write.py"), "--quick"]
-    return [(f"bench {command[4]}", command) for command in rust] + [("bench mesh_write", script)]
+    scripts = [[str(python), str(ROOT / "benches" / name), "--quick"] for name in PYTHON_BENCHES]
+    return [(f"bench {command[4]}", command) for command in rust] + [(f"bench {Path(c[1]).stem}", c) for c in scripts]
 
 
 def has_gmsh() -> bool:
