@@ -21,8 +21,8 @@ const VOID: u8 = 3;
 /// The mortar's name and colour.
 pub(super) const MORTAR: (&str, [u8; 3]) = ("mortar", PALETTE[0]);
 
-/// The number in the field `phase`: 2 aggregate, 3 void, 4 fibre.
-pub(super) fn phase(kind: Kind) -> u8 {
+/// The number in the field `phase` and the label of voxels inside a body: 2 aggregate, 3 void, 4 fibre.
+pub(crate) fn phase(kind: Kind) -> u8 {
     match kind {
         Kind::Aggregate => Phase::Aggregate as u8,
         Kind::Void => VOID,

@@ -1,7 +1,7 @@
 //! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
 
 pub mod abaqus;
-mod appearance;
+pub(crate) mod appearance;
 pub(crate) mod csv;
 pub(crate) mod glb;
 #[doc(hidden)]

@@ -12,7 +12,8 @@ mod share;
 
 pub use options::{ImageError, ImageOptions, Quantity, Region, ShareOf};
 
-use crate::aggregate::{Aggregate, Kind};
+use crate::aggregate::Aggregate;
+use crate::export::appearance::phase;
 pub use crate::export::raster::{Frame, ValueKind, Values};
 
 use crate::math::{Aabb, Vec3};
@@ -28,8 +29,6 @@ use std::sync::Arc;
 
 /// The label of voxels outside the specimen.
 const OUTSIDE: u8 = 255;
-/// The label of voxels in a void.
-const VOID: u8 = 3;
 /// The id of voxels in no grain.
 const NO_GRAIN: i32 = -1;
 /// The id of voxels outside the specimen.
@@ -170,19 +169,11 @@ impl Maker {
         let scan = || Scan::new(grid, Facets::all(bodies, |body| body.itz_thickness_mm));
         match options.quantity {
             Quantity::Phase => {
-                Self::Phase(scan(), bodies.iter().map(|body| [Phase::Itz as u8, label(body.kind)]).collect())
+                Self::Phase(scan(), bodies.iter().map(|body| [Phase::Itz as u8, phase(body.kind)]).collect())
             }
             Quantity::Grain => Self::Grain(scan(), bodies.iter().map(|body| body.id as i32).collect()),
             Quantity::Share => Self::Share(Shares::new(grid, options.of, bodies)),
             Quantity::Distance => Self::Distance(scan(), Surfaces::new(bodies)),
         }
-    }
-}
-
-/// The label of a body inside its ITZ: a mesh's phase, or that of voids, which meshes do not have.
-fn label(kind: Kind) -> u8 {
-    match kind {
-        Kind::Void => VOID,
-        kind => Phase::inside(kind) as u8,
     }
 }
