@@ -26,7 +26,7 @@ pub(crate) fn install() {
         if !(first && POLLED.load(Ordering::SeqCst) > 0) {
             ENDING.store(true, Ordering::SeqCst);
             meso_gmsh::end_all();
-            let hidden = hold();
+            let hidden = lock();
             remove(&hidden);
             std::process::exit(INTERRUPTED.into());
         }
@@ -54,8 +54,18 @@ impl Drop for Polling {
     }
 }
 
-/// The hidden files there are. While this is held no signal ends the process.
+/// The hidden files there are. While this is held no signal ends the process; once one ends it, this never returns.
 pub(crate) fn hold() -> MutexGuard<'static, Vec<PathBuf>> {
+    let held = lock();
+    if ENDING.load(Ordering::SeqCst) {
+        drop(held);
+        end_if_told();
+        unreachable!("the handler ends the process");
+    }
+    held
+}
+
+fn lock() -> MutexGuard<'static, Vec<PathBuf>> {
     HIDDEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
