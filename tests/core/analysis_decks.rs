@@ -7,7 +7,9 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::{Elastic, Materials, Strength};
 use meso_core::math::Vec3;
 use meso_core::mesh::quality::{self, MassScaling};
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, Volumes};
+use meso_core::mesh::{
+    self, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, NarrowGaps, Phase, PhaseVolumes, Volumes,
+};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};
@@ -27,7 +29,7 @@ fn meshed(options: MeshOptions) -> Mesh {
 }
 
 fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
-    meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0 })
+    meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
 }
 
 /// Joined aggregates kept, without and with cohesive elements: what several tests look at.
@@ -137,6 +139,55 @@ fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
     let sharpest = |mesh: &Mesh| quality::cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
     assert!(sharpest(&restored) > sharpest(&fitted).min(9.0) - 1e-9);
     assert_eq!(restored.cells, fitted.cells);
+}
+
+#[test]
+fn split_gaps_leave_no_edge_of_mortar_from_one_aggregate_to_another() {
+    let split = |method, itz, joined| {
+        let narrow_gaps = NarrowGaps::Split;
+        meshed(MeshOptions { method, itz, joined, narrow_gaps, element_size_mm: 2.0, ..Default::default() })
+    };
+    for (itz, joined) in
+        [(ItzForm::None, Joined::Cut), (ItzForm::Smeared, Joined::Mortar), (ItzForm::Solid, Joined::Keep)]
+    {
+        let (mesh, kept) = (split(Method::FITTED, itz, joined), lattice(itz, joined, Volumes::Fitted));
+        assert!(mesh.notes.split_gap_edges > 100, "{itz:?}: {}", mesh.notes.split_gap_edges);
+        assert_eq!(bridges(&kept), mesh.notes.split_gap_edges, "{itz:?}");
+        assert_eq!(bridges(&mesh), 0, "{itz:?}");
+        assert_eq!(mesh.points[..kept.points.len()], kept.points, "nodes stay where they are");
+        assert!((outer_area(&mesh) / outer_area(&kept) - 1.0).abs() < 1e-9, "{itz:?}: neighbours agree on their faces");
+        let volumes = [&mesh, &kept].map(PhaseVolumes::of_mesh);
+        assert!((volumes[0].aggregate - volumes[1].aggregate).abs() < 1e-9 * volumes[1].total());
+        assert!((volumes[0].total() - volumes[1].total()).abs() < 1e-9 * volumes[1].total());
+        assert!(quality::cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0));
+    }
+    let voxels = split(Method::VOXEL, ItzForm::None, Joined::Mortar);
+    assert_eq!(voxels.notes.split_gap_edges, 0);
+}
+
+/// Edges of cells of no aggregate whose ends lie on two aggregates, or one of them on several.
+fn bridges(mesh: &Mesh) -> usize {
+    let mut owners: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); mesh.points.len()];
+    for (cell, id) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
+        cell.iter().for_each(|&node| _ = owners[node as usize].insert(*id));
+    }
+    let parts = |a: u32, b: u32| match [a, b].map(|node| &owners[node as usize]) {
+        [a, b] if a.len() == 1 && b.len() == 1 => a != b,
+        [a, b] => a.len() + b.len() > 2 && a.len().min(b.len()) == 1,
+    };
+    let mut found = BTreeSet::new();
+    for (cell, _) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == NO_AGGREGATE) {
+        for (i, &a) in cell.iter().enumerate() {
+            found.extend(cell[..i].iter().filter(|&&b| parts(a, b)).map(|&b| (a.min(b), a.max(b))));
+        }
+    }
+    found.len()
+}
+
+/// Area of the outside, mm2: more where a node hangs in a neighbour's face.
+fn outer_area(mesh: &Mesh) -> f64 {
+    let p = |node: u32| mesh.points[node as usize];
+    outer_faces(mesh).iter().map(|face| (p(face[1]) - p(face[0])).cross(&(p(face[2]) - p(face[0]))).norm() / 2.0).sum()
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::deck_reader::Deck;
 use meso_core::check::check;
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Order, PhaseVolumes, Volumes};
+use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, NarrowGaps, Order, PhaseVolumes, Volumes};
 use meso_core::{Model, Silent, Spec, pack};
 use std::collections::BTreeSet;
 
@@ -64,6 +64,7 @@ fn options(chance: &mut Chance) -> MeshOptions {
         itz,
         joined: chance.pick(&[Joined::Keep, Joined::Mortar]),
         volumes: chance.pick(&[Volumes::Fitted, Volumes::Exact]),
+        narrow_gaps: chance.pick(&[NarrowGaps::Keep, NarrowGaps::Split]),
     }
 }
 

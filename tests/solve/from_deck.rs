@@ -10,8 +10,8 @@ use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, Notes, Phase, PhaseVolumes, Volumes,
-    band_factor, regular_edge,
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, NarrowGaps, Notes, Phase, PhaseVolumes,
+    Volumes, band_factor, regular_edge,
 };
 use meso_solve::{Figures, Itz, Kind, Run, Sample, Silent, Test};
 use std::collections::BTreeMap;
@@ -261,6 +261,7 @@ fn defaults() -> MeshOptions {
         itz: ItzForm::Smeared,
         joined: Joined::Cut,
         volumes: Volumes::Exact,
+        narrow_gaps: NarrowGaps::Split,
         ..MeshOptions::default()
     }
 }

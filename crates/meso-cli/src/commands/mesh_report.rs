@@ -233,6 +233,12 @@ fn notes(notes: &Notes, parted_by_itz: bool) {
             notes.widest_closed_gap_mm
         ));
     }
+    if notes.split_gap_edges > 0 {
+        let edges = stderr::thousands(notes.split_gap_edges);
+        stderr::line(format!(
+            "{edges} edges from one aggregate to another got a node in the middle: --narrow-gaps keep leaves them"
+        ));
+    }
     if notes.closed_side_gaps > 0 {
         stderr::line(format!(
             "gaps that the elements cannot show: {} nodes join {} aggregates to the specimen's sides (widest {:.4} mm); to keep \

@@ -9,7 +9,8 @@ use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
 use meso_core::mesh::{
-    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, VolumeMesher, Volumes,
+    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff,
+    VolumeMesher, Volumes,
 };
 use meso_core::packing::{Specimen, Stage};
 use meso_core::spec::options_from_toml;
@@ -40,6 +41,9 @@ pub(super) struct Meshing {
     #[arg(long, value_parser = names::parse::<Volumes>)]
     #[arg(help = format!("Volume of the aggregates in a fitted lattice: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
     volumes: Option<Volumes>,
+    #[arg(long, value_parser = names::parse::<NarrowGaps>)]
+    #[arg(help = format!("Tetrahedra between two aggregates, one at least or two: {} [default: keep; with an analysis split]", names::list::<NarrowGaps>()))]
+    narrow_gaps: Option<NarrowGaps>,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
     #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
@@ -115,6 +119,7 @@ impl Meshing {
             order: self.order,
             joined: self.joined.unwrap_or(if self.analyses() { Joined::Cut } else { Joined::Keep }),
             volumes: self.volumes.unwrap_or(if self.analyses() { Volumes::Exact } else { Volumes::Fitted }),
+            narrow_gaps: self.narrow_gaps.unwrap_or(if self.analyses() { NarrowGaps::Split } else { NarrowGaps::Keep }),
             slabs: self.slabs,
         }
         .with_itz_for(self.thickness.get().unwrap_or(&Itz::default()))
@@ -211,6 +216,12 @@ impl Meshing {
         let usual = Loading::default();
         for (flag, given, used, of) in [
             ("--volumes", self.volumes == Some(Volumes::Exact), !voxels, "the methods lattice and conforming"),
+            (
+                "--narrow-gaps",
+                self.narrow_gaps == Some(NarrowGaps::Split),
+                !voxels,
+                "the methods lattice and conforming",
+            ),
             ("--joined", self.joined.is_some(), self.itz() != ItzForm::Cohesive, "an --itz that is not cohesive"),
             ("--reduced-integration", self.reduced_integration, voxels || !writes_deck, "the method voxel"),
             (
@@ -245,12 +256,13 @@ impl Meshing {
     fn command(&self) -> String {
         let (mesh, loading) = (self.table().without_foreign(), self.loading());
         let mut words = vec![format!(
-            "mesocrete mesh MODEL --method {} --element-size-mm {} --itz {} --joined {} --volumes {}",
+            "mesocrete mesh MODEL --method {} --element-size-mm {} --itz {} --joined {} --volumes {} --narrow-gaps {}",
             name(mesh.method),
             mesh.element_size_mm,
             name(self.itz()),
             name(mesh.joined),
             name(mesh.volumes),
+            name(mesh.narrow_gaps),
         )];
         let flags = [
             ("--fit plain", mesh.fit == Fit::Plain),

@@ -7,10 +7,10 @@
 use super::cells::{CellKind, Draft, Mesh, NO_AGGREGATE, NO_BODY, Notes, Phase};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
-use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Order, Volumes};
+use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{apart, fidelity, interface, lattice, layer, own_volume, quality, sides, smeared, voxel};
+use super::{apart, fidelity, interface, lattice, layer, narrow_gaps, own_volume, quality, sides, smeared, voxel};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::model::Model;
@@ -93,7 +93,7 @@ fn assemble(
     Ok(mesh)
 }
 
-/// Parts joined aggregates, restores volumes and names the smeared ITZ, as far as each is asked for.
+/// Parts joined aggregates, restores volumes, splits narrow gaps and names the smeared ITZ, as far as each is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
         let parted = apart::part(mesh, bodies, options.joined == Joined::Cut);
@@ -105,6 +105,9 @@ fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
         own_volume::restore(mesh, bodies, options.element_size_mm);
+    }
+    if options.narrow_gaps == NarrowGaps::Split {
+        mesh.notes.split_gap_edges = narrow_gaps::split(mesh);
     }
     if options.itz == ItzForm::Smeared {
         smeared::name(mesh);

@@ -145,6 +145,8 @@ pub struct Notes {
     pub parted_cells: usize,
     /// Their volume, mm3, before any volume was made good.
     pub parted_mm3: f64,
+    /// Edges of mortar between two aggregates that got a node in the middle.
+    pub split_gap_edges: usize,
     /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
     /// two, thinner than the elements can show, is closed.
     pub closed_side_gaps: usize,

@@ -13,6 +13,7 @@ mod interface;
 mod lattice;
 mod layer;
 pub(crate) mod location;
+mod narrow_gaps;
 mod options;
 mod own_volume;
 mod phase_error;
@@ -34,7 +35,7 @@ pub use crack_band::{band_factor, regular_edge};
 pub(crate) use crack_band::{characteristic_mm, width_mm};
 pub use error::MeshError;
 pub use fidelity::InterfaceDistance;
-pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
+pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, NarrowGaps, Order, Volumes};
 #[doc(hidden)]
 pub use options::{MeshTable, MethodName};
 pub use phase_error::{ACCEPTED_PHASE_ERROR, PhaseOff, phases_kept};

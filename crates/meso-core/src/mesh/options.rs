@@ -19,6 +19,8 @@ pub struct MeshOptions {
     pub joined: Joined,
     /// Which volume the aggregates of a fitted mesh have.
     pub volumes: Volumes,
+    /// How many elements a narrow gap between aggregates has.
+    pub narrow_gaps: NarrowGaps,
 }
 
 /// The meshing methods, siblings behind one interface, each with the options that it alone has.
@@ -163,6 +165,18 @@ pub enum Volumes {
     Exact,
 }
 
+/// How many elements of mortar lie between two aggregates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum NarrowGaps {
+    /// One at least. A layer of one tetrahedron cannot flow aside, so it is too strong.
+    #[default]
+    Keep,
+    /// Two at least: every edge from one aggregate to another gets a node in the middle. Voxels stay as they are.
+    Split,
+}
+
 impl Default for MeshOptions {
     fn default() -> Self {
         Self {
@@ -171,6 +185,7 @@ impl Default for MeshOptions {
             itz: ItzForm::Solid,
             joined: Joined::Keep,
             volumes: Volumes::Fitted,
+            narrow_gaps: NarrowGaps::Keep,
         }
     }
 }
@@ -257,6 +272,8 @@ pub struct MeshTable {
     pub joined: Joined,
     /// As [`MeshOptions::volumes`].
     pub volumes: Volumes,
+    /// As [`MeshOptions::narrow_gaps`].
+    pub narrow_gaps: NarrowGaps,
     /// Voxels alone.
     pub thin_itz: bool,
     /// Voxels alone.
@@ -277,7 +294,8 @@ impl Default for MeshTable {
 }
 
 impl From<MeshOptions> for MeshTable {
-    fn from(MeshOptions { method, element_size_mm, itz, joined, volumes }: MeshOptions) -> Self {
+    fn from(options: MeshOptions) -> Self {
+        let MeshOptions { method, element_size_mm, itz, joined, volumes, narrow_gaps } = options;
         let order = if method.order() == Order::Quadratic { 2 } else { 1 };
         let (mut thin_itz, mut subsamples, mut fit, mut slabs) = (false, 1, Fit::Fitted, None);
         match method {
@@ -286,7 +304,7 @@ impl From<MeshOptions> for MeshTable {
             Method::Conforming { slabs: own, .. } => slabs = own,
         }
         let (method, itz) = (method.name(), Some(itz));
-        Self { method, element_size_mm, itz, joined, volumes, thin_itz, subsamples, fit, order, slabs }
+        Self { method, element_size_mm, itz, joined, volumes, narrow_gaps, thin_itz, subsamples, fit, order, slabs }
     }
 }
 
@@ -298,13 +316,14 @@ impl TryFrom<MeshTable> for MeshOptions {
     fn try_from(table: MeshTable) -> Result<Self, MeshError> {
         table.refuse_foreign()?;
         let order = table.order()?;
-        let MeshTable { element_size_mm, itz, joined, volumes, thin_itz, subsamples, fit, slabs, .. } = table;
+        let MeshTable { element_size_mm, itz, joined, volumes, narrow_gaps, thin_itz, subsamples, fit, slabs, .. } =
+            table;
         let method = match table.method {
             MethodName::Voxel => Method::Voxel { thin_itz, subsamples },
             MethodName::Lattice => Method::Lattice { fit, order },
             MethodName::Conforming => Method::Conforming { order, slabs },
         };
-        Ok(Self { method, element_size_mm, itz: itz.unwrap_or(ItzForm::Solid), joined, volumes })
+        Ok(Self { method, element_size_mm, itz: itz.unwrap_or(ItzForm::Solid), joined, volumes, narrow_gaps })
     }
 }
 

@@ -356,6 +356,8 @@ class MeshOptions(TypedDict, total=False):
     """As `MeshOptions.itz`; absent: what the elements can show, see `ItzForm.carried_by`."""
     joined: Literal["keep", "mortar", "cut"]
     """As `MeshOptions.joined`."""
+    narrow_gaps: Literal["keep", "split"]
+    """As `MeshOptions.narrow_gaps`."""
     order: int
     """1 or 2; voxels take 1."""
     slabs: int | None

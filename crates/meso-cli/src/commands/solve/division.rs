@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::Watch;
 use meso_core::Model;
 use meso_core::materials::Materials;
-use meso_core::mesh::{Fit, ItzForm, Joined, Mesh, MeshOptions, MeshTable, MethodName, Volumes};
+use meso_core::mesh::{Fit, ItzForm, Joined, Mesh, MeshOptions, MeshTable, MethodName, NarrowGaps, Volumes};
 use meso_core::packing::{Specimen, Stage};
 use meso_solve::Itz;
 use serde::Deserialize;
@@ -29,6 +29,9 @@ pub(super) struct Division {
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
     #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
+    #[arg(long, value_parser = names::parse::<NarrowGaps>)]
+    #[arg(help = format!("Tetrahedra between two aggregates, one at least or two: {} [default: split; without a model keep]", names::list::<NarrowGaps>()))]
+    narrow_gaps: Option<NarrowGaps>,
     /// Sub-samples per voxel and axis, 1 to 8; with more than 1 each body gets as many voxels as its samples fill
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
@@ -69,6 +72,7 @@ impl Division {
             }),
             joined: Joined::Mortar,
             volumes: Volumes::Exact,
+            narrow_gaps: self.narrow_gaps.unwrap_or(if is_quick { NarrowGaps::Keep } else { NarrowGaps::Split }),
             fit: self.fit,
             subsamples: self.subsamples,
             ..usual
