@@ -165,15 +165,15 @@ fn split_gaps_leave_no_edge_of_mortar_from_one_aggregate_to_another() {
     assert_eq!(voxels.notes.split_gap_edges, 0);
 }
 
-/// Edges of cells of no aggregate whose ends lie on two aggregates, or one of them on several.
+/// Edges of cells of no aggregate whose ends lie on two aggregates, one each.
 fn bridges(mesh: &Mesh) -> usize {
     let mut owners: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); mesh.points.len()];
     for (cell, id) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
         cell.iter().for_each(|&node| _ = owners[node as usize].insert(*id));
     }
-    let parts = |a: u32, b: u32| match [a, b].map(|node| &owners[node as usize]) {
-        [a, b] if a.len() == 1 && b.len() == 1 => a != b,
-        [a, b] => a.len() + b.len() > 2 && a.len().min(b.len()) == 1,
+    let parts = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|node| &owners[node as usize]);
+        a.len() == 1 && b.len() == 1 && a != b
     };
     let mut found = BTreeSet::new();
     for (cell, _) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == NO_AGGREGATE) {

@@ -69,10 +69,11 @@ impl Bridges {
         bridges
     }
 
-    /// Whether the ends lie on bodies, and not both on one alone.
+    /// Whether the ends lie on two bodies. A node of several may share one of them with the other end: such an edge may be
+    /// theirs.
     fn parts_two(&self, edge: [u32; 2]) -> bool {
         let [a, b] = edge.map(|node| self.owner[node as usize]);
-        a != NO_AGGREGATE && b != NO_AGGREGATE && a != b
+        a < SEVERAL && b < SEVERAL && a != b
     }
 
     /// The longest bridge of a cell: its number, and the places of its ends.
