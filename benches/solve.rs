@@ -4,6 +4,8 @@
 //! given, with `--quick` one turn of a cube of 24 mm, and writes `benches/results/solve.csv`. Times are processor seconds of one thread, medians over turns that the
 //! cases take one after the other; the gain of two threads is in wall-clock time, which means something on a quiet machine
 //! alone.
+//!
+//! Then criterion takes the cases of one instruction set, and compares with its run before.
 
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
@@ -13,13 +15,14 @@ mod clock;
 #[path = "collision/table.rs"]
 mod table;
 
+use criterion::{BenchmarkId, Criterion, Throughput};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec, pack};
 use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Test, Wish};
 use std::cell::Cell;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use table::Table;
 
 const HEADER: &str = "case,law,instruction_set,elements,cohesive_faces,ns_per_element_step,bytes_per_element,\
@@ -27,6 +30,8 @@ const HEADER: &str = "case,law,instruction_set,elements,cohesive_faces,ns_per_el
 /// Steps of a turn, and turns.
 const STEPS: u64 = 40;
 const TURNS: usize = 7;
+/// Steps that a run is good for once it is ready.
+const STEPS_LEFT: u32 = 350;
 
 /// A test that is measured.
 struct Case<'a> {
@@ -114,6 +119,30 @@ fn main() {
     cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));
     cases.push(case("C3D4 softening, cohesive ITZ", &cohesive, LawName::Cdp, 0.6, best));
     measure(&cases);
+    let mut criterion = Criterion::default().sample_size(10).measurement_time(Duration::from_secs(2));
+    cases.iter().filter(|case| case.set == best).for_each(|case| sample(case, &mut criterion));
+    criterion.final_summary();
+}
+
+/// One step under criterion.
+fn sample(case: &Case, criterion: &mut Criterion) {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let mut group = criterion.benchmark_group("step");
+    group.throughput(Throughput::Elements(case.mesh.mesh.cell_count() as u64));
+    let name = BenchmarkId::new(case.name, format!("{:?}", case.law).to_lowercase());
+    let begin = || one.install(|| ready(case));
+    let (mut run, mut left) = (begin(), STEPS_LEFT);
+    let mut step = || {
+        if left == 0 {
+            (run, left) = (begin(), STEPS_LEFT);
+        }
+        left -= 1;
+        let start = Instant::now();
+        one.install(|| go(&mut run, 1));
+        start.elapsed()
+    };
+    group.bench_function(name, |bencher| bencher.iter_custom(|count| (0..count).map(|_| step()).sum()));
+    group.finish();
 }
 
 fn measure(cases: &[Case]) {

@@ -5,6 +5,7 @@
 pub mod bodies;
 pub mod ccd;
 pub mod clock;
+pub mod contestants;
 pub mod literal;
 pub mod machine;
 pub mod pairs;

@@ -1,0 +1,72 @@
+//! Who answers pair queries: our variants, and the peers that are there.
+
+use super::bodies::Grain;
+use super::ccd::Ccd;
+use super::clock::Contestant;
+use super::literal::{self, Outcome};
+use super::pairs::Query;
+use meso_core::gjk::{self, Method, PairQuery};
+use meso_core::testing::overlap_with;
+use nalgebra::Isometry3;
+use parry3d_f64::query;
+
+/// How one pair is asked.
+pub type AskOne<'a> = Box<dyn Fn(&Query, &Grain, &Grain) -> bool + 'a>;
+
+fn mesocrete<'a>() -> AskOne<'a> {
+    Box::new(|q, a, b| gjk::overlap(&a.body, &b.body, &q.x))
+}
+
+fn method<'a>(method: Method) -> AskOne<'a> {
+    Box::new(move |q, a, b| overlap_with(method, &a.body, &b.body, &q.x))
+}
+
+fn parry<'a>() -> AskOne<'a> {
+    Box::new(|q, a, b| {
+        let at = Isometry3::translation(q.x.x, q.x.y, q.x.z);
+        query::intersection_test(&Isometry3::identity(), &a.parry, &at, &b.parry).expect("supported")
+    })
+}
+
+fn as_printed<'a>() -> AskOne<'a> {
+    Box::new(|q, a, b| literal::gjk_intersect(&a.points, &b.points, &q.x) == Outcome::Overlap)
+}
+
+/// The peers that are there, and the two forms of mesocrete.
+pub fn everybody<'a>(ccd: Option<&'a Ccd>) -> Vec<(String, AskOne<'a>)> {
+    let mut all: Vec<(String, AskOne<'a>)> = vec![
+        ("mesocrete".into(), mesocrete()),
+        ("enhanced".into(), method(Method::Enhanced)),
+        ("classical, Johnson".into(), method(Method::Classical)),
+        ("classical, signed volumes".into(), method(Method::SignedVolumes)),
+        ("as printed".into(), as_printed()),
+        ("parry".into(), parry()),
+    ];
+    if let Some(ccd) = ccd {
+        all.push(("libccd MPR".into(), Box::new(move |q, a, b| ccd.mpr(&a.points, &b.points, &q.x))));
+        all.push(("libccd GJK".into(), Box::new(move |q, a, b| ccd.gjk(&a.points, &b.points, &q.x))));
+    }
+    all
+}
+
+/// Every contestant over slices of `queries`; the batched form, which holds them as it wants them, first.
+pub fn contestants<'a>(grains: &'a [Grain], queries: &'a [Query], ccd: Option<&'a Ccd>) -> Vec<Contestant<'a, Query>> {
+    let asks = asks(grains, queries);
+    let batched = move |part: &[Query]| {
+        let first = (part.as_ptr().addr() - queries.as_ptr().addr()) / size_of::<Query>();
+        gjk::overlap_many(&asks[first..first + part.len()]).into_iter().filter(|&hit| hit).count()
+    };
+    let mut all: Vec<Contestant<'a, Query>> = vec![("mesocrete, batched".into(), Box::new(batched))];
+    for (name, ask) in everybody(ccd) {
+        let run = move |queries: &[Query]| {
+            queries.iter().filter(|q| ask(q, &grains[q.a as usize], &grains[q.b as usize])).count()
+        };
+        all.push((name, Box::new(run)));
+    }
+    all
+}
+
+pub fn asks<'a>(grains: &'a [Grain], queries: &[Query]) -> Vec<PairQuery<'a>> {
+    let ask = |q: &Query| PairQuery { a: &grains[q.a as usize].body, b: &grains[q.b as usize].body, b_from_a: q.x };
+    queries.iter().map(ask).collect()
+}
