@@ -7,12 +7,11 @@ use crate::failure::{Failure, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr, threads};
-use meso_core::Model;
 use meso_core::Spec;
 use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
-use meso_core::mesh::Mesh;
+use meso_core::mesh::{Mesh, PhaseOff};
 use meso_core::packing::Stage;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -73,7 +72,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.quiet, &[(Stage::Mesh, 1.0)]);
     let mesh = args.meshing.build(&model, args.quiet, &watch);
     watch.finish();
-    let mesh = mesh?;
+    let (mesh, off) = mesh?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
     }
@@ -104,20 +103,19 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
             .for_each(|path| stderr::line(format!("wrote {}", path.display())));
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, &deck));
     }
-    if args.strict { exit_code(args, &mesh, &model) } else { Ok(0) }
+    Ok(if args.strict { exit_code(off) } else { 0 })
 }
 
 /// Beyond this share of its exact volume `--strict` finds a phase off.
 const STRICT_PHASE_ERROR: f64 = 0.01;
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.
-fn exit_code(args: &Args, mesh: &Mesh, model: &Model) -> Result<u8, Failure> {
-    let off = args.meshing.phase_off(mesh, model)?.filter(|off| off.error().abs() > STRICT_PHASE_ERROR);
-    Ok(off.map_or(0, |off| {
+fn exit_code(off: Option<PhaseOff>) -> u8 {
+    off.filter(|off| off.error().abs() > STRICT_PHASE_ERROR).map_or(0, |off| {
         let (phase, error) = (off.phase.name(), 100.0 * off.error());
         stderr::line(format!("warning: {phase} has {error:+.1} % of its exact volume, where --strict allows 1 %"));
         SHORT
-    }))
+    })
 }
 
 fn plan(path: &Path, args: &Args) -> Result<(Target, MeshFormat), Failure> {

@@ -101,7 +101,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
-        let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet, &watch)).transpose();
+        let mesh =
+            plan.has_mesh().then(|| args.meshing.build(&model, args.quiet, &watch).map(|(mesh, _)| mesh)).transpose();
         // A packing is not lost with its mesh.
         plan.write(&model, mesh.as_ref().ok().and_then(Option::as_ref), &deck, &watch)?;
         Ok((model, mesh))
