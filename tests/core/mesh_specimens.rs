@@ -74,8 +74,8 @@ fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
         let kind = specimen.kind();
         let volume = PhaseVolumes::of_mesh(&mesh).total();
         assert!((volume / specimen.volume() - 1.0).abs() < 0.005, "{kind}: {volume} of {}", specimen.volume());
-        let cells = quality::cells(&mesh);
-        assert_eq!(quality::bad_cells(&cells, 8.0), [0; 0], "{kind}");
+        let cells = quality::CellQuality::of_cells(&mesh);
+        assert_eq!(quality::CellQuality::below(&cells, 8.0), [0; 0], "{kind}");
         let room = specimen.container();
         let outside = outside(&mesh);
         assert!(outside.len() > 3000 && outside.iter().all(|(_, phase)| *phase == Phase::Mortar), "{kind}");
@@ -123,7 +123,7 @@ fn a_cylinders_sets_are_its_ends_and_the_quarters_of_its_mantle() {
 fn a_solid_layer_in_a_cylinder_turns_no_cell_over_and_leaves_its_sides_alone() {
     let specimen = cylinder();
     let [without, with] = [ItzForm::None, ItzForm::Solid].map(|itz| lattice(&specimen, Method::FITTED, itz));
-    assert!(quality::cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(quality::CellQuality::of_cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
     let volume = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).total();
     assert!(PhaseVolumes::of_mesh(&with).itz > 0.0 && (volume(&with) / volume(&without) - 1.0).abs() < 1e-12);
     assert_eq!(outside(&with).len(), outside(&without).len());

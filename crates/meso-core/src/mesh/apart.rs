@@ -50,9 +50,9 @@ pub(crate) fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
 /// The pairs of aggregates among [`joined`] nodes.
 pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
     let mut pairs = Vec::new();
-    for place in joined.chunk_by(|a, b| a.0 == b.0) {
-        for (i, (_, higher)) in place.iter().enumerate() {
-            pairs.extend(place[..i].iter().map(|(_, lower)| (*lower, *higher)));
+    for meet in joined.chunk_by(|a, b| a.0 == b.0) {
+        for (i, (_, higher)) in meet.iter().enumerate() {
+            pairs.extend(meet[..i].iter().map(|(_, lower)| (*lower, *higher)));
         }
     }
     pairs.sort_unstable();
@@ -179,13 +179,13 @@ const CUTS: usize = 2;
 
 /// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.
 fn left(mesh: &Mesh, surfaces: &Surfaces, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
-    let stays = |place: &[(u32, u32)]| {
-        let x = mesh.points[place[0].0 as usize];
+    let stays = |meet: &[(u32, u32)]| {
+        let x = mesh.points[meet[0].0 as usize];
         let depth = |id: u32| surfaces.beyond(id, &x).abs();
-        place.iter().map(|(_, id)| *id).min_by(|a, b| depth(*a).total_cmp(&depth(*b)).then(a.cmp(b)))
+        meet.iter().map(|(_, id)| *id).min_by(|a, b| depth(*a).total_cmp(&depth(*b)).then(a.cmp(b)))
     };
-    let places = joined.chunk_by(|a, b| a.0 == b.0);
-    places.flat_map(|place| place.iter().copied().filter(move |(_, id)| Some(*id) != stays(place))).collect()
+    let nodes = joined.chunk_by(|a, b| a.0 == b.0);
+    nodes.flat_map(|meet| meet.iter().copied().filter(move |(_, id)| Some(*id) != stays(meet))).collect()
 }
 
 /// The planes of all bodies, those of one id beside each other.
@@ -234,8 +234,8 @@ fn cut(mesh: &mut Mesh, surfaces: &Surfaces, left: &[(u32, u32)]) {
         let [near, far] = [from, to].map(|node| surfaces.beyond(aggregate, &mesh.points[node as usize]));
         let share = if near > far { near / (near - far) } else { 0.5 };
         let share = share.clamp(CUT[0], CUT[1]);
-        let place = mesh.points[from as usize] * (1.0 - share) + mesh.points[to as usize] * share;
-        star.cut(mesh, [from, to], place);
+        let position = mesh.points[from as usize] * (1.0 - share) + mesh.points[to as usize] * share;
+        star.cut(mesh, [from, to], position);
     }
 }
 
@@ -255,10 +255,10 @@ impl Star {
         Self(around)
     }
 
-    /// Puts a node at `place` on the edge between `a` and `b`, and splits every cell there in two.
-    fn cut(&mut self, mesh: &mut Mesh, [a, b]: [u32; 2], place: Vec3) {
+    /// Puts a node at `position` on the edge between `a` and `b`, and splits every cell there in two.
+    fn cut(&mut self, mesh: &mut Mesh, [a, b]: [u32; 2], position: Vec3) {
         let middle = mesh.points.len() as u32;
-        mesh.points.push(place);
+        mesh.points.push(position);
         let cells: Vec<u32> = self.0[&a].iter().copied().filter(|cell| self.0[&b].contains(cell)).collect();
         for cell in cells {
             let new = mesh.cell_count() as u32;

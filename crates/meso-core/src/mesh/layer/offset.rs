@@ -263,10 +263,10 @@ fn on_own_faces(radial: &RadialOffset, flat: Flat, x: &Vec3, target: &Vec3) -> O
     let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
     let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
     let inverse = damped.try_inverse().filter(|_| !own.is_empty())?;
-    let mut place = target - radial.centre;
+    let mut position = target - radial.centre;
     for _ in 0..PROJECTION_STEPS {
-        let lack = |plane: &(Vec3, f64)| plane.1 - radial.thickness - plane.0.dot(&place);
-        place += inverse * slopes.iter().zip(&own).map(|(slope, plane)| slope * lack(plane)).sum::<Vec3>();
+        let lack = |plane: &(Vec3, f64)| plane.1 - radial.thickness - plane.0.dot(&position);
+        position += inverse * slopes.iter().zip(&own).map(|(slope, plane)| slope * lack(plane)).sum::<Vec3>();
     }
-    Some(radial.centre + place)
+    Some(radial.centre + position)
 }
