@@ -79,7 +79,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
                 })?;
             }
             _ => {
-                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &told, out))?
+                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &told, out))?;
             }
         }
     }
