@@ -53,16 +53,17 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
 const RUN: usize = 1 << 12;
 
 /// Bodies, those of one id beside each other: images have the id of their body.
-struct ById<'a>(Vec<&'a Aggregate>);
+pub(super) struct ById<'a>(Vec<&'a Aggregate>);
 
 impl<'a> ById<'a> {
-    fn new(bodies: &'a [Aggregate]) -> Self {
+    pub(super) fn new(bodies: &'a [Aggregate]) -> Self {
         let mut by_id: Vec<&Aggregate> = bodies.iter().collect();
         by_id.sort_by_key(|body| body.id);
         Self(by_id)
     }
 
-    fn images(&self, id: u32) -> impl Iterator<Item = &'a Aggregate> {
+    /// Body `id` and its images.
+    pub(super) fn images(&self, id: u32) -> impl Iterator<Item = &'a Aggregate> {
         let start = self.0.partition_point(|body| body.id < id);
         self.0[start..].iter().copied().take_while(move |body| body.id == id)
     }
