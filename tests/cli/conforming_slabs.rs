@@ -105,12 +105,12 @@ fn slabs_of_cylinders_prisms_and_polyhedra_make_one_mesh_with_every_volume_exact
         );
         let model = meso_core::pack(&Spec::from_toml(&spec).unwrap(), &Silent).unwrap();
         let Some(one) = in_slabs(&model, ItzForm::None, 1) else { return };
-        let room = model.spec.specimen.container();
+        let container = model.spec.specimen.container();
         let aggregates: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
         for &slabs in others {
             let mesh = in_slabs(&model, ItzForm::None, slabs).unwrap();
             // Chords of curved walls are within 0.02 mm of these.
-            assert_whole_within(&mesh, |corners| corners.iter().all(|corner| room.depth(corner).abs() < 0.02));
+            assert_whole_within(&mesh, |corners| corners.iter().all(|corner| container.depth(corner).abs() < 0.02));
             assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
             let [meshed, whole] = [PhaseVolumes::of_mesh(&mesh), PhaseVolumes::of_mesh(&one)];
             assert!((meshed.aggregate / aggregates - 1.0).abs() < 1e-9, "{specimen} {slabs}");
