@@ -17,7 +17,7 @@ use collision::table::{count, save};
 use collision::{Measured, machine};
 use meso_core::gjk::{self, Impact, Penetration};
 use meso_core::math::Vec3;
-use meso_core::testing::{Counters, isa, overlap_counted};
+use meso_core::testing::{Counters, isa};
 
 const CHUNK: usize = 500;
 const ROUNDS: usize = 9;
@@ -47,7 +47,7 @@ fn pair_sets(ccd: Option<&Ccd>) {
 fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Measured) {
     let mut counters = Counters::default();
     for q in queries {
-        overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
+        counters.overlap(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x);
     }
     println!(
         "\n{name}: {} pairs, {} after the spheres, {} after the ellipsoids, {} exact",

@@ -6,7 +6,6 @@ use super::clock::Contestant;
 use super::literal::{self, Outcome};
 use super::pairs::Query;
 use meso_core::gjk::{self, Method, PairQuery};
-use meso_core::testing::overlap_with;
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -18,7 +17,7 @@ fn mesocrete<'a>() -> AskOne<'a> {
 }
 
 fn method<'a>(method: Method) -> AskOne<'a> {
-    Box::new(move |q, a, b| overlap_with(method, &a.body, &b.body, &q.x))
+    Box::new(move |q, a, b| method.overlap(&a.body, &b.body, &q.x))
 }
 
 fn parry<'a>() -> AskOne<'a> {

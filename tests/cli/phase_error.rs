@@ -91,6 +91,7 @@ const OFF_BY_MORE: [&str; 3] = ["en-cylinder-100", "astm-cylinder-100", "fibres-
 #[test]
 #[ignore = "slow: packs every recipe"]
 fn slow_the_default_mesh_of_every_recipe_keeps_every_phase() {
-    let kept = meso_core::recipes::ALL.iter().map(|recipe| recipe.name).filter(|name| !OFF_BY_MORE.contains(name));
+    let kept =
+        meso_core::recipes::Recipe::ALL.iter().map(|recipe| recipe.name).filter(|name| !OFF_BY_MORE.contains(name));
     kept.for_each(keeps_every_phase);
 }

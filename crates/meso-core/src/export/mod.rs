@@ -4,12 +4,10 @@ pub mod abaqus;
 pub(crate) mod appearance;
 pub(crate) mod csv;
 pub(crate) mod glb;
-#[doc(hidden)]
-pub mod msh;
+pub(crate) mod msh;
 pub(crate) mod obj;
 pub(crate) mod ply;
-#[doc(hidden)]
-pub mod pvtu;
+pub(crate) mod pvtu;
 pub(crate) mod raster;
 pub(crate) mod step;
 #[doc(hidden)]
@@ -18,3 +16,6 @@ pub mod vtk;
 pub(crate) mod vtu;
 #[doc(hidden)]
 pub mod vtu_mesh;
+
+#[doc(hidden)]
+pub use appearance::{CLASSES, PALETTE};

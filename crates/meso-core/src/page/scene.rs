@@ -1,6 +1,7 @@
 //! The packing to turn: quantised bodies and the specimen's edges for the page's viewer.
 
 use crate::aggregate::Aggregate;
+use crate::export::appearance::CLASSES;
 use crate::math::{Aabb, Vec3};
 use crate::model::Model;
 use crate::packing::{Images, Surface};
@@ -9,8 +10,6 @@ use std::io::{self, Write};
 
 /// Bodies that are shown, the largest first: their data stay within 12 MB.
 const MOST: usize = 30_000;
-/// Classes have colours of their own, in turn; voids and fibres follow.
-const COLOURS: u16 = 6;
 /// Cosine of the angle from which on two polygons of the specimen's surface meet in an edge that is drawn.
 const SHARP: f64 = 0.94;
 
@@ -42,11 +41,11 @@ pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<script>\n{TURNTABLE}{}</script>", include_str!("viewer.js"))
 }
 
-/// A place in the box as three numbers of 16 bits, the lowest byte first.
-fn quantised(place: &Vec3, all: &Aabb) -> [u8; 6] {
+/// A position in the box as three numbers of 16 bits, the lowest byte first.
+fn quantised(position: &Vec3, all: &Aabb) -> [u8; 6] {
     let mut bytes = [0; 6];
     for axis in 0..3 {
-        let share = (place[axis] - all.min[axis]) / all.size()[axis];
+        let share = (position[axis] - all.min[axis]) / all.size()[axis];
         let [low, high] = ((65535.0 * share).round() as u16).to_le_bytes();
         (bytes[2 * axis], bytes[2 * axis + 1]) = (low, high);
     }
@@ -58,7 +57,7 @@ fn bodies_of(bodies: &[Aggregate], all: &Aabb) -> Vec<u8> {
     let mut bytes = Vec::new();
     for Aggregate { class, body, .. } in bodies {
         let triangles: Vec<u16> = body.triangles().flatten().map(|corner| corner as u16).collect();
-        let head = [class % COLOURS, body.vertices().len() as u16, (triangles.len() / 3) as u16];
+        let head = [class % CLASSES.len() as u16, body.vertices().len() as u16, (triangles.len() / 3) as u16];
         bytes.extend(head.into_iter().flat_map(u16::to_le_bytes));
         bytes.extend(body.vertices().iter().flat_map(|vertex| quantised(vertex, all)));
         bytes.extend(triangles.into_iter().flat_map(u16::to_le_bytes));
