@@ -41,7 +41,7 @@ pub(super) struct Meshing {
     #[arg(long, value_parser = names::parse::<Volumes>)]
     #[arg(help = format!("Volume of the aggregates in a fitted lattice: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
     volumes: Option<Volumes>,
-    #[arg(long, value_parser = names::parse::<NarrowGaps>)]
+    #[arg(long, value_name = "GAPS", value_parser = names::parse::<NarrowGaps>)]
     #[arg(help = format!("Tetrahedra between two aggregates, one at least or two: {} [default: keep; with an analysis split]", names::list::<NarrowGaps>()))]
     narrow_gaps: Option<NarrowGaps>,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]

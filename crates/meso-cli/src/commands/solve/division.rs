@@ -29,7 +29,7 @@ pub(super) struct Division {
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
     #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
-    #[arg(long, value_parser = names::parse::<NarrowGaps>)]
+    #[arg(long, value_name = "GAPS", value_parser = names::parse::<NarrowGaps>)]
     #[arg(help = format!("Tetrahedra between two aggregates, one at least or two: {} [default: split; without a model keep]", names::list::<NarrowGaps>()))]
     narrow_gaps: Option<NarrowGaps>,
     /// Sub-samples per voxel and axis, 1 to 8; with more than 1 each body gets as many voxels as its samples fill
