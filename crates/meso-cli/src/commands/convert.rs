@@ -48,7 +48,9 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         [(args.mortar, "--mortar", Format::Step), (args.named_solids, "--named-solids", Format::Stl)]
     {
         if given && plan.iter().all(|(_, planned)| *planned != format) {
-            return Err(Failure::Usage(format!("{flag} is for a .{}, which -o does not name", format.extension())));
+            let extension = format.extension();
+            let message = format!("{flag} applies to .{extension} files alone; give -o a name that ends so");
+            return Err(Failure::Usage(message));
         }
     }
     let model = inputs::model(&args.model)?;
@@ -76,7 +78,7 @@ fn plan(path: &Path, args: &Args) -> Result<(Target, Format), Failure> {
     let format = format.ok_or_else(|| {
         let meshes = " (a mesh for finite elements: mesocrete mesh)";
         Failure::Usage(format!(
-            "{}: the extension names no format; it must be one of {}{meshes}",
+            "{}: unknown format; the extension must be one of {}{meshes}",
             path.display(),
             known(".")
         ))
