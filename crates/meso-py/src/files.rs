@@ -11,7 +11,7 @@ use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -19,9 +19,20 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// `OSError` where the file cannot be read, `ValueError` with its name where it is no model.
-pub(crate) fn load(path: &Path) -> PyResult<Model> {
-    let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
+pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
+    let bytes = read(path, watch).map_err(|error| file_error(path, error))?;
     saved::read(&bytes).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
+}
+
+/// Bytes that are read at a time: about a millisecond's worth.
+const AT_ONCE: usize = 1 << 20;
+
+/// The bytes of a file, or an error where the work is to stop.
+fn read(path: &Path, watch: &Watch) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let mut bytes = Vec::with_capacity(file.metadata().map_or(0, |there| there.len() as usize));
+    Watched { file, watch }.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Writes a model in the format that the extension of `path` names; a deck gets the default mesh.
@@ -177,10 +188,18 @@ fn fill_beside(
     Ok(file)
 }
 
-/// A file that takes no more where the work is to stop, so that a temporary one is given up.
+/// A file that takes and gives no more where the work is to stop, so that a temporary one is given up.
 struct Watched<'a, F> {
     file: F,
     watch: &'a Watch,
+}
+
+impl<F: Read> Read for Watched<'_, F> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        go_on(self.watch)?;
+        let some = buffer.len().min(AT_ONCE);
+        self.file.read(&mut buffer[..some])
+    }
 }
 
 impl<F: Write> Write for Watched<'_, F> {

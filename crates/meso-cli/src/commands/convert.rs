@@ -47,13 +47,7 @@ fn format_name(text: &str) -> Result<Format, String> {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
-    for (given, flag, format) in
-        [(args.mortar, "--mortar", Format::Step), (args.named_solids, "--named-solids", Format::Stl)]
-    {
-        if given && plan.iter().all(|(_, planned)| *planned != format) {
-            return Err(Failure::Usage(format!("{flag} is for a .{}, which -o does not name", format.extension())));
-        }
-    }
+    args.validate()?;
     let model = inputs::model(&args.model)?;
     let surfaces = Surfaces {
         encoding: Encoding::compressed(args.compress),
@@ -74,17 +68,35 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
+impl Args {
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        let formats = self.output.iter().map(|path| format(path, self)).collect::<Result<Vec<_>, _>>()?;
+        let for_one = [(self.mortar, "--mortar", Format::Step), (self.named_solids, "--named-solids", Format::Stl)];
+        match for_one.into_iter().find(|(given, _, format)| *given && !formats.contains(format)) {
+            Some((_, flag, format)) => {
+                Err(Failure::Usage(format!("{flag} is for a .{}, which -o does not name", format.extension())))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
 fn plan(path: &Path, args: &Args) -> Result<(Target, Format), Failure> {
+    Ok((Target::new(path, args.force)?, format(path, args)?))
+}
+
+/// The format that an output's name asks for.
+fn format(path: &Path, args: &Args) -> Result<Format, Failure> {
     let format = if path == Path::new("-") { Some(args.format) } else { Format::from_path(path) };
-    let format = format.ok_or_else(|| {
+    format.ok_or_else(|| {
         let meshes = " (a mesh for finite elements: mesocrete mesh)";
         Failure::Usage(format!(
             "{}: the extension names no format; it must be one of {}{meshes}",
             path.display(),
             known(".")
         ))
-    })?;
-    Ok((Target::new(path, args.force)?, format))
+    })
 }
 
 fn known(dot: &str) -> String {

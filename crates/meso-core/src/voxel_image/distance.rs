@@ -5,6 +5,7 @@ use crate::geometry::BoxTree;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::fidelity::Body;
 use crate::mesh::location::{Label, Scan};
+use crate::stop;
 use rayon::prelude::*;
 use std::cell::Cell;
 
@@ -26,6 +27,7 @@ impl Surfaces {
         let mut labels = vec![Label::MORTAR; layer.len()];
         scan.label_layer(k, &mut labels);
         for ((number, value), label) in layer.iter_mut().enumerate().zip(labels) {
+            stop::point();
             let point = scan.grid().point(number, k);
             *value = match label.body() {
                 Some(body) => scan.bodies()[body as usize].height(&point).min(0.0) as f32,
