@@ -4,7 +4,7 @@
 //! one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
 //! surface instead.) Voids are left out of every mesh.
 
-use super::cells::{CellKind, Draft, Mesh, NO_AGGREGATE, NO_BODY, Notes, Phase};
+use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Order, Volumes};
@@ -12,7 +12,6 @@ use super::sides::FlatSides;
 use super::tet::TetMesh;
 use super::{apart, clip, fidelity, interface, lattice, layer, own_volume, quality, sides, smeared, voxel};
 use crate::aggregate::{Aggregate, Kind};
-use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
 use rayon::prelude::*;
