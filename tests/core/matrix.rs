@@ -114,7 +114,7 @@ struct Told<'a>(u64, &'a str, &'a MeshOptions);
 impl Drop for Told<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            println!("case {}\n{}{:?}", self.0, self.1, self.2);
+            eprintln!("case {}\n{}{:?}", self.0, self.1, self.2);
         }
     }
 }

@@ -68,7 +68,7 @@ fn ends_soon<T>(name: &str, moments: &[u64], work: impl Fn() -> T + Sync) {
         .filter_map(|&moment| ended_after(Duration::from_millis(moment), &work).map(|seconds| (seconds, moment)));
     let worst = ended.max_by(|a, b| a.0.total_cmp(&b.0));
     let (seconds, moment) = worst.unwrap_or_else(|| panic!("{name} never heard that it was told to end"));
-    println!("{name}: {seconds:.3} s at worst, told after {moment} ms");
+    eprintln!("{name}: {seconds:.3} s at worst, told after {moment} ms");
     assert!(seconds < MOST, "{name} went on for {seconds} s, told to end after {moment} ms");
 }
 
