@@ -13,6 +13,7 @@ pub(crate) mod pack;
 pub(crate) mod recipes;
 pub(crate) mod report;
 pub(crate) mod schema;
+mod shared;
 pub(crate) mod solve;
 pub(crate) mod study;
 mod values;

@@ -7,7 +7,7 @@
 
 use crate::failure::INTERRUPTED;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -67,14 +67,6 @@ pub(crate) fn hold() -> MutexGuard<'static, Vec<PathBuf>> {
 
 fn lock() -> MutexGuard<'static, Vec<PathBuf>> {
     HIDDEN.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Makes a hidden file, which a signal will remove.
-pub(crate) fn hidden<T>(make: impl FnOnce() -> io::Result<T>, path: impl FnOnce(&T) -> &Path) -> io::Result<T> {
-    let mut paths = hold();
-    let made = make()?;
-    paths.push(path(&made).to_owned());
-    Ok(made)
 }
 
 /// Waits for the end where a signal came while this thread held [`hold`]: the exit code tells of it.

@@ -1,15 +1,14 @@
-//! Files that appear whole or not at all, several of them as one unit.
+//! Where a command's outputs go. Files appear whole or not at all, all of a command as one unit.
 //!
-//! Every file is written beside its place under a temporary name, forced to disk, and renamed when all of them are
-//! complete. Signals wait until all have their names; where one fails, those before it get their old contents back. Existing
-//! files are kept unless the user gives `--force`; standard output and devices are streamed.
+//! Signals wait until all have their names. Existing files are kept unless the user gives `--force`; standard output and
+//! devices are streamed.
 
 use crate::failure::Failure;
 use crate::interrupt;
+use meso_files::whole::{self, Keeper, Output, folder, new_file};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, TempPath};
 
 /// Destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,10 +94,6 @@ fn probe(path: &Path) -> Result<(), Failure> {
     new_file(folder).map(drop).map_err(|error| Failure::file(path, &error))
 }
 
-fn folder(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 /// Refuses targets that are the same file, or one of the `inputs`.
 pub(crate) fn distinct(targets: &[&Target], inputs: &[&Path]) -> Result<(), Failure> {
     let real = |path: &Path| {
@@ -128,15 +123,20 @@ pub(crate) fn distinct(targets: &[&Target], inputs: &[&Path]) -> Result<(), Fail
 
 /// The files of one command while they are written.
 #[derive(Default)]
-pub(crate) struct Unit {
-    complete: Vec<Complete>,
-}
+pub(crate) struct Unit(whole::Unit<Signals>);
 
-/// A file that waits for its name.
-struct Complete {
-    temporary: TempPath,
-    path: PathBuf,
-    force: bool,
+/// Signals wait while files get their names, and find all temporary ones.
+#[derive(Default)]
+pub(crate) struct Signals;
+
+impl Keeper for Signals {
+    fn step(&self) -> io::Result<()> {
+        interrupt::step()
+    }
+
+    fn hold<T>(&self, work: impl FnOnce(&mut Vec<PathBuf>) -> T) -> T {
+        work(&mut interrupt::hold())
+    }
 }
 
 impl Unit {
@@ -148,12 +148,12 @@ impl Unit {
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
         match target {
-            Target::Stdout => quiet_if_closed(stream(io::stdout().lock(), write))
+            Target::Stdout => quiet_if_closed(whole::stream(io::stdout().lock(), write))
                 .map_err(|error| Failure::file(Path::new("standard output"), &error)),
             Target::Stream(path) => File::options()
                 .write(true)
                 .open(path)
-                .and_then(|file| quiet_if_closed(stream(file, write)))
+                .and_then(|file| quiet_if_closed(whole::stream(file, write)))
                 .map_err(|error| Failure::file(path, &error)),
             Target::File { .. } => self.fill_file(target, force, |out| write(out)),
         }
@@ -164,80 +164,20 @@ impl Unit {
         &mut self,
         target: &Target,
         force: bool,
-        write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+        write: impl FnOnce(&mut BufWriter<Output<'_, Signals>>) -> io::Result<()>,
     ) -> Result<(), Failure> {
         let Target::File { shown, path } = target else {
             return Err(Failure::Usage("this format cannot be streamed; name a file, or take .npy".to_owned()));
         };
-        let temporary = fill_beside(path, write).map_err(|error| Failure::file(shown, &error))?;
-        self.complete.push(Complete { temporary, path: path.clone(), force });
-        Ok(())
+        self.0.fill(path, force, write).map_err(|error| Failure::file(shown, &error))
     }
 
     /// Gives every file its name. Where one fails, those before it become what they were.
     pub(crate) fn commit(self) -> Result<(), Failure> {
-        let mut hidden = interrupt::hold();
-        let mut done = Vec::new();
-        for complete in self.complete {
-            let path = complete.path.clone();
-            match complete.rename(&mut hidden) {
-                Ok(renamed) => done.push(renamed),
-                Err(error) => {
-                    done.into_iter().rev().for_each(Renamed::undo);
-                    return Err(Failure::file(&path, &error));
-                }
-            }
-        }
-        done.iter().for_each(|renamed| sync_folder(folder(&renamed.path)));
-        drop((done, hidden));
+        self.0.commit().map_err(|(path, error)| Failure::file(&path, &error))?;
         interrupt::end_if_told();
         Ok(())
     }
-}
-
-/// A file that has its name; what had it before goes with this, unless it is put back.
-struct Renamed {
-    path: PathBuf,
-    before: Option<TempPath>,
-}
-
-impl Complete {
-    fn rename(self, hidden: &mut Vec<PathBuf>) -> io::Result<Renamed> {
-        let Self { temporary, path, force } = self;
-        interrupt::step()?;
-        hidden.retain(|other| other != &*temporary);
-        let before = if force { second_name(&path)? } else { None };
-        hidden.extend(before.as_deref().map(Path::to_owned));
-        let renamed = if force { temporary.persist(&path) } else { temporary.persist_noclobber(&path) };
-        renamed.map_err(|failed| failed.error)?;
-        Ok(Renamed { path, before })
-    }
-}
-
-impl Renamed {
-    fn undo(self) {
-        let _ = match self.before {
-            Some(before) => before.persist(&self.path).map_err(|failed| failed.error),
-            None => std::fs::remove_file(&self.path),
-        };
-    }
-}
-
-/// A hidden second name for a file that is there, or a copy where the file system knows no second names.
-fn second_name(path: &Path) -> io::Result<Option<TempPath>> {
-    if !path.exists() {
-        return Ok(None);
-    }
-    let name = new_file(folder(path))?.into_temp_path();
-    std::fs::remove_file(&name)?;
-    std::fs::hard_link(path, &name).or_else(|_| std::fs::copy(path, &name).map(drop))?;
-    Ok(Some(name))
-}
-
-fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 16, out);
-    write(&mut out)?;
-    out.flush()
 }
 
 /// A reader that closes early, like `head`, is no failure.
@@ -245,39 +185,6 @@ fn quiet_if_closed(result: io::Result<()>) -> io::Result<()> {
     match result {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => other,
-    }
-}
-
-fn fill_beside(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<TempPath> {
-    interrupt::step()?;
-    let made = interrupt::hidden(|| new_file(folder(path)), |made| made.path())?;
-    let (file, temporary) = made.into_parts();
-    interrupt::step()?;
-    // Who could not read what is replaced cannot read what replaces it.
-    if let Ok(replaced) = std::fs::metadata(path) {
-        file.set_permissions(replaced.permissions())?;
-    }
-    let mut out = BufWriter::with_capacity(1 << 15, file);
-    write(&mut out)?;
-    interrupt::step()?;
-    out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-    interrupt::step()?;
-    Ok(temporary)
-}
-
-/// A temporary file that, unlike tempfile's default, gets the permissions any new file gets.
-fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".mesocrete-").suffix(".tmp");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
-}
-
-/// Makes the new name itself survive a power failure, where the system can.
-fn sync_folder(folder: &Path) {
-    if let Ok(folder) = File::open(folder) {
-        let _ = folder.sync_all();
     }
 }
 

@@ -9,6 +9,7 @@ mod slice;
 mod tables;
 
 use crate::aggregate::{Aggregate, SizeDefinition};
+use crate::export::appearance::CLASSES;
 use crate::geometry::sieve_size;
 use crate::model::Model;
 use crate::statistics::Statistics;
@@ -60,18 +61,17 @@ th{font-weight:600;border-bottom:1px solid var(--line)}th:first-child,td:first-c
 svg{display:block;max-width:100%;height:auto}svg text{font:11px system-ui,sans-serif;fill:var(--label)}
 canvas{display:block;width:100%;height:min(70vh,36rem);touch-action:none;cursor:grab}
 input[type=range]{width:min(16rem,40vw);vertical-align:middle}
-.m{fill:#e4e1da}.i{fill:#8a8275}.a{stroke:none}.f{fill:none;stroke:#9aa0a6}.g{stroke:var(--faint)}
-.c0{fill:#7fa8c9}.c1{fill:#c9a66b}.c2{fill:#a3b18a}.c3{fill:#c48b9f}.c4{fill:#8fb8b0}.c5{fill:#b39ddb}
-pre{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}
 ";
 
 fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let report = &model.report;
     let title = format!("Packing of {} aggregates, fraction {:.4}", report.aggregates, report.fraction);
     write!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n")?;
+    let (matrix, classes) = (slice::matrix_style(), slice::class_style(|class| CLASSES[class]));
     write!(
         out,
-        "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}</style>\n<main>\n<h1>{title}</h1>\n"
+        "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}{matrix}.a{{stroke:none}}.f{{fill:none;stroke:#9aa0a6}}.g{{stroke:var(--faint)}}\n{classes}\n\
+         pre{{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}}\n</style>\n<main>\n<h1>{title}</h1>\n"
     )?;
     let version = plot::escape(&report.version);
     writeln!(out, "<p class=\"note\">mesocrete {version}, seed {}, {}</p>", report.seed, plot::escape(&report.grading))
@@ -81,7 +81,7 @@ fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
 fn pictures(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>Sections through the middle</h2>")?;
     if !model.inclusions.is_empty() {
-        writeln!(out, "<style>.vo{{fill:#fff}}.fi{{fill:#2f3b4c}}</style>")?;
+        writeln!(out, "<style>{}</style>", slice::inclusion_style())?;
         writeln!(out, "<p class=\"note\">Voids are white, fibres dark blue.</p>")?;
     }
     writeln!(out, "<div class=\"row\">")?;

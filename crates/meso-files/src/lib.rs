@@ -1,4 +1,7 @@
-//! The files that a spec names: the core opens none, and both fronts read them from the spec's folder.
+//! Files for a core that opens none: those that a spec names, read from its folder, and outputs, [`whole`] or not at all.
+#![forbid(unsafe_code)]
+
+pub mod whole;
 
 use meso_core::spec::Files;
 use std::fs::{self, File};

@@ -5,13 +5,14 @@ use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
-use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable};
+use meso_core::mesh::{self, ACCEPTED_PHASE_ERROR, Mesh, MeshError, MeshOptions, MeshTable};
 use meso_core::{Model, saved};
+use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -35,6 +36,20 @@ fn read(path: &Path, watch: &Watch) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// A file that gives no more where the work is to stop.
+struct Watched<'a> {
+    file: File,
+    watch: &'a Watch,
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        Stop(self.watch).goes_on()?;
+        let some = buffer.len().min(AT_ONCE);
+        self.file.read(&mut buffer[..some])
+    }
+}
+
 /// Writes a model in the format that the extension of `path` names; a deck gets the default mesh.
 ///
 /// # Errors
@@ -47,12 +62,13 @@ pub(crate) fn write_model(
     watch: &Watch,
 ) -> PyResult<()> {
     if let Some(format) = Format::from_path(path) {
-        return write_whole(path, overwrite, watch, |out| format.write(model, surfaces, out));
+        return write_together(&[path], overwrite, watch, |_, out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let options = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
-        let mesh = mesh::build(model, &options).map_err(mesh_error)?;
-        mesh::phases_kept(&mesh, &model.bodies(), &model.spec.specimen, &options).map_err(mesh_error)?;
+        let no_gmsh = |_: &mesh::conforming::Surfaces| Err(MeshError::NeedsGmsh);
+        let built = mesh::build_accepted(model, &options, &no_gmsh, ACCEPTED_PHASE_ERROR, &|_| {});
+        let (mesh, _) = built.map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding, watch);
     }
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp"]].concat()))
@@ -80,14 +96,11 @@ pub(crate) fn write_mesh(
     if let (Some(files), true) = (&mut files, std::fs::metadata(path).is_ok_and(|there| !there.is_file())) {
         files.retain(|file| file.path == path);
     }
-    match files.as_deref() {
-        Some([file]) => write_whole(path, overwrite, watch, |out| file.write(mesh, deck, encoding, out)),
-        Some(files) => {
-            let paths: Vec<&Path> = files.iter().map(|file| file.path.as_path()).collect();
-            write_together(&paths, overwrite, watch, |i, out| files[i].write(mesh, deck, encoding, out))
-        }
-        None => Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension))),
-    }
+    let Some(files) = files else {
+        return Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension)));
+    };
+    let paths: Vec<&Path> = files.iter().map(|file| file.path.as_path()).collect();
+    write_together(&paths, overwrite, watch, |i, out| files[i].write(mesh, deck, encoding, out))
 }
 
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
@@ -119,8 +132,7 @@ pub(crate) fn write_results(
     })
 }
 
-/// Lets `write` fill all files, by their places, beside where they go, and moves them there, the last one last, when all
-/// are complete.
+/// Lets `write` fill all files, by their numbers, beside where they go, and gives them their names when all are complete.
 fn write_together(
     paths: &[&Path],
     overwrite: bool,
@@ -131,95 +143,39 @@ fn write_together(
         let message = format!("{} exists; overwrite=True replaces it", there.display());
         return Err(PyFileExistsError::new_err(message));
     }
-    let complete = |(i, path): (usize, &&Path)| {
-        fill_beside(path, watch, |out| write(i, out)).map_err(|error| file_error(path, error))
-    };
-    let made = paths.iter().enumerate().map(complete).collect::<PyResult<Vec<_>>>()?;
-    for (made, path) in made.into_iter().zip(paths) {
-        made.persist(path).map_err(|failed| file_error(path, failed.error))?;
+    let mut unit = Unit::new(Stop(watch));
+    for (i, path) in paths.iter().enumerate() {
+        fill(&mut unit, path, overwrite, |out| write(i, out)).map_err(|error| file_error(path, error))?;
     }
-    Ok(())
+    unit.commit().map_err(|(path, error)| file_error(&path, error))
 }
 
-/// Lets `write` fill a file beside `path` and moves it there when it is complete; devices and pipes are streamed to.
-fn write_whole(
+/// Fills one file; devices and pipes are streamed to.
+fn fill(
+    unit: &mut Unit<Stop>,
     path: &Path,
     overwrite: bool,
-    watch: &Watch,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> PyResult<()> {
-    if !overwrite && path.exists() {
-        return Err(PyFileExistsError::new_err(format!("{} exists; overwrite=True replaces it", path.display())));
-    }
-    let written = match std::fs::metadata(path) {
-        Ok(there) if !there.is_file() => {
-            File::options().write(true).open(path).and_then(|file| stream(Watched { file, watch }, write))
-        }
+) -> io::Result<()> {
+    match std::fs::metadata(path) {
+        Ok(there) if !there.is_file() => whole::stream(File::options().write(true).open(path)?, write),
         // A link is followed, so that it stays a link.
-        Ok(_) => path.canonicalize().and_then(|real| fill_and_move(&real, watch, write)),
-        Err(_) => fill_and_move(path, watch, write),
-    };
-    written.map_err(|error| file_error(path, error))
-}
-
-fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut out = BufWriter::new(out);
-    write(&mut out)?;
-    out.flush()
-}
-
-fn fill_and_move(path: &Path, watch: &Watch, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    fill_beside(path, watch, write)?.persist(path).map(drop).map_err(|failed| failed.error)
-}
-
-/// A complete file beside `path`, which waits for its name.
-fn fill_beside(
-    path: &Path,
-    watch: &Watch,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<tempfile::NamedTempFile> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    watch.has_files();
-    let mut out = BufWriter::with_capacity(1 << 20, Watched { file: new_file(folder)?, watch });
-    write(&mut out)?;
-    let Watched { file, .. } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.as_file().sync_all()?;
-    go_on(watch)?;
-    Ok(file)
-}
-
-/// A file that takes and gives no more where the work is to stop, so that a temporary one is given up.
-struct Watched<'a, F> {
-    file: F,
-    watch: &'a Watch,
-}
-
-impl<F: Read> Read for Watched<'_, F> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        go_on(self.watch)?;
-        let some = buffer.len().min(AT_ONCE);
-        self.file.read(&mut buffer[..some])
+        Ok(_) => unit.fill(&path.canonicalize()?, overwrite, |out| write(out)),
+        Err(_) => unit.fill(path, overwrite, |out| write(out)),
     }
 }
 
-impl<F: Write> Write for Watched<'_, F> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        go_on(self.watch)?;
-        self.file.write(bytes)
+/// The wish to stop: files take no more bytes then, and the temporary ones are given up.
+struct Stop<'a>(&'a Watch);
+
+impl Keeper for Stop<'_> {
+    fn step(&self) -> io::Result<()> {
+        self.0.has_files();
+        self.goes_on()
     }
 
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
+    /// The error is not called interrupted, since that means to try again.
+    fn goes_on(&self) -> io::Result<()> {
+        if self.0.goes_on() { Ok(()) } else { Err(io::Error::other("stopped")) }
     }
-}
-
-/// An error where the work is to stop. It is not called interrupted, since that means to try again.
-fn go_on(watch: &Watch) -> io::Result<()> {
-    if watch.goes_on() { Ok(()) } else { Err(io::Error::other("stopped")) }
-}
-
-/// A temporary file; unlike tempfile's own it gets the permissions any new file gets, and errors keep their number.
-fn new_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let new = |path: &Path| File::options().write(true).create_new(true).open(path);
-    tempfile::Builder::new().prefix(".mesocrete-").suffix(".tmp").make_in(folder, new)
 }

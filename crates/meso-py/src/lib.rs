@@ -48,6 +48,8 @@ mod _mesocrete {
     use super::spec::{PySpec, all_recipes, restore_spec};
     #[pymodule_export]
     use super::study::{PyStudyPlan, study_results};
+    #[pymodule_export]
+    use super::views::colours;
     use pyo3::prelude::*;
 
     #[pymodule_init]

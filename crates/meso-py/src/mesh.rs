@@ -12,7 +12,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, Mesh, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
+    self, ACCEPTED_PHASE_ERROR, Mesh, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
@@ -64,13 +64,10 @@ pub(crate) fn build(
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         };
-        let mesh = mesh::build_watched(&model, &with, &fill, &|share| watch.stage(Stage::Mesh, share))?;
-        if !accept_phase_error {
-            mesh::phases_kept(&mesh, &model.bodies(), &model.spec.specimen, &with)?;
-        }
-        Ok(mesh)
+        let accepted = if accept_phase_error { f64::INFINITY } else { ACCEPTED_PHASE_ERROR };
+        mesh::build_accepted(&model, &with, &fill, accepted, &|share| watch.stage(Stage::Mesh, share))
     })?;
-    built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
+    built.map(|(mesh, _)| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
 }
 
 /// gmsh for conforming meshes: this Python's module, else the program. It runs in a process of its own either way.

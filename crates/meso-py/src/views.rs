@@ -1,5 +1,6 @@
 //! The package's Python part: calls into it, and the names that it and meshio have.
 
+use meso_core::export::{CLASSES, PALETTE};
 use meso_core::mesh::CellKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -20,4 +21,11 @@ pub(crate) fn cell_type(kind: CellKind) -> &'static str {
         CellKind::QuadraticTetrahedron => "tetra10",
         CellKind::Hexahedron => "hexahedron",
     }
+}
+
+/// The colours of the phases, by their labels, and of the size classes, in turn: `#rrggbb`.
+#[pyfunction(name = "_colours")]
+pub(crate) fn colours() -> (Vec<String>, Vec<String>) {
+    let hex = |colours: &[[u8; 3]]| colours.iter().map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")).collect();
+    (hex(&PALETTE), hex(&CLASSES))
 }

@@ -1,10 +1,9 @@
 //! The tables in a study's folder.
 
 use crate::ensemble::{REPLICATE, ensemble};
-use crate::record::{Record, new_file};
+use crate::record::{Record, save};
 use crate::table::{Table, tabulate};
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::Path;
 
 /// Names of the tables: all cases twice, then the ensembles.
@@ -21,13 +20,4 @@ pub fn save_tables(out: &Path, keys: &[String], records: &[Record]) -> io::Resul
     save(out, TABLES[1], |file| table.write_parquet(file))?;
     save(out, TABLES[2], |file| groups.write_csv(file))?;
     Ok(table)
-}
-
-fn save(out: &Path, name: &str, write: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
-    let file = new_file(out)?;
-    let mut buffer = BufWriter::new(file.as_file());
-    write(&mut buffer)?;
-    buffer.flush()?;
-    drop(buffer);
-    file.persist(out.join(name)).map(drop).map_err(|failed| failed.error)
 }

@@ -1,18 +1,17 @@
 //! What a case leaves in its folder: `case.json`, written last and as a whole.
 
 use crate::case::Case;
+use meso_files::whole::{Output, UNFINISHED, Unit};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Name of the record in a case's folder.
 pub const RECORD: &str = "case.json";
 /// Name of the saved model in a case's folder.
 pub const MODEL: &str = "model.json";
-/// Names of files that were being written when their process was killed.
-const UNFINISHED: (&str, &str) = (".mesocrete-", ".tmp");
 
 /// The result of a case. It holds no times, so that a case has the same record wherever it ran.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,10 +87,10 @@ impl Record {
     /// # Errors
     /// Those of the file system.
     pub fn save(&self, folder: &Path) -> io::Result<()> {
-        let mut file = new_file(folder)?;
-        serde_json::to_writer_pretty(&mut file, self)?;
-        writeln!(file)?;
-        file.persist(folder.join(RECORD)).map(drop).map_err(|failed| failed.error)
+        save(folder, RECORD, |file| {
+            serde_json::to_writer_pretty(&mut *file, self)?;
+            writeln!(file)
+        })
     }
 }
 
@@ -160,8 +159,13 @@ fn files(folder: &Path) -> io::Result<BTreeMap<String, u64>> {
     Ok(found)
 }
 
-/// A temporary file with the permissions that any new file gets.
-pub(crate) fn new_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let new = |path: &Path| std::fs::File::options().write(true).create_new(true).open(path);
-    tempfile::Builder::new().prefix(UNFINISHED.0).suffix(UNFINISHED.1).make_in(folder, new)
+/// Writes a file into `out`, whole or not at all.
+pub(crate) fn save(
+    out: &Path,
+    name: &str,
+    write: impl FnOnce(&mut BufWriter<Output<'_, ()>>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut unit = Unit::new(());
+    unit.fill(&out.join(name), true, write)?;
+    unit.commit().map_err(|(_, error)| error)
 }

@@ -1,10 +1,10 @@
 //! `mesocrete check`: the exact, independent check of a saved model.
 
-use super::values;
+use super::shared::Threads;
 use crate::failure::{Failure, RUN};
 use crate::outputs::{Target, Unit};
 use crate::progress::Watch;
-use crate::{inputs, stderr, threads};
+use crate::{inputs, stderr};
 use meso_core::check::{Check, Finding, check_watched};
 use meso_core::packing::Stage;
 use meso_core::{Model, Progress};
@@ -22,15 +22,14 @@ pub(crate) struct Args {
     /// Write the findings as JSON instead of a table
     #[arg(long)]
     json: bool,
-    /// Number of threads; all cores when absent
-    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let mut watch = Watch::of_files(false, &[(Stage::Prove, 1.0)]);
-    let found = threads::with(args.threads, || check_watched(&model, &|share| watch.stage(Stage::Prove, share)))?;
+    let found = args.threads.run(|| check_watched(&model, &|share| watch.stage(Stage::Prove, share)))?;
     watch.finish();
     Unit::default()
         .fill(&Target::Stdout, false, |out| if args.json { json(&found, out) } else { table(&model, &found, out) })?;

@@ -1,6 +1,7 @@
 //! `mesocrete convert`: a saved model in another format.
 
 use super::names;
+use super::shared::Writing;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
@@ -32,12 +33,8 @@ pub(crate) struct Args {
     /// Write an .stl as text, each aggregate a solid with its name
     #[arg(long)]
     named_solids: bool,
-    /// Replace files that are there already
-    #[arg(short, long)]
-    force: bool,
-    /// Print only errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 fn format_name(text: &str) -> Result<Format, String> {
@@ -57,10 +54,10 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     };
     let mut unit = Unit::default();
     for (target, format) in &plan {
-        unit.fill(target, args.force, |out| format.write(&model, surfaces, out))?;
+        unit.fill(target, args.writing.force, |out| format.write(&model, surfaces, out))?;
     }
     unit.commit()?;
-    if !args.quiet {
+    if !args.writing.quiet {
         plan.iter()
             .filter_map(|(target, _)| target.file())
             .for_each(|path| stderr::line(format!("wrote {}", path.display())));
@@ -83,7 +80,7 @@ impl Args {
 }
 
 fn plan(path: &Path, args: &Args) -> Result<(Target, Format), Failure> {
-    Ok((Target::new(path, args.force)?, format(path, args)?))
+    Ok((Target::new(path, args.writing.force)?, format(path, args)?))
 }
 
 /// The format that an output's name asks for.

@@ -1,10 +1,11 @@
 //! `mesocrete image`: voxel images and sections of a saved model.
 
+use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use crate::{inputs, stderr, threads};
+use crate::{inputs, stderr};
 use meso_core::Progress;
 use meso_core::formats::ImageFormat;
 use meso_core::packing::Stage;
@@ -35,15 +36,10 @@ pub(crate) struct Args {
     /// A part of the specimen by its lower and upper corner, mm: 0,0,0,50,50,50; voxels are counted from the lower corner
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true)]
     r#box: Option<[f64; 6]>,
-    /// Number of threads; all cores when absent
-    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
-    threads: Option<u16>,
-    /// Replace files that are there already
-    #[arg(short, long)]
-    force: bool,
-    /// Print only errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 /// An axis and a place on it.
@@ -63,7 +59,7 @@ fn corners(text: &str) -> Result<[f64; 6], String> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    threads::with(args.threads, || on_these_threads(args))?
+    args.threads.run(|| on_these_threads(args))?
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
@@ -73,21 +69,23 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let image = VoxelImage::new(&model, &options).map_err(|error| wrong(&error))?;
     let mut unit = Unit::default();
-    let mut watch = Watch::of_files(args.quiet, &[(Stage::Image, 1.0)]);
+    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Image, 1.0)]);
     let told = |share| watch.stage(Stage::Image, share);
     for (target, format) in &plan {
         match format {
             ImageFormat::Tif => {
-                unit.fill_file(target, args.force, |out| {
+                unit.fill_file(target, args.writing.force, |out| {
                     format.write_file(&image, &model, options.region, &told, out)
                 })?;
             }
-            _ => unit.fill(target, args.force, |out| format.write(&image, &model, options.region, &told, out))?,
+            _ => {
+                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &told, out))?
+            }
         }
     }
     unit.commit()?;
     watch.finish();
-    if !args.quiet {
+    if !args.writing.quiet {
         let shape: Vec<String> = image.frame().shape().iter().map(usize::to_string).collect();
         let (what, shape) = (options.quantity.name(), shape.join(" x "));
         stderr::line(format!("{what} of {shape} voxels of {} mm", options.voxel_size_mm));
@@ -120,7 +118,7 @@ impl Args {
 
 fn plan(path: &Path, args: &Args, options: &ImageOptions) -> Result<(Target, ImageFormat), Failure> {
     let format = format(path, options)?;
-    Ok((Target::new(path, args.force)?, format))
+    Ok((Target::new(path, args.writing.force)?, format))
 }
 
 /// The format that an output's name asks for, where it can hold the image.

@@ -2,17 +2,16 @@
 
 use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
-use super::values;
+use super::shared::{Threads, Writing};
 use crate::failure::{Failure, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use crate::{inputs, stderr, threads};
-use meso_core::Model;
+use crate::{inputs, stderr};
 use meso_core::Spec;
 use meso_core::export::abaqus::{DeckOptions, curve_path};
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{MeshFormat, piece_path};
-use meso_core::mesh::Mesh;
+use meso_core::mesh::{Mesh, PhaseOff};
 use meso_core::packing::Stage;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -25,21 +24,16 @@ pub(crate) struct Args {
     /// (.inp). May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
-    /// Number of threads; all cores when absent
-    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Compress the data of a .vtu (zlib)
     #[arg(long)]
     compress: bool,
     /// Exit with 3 when a phase is more than 1 % off its exact volume
     #[arg(long)]
     strict: bool,
-    /// Replace files that are there already
-    #[arg(short, long)]
-    force: bool,
-    /// Print only errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    writing: Writing,
     /// Write the figures of the mesh as JSON, every bad element by its number; `-` is standard output
     #[arg(long, value_name = "FILE")]
     summary_json: Option<PathBuf>,
@@ -48,7 +42,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    threads::with(args.threads, || on_these_threads(args))?
+    args.threads.run(|| on_these_threads(args))?
 }
 
 impl Args {
@@ -68,7 +62,7 @@ impl Args {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
-    let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.force)).transpose()?;
+    let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
     let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
     outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
     let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
@@ -76,10 +70,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let deck = args.meshing.deck(&model.spec)?;
     args.meshing.check(&model.spec.specimen)?;
     args.meshing.warn_unused(writes_deck);
-    let mut watch = Watch::of_files(args.quiet, &[(Stage::Mesh, 1.0)]);
-    let mesh = args.meshing.build(&model, args.quiet, &watch);
+    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Mesh, 1.0)]);
+    let mesh = args.meshing.build(&model, args.writing.quiet, &watch);
     watch.finish();
-    let mesh = mesh?;
+    let (mesh, off) = mesh?;
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
     }
@@ -87,21 +81,23 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut unit = Unit::default();
     let fill_all = || {
         let mut outputs = plan.iter();
-        outputs.try_for_each(|(target, format)| fill(&mut unit, target, args.force, *format, &mesh, &deck, encoding))
+        outputs.try_for_each(|(target, format)| {
+            fill(&mut unit, target, args.writing.force, *format, &mesh, &deck, encoding)
+        })
     };
     let options = args.meshing.options()?;
     let tell = || {
-        let asked = !args.quiet || summary.is_some();
+        let asked = !args.writing.quiet || summary.is_some();
         asked.then(|| MeshReport::of(&mesh, &model, options, &deck))
     };
     // The disk is waited for, and the figures are counted meanwhile.
     let (filled, told) = rayon::join(fill_all, tell);
     filled?;
     if let (Some(target), Some(told)) = (&summary, &told) {
-        unit.fill(target, args.force, |out| told.write(out))?;
+        unit.fill(target, args.writing.force, |out| told.write(out))?;
     }
     unit.commit()?;
-    if let (Some(told), false) = (told, args.quiet) {
+    if let (Some(told), false) = (told, args.writing.quiet) {
         told.print();
         args.meshing.hint(&model.spec).into_iter().for_each(stderr::line);
         targets
@@ -110,25 +106,24 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
             .for_each(|path| stderr::line(format!("wrote {}", path.display())));
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, &deck));
     }
-    if args.strict { exit_code(args, &mesh, &model) } else { Ok(0) }
+    Ok(if args.strict { exit_code(off) } else { 0 })
 }
 
 /// Beyond this share of its exact volume `--strict` finds a phase off.
 const STRICT_PHASE_ERROR: f64 = 0.01;
 
 /// Exit code of a strict run that wrote its files; prints which phase is off.
-fn exit_code(args: &Args, mesh: &Mesh, model: &Model) -> Result<u8, Failure> {
-    let off = args.meshing.phase_off(mesh, model)?.filter(|off| off.error().abs() > STRICT_PHASE_ERROR);
-    Ok(off.map_or(0, |off| {
+fn exit_code(off: Option<PhaseOff>) -> u8 {
+    off.filter(|off| off.error().abs() > STRICT_PHASE_ERROR).map_or(0, |off| {
         let (phase, error) = (off.phase.name(), 100.0 * off.error());
         stderr::line(format!("warning: {phase} has {error:+.1} % of its exact volume, where --strict allows 1 %"));
         SHORT
-    }))
+    })
 }
 
 fn plan(path: &Path, args: &Args) -> Result<(Target, MeshFormat), Failure> {
     let format = mesh_format(path)?;
-    Ok((target(path, format, args.force, &args.meshing)?, format))
+    Ok((target(path, format, args.writing.force, &args.meshing)?, format))
 }
 
 /// The format that an output's extension names; standard output takes a deck.

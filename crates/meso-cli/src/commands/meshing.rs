@@ -9,7 +9,8 @@ use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
 use meso_core::mesh::{
-    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, VolumeMesher, Volumes,
+    self, ACCEPTED_PHASE_ERROR, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff,
+    VolumeMesher, Volumes,
 };
 use meso_core::packing::{Specimen, Stage};
 use meso_core::spec::options_from_toml;
@@ -319,20 +320,12 @@ impl Meshing {
         Some(format!("packing with gaps of {gap} mm between aggregates, so that the elements can show mortar there"))
     }
 
-    /// Meshes; options that cannot be are wrong usage.
-    pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<Mesh, Failure> {
-        let options = self.options()?;
-        let mesh = build(model, &options, &self.gmsh, quiet, watch)?;
-        if !self.accept_phase_error {
-            let kept = mesh::phases_kept(&mesh, &model.bodies(), &model.spec.specimen, &options);
-            kept.map_err(|error| wrong_mesh(&error))?;
-        }
-        Ok(mesh)
-    }
-
-    /// The phase of `mesh` that is farthest off its exact volume.
-    pub(super) fn phase_off(&self, mesh: &Mesh, model: &Model) -> Result<Option<PhaseOff>, Failure> {
-        Ok(PhaseOff::of(mesh, &model.bodies(), &model.spec.specimen, &self.options()?))
+    /// Meshes, and finds the phase that is farthest off its exact volume; options that cannot be are wrong usage.
+    pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
+        let accepted = if self.accept_phase_error { f64::INFINITY } else { ACCEPTED_PHASE_ERROR };
+        let told = |share| watch.stage(Stage::Mesh, share);
+        let gmsh = Announced { gmsh: Gmsh::program(&self.gmsh), quiet };
+        mesh::build_accepted(model, &self.options()?, &gmsh, accepted, &told).map_err(|error| wrong_mesh(&error))
     }
 }
 
@@ -353,15 +346,24 @@ pub(super) fn build(
     quiet: bool,
     watch: &Watch,
 ) -> Result<Mesh, Failure> {
-    let gmsh = Gmsh::program(gmsh);
-    let run = |surfaces: &Surfaces| {
-        if let Some(size) = surfaces.again_mm().filter(|_| !quiet) {
+    let told = |share| watch.stage(Stage::Mesh, share);
+    let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
+    mesh::build_watched(model, options, &gmsh, &told).map_err(|error| wrong_mesh(&error))
+}
+
+/// gmsh, whose second attempts the user hears of.
+struct Announced {
+    gmsh: Gmsh,
+    quiet: bool,
+}
+
+impl VolumeMesher for Announced {
+    fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
+        if let Some(size) = surfaces.again_mm().filter(|_| !self.quiet) {
             stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
         }
-        gmsh.fill(surfaces)
-    };
-    let told = |share| watch.stage(Stage::Mesh, share);
-    mesh::build_watched(model, options, &run, &told).map_err(|error| wrong_mesh(&error))
+        self.gmsh.fill(surfaces)
+    }
 }
 
 /// What cannot be asked of a mesh is wrong usage.

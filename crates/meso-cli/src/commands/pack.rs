@@ -2,11 +2,12 @@
 
 use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
+use super::shared::{Threads, Writing};
 use super::{mesh, names, values};
 use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{PACK, Watch};
-use crate::{inputs, stderr, threads};
+use crate::{inputs, stderr};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
@@ -48,9 +49,8 @@ pub(crate) struct Args {
     /// Stop after S seconds with the best packing found. If generation used up the time, placement gets one more second
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     time_limit: Option<f64>,
-    /// Number of threads; all cores when absent. It changes the time, never the result
-    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
     #[arg(help = format!("Aggregates that cross a face of a periodic specimen, where surfaces are written: {}", names::list::<Images>()))]
     images: Images,
@@ -60,12 +60,8 @@ pub(crate) struct Args {
     /// Compress the data of a .vtu or .vtp (zlib)
     #[arg(long)]
     compress: bool,
-    /// Replace files that are there already
-    #[arg(short, long)]
-    force: bool,
-    /// Print only warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    writing: Writing,
     /// Write the figures of the run as JSON; `-` is standard output
     #[arg(long, value_name = "FILE")]
     summary_json: Option<PathBuf>,
@@ -83,7 +79,7 @@ enum Content {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    threads::with(args.threads, || on_these_threads(args))?
+    args.threads.run(|| on_these_threads(args))?
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
@@ -97,18 +93,21 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     // Before the work: a hopeless target is reported while nothing is lost.
     spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
-    let mut watch = Watch::start(args.quiet, &stages);
+    let mut watch = Watch::start(args.writing.quiet, &stages);
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
-        let mesh = plan.has_mesh().then(|| args.meshing.build(&model, args.quiet, &watch)).transpose();
+        let mesh = plan
+            .has_mesh()
+            .then(|| args.meshing.build(&model, args.writing.quiet, &watch).map(|(mesh, _)| mesh))
+            .transpose();
         // A packing is not lost with its mesh.
         plan.write(&model, mesh.as_ref().ok().and_then(Option::as_ref), &deck, &watch)?;
         Ok((model, mesh))
     });
     watch.finish();
     let (model, mesh) = written?;
-    if !args.quiet {
+    if !args.writing.quiet {
         print(&model.report);
         if let Ok(Some(mesh)) = &mesh {
             MeshReport::of(mesh, &model, args.meshing.options()?, &deck).print();
@@ -142,7 +141,7 @@ impl Args {
         *wall_gap_mm = self.wall_gap_mm.unwrap_or(*wall_gap_mm);
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| self.name_flag(error))?;
-        if let Some(said) = self.meshing.leave_room(&mut spec).filter(|_| !self.quiet) {
+        if let Some(said) = self.meshing.leave_room(&mut spec).filter(|_| !self.writing.quiet) {
             stderr::line(said);
         }
         spec.validate().map_err(|error| self.name_flag(error))?;
@@ -168,16 +167,16 @@ impl Args {
         let paths = if self.output.is_empty() { &default[..] } else { &self.output };
         let contents = paths.iter().map(|path| content(path)).collect::<Result<Vec<_>, _>>()?;
         let target = |(path, content): (&PathBuf, &Content)| match content {
-            Content::Packing(_) | Content::Page => Target::new(path, self.force),
-            Content::Mesh(format) => mesh::target(path, *format, self.force, &self.meshing),
+            Content::Packing(_) | Content::Page => Target::new(path, self.writing.force),
+            Content::Mesh(format) => mesh::target(path, *format, self.writing.force, &self.meshing),
         };
         let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
-        let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.force)).transpose()?;
+        let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
         let encoding = Encoding::compressed(self.compress);
         let surfaces = Surfaces { encoding, images: self.images, ..Surfaces::default() };
-        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.force, surfaces })
+        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.writing.force, surfaces })
     }
 }
 

@@ -1,10 +1,10 @@
 //! `mesocrete report`: a saved model in pictures and figures, as one self-contained page or as JSON.
 
-use super::values;
+use super::shared::{Threads, Writing};
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
-use crate::{inputs, stderr, threads};
+use crate::{inputs, stderr};
 use meso_core::Progress;
 use meso_core::packing::Stage;
 use meso_core::page;
@@ -19,34 +19,29 @@ pub(crate) struct Args {
     /// Page to write (.html), or the statistics alone (.json); `-` writes the page to standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Number of threads; all cores when absent
-    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
-    threads: Option<u16>,
-    /// Replace a file that is there already
-    #[arg(short, long)]
-    force: bool,
-    /// Print only errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let content = content(&args.output)?;
-    let target = Target::new(&args.output, args.force)?;
+    let target = Target::new(&args.output, args.writing.force)?;
     outputs::distinct(&[&target], &[&args.model])?;
     let model = inputs::model(&args.model)?;
-    let mut watch = Watch::of_files(args.quiet, &[(Stage::Measure, 1.0)]);
+    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Measure, 1.0)]);
     let told = |share| watch.stage(Stage::Measure, share);
-    let figures = threads::with(args.threads, || statistics_watched(&model, &Options::default(), &told))?;
+    let figures = args.threads.run(|| statistics_watched(&model, &Options::default(), &told))?;
     watch.finish();
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();
-    unit.fill(&target, args.force, |out| match content {
+    unit.fill(&target, args.writing.force, |out| match content {
         Content::Page => page::write(&model, &figures, out),
         Content::Figures => write_figures(&figures, out),
     })?;
     unit.commit()?;
-    if let (Some(path), false) = (target.file(), args.quiet) {
+    if let (Some(path), false) = (target.file(), args.writing.quiet) {
         stderr::line(format!("wrote {}", path.display()));
     }
     Ok(0)

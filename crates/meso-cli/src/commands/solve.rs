@@ -4,10 +4,11 @@ mod division;
 mod folder;
 mod watch;
 
+use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::progress::{PACK, Watch};
-use crate::{inputs, interrupt, stderr, threads};
+use crate::{inputs, interrupt, stderr};
 use division::Division;
 use folder::{Folder, Kept};
 use meso_core::mesh::{Mesh, MeshOptions};
@@ -62,15 +63,10 @@ pub(crate) struct Args {
     /// Volume of the aggregates over the specimen's, 0 to 1, where a packing is made
     #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
     fraction: Option<f64>,
-    /// Number of threads; all cores when absent. It changes the time, never the result
-    #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
-    threads: Option<u16>,
-    /// Replace results that are there already
-    #[arg(short, long)]
-    force: bool,
-    /// Print only warnings and errors
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
+    writing: Writing,
     #[command(flatten)]
     division: Division,
 }
@@ -90,7 +86,7 @@ fn law(text: &str) -> Result<LawText, String> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    threads::with(args.threads, || on_these_threads(args))?
+    args.threads.run(|| on_these_threads(args))?
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
@@ -98,7 +94,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let (test, materials) = (args.test(), args.division.materials()?);
     meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
     args.validate()?;
-    let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.force)?;
+    let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
     let mut seconds = Seconds::default();
     let Some((model, options)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
@@ -110,7 +106,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
     args.announce(&run, &mesh);
-    let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.quiet);
+    let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&watch);
     (folder, seconds.solve) = (watch.folder()?, begun.elapsed().as_secs_f64());
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
@@ -180,7 +176,7 @@ impl Args {
         }
         let spec = self.spec()?;
         let options = options(&spec.specimen)?;
-        if !self.quiet {
+        if !self.writing.quiet {
             let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
             stderr::line(format!(
@@ -191,7 +187,7 @@ impl Args {
                 spec.seed
             ));
         }
-        let mut watch = Watch::start(self.quiet, &PACK[..3]);
+        let mut watch = Watch::start(self.writing.quiet, &PACK[..3]);
         let model = meso_core::pack(&spec, &watch);
         watch.finish();
         seconds.pack = watch.elapsed();
@@ -210,20 +206,20 @@ impl Args {
 
     fn mesh(&self, model: &Model, options: &MeshOptions, seconds: &mut Seconds) -> Result<Mesh, Failure> {
         let begun = Instant::now();
-        if !self.quiet {
+        if !self.writing.quiet {
             let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
             stderr::line(format!(
                 "meshing {} aggregates: {method}, {size} mm",
                 stderr::thousands(model.aggregates.len())
             ));
         }
-        let mesh = self.division.build(model, options, self.quiet)?;
+        let mesh = self.division.build(model, options, self.writing.quiet)?;
         seconds.mesh = begun.elapsed().as_secs_f64();
         Ok(mesh)
     }
 
     fn announce(&self, run: &Run, mesh: &Mesh) {
-        if self.quiet {
+        if self.writing.quiet {
             return;
         }
         let (elements, steps) = (stderr::thousands(mesh.cell_count()), stderr::thousands(run.steps() as usize));
@@ -279,8 +275,8 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
     folder.fill(&outcome)?;
     let written = folder.commit(*ended == Ended::Completed)?;
-    tell(response, args.quiet);
-    if !args.quiet {
+    tell(response, args.writing.quiet);
+    if !args.writing.quiet {
         written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
     Ok(match ended {

@@ -18,3 +18,6 @@ pub mod vtk;
 pub(crate) mod vtu;
 #[doc(hidden)]
 pub mod vtu_mesh;
+
+#[doc(hidden)]
+pub use appearance::{CLASSES, PALETTE};

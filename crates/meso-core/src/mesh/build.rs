@@ -8,6 +8,7 @@ use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Order, Volumes};
+use super::phase_error::PhaseOff;
 use super::sides::FlatSides;
 use super::tet::TetMesh;
 use super::{apart, clip, fidelity, interface, lattice, layer, own_volume, quality, sides, smeared, voxel};
@@ -44,6 +45,28 @@ pub fn build_watched(
     told: &dyn Fn(f64),
 ) -> Result<Mesh, MeshError> {
     assemble(&model.bodies(), &model.spec.specimen, options, gmsh, told)
+}
+
+/// As [`build_watched`], and refuses a mesh in which a phase has more or less of its volume than `accepted` allows.
+///
+/// `accepted` is a share of the exact volume: `ACCEPTED_PHASE_ERROR`, unless a coarse mesh is wanted. Beside the mesh comes
+/// the phase that is farthest off; none where a core has no trustworthy volume.
+///
+/// # Errors
+/// As [`build_watched`], and [`MeshError::PhaseError`].
+pub fn build_accepted(
+    model: &Model,
+    options: &MeshOptions,
+    gmsh: &dyn VolumeMesher,
+    accepted: f64,
+    told: &dyn Fn(f64),
+) -> Result<(Mesh, Option<PhaseOff>), MeshError> {
+    let mesh = build_watched(model, options, gmsh, told)?;
+    let off = PhaseOff::of(&mesh, &model.bodies(), &model.spec.specimen, options);
+    match off.filter(|off| off.error().abs() > accepted) {
+        Some(off) => Err(off.refused(options)),
+        None => Ok((mesh, off)),
+    }
 }
 
 /// Meshes `aggregates`, which must be disjoint and inside `specimen`; voids among them are left out of the mesh.

@@ -27,7 +27,7 @@ mod voxel;
 
 pub use build::{build, build_with};
 #[doc(hidden)]
-pub use build::{build_parts, build_watched};
+pub use build::{build_accepted, build_parts, build_watched};
 pub use cells::{CellKind, Mesh, NO_AGGREGATE, Notes, Phase};
 pub use conforming::VolumeMesher;
 #[doc(hidden)]
@@ -38,5 +38,6 @@ pub use fidelity::InterfaceDistance;
 pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
 #[doc(hidden)]
 pub use options::{MeshTable, MethodName};
-pub use phase_error::{ACCEPTED_PHASE_ERROR, PhaseOff, phases_kept};
+#[doc(hidden)]
+pub use phase_error::{ACCEPTED_PHASE_ERROR, PhaseOff};
 pub use quality::PhaseVolumes;

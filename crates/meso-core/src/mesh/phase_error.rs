@@ -23,7 +23,7 @@ pub struct PhaseOff {
 
 impl PhaseOff {
     /// That of a mesh of `bodies` made with `options`; `None` where a core has no trustworthy volume.
-    pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Option<Self> {
+    pub(super) fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Option<Self> {
         let exact = PhaseVolumes::exact(bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
         let meshed = comparable(mesh, options.itz);
         let whole = specimen.volume();
@@ -36,27 +36,11 @@ impl PhaseOff {
     pub fn error(&self) -> f64 {
         self.meshed / self.exact - 1.0
     }
-}
 
-/// Refuses a mesh of `bodies` in which a phase has more or less of its volume than [`ACCEPTED_PHASE_ERROR`] allows.
-///
-/// [`build`](super::build()) does not ask this itself: a coarse mesh may be wanted.
-///
-/// # Errors
-/// [`MeshError::PhaseError`] names the phase that is farthest off, and the ways out.
-pub fn phases_kept(
-    mesh: &Mesh,
-    bodies: &[Aggregate],
-    specimen: &Specimen,
-    options: &MeshOptions,
-) -> Result<(), MeshError> {
-    let off = PhaseOff::of(mesh, bodies, specimen, options);
-    match off.filter(|off| off.error().abs() > ACCEPTED_PHASE_ERROR) {
-        None => Ok(()),
-        Some(PhaseOff { phase, meshed, exact }) => {
-            let ways = ways_out(phase, options);
-            Err(MeshError::PhaseError { phase: phase.in_words(), meshed, exact, ways })
-        }
+    /// The error that says so, and the ways out.
+    pub(super) fn refused(&self, options: &MeshOptions) -> MeshError {
+        let Self { phase, meshed, exact } = *self;
+        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, ways: ways_out(phase, options) }
     }
 }
 

@@ -4,8 +4,8 @@
 //! surface that looks along that axis more than along the others, and at less than 45 degrees to it.
 //!
 //! Nodes on the faces of a periodic box are images of each other: one and the same in the endless specimen. With cohesive elements a
-//! place has a node for each material there, and which these are depends on the cells behind the face. So images are told apart
-//! by their *owner*, the aggregate whose cells have them, and `complete` gives an image on an upper face a node for each owner that a
+//! position has a node for each material there, and which these are depends on the cells behind the face. So images are told
+//! apart by their *owner*, the aggregate whose cells have them, and `complete` gives an image on an upper face a node for each owner that a
 //! cohesive element across the face needs there. Every node has cells or cohesive elements.
 
 use super::cells::{Cells, Mesh, NO_AGGREGATE, Phase};
@@ -202,10 +202,10 @@ impl<'a> Spots<'a> {
         Self { points, size, cells }
     }
 
-    /// The nodes at `place`, in the cell there or, hard by its border, in the next.
-    pub(crate) fn at(&self, place: Vec3) -> impl Iterator<Item = u32> {
-        let near = move |node: &u32| (self.points[*node as usize] - place).amax() <= SLACK * self.size;
-        let cells = [-SLACK, SLACK].map(|slack| place.map(|x| ((x / self.size + slack) / CELL).floor() as i64));
+    /// The nodes at `position`, in the cell there or, hard by its border, in the next.
+    pub(crate) fn at(&self, position: Vec3) -> impl Iterator<Item = u32> {
+        let near = move |node: &u32| (self.points[*node as usize] - position).amax() <= SLACK * self.size;
+        let cells = [-SLACK, SLACK].map(|slack| position.map(|x| ((x / self.size + slack) / CELL).floor() as i64));
         let [x, y, z] = [0, 1, 2].map(|axis| cells[0][axis]..=cells[1][axis]);
         let around = x
             .flat_map(move |i| y.clone().flat_map(move |j| [(i, j)]))
@@ -222,7 +222,7 @@ impl<'a> Spots<'a> {
 /// A node on a face across which the box repeats itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Twin {
-    /// The lowest node at the image that lies on no upper face: one number for all images of a place.
+    /// The lowest node at the image that lies on no upper face: one number for all images of a position.
     class: u32,
     /// The upper faces that the node lies on, a bit per axis.
     along: u8,
@@ -244,10 +244,10 @@ pub(crate) fn owners(mesh: &Mesh, sides: &Sides) -> Vec<u32> {
     let mut owners = by_cells(mesh);
     let twins = twins(&mesh.points, mesh.periodic, sides, &owners);
     let needed = needed(mesh, &Joins::across(mesh, sides, &twins), &twins);
-    for place in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
-        // `complete` numbers the nodes it adds at a place by their owners.
-        let added = place.iter().filter(|twin| twin.owner == NOBODY);
-        added.zip(missing(&needed, place)).for_each(|(twin, owner)| owners[twin.node as usize] = owner);
+    for position in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
+        // `complete` numbers the nodes it adds at a position by their owners.
+        let added = position.iter().filter(|twin| twin.owner == NOBODY);
+        added.zip(missing(&needed, position)).for_each(|(twin, owner)| owners[twin.node as usize] = owner);
     }
     owners
 }
@@ -261,18 +261,18 @@ pub(super) fn complete(mesh: &mut Mesh) {
     let joins = Joins::across(mesh, &sides, &twins);
     let needed = needed(mesh, &joins, &twins);
     let mut added = Vec::new();
-    for place in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
-        for owner in missing(&needed, place) {
+    for position in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
+        for owner in missing(&needed, position) {
             let node = (mesh.points.len() + added.len()) as u32;
-            added.push((mesh.points[place[0].node as usize], Twin { owner, node, ..place[0] }));
+            added.push((mesh.points[position[0].node as usize], Twin { owner, node, ..position[0] }));
         }
     }
     mesh.points.extend(added.iter().map(|(point, _)| point));
     twins.extend(added.iter().map(|(_, twin)| twin));
     twins.sort_unstable();
-    let places = Places::new(mesh.points.len(), &twins);
+    let classes = ImageClasses::new(mesh.points.len(), &twins);
     for Join { own, inside, outside } in joins.0 {
-        if let Some((aggregate, nodes)) = places.join(own, inside, outside) {
+        if let Some((aggregate, nodes)) = classes.join(own, inside, outside) {
             mesh.cohesive.extend(nodes);
             mesh.cohesive_aggregate.push(aggregate);
         }
@@ -291,15 +291,15 @@ struct Joins(Vec<Join>);
 
 impl Joins {
     fn across(mesh: &Mesh, sides: &Sides, twins: &[Twin]) -> Self {
-        let places = Places::new(mesh.points.len(), twins);
+        let classes = ImageClasses::new(mesh.points.len(), twins);
         let mut joins = Vec::new();
         for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
             let lower =
-                |face: &(u32, usize)| Some((places.key(&corners(mesh.by_aggregate(), face))?, material(mesh, face.0)));
+                |face: &(u32, usize)| Some((classes.key(&corners(mesh.by_aggregate(), face))?, material(mesh, face.0)));
             let mut low: Vec<(Vec<u32>, u32)> = sides.faces()[2 * axis].iter().filter_map(lower).collect();
             low.sort_unstable();
             let opposite = |own: &[u32]| {
-                let key = places.key(own)?;
+                let key = classes.key(own)?;
                 low.binary_search_by(|entry| entry.0.cmp(&key)).ok().map(|found| low[found].1)
             };
             for face in &sides.faces()[2 * axis + 1] {
@@ -312,12 +312,12 @@ impl Joins {
     }
 }
 
-/// The places on upper faces (class and `along`) with the owners that cohesive elements across them need there, ascending.
+/// The positions on upper faces (class and `along`) with the owners that cohesive elements across them need there, ascending.
 fn needed(mesh: &Mesh, joins: &Joins, twins: &[Twin]) -> Vec<(u32, u8, u32)> {
-    let places = Places::new(mesh.points.len(), twins);
+    let classes = ImageClasses::new(mesh.points.len(), twins);
     let of_join = |join: &Join| -> Vec<(u32, u8, u32)> {
-        let place = |&node: &u32| places.of[node as usize].map(|(class, along)| (class, along, join.outside));
-        join.own.iter().filter_map(place).collect()
+        let position = |&node: &u32| classes.of[node as usize].map(|(class, along)| (class, along, join.outside));
+        join.own.iter().filter_map(position).collect()
     };
     let mut needed: Vec<(u32, u8, u32)> = joins.0.iter().flat_map(of_join).collect();
     needed.sort_unstable();
@@ -325,12 +325,12 @@ fn needed(mesh: &Mesh, joins: &Joins, twins: &[Twin]) -> Vec<(u32, u8, u32)> {
     needed
 }
 
-/// The owners needed at a place, given by its nodes, that have no cells there, ascending.
-fn missing<'a>(needed: &'a [(u32, u8, u32)], place: &'a [Twin]) -> impl Iterator<Item = u32> + 'a {
-    let here = (place[0].class, place[0].along);
+/// The owners needed at a position, given by its nodes, that have no cells there, ascending.
+fn missing<'a>(needed: &'a [(u32, u8, u32)], position: &'a [Twin]) -> impl Iterator<Item = u32> + 'a {
+    let here = (position[0].class, position[0].along);
     let start = needed.partition_point(|entry| (entry.0, entry.1) < here);
     let needed = needed[start..].iter().take_while(move |entry| (entry.0, entry.1) == here);
-    needed.map(|entry| entry.2).filter(|owner| place.iter().all(|twin| twin.owner != *owner))
+    needed.map(|entry| entry.2).filter(|owner| position.iter().all(|twin| twin.owner != *owner))
 }
 
 /// The corners of a cell's face, counter-clockwise from outside.
@@ -338,14 +338,14 @@ fn corners(cells: Cells, &(cell, face): &(u32, usize)) -> Vec<u32> {
     cells.face(cell, face).collect()
 }
 
-/// Nodes on the faces by their places, and places by nodes.
-struct Places<'a> {
+/// Nodes on the faces by their image classes, and these by nodes.
+struct ImageClasses<'a> {
     twins: &'a [Twin],
     /// Class and upper faces of every node that has them.
     of: Vec<Option<(u32, u8)>>,
 }
 
-impl<'a> Places<'a> {
+impl<'a> ImageClasses<'a> {
     fn new(nodes: usize, twins: &'a [Twin]) -> Self {
         let mut of = vec![None; nodes];
         twins.iter().for_each(|twin| of[twin.node as usize] = Some((twin.class, twin.along)));
@@ -360,7 +360,7 @@ impl<'a> Places<'a> {
         Some(classes)
     }
 
-    /// The node that `owner` has at the place of `node`.
+    /// The node that `owner` has at the position of `node`.
     fn owned(&self, node: u32, owner: u32) -> Option<u32> {
         let (class, along) = self.of[node as usize]?;
         let wanted = (class, along, owner);
@@ -379,11 +379,11 @@ impl<'a> Places<'a> {
     }
 }
 
-/// For every node on a face across which the box repeats itself one number for all images of its place, the lowest node at
+/// For every node on a face across which the box repeats itself one number for all images of its position, the lowest node at
 /// the image that lies on no upper face, and the upper faces that it lies on, a bit per axis. `None` for other nodes, and
 /// for those without an image.
-pub(super) fn places(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Vec<Option<(u32, u8)>> {
-    Places::new(points.len(), &twins(points, periodic, sides, &vec![NO_AGGREGATE; points.len()])).of
+pub(super) fn image_classes(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Vec<Option<(u32, u8)>> {
+    ImageClasses::new(points.len(), &twins(points, periodic, sides, &vec![NO_AGGREGATE; points.len()])).of
 }
 
 /// The aggregate whose cells have a node, [`NOBODY`] where none does.
@@ -412,8 +412,8 @@ fn twins(points: &[Vec3], periodic: [bool; 3], sides: &Sides, owners: &[u32]) ->
     let low = Spots::new(points, nodes.iter().copied().filter(|&node| upper(periodic, sides, node) == [false; 3]));
     let twin = |&node: &u32| {
         let upper = upper(periodic, sides, node);
-        let place = points[node as usize];
-        let image = Vec3::from_fn(|axis, _| place[axis] - if upper[axis] { size[axis] } else { 0.0 });
+        let position = points[node as usize];
+        let image = Vec3::from_fn(|axis, _| position[axis] - if upper[axis] { size[axis] } else { 0.0 });
         let along = (0..3).fold(0, |bits, axis| bits | u8::from(upper[axis]) << axis);
         low.at(image).min().map(|class| Twin { class, along, owner: owners[node as usize], node })
     };

@@ -1,6 +1,7 @@
 //! The packing to turn: quantised bodies and the specimen's edges for the page's viewer.
 
 use crate::aggregate::Aggregate;
+use crate::export::appearance::CLASSES;
 use crate::math::{Aabb, Vec3};
 use crate::model::Model;
 use crate::packing::{Images, Surface};
@@ -9,8 +10,6 @@ use std::io::{self, Write};
 
 /// Bodies that are shown, the largest first: their data stay within 12 MB.
 const MOST: usize = 30_000;
-/// Classes have colours of their own, in turn; voids and fibres follow.
-const COLOURS: u16 = 6;
 /// Cosine of the angle from which on two polygons of the specimen's surface meet in an edge that is drawn.
 const SHARP: f64 = 0.94;
 
@@ -58,7 +57,7 @@ fn bodies_of(bodies: &[Aggregate], all: &Aabb) -> Vec<u8> {
     let mut bytes = Vec::new();
     for Aggregate { class, body, .. } in bodies {
         let triangles: Vec<u16> = body.triangles().flatten().map(|corner| corner as u16).collect();
-        let head = [class % COLOURS, body.vertices().len() as u16, (triangles.len() / 3) as u16];
+        let head = [class % CLASSES.len() as u16, body.vertices().len() as u16, (triangles.len() / 3) as u16];
         bytes.extend(head.into_iter().flat_map(u16::to_le_bytes));
         bytes.extend(body.vertices().iter().flat_map(|vertex| quantised(vertex, all)));
         bytes.extend(triangles.into_iter().flat_map(u16::to_le_bytes));

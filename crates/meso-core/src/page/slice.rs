@@ -1,8 +1,10 @@
 //! Where a plane meets the aggregates: exact polygons as SVG.
 
 use crate::aggregate::{Aggregate, Kind};
+use crate::export::appearance::{CLASSES, PALETTE, VOID, fill};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
+use crate::mesh::Phase;
 use crate::model::Model;
 use crate::packing::{Images, Surface};
 use std::collections::BTreeMap;
@@ -33,8 +35,20 @@ pub(super) fn figure(model: &Model, axis: usize, place: f64, out: &mut impl Writ
     writeln!(out, "</g></svg><figcaption>{caption}</figcaption></figure>")
 }
 
-/// The colours of a picture that stands alone: one for all aggregates, as in images of voxels.
-const STYLE: &str = ".m{fill:#e4e1da}.i{fill:#8a8275}.vo{fill:#fff}.fi{fill:#2f3b4c}";
+/// The colours of mortar and ITZ.
+pub(super) fn matrix_style() -> String {
+    fill("m", PALETTE[Phase::Mortar as usize]) + &fill("i", PALETTE[Phase::Itz as usize])
+}
+
+/// Those of the size classes, which repeat.
+pub(super) fn class_style(colour: impl Fn(usize) -> [u8; 3]) -> String {
+    (0..CLASSES.len()).map(|class| fill(&format!("c{class}"), colour(class))).collect()
+}
+
+/// Those of voids and fibres.
+pub(super) fn inclusion_style() -> String {
+    fill("vo", PALETTE[usize::from(VOID)]) + &fill("fi", PALETTE[Phase::Fibre as usize])
+}
 
 /// One section across `axis` at `place` mm, as a file of its own.
 pub(super) fn picture(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
@@ -43,8 +57,9 @@ pub(super) fn picture(model: &Model, axis: usize, place: f64, out: &mut impl Wri
     let (width, height) = (size[u], size[v]);
     write!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" ")?;
     writeln!(out, "viewBox=\"0 0 {width} {height}\">\n<title>{} = {place} mm</title>", NAMES[axis])?;
-    let cores: String = (0..6).map(|class| format!(".c{class}{{fill:#7fa8c9}}")).collect();
-    writeln!(out, "<style>{STYLE}{cores}</style>\n<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
+    // One colour for all aggregates, as in images of voxels.
+    let style = matrix_style() + &inclusion_style() + &class_style(|_| PALETTE[Phase::Aggregate as usize]);
+    writeln!(out, "<style>{style}</style>\n<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
     section(model, axis, place, out)?;
     out.write_all(b"</g>\n</svg>\n")
 }
@@ -102,7 +117,11 @@ fn cut(aggregate: &Aggregate, axis: usize, place: f64, out: &mut impl Write) -> 
     }
     // A body whose core has no trustworthy answer is drawn as all rim.
     let core = aggregate.core().ok().flatten().map(|core| polygon(&core, axis, place)).unwrap_or_default();
-    if core.len() < 3 { Ok(()) } else { path(&format!("c{}", aggregate.class % 6), &core, out) }
+    if core.len() < 3 {
+        Ok(())
+    } else {
+        path(&format!("c{}", usize::from(aggregate.class) % CLASSES.len()), &core, out)
+    }
 }
 
 fn path(class: &str, corners: &[[f64; 2]], out: &mut impl Write) -> io::Result<()> {

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ._mesocrete import _colours
+
 # VTK's numbers for the cells a mesh is made of.
 _VTK_TYPES = {"tetra": 10, "hexahedron": 12, "wedge": 13, "tetra10": 24}
 _PHASES = {"mortar": 0, "ITZ": 1, "aggregate": 2}
@@ -19,9 +21,8 @@ _FIBRE = 4
 _KINDS = {"aggregate": 2, "void": 3, "fibre": _FIBRE}
 _OUTSIDE = 255
 _AXES = ("x", "y", "z")
-# The colours of phases and of size classes, as in pages and images.
-_PALETTE = {0: "#e4e1da", 1: "#8a8275", 2: "#7fa8c9", 3: "#ffffff", 4: "#2f3b4c"}
-_CLASSES = ["#7fa8c9", "#c9a66b", "#a3b18a", "#c48b9f", "#8fb8b0", "#b39ddb"]
+# The colours of phases, by their labels, and of size classes, as in pages and images.
+_PALETTE, _CLASSES = _colours()
 # Meshes of more cells are shown without their edges.
 _EDGES = 200_000
 
@@ -65,7 +66,7 @@ def _across(cut: Any, bounds: Any) -> tuple[int, float]:
 def _colours(labels: Any) -> Any:
     """Return red, green, blue and opacity of phase labels."""
     table = np.zeros((256, 4), dtype=np.uint8)
-    for label, colour in _PALETTE.items():
+    for label, colour in enumerate(_PALETTE):
         table[label] = (*bytes.fromhex(colour[1:]), 255)
     return table[labels]
 

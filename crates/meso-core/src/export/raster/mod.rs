@@ -102,7 +102,3 @@ impl Values {
         }
     }
 }
-
-/// Red, green and blue of a phase's label in pictures; the voxels outside the specimen are transparent.
-pub(super) const PALETTE: [[u8; 3]; 5] =
-    [[0xe4, 0xe1, 0xda], [0x8a, 0x82, 0x75], [0x7f, 0xa8, 0xc9], [0xff, 0xff, 0xff], [0x2f, 0x3b, 0x4c]];

@@ -2,7 +2,8 @@
 //!
 //! Phases are indexed colours, whose indices are the labels; shares are grey, black 0 and white 1.
 
-use super::{Frame, PALETTE, Values};
+use super::super::appearance::PALETTE;
+use super::{Frame, Values};
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 use std::io::{self, Write};
 

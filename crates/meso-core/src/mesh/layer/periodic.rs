@@ -11,7 +11,7 @@ use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::sides::Sides;
-use crate::mesh::sides::places;
+use crate::mesh::sides::image_classes;
 use crate::mesh::tet::{TetMesh, ascending};
 
 /// Which nodes move together.
@@ -160,7 +160,7 @@ impl Faces {
 
     /// Those of a mesh with these `sides`.
     pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
-        let classes = places(&mesh.points, periodic, sides);
+        let classes = image_classes(&mesh.points, periodic, sides);
         let mut images: Vec<(u32, u32)> =
             (0..).zip(&classes).filter_map(|(node, class)| class.map(|(class, _)| (class, node))).collect();
         images.sort_unstable();
