@@ -74,9 +74,9 @@ fn case(slabs: Option<u32>, side_mm: f64, element_size_mm: f64) {
     let before = cpu_seconds();
     let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh")).expect("a mesh");
     let [own, gmsh] = [0, 1].map(|i| cpu_seconds()[i] - before[i]);
-    let cells = quality::cells(&mesh);
+    let cells = quality::CellQuality::of_cells(&mesh);
     let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
-    let below = |degrees: f64| quality::bad_cells(&cells, degrees).len();
+    let below = |degrees: f64| quality::CellQuality::below(&cells, degrees).len();
     println!(
         "{own},{gmsh},{},{},{:.2},{},{},{:.4}",
         model.aggregates.len(),

@@ -17,7 +17,7 @@ use collision::table::{count, save};
 use collision::{Measured, machine};
 use meso_core::gjk::{self, Impact, Method, PairQuery, Penetration};
 use meso_core::math::Vec3;
-use meso_core::testing::{Counters, isa, overlap_counted, overlap_with};
+use meso_core::testing::{Counters, isa};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -32,7 +32,7 @@ fn mesocrete<'a>() -> AskOne<'a> {
 }
 
 fn method<'a>(method: Method) -> AskOne<'a> {
-    Box::new(move |q, a, b| overlap_with(method, &a.body, &b.body, &q.x))
+    Box::new(move |q, a, b| method.overlap(&a.body, &b.body, &q.x))
 }
 
 fn parry<'a>() -> AskOne<'a> {
@@ -110,7 +110,7 @@ fn pair_sets(ccd: Option<&Ccd>) {
 fn report(name: &str, grains: &[Grain], queries: &[Query], ccd: Option<&Ccd>, table: &mut Measured) {
     let mut counters = Counters::default();
     for q in queries {
-        overlap_counted(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x, &mut counters);
+        counters.overlap(&grains[q.a as usize].body, &grains[q.b as usize].body, &q.x);
     }
     println!(
         "\n{name}: {} pairs, {} after the spheres, {} after the ellipsoids, {} exact",

@@ -38,7 +38,7 @@ fn main() {
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).expect("cores");
     let volume = 100.0 * (PhaseVolumes::of_mesh(&mesh).itz / exact.itz - 1.0);
     let layer = LayerErrors::of(&mesh, &model);
-    let cells = quality::cells(&mesh);
+    let cells = quality::CellQuality::of_cells(&mesh);
     let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
     let figures = format!("{:.5},{:.0},{volume:.3},{}", layer.rms_mm, layer.area_mm2, mesh.notes.thinned_itz_nodes);
     let worst = format!(

@@ -203,9 +203,9 @@ fn errors(mesh: &Mesh, model: &Model) -> String {
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).expect("grains have volumes");
     let volume = 100.0 * (PhaseVolumes::of_mesh(mesh).aggregate / exact.aggregate - 1.0);
     let distance = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
-    let cells = quality::cells(mesh);
+    let cells = quality::CellQuality::of_cells(mesh);
     let worst = cells.iter().map(|cell| cell.min_dihedral_deg).fold(f64::INFINITY, f64::min);
-    let bad = quality::bad_cells(&cells, 8.0).len();
+    let bad = quality::CellQuality::below(&cells, 8.0).len();
     let interface = format!("{},{},{:.4},{:.5}", distance.nodes, distance.off, distance.max_mm, distance.rms_mm);
     let joined = format!("{},{:.4},{:.5}", distance.joined, distance.joined_max_mm, distance.joined_rms_mm);
     format!("{volume:.4},{interface},{joined},{worst:.2},{bad}")

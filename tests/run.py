@@ -16,8 +16,11 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 import venv
+from contextlib import nullcontext
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -27,6 +30,12 @@ PEERS = {
     "ccx": "CalculiX solving our decks (Debian: calculix-ccx)",
     "gmsh": "gmsh reading our meshes (PyPI or Debian: gmsh)",
 }
+
+# Of the whole workspace, as the wheel is: other features would compile every crate a second time.
+CARGO_TEST = ["cargo", "test", "--workspace"]
+
+# What is said of a command, and the command.
+Stage = tuple[str, list[str]]
 
 # Benches of conforming meshes.
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
@@ -60,8 +69,16 @@ def main() -> int:
     if args.quick:
         return summarise([(name, run(name, command)) for name, command in quick_stages()], time.monotonic() - started)
     python = make_venv()
-    install(python)
-    results = [(name, run(name, command)) for name, command in stages(python, slow=args.slow)]
+    # Packages come over the network while the compiler works.
+    with Background("cargo build of the tests", [*CARGO_TEST, "--no-run", "--quiet"]) if not args.slow else nullcontext():
+        install_packages(python)
+    install_wheel(python)
+    results = [(name, run(name, command)) for name, command in supply_chain()]
+    if args.slow:
+        results += [(name, run(name, command)) for name, command in [*rust_stages(slow=True), *python_stages(python, slow=True)]]
+        results += [(name, run(name, command)) for name, command in [*bench_stages(python), *watched_stages(python)]]
+    else:
+        results += side_by_side(rust_stages(slow=False), python_stages(python, slow=False))
     return summarise(results, time.monotonic() - started)
 
 
@@ -97,20 +114,28 @@ def make_venv() -> Path:
     return python
 
 
-def install(python: Path) -> None:
-    """Install what the tests need, and mesocrete as a user gets it: as a wheel."""
-    pip = [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+def pip(python: Path) -> list[str]:
+    """Name the command that installs packages."""
+    return [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+
+
+def install_packages(python: Path) -> None:
+    """Install what the tests need."""
     needed, optional = (str(ROOT / "tests" / f"requirements{which}.txt") for which in ("", "-optional"))
     # All in one go; one by one only where something cannot be had.
-    if run(f"everything into {VENV.name}", [*pip, "-r", needed, "-r", optional]) != 0:
-        must(f"requirements into {VENV.name}", [*pip, "-r", needed])
+    if run(f"everything into {VENV.name}", [*pip(python), "-r", needed, "-r", optional]) != 0:
+        must(f"requirements into {VENV.name}", [*pip(python), "-r", needed])
         for package in read_requirements(Path(optional)):
-            if run(package, [*pip, package]) != 0:
+            if run(package, [*pip(python), package]) != 0:
                 print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
+
+
+def install_wheel(python: Path) -> None:
+    """Install mesocrete as a user gets it."""
     # The tests' own profile: with debug assertions, and compiled once for Rust and Python.
     os.environ["MATURIN_PEP517_ARGS"] = "--profile dev"
     # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
-    must("the wheel", [*pip, "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)])
+    must("the wheel", [*pip(python), "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)])
 
 
 def read_requirements(path: Path) -> list[str]:
@@ -119,7 +144,7 @@ def read_requirements(path: Path) -> list[str]:
     return [line for line in lines if line and not line.startswith("#")]
 
 
-def quick_stages() -> list[tuple[str, list[str]]]:
+def quick_stages() -> list[Stage]:
     """Name the commands of the quick tier; they need no Python package and no wheel."""
     skipped = [word for subject in SLOW_SUBJECTS for word in ("--skip", subject)]
     return [
@@ -131,7 +156,7 @@ def quick_stages() -> list[tuple[str, list[str]]]:
     ]
 
 
-def supply_chain() -> list[tuple[str, list[str]]]:
+def supply_chain() -> list[Stage]:
     """Name the checks of dependencies and of the oldest compiler, as far as their tools are installed."""
     found = []
     if shutil.which("cargo-deny"):
@@ -150,21 +175,22 @@ def supply_chain() -> list[tuple[str, list[str]]]:
     return found
 
 
-def stages(python: Path, *, slow: bool) -> list[tuple[str, list[str]]]:
-    """Name the test commands, in order."""
+def rust_stages(*, slow: bool) -> list[Stage]:
+    """Name the commands of Rust's tests, in order."""
     tier = ["--", "--include-ignored"] if slow else []
     checks = ["--config", "profile.dev.package.meso-core.debug-assertions=true"] if slow else []
+    return [("cargo test", [*CARGO_TEST, "--no-fail-fast", *checks, *tier])]
+
+
+def python_stages(python: Path, *, slow: bool) -> list[Stage]:
+    """Name the commands of Python's tests, in order."""
     return [
-        *supply_chain(),
-        # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
-        ("cargo test", ["cargo", "test", "--workspace", "--no-fail-fast", *checks, *tier]),
         ("stubtest", [str(python), "-m", "mypy.stubtest", "mesocrete"]),
         ("pytest", [str(python), "-m", "pytest", *(["--slow"] if slow else [])]),
-        *([*bench_stages(python), *watched_stages(python)] if slow else []),
     ]
 
 
-def watched_stages(python: Path) -> list[tuple[str, list[str]]]:
+def watched_stages(python: Path) -> list[Stage]:
     """Name what runs under a sanitizer: the fuzz targets, and the tests that pass through `unsafe`."""
     fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60"])
     if "nightly" not in toolchains():
@@ -197,7 +223,7 @@ def toolchains() -> str:
     return subprocess.run(["rustup", "toolchain", "list"], check=False, capture_output=True, text=True).stdout
 
 
-def bench_stages(python: Path) -> list[tuple[str, list[str]]]:
+def bench_stages(python: Path) -> list[Stage]:
     """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
     benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
     rust = [["cargo", "bench", "--quiet", "--bench", name.stem, "--", "--quick"] for name in benches]
@@ -208,6 +234,47 @@ def bench_stages(python: Path) -> list[tuple[str, list[str]]]:
 def has_gmsh() -> bool:
     """Tell whether the conforming mesher's program is there."""
     return shutil.which("gmsh") is not None
+
+
+class Background:
+    """A command beside others; what it prints is shown when it has ended."""
+
+    def __init__(self, name: str, command: list[str]) -> None:
+        """Start the command."""
+        self.name = name
+        self.started = time.monotonic()
+        print(f"== {name}, in the background: {' '.join(command)}", flush=True)
+        self.output = tempfile.TemporaryFile()  # noqa: SIM115
+        self.process = subprocess.Popen(command, cwd=ROOT, stdout=self.output, stderr=subprocess.STDOUT)
+
+    def __enter__(self) -> "Background":
+        """Let it run."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Wait for its end."""
+        self.code = self.process.wait()
+        self.output.seek(0)
+        print(self.output.read().decode(errors="replace"), end="")
+        self.output.close()
+        print(f"== {self.name}: {told(self.code)} in {time.monotonic() - self.started:.0f} s", flush=True)
+
+
+def side_by_side(own: list[Stage], others: list[Stage]) -> list[tuple[str, int]]:
+    """Run two lists of stages at the same time: alone, each leaves a core idle behind its longest tests."""
+    found: list[tuple[str, int]] = []
+
+    def run_others() -> None:
+        for name, command in others:
+            with Background(name, command) as stage:
+                pass
+            found.append((name, stage.code))
+
+    thread = threading.Thread(target=run_others)
+    thread.start()
+    results = [(name, run(name, command)) for name, command in own]
+    thread.join()
+    return results + found
 
 
 def must(what: str, command: list[str]) -> None:
@@ -221,8 +288,13 @@ def run(name: str, command: list[str]) -> int:
     print(f"== {name}: {' '.join(command)}", flush=True)
     started = time.monotonic()
     code = subprocess.run(command, cwd=ROOT, check=False).returncode
-    print(f"== {name}: {'ok' if code == 0 else f'FAILED ({code})'} in {time.monotonic() - started:.0f} s", flush=True)
+    print(f"== {name}: {told(code)} in {time.monotonic() - started:.0f} s", flush=True)
     return code
+
+
+def told(code: int) -> str:
+    """Say how a command ended."""
+    return "ok" if code == 0 else f"FAILED ({code})"
 
 
 def summarise(results: list[tuple[str, int]], seconds: float) -> int:

@@ -48,14 +48,16 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
         let model = packed(axes, seed);
         let Some(mesh) = conforming(&model, ItzForm::None) else { return };
         assert_eq!(mesh.periodic, axes);
-        assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+        assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
         let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).unwrap();
         let meshed = PhaseVolumes::of_mesh(&mesh);
         for (meshed, exact) in [(meshed.aggregate, exact.aggregate), (meshed.mortar, exact.mortar)] {
             assert!((meshed / exact - 1.0).abs() < 1e-12, "{axes:?}: {meshed} {exact}");
         }
         let mut volumes = vec![0.0; model.aggregates.len()];
-        for (q, id) in quality::cells(&mesh).iter().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
+        for (q, id) in
+            quality::CellQuality::of_cells(&mesh).iter().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE)
+        {
             volumes[*id as usize] += q.volume_mm3;
         }
         for (aggregate, volume) in model.aggregates.iter().zip(volumes) {
@@ -93,7 +95,7 @@ fn voids_and_fibres_are_cut_at_periodic_faces_too() {
 fn the_solid_itz_leaves_the_surfaces_of_a_periodic_box_as_they_are_and_matches_across_its_faces() {
     let model = packed([true, true, false], 4);
     let Some(mesh) = conforming(&model, ItzForm::Solid) else { return };
-    assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
     let meshed = PhaseVolumes::of_mesh(&mesh);
     assert!((meshed.mortar / exact.mortar - 1.0).abs() < 1e-12);

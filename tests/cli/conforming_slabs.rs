@@ -50,7 +50,7 @@ fn slabs_make_one_mesh_in_which_every_aggregate_has_its_exact_volume() {
     for slabs in [2, 3, 5] {
         let mesh = in_slabs(&model, ItzForm::None, slabs).unwrap();
         assert_whole(&mesh);
-        let cells = quality::cells(&mesh);
+        let cells = quality::CellQuality::of_cells(&mesh);
         assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
         assert!(mesh.cell_count() > one.cell_count() && mesh.cell_count() < 2 * one.cell_count(), "{slabs}");
         let mut volumes = vec![0.0; model.aggregates.len()];
@@ -105,13 +105,13 @@ fn slabs_of_cylinders_prisms_and_polyhedra_make_one_mesh_with_every_volume_exact
         );
         let model = meso_core::pack(&Spec::from_toml(&spec).unwrap(), &Silent).unwrap();
         let Some(one) = in_slabs(&model, ItzForm::None, 1) else { return };
-        let room = model.spec.specimen.container();
+        let container = model.spec.specimen.container();
         let aggregates: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
         for &slabs in others {
             let mesh = in_slabs(&model, ItzForm::None, slabs).unwrap();
             // Chords of curved walls are within 0.02 mm of these.
-            assert_whole_within(&mesh, |corners| corners.iter().all(|corner| room.depth(corner).abs() < 0.02));
-            assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+            assert_whole_within(&mesh, |corners| corners.iter().all(|corner| container.depth(corner).abs() < 0.02));
+            assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
             let [meshed, whole] = [PhaseVolumes::of_mesh(&mesh), PhaseVolumes::of_mesh(&one)];
             assert!((meshed.aggregate / aggregates - 1.0).abs() < 1e-9, "{specimen} {slabs}");
             assert!((meshed.mortar / whole.mortar - 1.0).abs() < 1e-9, "{specimen} {slabs}");

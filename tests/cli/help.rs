@@ -1,7 +1,7 @@
 //! What a user reads: help, lists, tables; kept as snapshots.
 
 use crate::command::Folder;
-use insta::{assert_snapshot, with_settings};
+use insta::assert_snapshot;
 
 #[test]
 fn help() {
@@ -37,6 +37,25 @@ fn init_writes_a_commented_spec() {
     assert_snapshot!(Folder::new().run(&["init", "-o", "-"]).stdout());
 }
 
+/// The text with ` #` for every number after spaces, these included.
+fn without_figures(text: &str) -> String {
+    let mut rest = text;
+    let mut found = String::new();
+    while let Some(start) = rest.find(' ') {
+        let word = rest[start..].trim_start_matches(' ');
+        let digits = word.strip_prefix(['+', '-']).unwrap_or(word);
+        found.push_str(&rest[..start]);
+        if digits.starts_with(|c: char| c.is_ascii_digit()) {
+            found.push_str(" #");
+            rest = digits.trim_start_matches(|c: char| c.is_ascii_digit() || ",.".contains(c));
+        } else {
+            found.push_str(&rest[start..rest.len() - word.len()]);
+            rest = word;
+        }
+    }
+    found + rest
+}
+
 #[test]
 fn messages_of_pack_and_tables_of_check() {
     let folder = Folder::with_spec();
@@ -44,10 +63,8 @@ fn messages_of_pack_and_tables_of_check() {
     let table = folder.run(&["check", "model.json"]).stdout().to_owned();
     let json = folder.run(&["check", "model.json", "--json"]).stdout().to_owned();
     // The figures are the algorithms' business; here it is the words.
-    with_settings!({ filters => [(r" +[+-]?\d[\d,.]*", " #")] }, {
-        assert_snapshot!("pack_messages", packed);
-        assert_snapshot!("check_table", table);
-        assert_snapshot!("check_json", json);
-    });
+    assert_snapshot!("pack_messages", without_figures(&packed));
+    assert_snapshot!("check_table", without_figures(&table));
+    assert_snapshot!("check_json", without_figures(&json));
     assert_eq!(folder.run(&["pack", "small.toml", "--force", "--quiet"]).stderr, "");
 }

@@ -87,5 +87,5 @@ fn the_default_mesh_of_a_periodic_recipe_keeps_every_phase() {
 #[test]
 #[ignore = "slow: packs every recipe"]
 fn slow_the_default_mesh_of_every_recipe_keeps_every_phase() {
-    meso_core::recipes::ALL.iter().for_each(|recipe| keeps_every_phase(recipe.name));
+    meso_core::recipes::Recipe::ALL.iter().for_each(|recipe| keeps_every_phase(recipe.name));
 }

@@ -4,7 +4,7 @@ use super::families::Dice;
 use meso_core::geometry::convex_hull;
 use meso_core::gjk::{Body, Method, PairQuery, apart, clear_many, overlap, overlap_many};
 use meso_core::math::{Mat3, Vec3};
-use meso_core::testing::{Isa, choose, overlap_with};
+use meso_core::testing::{Isa, choose};
 
 /// Bodies of every kind: with and without bounds, solid and flat, small and large.
 fn bodies(dice: &mut Dice) -> Vec<Body> {
@@ -42,7 +42,7 @@ fn many_answers_are_the_single_ones() {
         assert_eq!(overlap_many(&asks), single, "{isa:?}");
         assert!(asks.iter().map(|q| overlap(q.a, q.b, &q.b_from_a)).eq(single.iter().copied()), "{isa:?}");
     }
-    let searched = asks.iter().map(|q| overlap_with(Method::Enhanced, q.a, q.b, &q.b_from_a));
+    let searched = asks.iter().map(|q| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a));
     assert!(searched.eq(single.iter().copied()), "the headers tell otherwise than the search");
     let hits = single.iter().filter(|&&hit| hit).count();
     assert!((6_000..14_000).contains(&hits), "{hits} of 20011 overlap");
@@ -71,7 +71,7 @@ fn assert_every_form_is_exact(seed: u64, n: usize) {
     let mut dice = Dice::new(seed);
     let bodies = bodies(&mut dice);
     let asks = near_touch(&mut dice, &bodies, n);
-    let exact: Vec<bool> = asks.iter().map(|q| overlap_with(Method::Exact, q.a, q.b, &q.b_from_a)).collect();
+    let exact: Vec<bool> = asks.iter().map(|q| Method::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
     for isa in Isa::ALL {
         let isa = choose(isa);
         assert_eq!(overlap_many(&asks), exact, "many at a time, seed {seed}, {isa:?}");
@@ -112,7 +112,7 @@ fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instr
         }
         // The search in double precision from the start, certified or exact, is what the other tests hold against
         // references.
-        let truth: Vec<bool> = asks.iter().map(|q| overlap_with(Method::Enhanced, q.a, q.b, &q.b_from_a)).collect();
+        let truth: Vec<bool> = asks.iter().map(|q| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a)).collect();
         for isa in Isa::ALL {
             let isa = choose(isa);
             assert_eq!(overlap_many(&asks), truth, "many at a time, seed {seed}, {isa:?}");

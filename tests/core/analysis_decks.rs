@@ -117,7 +117,7 @@ fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
     for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
         cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
     }
-    let qualities = quality::cells(kept);
+    let qualities = quality::CellQuality::of_cells(kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
     let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
     let both: f64 =
@@ -134,7 +134,8 @@ fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
     let restored = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
     assert!(error(&fitted) < -0.01, "{}", error(&fitted));
     assert!(error(&restored).abs() < 0.005, "{}", error(&restored));
-    let sharpest = |mesh: &Mesh| quality::cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
+    let sharpest =
+        |mesh: &Mesh| quality::CellQuality::of_cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
     assert!(sharpest(&restored) > sharpest(&fitted).min(9.0) - 1e-9);
     assert_eq!(restored.cells, fitted.cells);
 }
@@ -314,7 +315,7 @@ fn the_stable_time_step_is_a_bound_and_not_far_from_the_longest() {
     let elastic = Materials::default().mortar;
     let mesh = lattice(ItzForm::Solid, Joined::Mortar, Volumes::Fitted);
     let (mut tightest, mut altitudes_too_long) = (0.0_f64, 0);
-    for (cell, quality) in mesh.cells().zip(quality::cells(&mesh)).step_by(97) {
+    for (cell, quality) in mesh.cells().zip(quality::CellQuality::of_cells(&mesh)).step_by(97) {
         let p = [0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]);
         let longest = 2.0 / highest_frequency(p, &elastic);
         let told = quality.stable_length_mm / elastic.wave_speed_mm_per_s();

@@ -4,7 +4,7 @@ use crate::mesh::deck;
 use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
-use meso_core::mesh::conforming::{GMSH_OPTIONS, Surfaces};
+use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
@@ -151,7 +151,7 @@ pub(crate) fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
     surfaces.write(std::fs::File::create(folder.path().join("surfaces.msh")).unwrap()).unwrap();
     std::fs::write(folder.path().join("volumes.geo"), surfaces.script("surfaces.msh")).unwrap();
     let mut command = Command::new("gmsh");
-    command.current_dir(folder.path()).arg("volumes.geo").args(GMSH_OPTIONS).args(["-o", "volumes.msh"]);
+    command.current_dir(folder.path()).arg("volumes.geo").args(Surfaces::GMSH_OPTIONS).args(["-o", "volumes.msh"]);
     let run = command.output().map_err(|error| MeshError::Gmsh(error.to_string()))?;
     assert!(run.status.success());
     Ok(std::fs::read(folder.path().join("volumes.msh")).unwrap())

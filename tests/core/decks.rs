@@ -2,7 +2,7 @@
 
 use crate::deck_reader::{Deck, NODES};
 use crate::mesh::{aggregate, block, by_hand, deck, turned_blocks};
-use crate::mesh_specimens::rooms;
+use crate::mesh_specimens::every_kind;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
 use meso_core::math::Vec3;
@@ -122,7 +122,7 @@ fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
 
 #[test]
 fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
-    for specimen in rooms() {
+    for specimen in every_kind() {
         for method in [Method::VOXEL, Method::FITTED] {
             let options = MeshOptions { method, element_size_mm: 4.0, ..Default::default() };
             let mesh = mesh::build_parts(&[], &specimen, &options).unwrap();

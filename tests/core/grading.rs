@@ -222,12 +222,12 @@ fn a_sieve_table_is_read_from_a_file_that_the_caller_opens() {
 
 #[test]
 fn every_recipe_is_a_spec_that_can_be() {
-    for recipe in recipes::ALL {
+    for recipe in recipes::Recipe::ALL {
         let spec = Spec::from_toml(recipe.text).unwrap_or_else(|error| panic!("{}: {error}", recipe.name));
         assert!(recipe.title().len() > 20 && recipe.text.starts_with("# "), "{} has no title", recipe.name);
         assert!(spec.estimated_aggregates() < 1e5, "{} is too large to start from", recipe.name);
     }
-    assert_eq!(Spec::from_toml(recipes::find("paper").unwrap().text).unwrap(), Spec::default());
+    assert_eq!(Spec::from_toml(recipes::Recipe::find("paper").unwrap().text).unwrap(), Spec::default());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 /// What each target is fed with, before it is mutated.
 fn seeds(target: &str) -> Vec<Vec<u8>> {
-    let recipes = || meso_core::recipes::ALL.iter().map(|recipe| recipe.text.as_bytes().to_vec());
+    let recipes = || meso_core::recipes::Recipe::ALL.iter().map(|recipe| recipe.text.as_bytes().to_vec());
     match target {
         "spec" => recipes().collect(),
         "saved-model" => vec![model()],

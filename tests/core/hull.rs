@@ -4,7 +4,7 @@ use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
 use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
 use meso_core::geometry::{Face, HullError, Polyhedron, convex_hull};
 use meso_core::math::Vec3;
-use meso_core::testing::{HullBuilder, affine_dimension, convex_hull_like};
+use meso_core::testing::HullBuilder;
 use num_bigint::BigInt;
 use std::collections::BTreeSet;
 
@@ -99,7 +99,7 @@ fn small_lattice_sets_are_proved_or_flat() {
         let points = source.lattice(4 + case % 9, 2 + case % 3);
         match convex_hull(&points) {
             Err(HullError::LowerDimensional { dimension }) => {
-                assert_eq!(affine_dimension(&points), Ok(dimension));
+                assert_eq!(HullBuilder::affine_dimension(&points), Ok(dimension));
                 flat += 1;
             }
             _ => merged += usize::from(proved_hull(&points, "lattice").faces().any(|face| face.len() > 3)),
@@ -196,7 +196,7 @@ fn a_hull_like_another_is_the_hull_whether_its_faces_stay_or_not() {
         for share in [0.0, 1e-12, 1e-3, 0.3] {
             let moved: Vec<Vec3> =
                 hull.vertices().iter().map(|v| v.map(|x| x + share * size * (1e3 * x).sin())).collect();
-            let like = convex_hull_like(&hull.clone().into(), &moved);
+            let like = HullBuilder::moved(&hull.clone().into(), &moved);
             assert_eq!(like, convex_hull(&moved), "{} moved by {share}", cloud.name);
             let same = like.is_ok_and(|like| like.faces().map(Face::to_vec).eq(hull.faces().map(Face::to_vec)));
             *(if same { &mut stay } else { &mut change }) += 1;

@@ -41,10 +41,10 @@ fn of(model: &Model, kind: Kind) -> Vec<&Aggregate> {
 
 /// Every phase within half of its largest body of what was asked.
 fn assert_delivered(model: &Model) {
-    let room = model.spec.specimen.volume();
+    let whole = model.spec.specimen.volume();
     for (phase, asked) in model.report.phases.iter().zip([0.03, 0.01]) {
         let bodies = of(model, phase.phase);
-        let largest = bodies.iter().map(|body| body.body.volume()).fold(0.0, f64::max) / room;
+        let largest = bodies.iter().map(|body| body.body.volume()).fold(0.0, f64::max) / whole;
         assert_eq!((phase.target_fraction, phase.bodies), (asked, bodies.len()));
         assert!(bodies.len() > 50 && (phase.fraction - asked).abs() <= largest, "{phase:?}");
     }

@@ -194,7 +194,7 @@ fn lattice(element_size_mm: f64, method: Method) -> Mesh {
 fn a_fitted_lattice_fills_the_specimen_without_inverted_cells() {
     let mesh = lattice(1.0, Method::FITTED);
     assert!((PhaseVolumes::of_mesh(&mesh).total() / 27_000.0 - 1.0).abs() < 1e-9);
-    assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn a_solid_layer_in_a_dense_packing_turns_no_cell_over() {
         let options = MeshOptions { method: Method::FITTED, element_size_mm, ..Default::default() };
         let mesh = mesh::build(&model, &options).unwrap();
         assert!(mesh.notes.closed_gaps > 100, "gaps that close are what turned cells over");
-        let cells = quality::cells(&mesh);
+        let cells = quality::CellQuality::of_cells(&mesh);
         assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
         assert!(cells.iter().all(|q| q.min_dihedral_deg > 1.99), "a layer of 0.1 mm has angles of 3 degrees by itself");
         assert!(mesh.notes.shifted_itz_nodes > 0, "nodes left the exact offset for these angles");

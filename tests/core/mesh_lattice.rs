@@ -25,8 +25,8 @@ fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_
     let model = packed(Specimen::cube(50.0), 0.5, 1);
     let mesh = fitted(&model, 2.0);
     assert!(mesh.notes.closed_gaps > 1000, "closed gaps are what makes angles and volumes hard");
-    let cells = quality::cells(&mesh);
-    assert_eq!(quality::bad_cells(&cells, 10.0 - 1e-9), [0; 0]);
+    let cells = quality::CellQuality::of_cells(&mesh);
+    assert_eq!(quality::CellQuality::below(&cells, 10.0 - 1e-9), [0; 0]);
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).unwrap();
     let volumes = PhaseVolumes::of_mesh(&mesh);
     assert!((volumes.aggregate / exact.aggregate - 1.0).abs() < 0.005, "{volumes:?} {exact:?}");
@@ -88,7 +88,7 @@ fn assert_on_aggregates(model: &Model, mesh: &Mesh) {
     assert!(alone > 10_000 && nodes.len() - alone > 2000, "{alone} of {}", nodes.len());
     assert_eq!(nodes.iter().filter(|(height, _)| *height > 1e-8).count(), 0);
     assert_eq!((mesh.notes.off_surface_nodes, mesh.notes.closed_side_gaps), (0, 0));
-    assert_eq!(quality::bad_cells(&quality::cells(mesh), 8.0 - 1e-9), [0; 0]);
+    assert_eq!(quality::CellQuality::below(&quality::CellQuality::of_cells(mesh), 8.0 - 1e-9), [0; 0]);
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn where_a_face_hardly_rises_from_the_specimens_side_nodes_become_one_with_other
     let distance = InterfaceDistance::of(&mesh, &blocks, &specimen);
     assert!(distance.nodes > 200 && distance.off == 0, "{distance:?}");
     assert_eq!((mesh.notes.off_surface_nodes, mesh.notes.closed_side_gaps), (0, 0));
-    assert_eq!(quality::bad_cells(&quality::cells(&mesh), 10.0 - 1e-9), [0; 0]);
+    assert_eq!(quality::CellQuality::below(&quality::CellQuality::of_cells(&mesh), 10.0 - 1e-9), [0; 0]);
 }
 
 #[test]

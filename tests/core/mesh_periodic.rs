@@ -32,7 +32,7 @@ fn every_mesh_of_a_periodic_box_fills_it_with_cells_of_positive_volume_and_match
             for itz in [ItzForm::None, ItzForm::Solid, ItzForm::Cohesive] {
                 let what = format!("{method:?} {itz:?} along {axes:?}");
                 let mesh = meshed(&model, method, itz);
-                assert!(quality::cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0), "{what}");
+                assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0), "{what}");
                 for axis in (0..3).filter(|axis| axes[*axis]) {
                     let [low, high] = [0.0, SIDE_MM].map(|place| face(&mesh, axis, place));
                     assert!(low.len() > 200 && low == high, "{what} across {axis}: {} {}", low.len(), high.len());
@@ -95,7 +95,7 @@ fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_
     });
     assert!(mesh == other);
     assert!(mesh.notes.closed_gaps > 1000);
-    assert!(quality::cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.99));
+    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.99));
     for axis in 0..3 {
         let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
         assert!(low.len() > 1000 && low == high, "across {axis}: {} {}", low.len(), high.len());
@@ -117,7 +117,7 @@ fn nodes_on_periodic_faces_go_onto_their_aggregates_and_those_that_do_not_are_in
         let distance = InterfaceDistance::of(&mesh, &model.aggregates, &model.spec.specimen);
         assert_eq!(mesh.notes.off_surface_nodes, distance.off, "{distance:?}");
         assert!(distance.off < most, "{distance:?}");
-        assert!(quality::cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 8.0 - 1e-9));
+        assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 8.0 - 1e-9));
         for axis in (0..3).filter(|axis| axes[*axis]) {
             let [low, high] = [0.0, 40.0].map(|place| face(&mesh, axis, place));
             assert!(low.len() > 1000 && low == high, "across {axis}: {} {}", low.len(), high.len());

@@ -27,7 +27,7 @@ fn turned_angle_piece() -> Specimen {
     angle_piece([60.0, 25.0, 30.0], |[x, y, z]| [x * cos - y * sin, x * sin + y * cos, z])
 }
 
-pub(crate) fn rooms() -> Vec<Specimen> {
+pub(crate) fn every_kind() -> Vec<Specimen> {
     let square = |half: f64, z: f64| [[-half, -half, z], [half, -half, z], [half, half, z], [-half, half, z]];
     vec![
         cylinder(),
@@ -69,17 +69,17 @@ fn outside(mesh: &Mesh) -> Vec<([u32; 3], Phase)> {
 
 #[test]
 fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
-    for specimen in rooms() {
+    for specimen in every_kind() {
         let mesh = lattice(&specimen, Method::FITTED, ItzForm::None);
         let kind = specimen.kind();
         let volume = PhaseVolumes::of_mesh(&mesh).total();
         assert!((volume / specimen.volume() - 1.0).abs() < 0.005, "{kind}: {volume} of {}", specimen.volume());
-        let cells = quality::cells(&mesh);
-        assert_eq!(quality::bad_cells(&cells, 8.0), [0; 0], "{kind}");
-        let room = specimen.container();
+        let cells = quality::CellQuality::of_cells(&mesh);
+        assert_eq!(quality::CellQuality::below(&cells, 8.0), [0; 0], "{kind}");
+        let container = specimen.container();
         let outside = outside(&mesh);
         assert!(outside.len() > 3000 && outside.iter().all(|(_, phase)| *phase == Phase::Mortar), "{kind}");
-        let off = |node: u32| room.depth(&mesh.points[node as usize]).abs();
+        let off = |node: u32| container.depth(&mesh.points[node as usize]).abs();
         let worst = outside.iter().flat_map(|(nodes, _)| nodes.map(off)).fold(0.0, f64::max);
         assert!(worst < 1e-7, "{kind}: a node of the surface lies {worst} mm off it");
     }
@@ -89,9 +89,10 @@ fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
 fn the_sides_of_plain_lattices_are_staircases() {
     let specimen = cylinder();
     let mesh = lattice(&specimen, Method::PLAIN, ItzForm::None);
-    let room = specimen.container();
-    let worst =
-        outside(&mesh).into_iter().flat_map(|(nodes, _)| nodes.map(|n| room.depth(&mesh.points[n as usize]).abs()));
+    let container = specimen.container();
+    let worst = outside(&mesh)
+        .into_iter()
+        .flat_map(|(nodes, _)| nodes.map(|n| container.depth(&mesh.points[n as usize]).abs()));
     assert!(worst.fold(0.0, f64::max) > 0.5);
 }
 
@@ -123,7 +124,7 @@ fn a_cylinders_sets_are_its_ends_and_the_quarters_of_its_mantle() {
 fn a_solid_layer_in_a_cylinder_turns_no_cell_over_and_leaves_its_sides_alone() {
     let specimen = cylinder();
     let [without, with] = [ItzForm::None, ItzForm::Solid].map(|itz| lattice(&specimen, Method::FITTED, itz));
-    assert!(quality::cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(quality::CellQuality::of_cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
     let volume = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).total();
     assert!(PhaseVolumes::of_mesh(&with).itz > 0.0 && (volume(&with) / volume(&without) - 1.0).abs() < 1e-12);
     assert_eq!(outside(&with).len(), outside(&without).len());

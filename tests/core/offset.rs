@@ -3,7 +3,7 @@
 use crate::erosion::Planes;
 use crate::hull::assert_closed;
 use crate::solids::{Cloud, Source, block, coplanar, duplicates, hard, issues, lattices, near_flat, paper, scaled};
-use meso_core::geometry::{OffsetError, Polyhedron, convex_hull, inscribed_ball, inward_offset};
+use meso_core::geometry::{OffsetError, Polyhedron, convex_hull, inward_offset};
 use meso_core::math::Vec3;
 
 /// How the offsets of a family came out.
@@ -21,7 +21,7 @@ fn score(clouds: &[Cloud]) -> Score {
     for cloud in clouds {
         let body = convex_hull(&cloud.points).unwrap();
         let planes = Planes::of(&body);
-        let radius = inscribed_ball(&body).radius;
+        let radius = body.inscribed_ball().radius;
         for share in [0.05, 0.3, 0.7, 0.95, 0.999, 1.001, 1.5] {
             let thickness = radius * share;
             compare(&mut score, &body, inward_offset(&body, thickness), planes.eroded_volume(thickness), &cloud.name);
@@ -138,7 +138,7 @@ fn solids_of_known_erosion(source: &mut Source, count: usize, noise: f64) -> Vec
         let (turn, scale, away) =
             (source.rotation(), 1.0 + 9.0 * source.unit(), source.direction() * 10.0 * source.unit());
         let body = convex_hull(corners).unwrap();
-        let radius = inscribed_ball(&body).radius;
+        let radius = body.inscribed_ball().radius;
         let strewn = if k.is_multiple_of(3) { [100, 500, 2000][k / 3 % 3] } else { 0 };
         let points: Vec<Vec3> = corners.iter().copied().chain(on_faces(source, &body, strewn, noise)).collect();
         let points = points.iter().map(|p| turn * p * scale + away).collect();
@@ -223,7 +223,7 @@ fn vanishing_is_decided_to_the_last_bit() {
     for cloud in families.into_iter().flatten().filter(|cloud| cloud.points.len() < 14) {
         let body = convex_hull(&cloud.points).unwrap();
         let planes = Planes::of(&body);
-        let radius = inscribed_ball(&body).radius;
+        let radius = body.inscribed_ball().radius;
         for step in -3..=3 {
             let thickness = f64::from_bits(radius.to_bits().wrapping_add_signed(step));
             let vanishes = matches!(inward_offset(&body, thickness), Ok(None));
@@ -242,7 +242,7 @@ fn score_hard_sets(seed: u64, sets: usize) -> Score {
         let cloud = hard(&mut source, kind);
         let Some(body) = convex_hull(&cloud.points).ok().filter(|body| body.faces().len() < 20) else { continue };
         let planes = Planes::of(&body);
-        let radius = inscribed_ball(&body).radius;
+        let radius = body.inscribed_ball().radius;
         for thickness in [0.4 * radius, 0.99 * radius, radius.next_down(), radius, radius.next_up()] {
             compare(&mut score, &body, inward_offset(&body, thickness), planes.eroded_volume(thickness), &cloud.name);
         }
@@ -269,7 +269,7 @@ fn cores_are_closed_and_inside_their_bodies() {
     let families = [paper(&mut source, 60), lattices(&mut source, 60), coplanar(&mut source)];
     for cloud in families.into_iter().flatten() {
         let body = convex_hull(&cloud.points).unwrap();
-        let radius = inscribed_ball(&body).radius;
+        let radius = body.inscribed_ball().radius;
         let volumes = [0.1, 0.5, 0.9].map(|share| {
             let core = inward_offset(&body, share * radius).unwrap().unwrap();
             assert_closed(&core, &cloud.name);
@@ -320,7 +320,7 @@ fn a_shrunk_cube_is_a_cube() {
 #[test]
 fn a_cube_vanishes_at_half_its_side_and_not_before() {
     let body = convex_hull(&block([1.0; 3])).unwrap();
-    assert_eq!(inscribed_ball(&body).radius, 1.0);
+    assert_eq!(body.inscribed_ball().radius, 1.0);
     assert_eq!(inward_offset(&body, 1.0).unwrap(), None);
     assert_eq!(inward_offset(&body, 1.0 + f64::EPSILON).unwrap(), None);
     let almost = 1.0 - f64::EPSILON * 1e5;

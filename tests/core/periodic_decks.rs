@@ -288,7 +288,7 @@ fn matched_nodes_differ_by_the_prescribed_jump_and_the_modulus_lies_between_the_
 /// Stress over the whole box, MPa; tetrahedra of first order and voxels, whose points weigh the same.
 fn mean_stress(mesh: &Mesh, solved: &Solved) -> [f64; 6] {
     let mut sum = [0.0; 6];
-    for ((points, cell), element) in solved.stress.values().zip(quality::cells(mesh)).zip(1..) {
+    for ((points, cell), element) in solved.stress.values().zip(quality::CellQuality::of_cells(mesh)).zip(1..) {
         assert!(solved.stress.contains_key(&element));
         for stress in points {
             (0..6).for_each(|i| sum[i] += stress[i] * cell.volume_mm3 / points.len() as f64);

@@ -253,7 +253,7 @@ fn a_class_that_fits_into_no_component_of_a_surface_is_named_before_the_work() {
 }
 
 #[test]
-fn grains_too_large_for_a_room_in_pieces_are_left_out_and_told() {
+fn grains_too_large_for_a_specimen_in_pieces_are_left_out_and_told() {
     let mut spec = Spec { fraction: 0.2, specimen: cubes(10.0), ..Spec::default() };
     for strategy in [Strategy::TakeAndPlace, Strategy::Rearrange] {
         spec.placement.strategy = strategy;
@@ -266,8 +266,8 @@ fn grains_too_large_for_a_room_in_pieces_are_left_out_and_told() {
 }
 
 #[test]
-fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
-    let rooms = [
+fn the_surface_of_every_specimen_is_closed_and_encloses_nearly_its_volume() {
+    let kinds = [
         Specimen::cuboid([30.0, 40.0, 50.0]),
         Specimen::Cylinder { diameter_mm: 60.0, height_mm: 70.0 },
         Specimen::Sphere { diameter_mm: 75.0 },
@@ -283,21 +283,21 @@ fn the_surface_of_every_room_is_closed_and_encloses_nearly_its_volume() {
             radius_mm: 30.0,
         },
     ];
-    for specimen in rooms {
-        let (room, surface) = (specimen.container(), specimen.container().surface());
+    for specimen in kinds {
+        let (container, surface) = (specimen.container(), specimen.container().surface());
         let six: f64 = surface
             .triangles()
             .map(|t| t.map(|i| surface.points[i as usize]))
             .map(|[a, b, c]| a.dot(&b.cross(&c)))
             .sum();
-        assert!((six / 6.0 / room.volume() - 1.0).abs() < 2e-3, "{}: {}", specimen.kind(), six / 6.0);
+        assert!((six / 6.0 / container.volume() - 1.0).abs() < 2e-3, "{}: {}", specimen.kind(), six / 6.0);
         let mut edges: Vec<(u32, u32)> = Vec::new();
         for face in &surface.faces {
             edges.extend((0..face.len()).map(|k| (face[k], face[(k + 1) % face.len()])));
         }
         edges.sort_unstable();
         assert!(edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok()), "{} is open", specimen.kind());
-        assert!(room.depth(&(room.aabb().max * 2.0)).is_sign_negative());
-        assert!(room.contains(&(room.aabb().max * 0.25)));
+        assert!(container.depth(&(container.aabb().max * 2.0)).is_sign_negative());
+        assert!(container.contains(&(container.aabb().max * 0.25)));
     }
 }

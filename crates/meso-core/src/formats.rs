@@ -197,22 +197,21 @@ impl MeshFormat {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let script = || MeshFile { path: abaqus::curve_path(path), content: Content::Script(name) };
+            let script = || MeshFile { path: abaqus::DeckOptions::curve_path(path), content: Content::Script(name) };
             let script = (self == Self::Inp && deck.has_curve()).then(script);
             return script.into_iter().chain([whole(Content::Whole(self))]).collect();
         }
-        let piece = |index| MeshFile { path: piece_path(path, index), content: Content::Piece(index) };
+        let piece = |index| MeshFile { path: Self::piece_path(path, index), content: Content::Piece(index) };
         let mut files: Vec<MeshFile> = (0..pvtu::pieces(mesh)).map(piece).collect();
         let name = |file: &MeshFile| file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         files.push(whole(Content::Index(files.iter().map(name).collect())));
         files
     }
-}
 
-/// Where piece `index` of the `.pvtu` at `path` is: `name_0.vtu` beside `name.pvtu`.
-#[doc(hidden)]
-pub fn piece_path(path: &Path, index: usize) -> PathBuf {
-    path.with_file_name(format!("{}_{index}.vtu", path.file_stem().unwrap_or_default().to_string_lossy()))
+    /// Where piece `index` of the `.pvtu` at `path` is: `name_0.vtu` beside `name.pvtu`.
+    pub fn piece_path(path: &Path, index: usize) -> PathBuf {
+        path.with_file_name(format!("{}_{index}.vtu", path.file_stem().unwrap_or_default().to_string_lossy()))
+    }
 }
 
 /// One of the files that a mesh is written as.

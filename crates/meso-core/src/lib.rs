@@ -67,9 +67,9 @@ pub mod voxel_image;
 /// What the tests and benches of this workspace look into; no promise covers it.
 #[doc(hidden)]
 pub mod testing {
-    pub use crate::geometry::hull::{HullBuilder, affine_dimension, convex_hull_like};
+    pub use crate::geometry::hull::HullBuilder;
     pub use crate::geometry::sieve::principal_axes;
-    pub use crate::gjk::cascade::{Counters, apart_counted, overlap_counted, overlap_with};
+    pub use crate::gjk::cascade::Counters;
     pub use crate::simd::{Isa, choose, isa};
 
     #[cfg(feature = "concrete")]

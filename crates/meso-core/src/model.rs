@@ -134,7 +134,7 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     arrange(&mut poses, &order);
     let settle = |((grain, pose), &id): ((Grain, &Option<Pose>), &u32)| -> Result<Aggregate, SpecError> {
         stop::point();
-        let pose = pose.as_ref().expect("those without a place are gone");
+        let pose = pose.as_ref().expect("those without a pose are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
         let Grain { kind, class, itz_thickness_mm, .. } = grain;
         Ok(Aggregate { id, kind, class, itz_thickness_mm, body })

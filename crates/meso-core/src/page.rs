@@ -37,13 +37,13 @@ pub fn write(model: &Model, statistics: &Statistics, out: impl Write) -> io::Res
     out.flush()
 }
 
-/// Writes one section across `axis` at `place` mm as a picture of its own (`.svg`), to scale in mm and upright.
+/// Writes one section across `axis` at `at` mm as a picture of its own (`.svg`), to scale in mm and upright.
 ///
 /// # Errors
 /// Those of `out`.
 #[doc(hidden)]
-pub fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
-    slice::picture(model, axis, place, out)
+pub fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
+    slice::picture(model, axis, at, out)
 }
 
 const STYLE: &str = "\

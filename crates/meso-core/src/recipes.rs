@@ -9,41 +9,40 @@ pub struct Recipe {
     pub text: &'static str,
 }
 
-/// Name of the paper's specimen.
-#[doc(hidden)]
-pub const DEFAULT: &str = "paper";
-
-/// All recipes, the paper's first.
-pub const ALL: &[Recipe] = &[
-    Recipe { name: DEFAULT, text: include_str!("recipes/paper.toml") },
-    Recipe { name: "paper-rule", text: include_str!("recipes/paper-rule.toml") },
-    Recipe { name: "paper-compression", text: include_str!("recipes/paper-compression.toml") },
-    Recipe { name: "en-cube-100", text: include_str!("recipes/en-cube-100.toml") },
-    Recipe { name: "en-cube-150", text: include_str!("recipes/en-cube-150.toml") },
-    Recipe { name: "en-prism-100", text: include_str!("recipes/en-prism-100.toml") },
-    Recipe { name: "en-prism-150", text: include_str!("recipes/en-prism-150.toml") },
-    Recipe { name: "en-cylinder-100", text: include_str!("recipes/en-cylinder-100.toml") },
-    Recipe { name: "en-cylinder-150", text: include_str!("recipes/en-cylinder-150.toml") },
-    Recipe { name: "astm-cube-150", text: include_str!("recipes/astm-cube-150.toml") },
-    Recipe { name: "gb-cube-150", text: include_str!("recipes/gb-cube-150.toml") },
-    Recipe { name: "astm-cylinder-100", text: include_str!("recipes/astm-cylinder-100.toml") },
-    Recipe { name: "astm-cylinder-150", text: include_str!("recipes/astm-cylinder-150.toml") },
-    Recipe { name: "astm-beam-150", text: include_str!("recipes/astm-beam-150.toml") },
-    Recipe { name: "rilem-notched-150", text: include_str!("recipes/rilem-notched-150.toml") },
-    Recipe { name: "dogbone-200", text: include_str!("recipes/dogbone-200.toml") },
-    Recipe { name: "rve-60", text: include_str!("recipes/rve-60.toml") },
-    Recipe { name: "fibres-voids-100", text: include_str!("recipes/fibres-voids-100.toml") },
-    Recipe { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
-];
-
 impl Recipe {
+    /// Name of the paper's specimen.
+    pub const DEFAULT: &str = "paper";
+
+    /// All recipes, the paper's first.
+    pub const ALL: &[Self] = &[
+        Self { name: Self::DEFAULT, text: include_str!("recipes/paper.toml") },
+        Self { name: "paper-rule", text: include_str!("recipes/paper-rule.toml") },
+        Self { name: "paper-compression", text: include_str!("recipes/paper-compression.toml") },
+        Self { name: "en-cube-100", text: include_str!("recipes/en-cube-100.toml") },
+        Self { name: "en-cube-150", text: include_str!("recipes/en-cube-150.toml") },
+        Self { name: "en-prism-100", text: include_str!("recipes/en-prism-100.toml") },
+        Self { name: "en-prism-150", text: include_str!("recipes/en-prism-150.toml") },
+        Self { name: "en-cylinder-100", text: include_str!("recipes/en-cylinder-100.toml") },
+        Self { name: "en-cylinder-150", text: include_str!("recipes/en-cylinder-150.toml") },
+        Self { name: "astm-cube-150", text: include_str!("recipes/astm-cube-150.toml") },
+        Self { name: "gb-cube-150", text: include_str!("recipes/gb-cube-150.toml") },
+        Self { name: "astm-cylinder-100", text: include_str!("recipes/astm-cylinder-100.toml") },
+        Self { name: "astm-cylinder-150", text: include_str!("recipes/astm-cylinder-150.toml") },
+        Self { name: "astm-beam-150", text: include_str!("recipes/astm-beam-150.toml") },
+        Self { name: "rilem-notched-150", text: include_str!("recipes/rilem-notched-150.toml") },
+        Self { name: "dogbone-200", text: include_str!("recipes/dogbone-200.toml") },
+        Self { name: "rve-60", text: include_str!("recipes/rve-60.toml") },
+        Self { name: "fibres-voids-100", text: include_str!("recipes/fibres-voids-100.toml") },
+        Self { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
+    ];
+
+    /// The recipe of this name.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        Self::ALL.iter().find(|recipe| recipe.name == name)
+    }
+
     /// What it is, in a line.
     pub fn title(&self) -> &'static str {
         self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
     }
-}
-
-/// The recipe of this name.
-pub fn find(name: &str) -> Option<&'static Recipe> {
-    ALL.iter().find(|recipe| recipe.name == name)
 }

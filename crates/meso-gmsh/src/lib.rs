@@ -9,7 +9,7 @@ mod running;
 
 pub use running::end_all;
 
-use meso_core::mesh::conforming::{GMSH_OPTIONS, Surfaces};
+use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{MeshError, VolumeMesher};
 use running::Running;
 use std::ffi::{OsStr, OsString};
@@ -104,7 +104,7 @@ impl Gmsh {
         // Not through pipes: nobody would empty them in the meantime.
         let mut saying = task.running.in_folder(|folder| open_anew(&folder.join("said.txt"))).map_err(in_folder)?;
         let mut command = self.command();
-        command.current_dir(task.running.folder()).arg("volumes.geo").args(GMSH_OPTIONS);
+        command.current_dir(task.running.folder()).arg("volumes.geo").args(Surfaces::GMSH_OPTIONS);
         command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
         command.stdin(Stdio::null());
         command.stderr(saying.try_clone().map_err(in_folder)?).stdout(saying.try_clone().map_err(in_folder)?);

@@ -12,7 +12,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-/// One aggregate, or one void or fibre, at its place in the specimen.
+/// One aggregate, or one void or fibre, at its position in the specimen.
 #[pyclass(name = "Aggregate", module = "mesocrete", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyAggregate(pub(crate) Aggregate);

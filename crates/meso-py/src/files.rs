@@ -5,7 +5,7 @@ use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
-use meso_core::mesh::{self, ACCEPTED_PHASE_ERROR, Mesh, MeshError, MeshOptions, MeshTable};
+use meso_core::mesh::{self, Mesh, MeshError, MeshOptions, MeshTable, PhaseOff};
 use meso_core::{Model, saved};
 use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
@@ -67,7 +67,7 @@ pub(crate) fn write_model(
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let options = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
         let no_gmsh = |_: &mesh::conforming::Surfaces| Err(MeshError::NeedsGmsh);
-        let built = mesh::build_accepted(model, &options, &no_gmsh, ACCEPTED_PHASE_ERROR, &|_| {});
+        let built = mesh::build_accepted(model, &options, &no_gmsh, PhaseOff::ACCEPTED, &|_| {});
         let (mesh, _) = built.map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding, watch);
     }

@@ -12,7 +12,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, ACCEPTED_PHASE_ERROR, Mesh, MeshOptions, MeshTable, NO_AGGREGATE, PhaseVolumes,
+    self, Mesh, MeshOptions, MeshTable, NO_AGGREGATE, PhaseOff, PhaseVolumes,
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
@@ -64,7 +64,7 @@ pub(crate) fn build(
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         };
-        let accepted = if accept_phase_error { f64::INFINITY } else { ACCEPTED_PHASE_ERROR };
+        let accepted = if accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
         mesh::build_accepted(&model, &with, &fill, accepted, &|share| watch.stage(Stage::Mesh, share))
     })?;
     built.map(|(mesh, _)| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
@@ -173,7 +173,9 @@ impl PyMesh {
     fn bad_cells<'py>(&self, py: Python<'py>, degrees: f64) -> PyResult<Bound<'py, PyArray1<i64>>> {
         guard(|| {
             let mesh = Arc::clone(&self.0);
-            let bad = beside_python(py, None, move |_| quality::bad_cells(&quality::cells(&mesh), degrees))?;
+            let bad = beside_python(py, None, move |_| {
+                quality::CellQuality::below(&quality::CellQuality::of_cells(&mesh), degrees)
+            })?;
             Ok(PyArray1::from_vec(py, bad.into_iter().map(|cell| cell as i64).collect()))
         })
     }

@@ -13,11 +13,11 @@ use crate::spec::{self, PySpec};
 use crate::tree::plain;
 use crate::views::call_view;
 use crate::{arrays, files, image, table};
-use meso_core::check::{Check, check_watched};
+use meso_core::check::Check;
 use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
 use meso_core::packing::{Images, Stage};
-use meso_core::statistics::{Options, statistics_watched};
+use meso_core::statistics::{Options, Statistics};
 use meso_core::voxel_image::Region;
 use meso_core::{Model, Progress, saved};
 use numpy::{PyArray1, PyArray2};
@@ -200,7 +200,7 @@ impl PyPacking {
             let (model, progress) = (Arc::clone(&self.0), listener(py, progress)?);
             let plan = Plan(&[(Stage::Prove, 1.0)], 1.0);
             let check = in_stages(py, progress.as_ref(), plan, move |watch| {
-                check_watched(&model, &|share| watch.stage(Stage::Prove, share))
+                Check::of(&model, &|share| watch.stage(Stage::Prove, share))
             })?;
             plain(py, &Checked { sound: check.is_sound(), check })
         })
@@ -232,7 +232,7 @@ impl PyPacking {
             let progress = listener(py, progress)?;
             let plan = Plan(&[(Stage::Measure, 1.0)], 1.0);
             let measured = in_stages(py, progress.as_ref(), plan, move |watch| {
-                statistics_watched(&model, &options, &|share| watch.stage(Stage::Measure, share))
+                Statistics::of(&model, &options, &|share| watch.stage(Stage::Measure, share))
             })?;
             plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
         })

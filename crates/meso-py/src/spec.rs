@@ -152,8 +152,8 @@ impl PySpec {
     #[staticmethod]
     fn recipe(name: &str) -> PyResult<Self> {
         guard(|| {
-            let recipe = recipes::find(name).ok_or_else(|| {
-                let known: Vec<_> = recipes::ALL.iter().map(|recipe| recipe.name).collect();
+            let recipe = recipes::Recipe::find(name).ok_or_else(|| {
+                let known: Vec<_> = recipes::Recipe::ALL.iter().map(|recipe| recipe.name).collect();
                 PyValueError::new_err(format!("there is no recipe {name:?}; the recipes are {}", known.join(", ")))
             })?;
             Spec::from_toml(recipe.text).map(Self).map_err(|error| spec_error(&error))
@@ -253,6 +253,6 @@ pub(crate) fn restore_spec(options: &Bound<'_, PyDict>) -> PyResult<PySpec> {
 #[pyfunction(name = "recipes")]
 pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    recipes::ALL.iter().try_for_each(|recipe| dict.set_item(recipe.name, recipe.title()))?;
+    recipes::Recipe::ALL.iter().try_for_each(|recipe| dict.set_item(recipe.name, recipe.title()))?;
     Ok(dict)
 }

@@ -5,7 +5,7 @@ use crate::failure::{Failure, RUN};
 use crate::outputs::{Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr};
-use meso_core::check::{Check, Finding, check_watched};
+use meso_core::check::{Check, Finding};
 use meso_core::packing::Stage;
 use meso_core::{Model, Progress};
 use serde::Serialize;
@@ -29,7 +29,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let mut watch = Watch::of_files(false, &[(Stage::Prove, 1.0)]);
-    let found = args.threads.run(|| check_watched(&model, &|share| watch.stage(Stage::Prove, share)))?;
+    let found = args.threads.run(|| Check::of(&model, &|share| watch.stage(Stage::Prove, share)))?;
     watch.finish();
     Unit::default()
         .fill(&Target::Stdout, false, |out| if args.json { json(&found, out) } else { table(&model, &found, out) })?;

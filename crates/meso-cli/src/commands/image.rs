@@ -42,7 +42,7 @@ pub(crate) struct Args {
     writing: Writing,
 }
 
-/// An axis and a place on it.
+/// An axis and a position on it.
 fn plane(text: &str) -> Result<(usize, f64), String> {
     let expected = || "it must be an axis and a length in mm, as in z=75".to_owned();
     let (axis, at) = text.split_once('=').ok_or_else(expected)?;
@@ -79,7 +79,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
                 })?;
             }
             _ => {
-                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &told, out))?
+                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &told, out))?;
             }
         }
     }

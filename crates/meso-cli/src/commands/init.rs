@@ -3,13 +3,13 @@
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::stderr;
-use meso_core::recipes::{self, ALL};
+use meso_core::recipes::Recipe;
 use std::path::PathBuf;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// Name of a recipe, see `mesocrete recipes`
-    #[arg(default_value = recipes::DEFAULT)]
+    #[arg(default_value = Recipe::DEFAULT)]
     recipe: String,
     /// Where to write it; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "SPEC.toml")]
@@ -20,7 +20,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    let recipe = recipes::find(&args.recipe).ok_or_else(|| unknown(&args.recipe))?;
+    let recipe = Recipe::find(&args.recipe).ok_or_else(|| unknown(&args.recipe))?;
     let target = Target::new(&args.output, args.force)?;
     let mut unit = Unit::default();
     unit.fill(&target, args.force, |out| out.write_all(recipe.text.as_bytes()))?;
@@ -33,6 +33,6 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn unknown(name: &str) -> Failure {
-    let known: Vec<_> = ALL.iter().map(|recipe| recipe.name).collect();
+    let known: Vec<_> = Recipe::ALL.iter().map(|recipe| recipe.name).collect();
     Failure::Usage(format!("there is no recipe {name:?}; the recipes are {}", known.join(", ")))
 }

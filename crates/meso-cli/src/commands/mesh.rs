@@ -8,9 +8,9 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr};
 use meso_core::Spec;
-use meso_core::export::abaqus::{DeckOptions, curve_path};
+use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
-use meso_core::formats::{MeshFormat, piece_path};
+use meso_core::formats::MeshFormat;
 use meso_core::mesh::{Mesh, PhaseOff};
 use meso_core::packing::Stage;
 use std::io::Write;
@@ -140,11 +140,11 @@ fn mesh_format(path: &Path) -> Result<MeshFormat, Failure> {
 pub(super) fn target(path: &Path, format: MeshFormat, force: bool, meshing: &Meshing) -> Result<Target, Failure> {
     if format == MeshFormat::Pvtu {
         // The number of pieces is not known yet, but an existing first one would be in the way.
-        Target::new(&piece_path(path, 0), force)?;
+        Target::new(&MeshFormat::piece_path(path, 0), force)?;
     }
     let target = Target::new(path, force)?;
     if format == MeshFormat::Inp && meshing.has_curve() && matches!(target, Target::File { .. }) {
-        Target::new(&curve_path(path), force)?;
+        Target::new(&DeckOptions::curve_path(path), force)?;
     }
     Ok(target)
 }
@@ -152,7 +152,7 @@ pub(super) fn target(path: &Path, format: MeshFormat, force: bool, meshing: &Mes
 /// Says how a deck with a curve is run, and what writes its curve down.
 pub(super) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
     if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
-        let (input, script) = (shown.display(), curve_path(shown));
+        let (input, script) = (shown.display(), DeckOptions::curve_path(shown));
         stderr::line(format!(
             "run it: abaqus job=NAME input={input} double=both cpus=16; its curve: abaqus python {} NAME.odb",
             script.display()

@@ -3,7 +3,7 @@
 use crate::stderr;
 use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::mesh::quality::{BAD_DEG, MassScaling, PhaseScaling, QualityReport};
+use meso_core::mesh::quality::{MassScaling, PhaseScaling, QualityReport};
 use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, Phase, PhaseVolumes};
 use serde::Serialize;
 use std::io::{self, Write};
@@ -196,7 +196,11 @@ impl MeshReport {
         let named: Vec<String> = bad.iter().take(NAMED).map(usize::to_string).collect();
         let more = if bad.len() > NAMED { ", ...; --summary-json of `mesocrete mesh` names all" } else { "" };
         let which = if bad.is_empty() { String::new() } else { format!(" (elements {}{more})", named.join(", ")) };
-        stderr::line(format!("{} elements with an angle below {BAD_DEG} degrees{which}", stderr::thousands(bad.len())));
+        stderr::line(format!(
+            "{} elements with an angle below {} degrees{which}",
+            stderr::thousands(bad.len()),
+            QualityReport::BAD_DEG
+        ));
     }
 }
 

@@ -7,10 +7,9 @@ use crate::{inputs, stderr};
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
-use meso_core::mesh::conforming::{ADVISED_GAP_MM, Surfaces};
+use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{
-    self, ACCEPTED_PHASE_ERROR, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff,
-    VolumeMesher, Volumes,
+    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, PhaseOff, VolumeMesher, Volumes,
 };
 use meso_core::packing::{Specimen, Stage};
 use meso_core::spec::options_from_toml;
@@ -306,11 +305,11 @@ impl Meshing {
     /// shows most gaps, less where the packing would get too dense for it.
     pub(super) fn leave_room(&self, spec: &mut Spec) -> Option<String> {
         if self.method() == MethodName::Conforming {
-            let mut wanted = false;
+            let (advised, mut wanted) = (MeshError::ADVISED_GAP_MM, false);
             for gap in [&mut spec.placement.min_gap_mm, &mut spec.placement.wall_gap_mm] {
-                (*gap, wanted) = if *gap == 0.0 { (ADVISED_GAP_MM, true) } else { (*gap, wanted) };
+                (*gap, wanted) = if *gap == 0.0 { (advised, true) } else { (*gap, wanted) };
             }
-            return wanted.then(|| format!("packing with gaps of {ADVISED_GAP_MM} mm, which a conforming mesh needs"));
+            return wanted.then(|| format!("packing with gaps of {advised} mm, which a conforming mesh needs"));
         }
         if !self.analyses() || spec.placement.min_gap_mm > 0.0 {
             return None;
@@ -322,7 +321,7 @@ impl Meshing {
 
     /// Meshes, and finds the phase that is farthest off its exact volume; options that cannot be are wrong usage.
     pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
-        let accepted = if self.accept_phase_error { f64::INFINITY } else { ACCEPTED_PHASE_ERROR };
+        let accepted = if self.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
         let told = |share| watch.stage(Stage::Mesh, share);
         let gmsh = Announced { gmsh: Gmsh::program(&self.gmsh), quiet };
         mesh::build_accepted(model, &self.options()?, &gmsh, accepted, &told).map_err(|error| wrong_mesh(&error))

@@ -14,7 +14,7 @@ use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
 use meso_core::packing::{Images, Placement, Report, Seconds, Stage, StopReason, Strategy};
 use meso_core::page;
-use meso_core::statistics::{Options, statistics_watched};
+use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, Progress, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
@@ -263,7 +263,7 @@ impl Plan {
     fn fill_page(&self, unit: &mut Unit, target: &Target, model: &Model, watch: &Watch) -> Result<(), Failure> {
         let told = |share| watch.stage(Stage::Measure, share);
         let figures =
-            statistics_watched(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
+            Statistics::of(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
         unit.fill(target, self.force, |out| page::write(model, &figures, out))
     }
 }

@@ -8,7 +8,7 @@ use crate::{inputs, stderr};
 use meso_core::Progress;
 use meso_core::packing::Stage;
 use meso_core::page;
-use meso_core::statistics::{Options, Statistics, statistics_watched};
+use meso_core::statistics::{Options, Statistics};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Measure, 1.0)]);
     let told = |share| watch.stage(Stage::Measure, share);
-    let figures = args.threads.run(|| statistics_watched(&model, &Options::default(), &told))?;
+    let figures = args.threads.run(|| Statistics::of(&model, &Options::default(), &told))?;
     watch.finish();
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();

@@ -2,10 +2,11 @@
 
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
+use meso_core::Spec;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::MeshTable;
-use meso_core::spec::{of_options, schema};
+use meso_core::spec::of_options;
 use meso_core::statistics;
 use serde_json::Value;
 
@@ -29,7 +30,7 @@ enum Of {
 impl Of {
     fn schema(self) -> Value {
         match self {
-            Self::Spec => schema(),
+            Self::Spec => Spec::schema(),
             Self::Mesh => of_options::<MeshTable>(),
             Self::Deck => of_options::<DeckOptions>(),
             Self::Solve => of_options::<meso_solve::Test>(),

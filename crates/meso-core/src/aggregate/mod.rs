@@ -1,4 +1,4 @@
-//! Aggregates before they have a place: grading, shape, ITZ, and the *take* that makes a batch of them.
+//! Aggregates before they have a pose: grading, shape, ITZ, and the *take* that makes a batch of them.
 
 mod aspect_ratio;
 pub(crate) mod grading;
@@ -22,7 +22,7 @@ pub use shape::{Shape, ShapeKind};
 
 use crate::geometry::{OffsetError, Polyhedron, inward_offset};
 
-/// One aggregate, or one void or fibre, at its place in the specimen.
+/// One aggregate, or one void or fibre, at its position in the specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aggregate {
     /// Position in the model's list, from 0; voids and fibres count on from the last aggregate.

@@ -60,7 +60,7 @@ struct Buckets {
     /// Edge of the largest box, and a little more to cover rounding.
     largest: f64,
     counts: [usize; 3],
-    /// `starts[c]..starts[c + 1]` are the places of cell c in `members`.
+    /// `starts[c]..starts[c + 1]` is the range of cell c in `members`.
     starts: Vec<u32>,
     members: Vec<u32>,
 }

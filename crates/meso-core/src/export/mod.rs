@@ -4,12 +4,10 @@ pub mod abaqus;
 pub(crate) mod appearance;
 pub(crate) mod csv;
 pub(crate) mod glb;
-#[doc(hidden)]
-pub mod msh;
+pub(crate) mod msh;
 pub(crate) mod obj;
 pub(crate) mod ply;
-#[doc(hidden)]
-pub mod pvtu;
+pub(crate) mod pvtu;
 pub(crate) mod raster;
 pub(crate) mod step;
 #[doc(hidden)]

@@ -32,7 +32,7 @@ impl Block {
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
+pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     let blocks = blocks(mesh);
     out.write_all(b"$MeshFormat\n4.1 1 8\n")?;

@@ -9,15 +9,15 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 /// Most cells of a piece: some 50 MB, raw.
-pub const PIECE_CELLS: usize = 500_000;
+pub(crate) const PIECE_CELLS: usize = 500_000;
 
 /// Number of pieces of `mesh`, at least one.
-pub fn pieces(mesh: &Mesh) -> usize {
+pub(crate) fn pieces(mesh: &Mesh) -> usize {
     mesh.cell_count().div_ceil(PIECE_CELLS).max(1)
 }
 
 /// Piece `index` of `mesh`, without cohesive elements, which no `.vtu` holds.
-pub fn piece(mesh: &Mesh, index: usize) -> Mesh {
+pub(crate) fn piece(mesh: &Mesh, index: usize) -> Mesh {
     let count = mesh.cell_count();
     // Equal shares, so that no piece is a rest.
     let range = index * count / pieces(mesh)..(index + 1) * count / pieces(mesh);
@@ -40,7 +40,7 @@ fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::Result<()> {
+pub(crate) fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::Result<()> {
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     write!(out, "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ")?;
     writeln!(out, "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">")?;

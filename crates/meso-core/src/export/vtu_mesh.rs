@@ -14,7 +14,7 @@ use std::io::{self, Write};
 pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()> {
     let quality = match mesh.kind {
         CellKind::Hexahedron => Vec::new(),
-        _ => quality::cells(mesh),
+        _ => quality::CellQuality::of_cells(mesh),
     };
     let mut cell_data: Vec<Array> = bodies(mesh, &mesh.phase).collect();
     if !quality.is_empty() {

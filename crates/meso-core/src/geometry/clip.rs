@@ -21,7 +21,7 @@ pub(crate) fn clipped(body: &Polyhedron, domain: &Aabb) -> Option<Polyhedron> {
     Some(part)
 }
 
-/// The part where `side * x[axis] <= side * place`.
+/// The part where `side * x[axis] <= side * at`.
 fn half(body: &Polyhedron, axis: usize, at: f64, side: f64) -> Option<Polyhedron> {
     let inside = |v: &Vec3| side * v[axis] <= side * at;
     let mut points: Vec<Vec3> = body.vertices().iter().filter(|v| inside(v)).copied().collect();

@@ -66,18 +66,6 @@ pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
     }
 }
 
-/// [`convex_hull`] of points that are the vertices of `like`, moved as one body and rounded: where they keep its faces, which
-/// is found by looking, a tenth of the time.
-///
-/// # Errors
-/// See [`HullError`].
-pub fn convex_hull_like(like: &CompactPolyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
-    check(points)?;
-    let faces = like.faces();
-    let same = points.len() == like.vertex_count() && same_facets::are_facets(points, faces.faces());
-    if same { Ok(Polyhedron::with_faces(points.into(), faces)) } else { convex_hull(points) }
-}
-
 /// [`convex_hull`] with memory that is kept from one hull to the next: for whoever makes thousands of them.
 #[derive(Clone, Debug, Default)]
 pub struct HullBuilder {
@@ -127,6 +115,30 @@ impl HullBuilder {
         }
         Polyhedron::from_lists(vertices, &self.polygons.corners, &self.polygons.ends)
     }
+
+    /// [`convex_hull`] of points that are the vertices of `like`, moved as one body and rounded: where they keep its faces, which
+    /// is found by looking, a tenth of the time.
+    ///
+    /// # Errors
+    /// See [`HullError`].
+    pub fn moved(like: &CompactPolyhedron, points: &[Vec3]) -> Result<Polyhedron, HullError> {
+        check(points)?;
+        let faces = like.faces();
+        let same = points.len() == like.vertex_count() && same_facets::are_facets(points, faces.faces());
+        if same { Ok(Polyhedron::with_faces(points.into(), faces)) } else { convex_hull(points) }
+    }
+
+    /// The dimension of the smallest affine space that holds all `points`: 0 to 3, exactly.
+    ///
+    /// # Errors
+    /// As [`HullError`], for points that cannot be read.
+    pub fn affine_dimension(points: &[Vec3]) -> Result<u8, HullError> {
+        check(points)?;
+        match surface::affine_basis(points) {
+            Ok(_) => Ok(3),
+            Err(dimension) => Ok(dimension),
+        }
+    }
 }
 
 /// The faces of a hull as loops of point indices, for whoever wants the combinatorics alone.
@@ -147,18 +159,6 @@ impl Facets {
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(&0).chain(&self.0.ends);
         starts.zip(&self.0.ends).map(|(&start, &end)| &self.0.corners[start as usize..end as usize])
-    }
-}
-
-/// The dimension of the smallest affine space that holds all `points`: 0 to 3, exactly.
-///
-/// # Errors
-/// As [`HullError`], for points that cannot be read.
-pub fn affine_dimension(points: &[Vec3]) -> Result<u8, HullError> {
-    check(points)?;
-    match surface::affine_basis(points) {
-        Ok(_) => Ok(3),
-        Err(dimension) => Ok(dimension),
     }
 }
 

@@ -27,18 +27,20 @@ pub struct Ball {
     pub radius: f64,
 }
 
-/// The largest ball inside `body`, its radius to about 1e-10.
-///
-/// The centre of long bodies is one of many. Bodies too flat for floating point go through exact arithmetic.
-pub fn inscribed_ball(body: &Polyhedron) -> Ball {
-    let corners = plane_corners(body);
-    let size = body.aabb().size().amax();
-    match float_ball(&corners) {
-        Some((ball, _)) if ball.radius > TRUSTED * size => ball,
-        _ => {
-            let planes = ExactPlanes::new(&corners, 0.0);
-            let mut basis = planes.walls();
-            planes.ball(&planes.roots(64), &mut basis, 64, &corners)
+impl Polyhedron {
+    /// The largest ball inside the body, its radius to about 1e-10.
+    ///
+    /// The centre of long bodies is one of many. Bodies too flat for floating point go through exact arithmetic.
+    pub fn inscribed_ball(&self) -> Ball {
+        let corners = plane_corners(self);
+        let size = self.aabb().size().amax();
+        match float_ball(&corners) {
+            Some((ball, _)) if ball.radius > TRUSTED * size => ball,
+            _ => {
+                let planes = ExactPlanes::new(&corners, 0.0);
+                let mut basis = planes.walls();
+                planes.ball(&planes.roots(64), &mut basis, 64, &corners)
+            }
         }
     }
 }

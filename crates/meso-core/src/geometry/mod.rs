@@ -24,10 +24,10 @@ pub(crate) use box_tree::BoxTree;
 pub(crate) use clip::clipped;
 pub(crate) use compact::CompactPolyhedron;
 pub use faces::Face;
-pub(crate) use hull::convex_hull_like;
+pub(crate) use hull::HullBuilder;
 pub use hull::{HullError, convex_hull};
 #[doc(hidden)]
-pub use inradius::{Ball, inscribed_ball};
+pub use inradius::Ball;
 pub(crate) use nearest::nearest_on_triangle;
 pub use offset::{OffsetError, inward_offset};
 pub use plane::{Facet, Plane};

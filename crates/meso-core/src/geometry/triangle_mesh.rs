@@ -45,7 +45,7 @@ pub enum SurfaceError {
 }
 
 impl TriangleMesh {
-    /// The mesh of `corners`, three a triangle; corners at the same place become one vertex, and triangles that lose a
+    /// The mesh of `corners`, three a triangle; corners at the same position become one vertex, and triangles that lose a
     /// corner by that are left out.
     pub fn welded(corners: &[Vec3]) -> Self {
         let (mut vertices, mut triangles) = (Vec::new(), Vec::with_capacity(corners.len() / 3));

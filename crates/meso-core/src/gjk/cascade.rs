@@ -47,23 +47,19 @@ pub struct Counters {
 /// ```
 #[inline]
 pub fn overlap(a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
-    overlap_counted(a, b, b_from_a, &mut Counters::default())
+    Counters::default().overlap(a, b, b_from_a)
 }
 
-/// [`overlap`], counting what it took.
-#[inline]
-pub fn overlap_counted(a: &Body, b: &Body, b_from_a: &Vec3, counters: &mut Counters) -> bool {
-    !Query { a, b, x: *b_from_a, gap: 0.0 }.apart(counters)
-}
-
-/// [`overlap`] by a chosen search from the first step, without the spheres and ellipsoids: for comparisons.
-pub fn overlap_with(method: Method, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
-    let query = Query { a, b, x: *b_from_a, gap: 0.0 };
-    let v = if *b_from_a == Vec3::zeros() { Vec3::x() } else { *b_from_a };
-    match method.search(query.pair(), v) {
-        Found::Apart(_) => false,
-        Found::Overlap(_) => true,
-        Found::Undecided(corners) => query.decide(corners.pairs(), &mut Counters::default()).is_none(),
+impl Method {
+    /// [`overlap`] by this search from the first step, without the spheres and ellipsoids: for comparisons.
+    pub fn overlap(self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
+        let query = Query { a, b, x: *b_from_a, gap: 0.0 };
+        let v = if *b_from_a == Vec3::zeros() { Vec3::x() } else { *b_from_a };
+        match self.search(query.pair(), v) {
+            Found::Apart(_) => false,
+            Found::Overlap(_) => true,
+            Found::Undecided(corners) => query.decide(corners.pairs(), &mut Counters::default()).is_none(),
+        }
     }
 }
 
@@ -84,20 +80,7 @@ pub fn overlap_with(method: Method, a: &Body, b: &Body, b_from_a: &Vec3) -> bool
 /// ```
 #[inline]
 pub fn apart(a: &Body, b: &Body, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
-    apart_counted(a, b, b_from_a, gap, start, &mut Counters::default())
-}
-
-/// [`apart`], counting what it took.
-#[inline]
-pub fn apart_counted(
-    a: &Body,
-    b: &Body,
-    b_from_a: &Vec3,
-    gap: f64,
-    start: Option<Vec3>,
-    counters: &mut Counters,
-) -> Option<Vec3> {
-    Query { a, b, x: *b_from_a, gap }.axis(start, counters).map(|v| v.normalize())
+    Counters::default().apart(a, b, b_from_a, gap, start)
 }
 
 /// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is laid out, in the memory of
@@ -158,6 +141,18 @@ pub(crate) enum Stage {
 }
 
 impl Counters {
+    /// The answer of [`overlap`], counting what it took.
+    #[inline]
+    pub fn overlap(&mut self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
+        !Query { a, b, x: *b_from_a, gap: 0.0 }.apart(self)
+    }
+
+    /// That of [`apart`](apart()).
+    #[inline]
+    pub fn apart(&mut self, a: &Body, b: &Body, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
+        Query { a, b, x: *b_from_a, gap }.axis(start, self).map(|v| v.normalize())
+    }
+
     /// Adds what others have counted.
     pub fn add(&mut self, other: &Self) {
         self.pairs += other.pairs;

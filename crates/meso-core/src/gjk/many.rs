@@ -87,7 +87,7 @@ fn lockstep_pays() -> bool {
 /// use meso_core::{gjk::{Body, PairQuery, clear_many}, math::Vec3};
 /// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
 /// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
-/// // Two places for one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.
+/// // Two positions of one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.
 /// assert_eq!(clear_many(&[query(4.0), query(4.0), query(2.5)], &[1, 3], 0.6), [true, false]);
 /// ```
 ///

@@ -60,7 +60,7 @@ mod support;
 pub use bodies::Bodies;
 pub use body::Body;
 pub(crate) use body::Bounds;
-pub(crate) use cascade::{Counters, apart_counted, apart_from};
+pub(crate) use cascade::{Counters, apart_from};
 pub use cascade::{apart, overlap};
 pub use error::{GjkError, Operand};
 pub(crate) use gauge::Solid;

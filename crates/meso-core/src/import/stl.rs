@@ -42,7 +42,7 @@ pub(crate) enum StlError {
     },
 }
 
-/// Reads the surface in `bytes`, mm; corners at the same place become one vertex.
+/// Reads the surface in `bytes`, mm; corners at the same position become one vertex.
 ///
 /// # Errors
 /// See [`StlError`]. [`TriangleMesh::check_closed`] tests whether the surface is closed.

@@ -9,6 +9,7 @@
 //! mesh whose opposite faces must match, become mortar whole.
 
 use super::cells::{CellKind, Mesh, NO_AGGREGATE, Phase};
+use super::fidelity::ById;
 use super::quality::cell_volume;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
@@ -50,9 +51,9 @@ pub(crate) fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
 /// The pairs of aggregates among [`joined`] nodes.
 pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
     let mut pairs = Vec::new();
-    for place in joined.chunk_by(|a, b| a.0 == b.0) {
-        for (i, (_, higher)) in place.iter().enumerate() {
-            pairs.extend(place[..i].iter().map(|(_, lower)| (*lower, *higher)));
+    for meet in joined.chunk_by(|a, b| a.0 == b.0) {
+        for (i, (_, higher)) in meet.iter().enumerate() {
+            pairs.extend(meet[..i].iter().map(|(_, lower)| (*lower, *higher)));
         }
     }
     pairs.sort_unstable();
@@ -66,10 +67,10 @@ pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) -> Parted 
     let (nodes, pairs) = (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined));
     let mut parted = Parted { nodes, pairs, cells: 0, volume_mm3: 0.0 };
     if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
-        let surfaces = Surfaces::of(bodies);
+        let bodies = ById::new(bodies);
         for _ in 0..CUTS {
-            let left = left(mesh, &surfaces, &self::joined(mesh));
-            cut(mesh, &surfaces, &left);
+            let left = left(mesh, &bodies, &self::joined(mesh));
+            cut(mesh, &bodies, &left);
             let gone = cells_at(mesh, &left);
             parted.become_mortar(mesh, &gone);
         }
@@ -178,42 +179,29 @@ impl Shared {
 const CUTS: usize = 2;
 
 /// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.
-fn left(mesh: &Mesh, surfaces: &Surfaces, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
-    let stays = |place: &[(u32, u32)]| {
-        let x = mesh.points[place[0].0 as usize];
-        let depth = |id: u32| surfaces.beyond(id, &x).abs();
-        place.iter().map(|(_, id)| *id).min_by(|a, b| depth(*a).total_cmp(&depth(*b)).then(a.cmp(b)))
+fn left(mesh: &Mesh, bodies: &ById, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    let stays = |meet: &[(u32, u32)]| {
+        let x = mesh.points[meet[0].0 as usize];
+        let depth = |id: u32| beyond(bodies, id, &x).abs();
+        meet.iter().map(|(_, id)| *id).min_by(|a, b| depth(*a).total_cmp(&depth(*b)).then(a.cmp(b)))
     };
-    let places = joined.chunk_by(|a, b| a.0 == b.0);
-    places.flat_map(|place| place.iter().copied().filter(move |(_, id)| Some(*id) != stays(place))).collect()
+    let nodes = joined.chunk_by(|a, b| a.0 == b.0);
+    nodes.flat_map(|meet| meet.iter().copied().filter(move |(_, id)| Some(*id) != stays(meet))).collect()
 }
 
-/// The planes of all bodies, those of one id beside each other.
-struct Surfaces<'a>(Vec<&'a Aggregate>);
-
-impl<'a> Surfaces<'a> {
-    fn of(bodies: &'a [Aggregate]) -> Self {
-        let mut by_id: Vec<&Aggregate> = bodies.iter().collect();
-        by_id.sort_by_key(|body| body.id);
-        Self(by_id)
-    }
-
-    /// How far `x` lies beyond the outermost plane of body `id` or of its nearest image, mm; negative inside.
-    fn beyond(&self, id: u32, x: &Vec3) -> f64 {
-        let start = self.0.partition_point(|body| body.id < id);
-        let images = self.0[start..].iter().take_while(|body| body.id == id);
-        let beyond = |body: &&Aggregate| {
-            body.body.planes().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
-        };
-        images.map(beyond).fold(f64::INFINITY, f64::min)
-    }
+/// How far `x` lies beyond the outermost plane of body `id` or of its nearest image, mm; negative inside.
+fn beyond(bodies: &ById, id: u32, x: &Vec3) -> f64 {
+    let beyond = |body: &Aggregate| {
+        body.body.planes().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
+    };
+    bodies.images(id).map(beyond).fold(f64::INFINITY, f64::min)
 }
 
 /// The shares of an edge between which it is cut: no cell gets much smaller than its neighbours.
 const CUT: [f64; 2] = [0.35, 0.65];
 
 /// Cuts the edges that lead from the nodes which aggregates leave into these aggregates.
-fn cut(mesh: &mut Mesh, surfaces: &Surfaces, left: &[(u32, u32)]) {
+fn cut(mesh: &mut Mesh, bodies: &ById, left: &[(u32, u32)]) {
     let leaves = |node: u32, aggregate: u32| left.binary_search(&(node, aggregate)).is_ok();
     let mut edges: Vec<([u32; 2], u32)> = Vec::new();
     for ((cell, phase), &aggregate) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
@@ -231,11 +219,11 @@ fn cut(mesh: &mut Mesh, surfaces: &Surfaces, left: &[(u32, u32)]) {
     edges.retain(|([a, b], _)| seen.insert([*a.min(b), *a.max(b)], ()).is_none());
     let mut star = Star::of(mesh, edges.iter().flat_map(|(edge, _)| *edge));
     for ([from, to], aggregate) in edges {
-        let [near, far] = [from, to].map(|node| surfaces.beyond(aggregate, &mesh.points[node as usize]));
+        let [near, far] = [from, to].map(|node| beyond(bodies, aggregate, &mesh.points[node as usize]));
         let share = if near > far { near / (near - far) } else { 0.5 };
         let share = share.clamp(CUT[0], CUT[1]);
-        let place = mesh.points[from as usize] * (1.0 - share) + mesh.points[to as usize] * share;
-        star.cut(mesh, [from, to], place);
+        let position = mesh.points[from as usize] * (1.0 - share) + mesh.points[to as usize] * share;
+        star.cut(mesh, [from, to], position);
     }
 }
 
@@ -255,10 +243,10 @@ impl Star {
         Self(around)
     }
 
-    /// Puts a node at `place` on the edge between `a` and `b`, and splits every cell there in two.
-    fn cut(&mut self, mesh: &mut Mesh, [a, b]: [u32; 2], place: Vec3) {
+    /// Puts a node at `position` on the edge between `a` and `b`, and splits every cell there in two.
+    fn cut(&mut self, mesh: &mut Mesh, [a, b]: [u32; 2], position: Vec3) {
         let middle = mesh.points.len() as u32;
-        mesh.points.push(place);
+        mesh.points.push(position);
         let cells: Vec<u32> = self.0[&a].iter().copied().filter(|cell| self.0[&b].contains(cell)).collect();
         for cell in cells {
             let new = mesh.cell_count() as u32;

@@ -49,7 +49,7 @@ pub fn build_watched(
 
 /// As [`build_watched`], and refuses a mesh in which a phase has more or less of its volume than `accepted` allows.
 ///
-/// `accepted` is a share of the exact volume: `ACCEPTED_PHASE_ERROR`, unless a coarse mesh is wanted. Beside the mesh comes
+/// `accepted` is a share of the exact volume: [`PhaseOff::ACCEPTED`], unless a coarse mesh is wanted. Beside the mesh comes
 /// the phase that is farthest off; none where a core has no trustworthy volume.
 ///
 /// # Errors

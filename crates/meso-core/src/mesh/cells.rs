@@ -231,7 +231,7 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// The mesh of `bodies`: the one place where indices become ids, which a body and its images share.
+    /// The mesh of `bodies`: only here do indices become ids, which a body and its images share.
     pub(super) fn into_mesh(self, bodies: &[Aggregate], periodic: [bool; 3], notes: Notes) -> Mesh {
         let id = |&owner: &u32| if owner == NO_BODY { NO_AGGREGATE } else { bodies[owner as usize].id };
         let aggregate = self.owner.iter().map(id).collect();
@@ -269,7 +269,7 @@ impl Mesh {
     }
 }
 
-/// The edges that carry nodes 5 to 10, by the places of their ends in the cell: the order of Abaqus and VTK.
+/// The edges that carry nodes 5 to 10, by the numbers of their ends in the cell: the order of Abaqus and VTK.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 impl Mesh {

@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 /// Gaps that leave gmsh room, mm: seven packings of 30 mm and those of 60 and 150 mm at 0.50 were meshed with them.
-pub const ADVISED_GAP_MM: f64 = 0.05;
+const ADVISED_GAP_MM: f64 = 0.05;
 
 /// Why there is no mesh: what, where, and the way out.
 #[derive(Debug, thiserror::Error)]
@@ -132,6 +132,9 @@ pub enum MeshError {
 }
 
 impl MeshError {
+    /// Gaps that a conforming mesh needs, mm.
+    pub const ADVISED_GAP_MM: f64 = ADVISED_GAP_MM;
+
     pub(crate) fn option(key: &'static str, value: impl ToString, accepted: impl Into<String>) -> Self {
         Self::Option { key, value: value.to_string(), accepted: accepted.into() }
     }

@@ -24,18 +24,18 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
     let bodies = ById::new(bodies);
     let (mut pairs, mut at_sides) = (Vec::new(), Vec::new());
     let notes = &mut mesh.notes;
-    for place in members.chunk_by(|a, b| a.0 == b.0) {
-        let node = place[0].0;
-        if place.len() > 1 {
+    for meet in members.chunk_by(|a, b| a.0 == b.0) {
+        let node = meet[0].0;
+        if meet.len() > 1 {
             notes.closed_gaps += 1;
         }
-        for (i, (_, higher)) in place.iter().enumerate() {
-            pairs.extend(place[..i].iter().map(|(_, lower)| (*lower, *higher)));
+        for (i, (_, higher)) in meet.iter().enumerate() {
+            pairs.extend(meet[..i].iter().map(|(_, lower)| (*lower, *higher)));
         }
         let x = &mesh.points[node as usize];
         if sides.have(x) {
             notes.closed_side_gaps += 1;
-            at_sides.extend(place.iter().map(|(_, id)| (*id, sides.across(x))));
+            at_sides.extend(meet.iter().map(|(_, id)| (*id, sides.across(x))));
         }
     }
     pairs.par_sort_unstable();
@@ -53,16 +53,17 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
 const RUN: usize = 1 << 12;
 
 /// Bodies, those of one id beside each other: images have the id of their body.
-struct ById<'a>(Vec<&'a Aggregate>);
+pub(super) struct ById<'a>(Vec<&'a Aggregate>);
 
 impl<'a> ById<'a> {
-    fn new(bodies: &'a [Aggregate]) -> Self {
+    pub(super) fn new(bodies: &'a [Aggregate]) -> Self {
         let mut by_id: Vec<&Aggregate> = bodies.iter().collect();
         by_id.sort_by_key(|body| body.id);
         Self(by_id)
     }
 
-    fn images(&self, id: u32) -> impl Iterator<Item = &'a Aggregate> {
+    /// Body `id` and its images.
+    pub(super) fn images(&self, id: u32) -> impl Iterator<Item = &'a Aggregate> {
         let start = self.0.partition_point(|body| body.id < id);
         self.0[start..].iter().copied().take_while(move |body| body.id == id)
     }
@@ -123,9 +124,9 @@ impl InterfaceDistance {
             images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
         };
         let mut pairs = interface_nodes(mesh);
-        let place = |node: u32| -> [u64; 3] { mesh.points[node as usize].map(f64::to_bits).into() };
+        let position = |node: u32| -> [u64; 3] { mesh.points[node as usize].map(f64::to_bits).into() };
         if !mesh.cohesive.is_empty() {
-            pairs.par_sort_unstable_by_key(|&(node, id)| (place(node), id));
+            pairs.par_sort_unstable_by_key(|&(node, id)| (position(node), id));
         }
         let distances: Vec<f64> = pairs.par_iter().panic_fuse().map(distance).collect();
         let sides = FlatSides::of(specimen);
@@ -133,7 +134,7 @@ impl InterfaceDistance {
         // One after the other: the same sums on any number of threads.
         let mut found = Self::default();
         let mut start = 0;
-        for meet in pairs.chunk_by(|a, b| a.0 == b.0 || place(a.0) == place(b.0)) {
+        for meet in pairs.chunk_by(|a, b| a.0 == b.0 || position(a.0) == position(b.0)) {
             let at_side = sides.have(&mesh.points[meet[0].0 as usize]);
             found.see(&distances[start..start + meet.len()], meet[0].1 != meet[meet.len() - 1].1, at_side, rounding);
             start += meet.len();

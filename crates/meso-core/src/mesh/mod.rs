@@ -39,5 +39,5 @@ pub use options::{Fit, ItzForm, Joined, MeshOptions, Method, Order, Volumes};
 #[doc(hidden)]
 pub use options::{MeshTable, MethodName};
 #[doc(hidden)]
-pub use phase_error::{ACCEPTED_PHASE_ERROR, PhaseOff};
+pub use phase_error::PhaseOff;
 pub use quality::PhaseVolumes;

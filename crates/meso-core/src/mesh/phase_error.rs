@@ -7,9 +7,6 @@ use super::quality::PhaseVolumes;
 use crate::aggregate::Aggregate;
 use crate::packing::Specimen;
 
-/// Most that a phase's volume in a mesh may differ from its exact one, as a share of this.
-pub const ACCEPTED_PHASE_ERROR: f64 = 0.1;
-
 /// The phase of a mesh that is farthest from its exact volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhaseOff {
@@ -22,6 +19,9 @@ pub struct PhaseOff {
 }
 
 impl PhaseOff {
+    /// Most that a phase's volume in a mesh may differ from its exact one, as a share of this.
+    pub const ACCEPTED: f64 = 0.1;
+
     /// That of a mesh of `bodies` made with `options`; `None` where a core has no trustworthy volume.
     pub(super) fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Option<Self> {
         let exact = PhaseVolumes::exact(bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;

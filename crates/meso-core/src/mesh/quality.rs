@@ -36,10 +36,16 @@ pub struct CellQuality {
     pub volume_mm3: f64,
 }
 
-/// Every cell's measures, in the cells' order.
-#[doc(hidden)]
-pub fn cells(mesh: &Mesh) -> Vec<CellQuality> {
-    mesh.cells.par_chunks_exact(mesh.kind.nodes()).panic_fuse().map(|cell| measured(mesh, cell)).collect()
+impl CellQuality {
+    /// Every cell's measures, in the cells' order.
+    pub fn of_cells(mesh: &Mesh) -> Vec<Self> {
+        mesh.cells.par_chunks_exact(mesh.kind.nodes()).panic_fuse().map(|cell| measured(mesh, cell)).collect()
+    }
+
+    /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
+    pub fn below(cells: &[Self], degrees: f64) -> Vec<usize> {
+        (0..).zip(cells).filter(|(_, q)| q.min_dihedral_deg < degrees).map(|(index, _)| index).collect()
+    }
 }
 
 fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
@@ -62,12 +68,6 @@ fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
 /// |grad N|^2), where |grad N| is one over an altitude. The shortest altitude is up to twice as long, and no bound.
 pub(crate) fn stable_length(p: [Vec3; 4]) -> f64 {
     6.0 * volume(p) / face_vectors(p).map(|n| n.norm_squared()).into_iter().sum::<f64>().sqrt()
-}
-
-/// The cells whose smallest dihedral angle lies below `degrees`, as indices.
-#[doc(hidden)]
-pub fn bad_cells(cells: &[CellQuality], degrees: f64) -> Vec<usize> {
-    (0..).zip(cells).filter(|(_, q)| q.min_dihedral_deg < degrees).map(|(index, _)| index).collect()
 }
 
 /// Measures of the tetrahedron with these corners, mm.
@@ -108,13 +108,8 @@ fn voxel(cell: &[u32], mesh: &Mesh) -> CellQuality {
     }
 }
 
-/// Cells with a dihedral angle below this are called bad, degrees.
-#[doc(hidden)]
-pub const BAD_DEG: f64 = 8.0;
-
 /// Upper limits of the histogram's bins, degrees.
-#[doc(hidden)]
-pub const DIHEDRAL_BINS: [f64; 7] = [1.0, 2.0, 5.0, 8.0, 10.0, 15.0, 30.0];
+const DIHEDRAL_BINS: [f64; 7] = [1.0, 2.0, 5.0, 8.0, 10.0, 15.0, 30.0];
 
 /// The worst of all cells, with a histogram, and how much of each phase is there. Cells are indices; decks count from 1.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -131,7 +126,7 @@ pub struct QualityReport {
     pub shortest_altitude_mm: (f64, usize),
     /// Cells by smallest dihedral angle: below 1, 2, 5, 8, 10, 15, 30 degrees and the rest.
     pub dihedral_histogram: [usize; 8],
-    /// The cells with a dihedral angle below [`BAD_DEG`].
+    /// The cells with a dihedral angle below [`BAD_DEG`](Self::BAD_DEG).
     pub bad_cells: Vec<usize>,
     /// Cells with no positive volume.
     pub inverted: usize,
@@ -150,6 +145,9 @@ pub struct QualityReport {
 }
 
 impl QualityReport {
+    /// Cells with a dihedral angle below this are called bad, degrees.
+    pub const BAD_DEG: f64 = 8.0;
+
     /// Of a mesh of `bodies` in `specimen`; time steps are those of `materials`.
     pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, materials: &Materials) -> Self {
         let worst = Worst::of(mesh, materials);
@@ -225,7 +223,7 @@ impl Worst {
         self.radius_ratio = first_least(self.radius_ratio, (cell.radius_ratio, index));
         self.altitude = first_least(self.altitude, (cell.shortest_altitude_mm, index));
         self.histogram[DIHEDRAL_BINS.iter().position(|limit| angle < *limit).unwrap_or(7)] += 1;
-        if angle < BAD_DEG {
+        if angle < QualityReport::BAD_DEG {
             self.bad.push(index);
         }
         self.inverted += usize::from(cell.volume_mm3 <= 0.0);

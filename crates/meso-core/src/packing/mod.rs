@@ -28,7 +28,7 @@ pub use specimen::{Periodic, Specimen};
 
 use crate::aggregate::grain::{self, Grain};
 use crate::aggregate::{Grading, Inclusions, Kind};
-use crate::geometry::{CompactPolyhedron, HullError, Polyhedron, convex_hull_like};
+use crate::geometry::{CompactPolyhedron, HullBuilder, HullError, Polyhedron};
 use crate::math::{Rotation, Vec3};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
@@ -152,7 +152,7 @@ impl Pose {
     pub(crate) fn apply(&self, body: &CompactPolyhedron) -> Result<Polyhedron, HullError> {
         let mut vertices = self.turned(body);
         vertices.iter_mut().for_each(|vertex| *vertex += self.centre);
-        if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { convex_hull_like(body, &vertices) }
+        if self.turn.is_none() { Ok(body.with_vertices(vertices)) } else { HullBuilder::moved(body, &vertices) }
     }
 }
 

@@ -41,11 +41,11 @@ pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<script>\n{TURNTABLE}{}</script>", include_str!("viewer.js"))
 }
 
-/// A place in the box as three numbers of 16 bits, the lowest byte first.
-fn quantised(place: &Vec3, all: &Aabb) -> [u8; 6] {
+/// A position in the box as three numbers of 16 bits, the lowest byte first.
+fn quantised(position: &Vec3, all: &Aabb) -> [u8; 6] {
     let mut bytes = [0; 6];
     for axis in 0..3 {
-        let share = (place[axis] - all.min[axis]) / all.size()[axis];
+        let share = (position[axis] - all.min[axis]) / all.size()[axis];
         let [low, high] = ((65535.0 * share).round() as u16).to_le_bytes();
         (bytes[2 * axis], bytes[2 * axis + 1]) = (low, high);
     }

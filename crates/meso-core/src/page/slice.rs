@@ -16,8 +16,8 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 /// Width of the widest picture, pixels.
 const WIDTH: f64 = 340.0;
 
-/// One section across `axis` at `place` mm, to scale.
-pub(super) fn figure(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+/// One section across `axis` at `at` mm, to scale.
+pub(super) fn figure(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
     let size = model.spec.specimen.aabb().size();
     let (u, v) = ACROSS[axis];
     let scale = WIDTH / size.max();
@@ -30,8 +30,8 @@ pub(super) fn figure(model: &Model, axis: usize, place: f64, out: &mut impl Writ
     )?;
     // SVG's second axis points down.
     writeln!(out, "<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
-    section(model, axis, place, out)?;
-    let caption = format!("{} = {place} mm; {} to the right, {} upwards", NAMES[axis], NAMES[u], NAMES[v]);
+    section(model, axis, at, out)?;
+    let caption = format!("{} = {at} mm; {} to the right, {} upwards", NAMES[axis], NAMES[u], NAMES[v]);
     writeln!(out, "</g></svg><figcaption>{caption}</figcaption></figure>")
 }
 
@@ -50,17 +50,17 @@ pub(super) fn inclusion_style() -> String {
     fill("vo", PALETTE[usize::from(VOID)]) + &fill("fi", PALETTE[Phase::Fibre as usize])
 }
 
-/// One section across `axis` at `place` mm, as a file of its own.
-pub(super) fn picture(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
+/// One section across `axis` at `at` mm, as a file of its own.
+pub(super) fn picture(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
     let size = model.spec.specimen.aabb().size();
     let (u, v) = ACROSS[axis];
     let (width, height) = (size[u], size[v]);
     write!(out, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}mm\" height=\"{height}mm\" ")?;
-    writeln!(out, "viewBox=\"0 0 {width} {height}\">\n<title>{} = {place} mm</title>", NAMES[axis])?;
+    writeln!(out, "viewBox=\"0 0 {width} {height}\">\n<title>{} = {at} mm</title>", NAMES[axis])?;
     // One colour for all aggregates, as in images of voxels.
     let style = matrix_style() + &inclusion_style() + &class_style(|_| PALETTE[Phase::Aggregate as usize]);
     writeln!(out, "<style>{style}</style>\n<g transform=\"matrix(1 0 0 -1 0 {height})\">")?;
-    section(model, axis, place, out)?;
+    section(model, axis, at, out)?;
     out.write_all(b"</g>\n</svg>\n")
 }
 
@@ -98,15 +98,15 @@ pub(super) fn block(model: &Model, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// Mortar, aggregates with their rims, and cores on top, voids and fibres, in mm.
-fn section(model: &Model, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
-    let mortar = outlines(&model.spec.specimen.container().surface(), axis, place);
+fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
+    let mortar = outlines(&model.spec.specimen.container().surface(), axis, at);
     mortar.iter().try_for_each(|outline| path("m", outline, out))?;
     let shown = Images::Whole.of(&model.bodies(), &model.spec.specimen);
-    shown.iter().try_for_each(|aggregate| cut(aggregate, axis, place, out))
+    shown.iter().try_for_each(|aggregate| cut(aggregate, axis, at, out))
 }
 
-fn cut(aggregate: &Aggregate, axis: usize, place: f64, out: &mut impl Write) -> io::Result<()> {
-    let outline = polygon(&aggregate.body, axis, place);
+fn cut(aggregate: &Aggregate, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
+    let outline = polygon(&aggregate.body, axis, at);
     if outline.len() < 3 {
         return Ok(());
     }
@@ -116,7 +116,7 @@ fn cut(aggregate: &Aggregate, axis: usize, place: f64, out: &mut impl Write) -> 
         Kind::Fibre => return path("fi", &outline, out),
     }
     // A body whose core has no trustworthy answer is drawn as all rim.
-    let core = aggregate.core().ok().flatten().map(|core| polygon(&core, axis, place)).unwrap_or_default();
+    let core = aggregate.core().ok().flatten().map(|core| polygon(&core, axis, at)).unwrap_or_default();
     if core.len() < 3 {
         Ok(())
     } else {
@@ -133,15 +133,15 @@ fn path(class: &str, corners: &[[f64; 2]], out: &mut impl Write) -> io::Result<(
 }
 
 /// The corners of the section of `body`, in order around it, mm.
-fn polygon(body: &Polyhedron, axis: usize, place: f64) -> Vec<[f64; 2]> {
+fn polygon(body: &Polyhedron, axis: usize, at: f64) -> Vec<[f64; 2]> {
     let (u, v) = ACROSS[axis];
     let mut corners = Vec::new();
     for face in body.faces() {
         for k in 0..face.len() {
             let [from, to] = [k, (k + 1) % face.len()].map(|k| body.vertices()[face.vertex(k) as usize]);
             // Every edge is passed in both directions; upwards it counts.
-            if from[axis] < place && to[axis] >= place {
-                let t = (place - from[axis]) / (to[axis] - from[axis]);
+            if from[axis] < at && to[axis] >= at {
+                let t = (at - from[axis]) / (to[axis] - from[axis]);
                 let point = from + (to - from) * t;
                 corners.push([point[u], point[v]]);
             }
@@ -155,9 +155,9 @@ fn polygon(body: &Polyhedron, axis: usize, place: f64) -> Vec<[f64; 2]> {
 ///
 /// Every face that the plane crosses leads from the edge on which its boundary rises through the plane to the edge on
 /// which it falls back, and there on to its neighbour.
-fn outlines(surface: &Surface, axis: usize, place: f64) -> Vec<Vec<[f64; 2]>> {
+fn outlines(surface: &Surface, axis: usize, at: f64) -> Vec<Vec<[f64; 2]>> {
     let (u, v) = ACROSS[axis];
-    let height = |i: u32| surface.points[i as usize][axis] - place;
+    let height = |i: u32| surface.points[i as usize][axis] - at;
     let mut next = BTreeMap::new();
     for face in &surface.faces {
         let edges = || (0..face.len()).map(|k| (face[k], face[(k + 1) % face.len()]));
@@ -172,7 +172,7 @@ fn outlines(surface: &Surface, axis: usize, place: f64) -> Vec<Vec<[f64; 2]>> {
         let mut outline = Vec::new();
         loop {
             let [from, to] = [edge.0, edge.1].map(|i| surface.points[i as usize]);
-            let point = from + (to - from) * ((place - from[axis]) / (to[axis] - from[axis]));
+            let point = from + (to - from) * ((at - from[axis]) / (to[axis] - from[axis]));
             outline.push([point[u], point[v]]);
             let Some(after) = next.remove(&following) else { break };
             (edge, following) = (following, after);

@@ -6,23 +6,25 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
-/// The schema of a SPEC.toml, JSON Schema 2020-12: of [`Spec`], and of what stands for parts of it (`[mix]` for `fraction`, a
-/// `file` for a sieve table or a specimen, a `library` of grains).
-pub fn schema() -> Value {
-    let mut schema = of_options::<Spec>();
-    schema["title"] = "mesocrete SPEC.toml".into();
-    let mut mix = of_options::<MixDesign>();
-    drop(take(&mut mix, "$schema"));
-    schema["properties"]["mix"] = mix;
-    // What a file holds need not stand in the spec.
-    let library = json!({
-        "description": "A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec.",
-        "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" } }],
-    });
-    schema["$defs"]["Shape"]["properties"]["library"] = library;
-    from_file(&mut schema["$defs"]["Specimen"], "mesh", "An STL file that lies beside the spec.");
-    from_file(&mut schema["$defs"]["Curve"], "sieves", "A CSV file that lies beside the spec: sieve_mm,passing.");
-    schema
+impl Spec {
+    /// The schema of a SPEC.toml, JSON Schema 2020-12: of [`Spec`], and of what stands for parts of it (`[mix]` for `fraction`, a
+    /// `file` for a sieve table or a specimen, a `library` of grains).
+    pub fn schema() -> Value {
+        let mut schema = of_options::<Self>();
+        schema["title"] = "mesocrete SPEC.toml".into();
+        let mut mix = of_options::<MixDesign>();
+        drop(take(&mut mix, "$schema"));
+        schema["properties"]["mix"] = mix;
+        // What a file holds need not stand in the spec.
+        let library = json!({
+            "description": "A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec.",
+            "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" } }],
+        });
+        schema["$defs"]["Shape"]["properties"]["library"] = library;
+        from_file(&mut schema["$defs"]["Specimen"], "mesh", "An STL file that lies beside the spec.");
+        from_file(&mut schema["$defs"]["Curve"], "sieves", "A CSV file that lies beside the spec: sieve_mm,passing.");
+        schema
+    }
 }
 
 /// The schema of any options.

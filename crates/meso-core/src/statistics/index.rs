@@ -3,7 +3,7 @@
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 
-/// Aggregates by place.
+/// Aggregates by position.
 pub(super) struct Index {
     container: Aabb,
     /// Edge of a cell, mm.

@@ -210,21 +210,21 @@ fn visit_solid(polygon: &[Vec3], visit: impl FnOnce(&[Vec3])) {
     }
 }
 
-/// The parts of a polygon below `place` on `axis`, and from there on. Two polygons with a common edge cut it at the same
+/// The parts of a polygon below `at` on `axis`, and from there on. Two polygons with a common edge cut it at the same
 /// point to the last bit, so that the parts cover what the whole did.
-fn divide(polygon: &[Vec3], axis: usize, place: f64, below: &mut Vec<Vec3>, above: &mut Vec<Vec3>) {
+fn divide(polygon: &[Vec3], axis: usize, at: f64, below: &mut Vec<Vec3>, above: &mut Vec<Vec3>) {
     below.clear();
     above.clear();
     let Some(mut from) = polygon.last() else { return };
     for to in polygon {
-        if (from[axis] < place) != (to[axis] < place) {
-            let (low, high) = if from[axis] < place { (from, to) } else { (to, from) };
-            let mut cut = low + (high - low) * ((place - low[axis]) / (high[axis] - low[axis]));
-            cut[axis] = place;
+        if (from[axis] < at) != (to[axis] < at) {
+            let (low, high) = if from[axis] < at { (from, to) } else { (to, from) };
+            let mut cut = low + (high - low) * ((at - low[axis]) / (high[axis] - low[axis]));
+            cut[axis] = at;
             below.push(cut);
             above.push(cut);
         }
-        if to[axis] < place {
+        if to[axis] < at {
             below.push(*to);
         } else {
             above.push(*to);

@@ -166,7 +166,7 @@ class Polyhedron:
 
 @final
 class Aggregate:
-    """One aggregate, or one void or fibre, at its place in the specimen."""
+    """One aggregate, or one void or fibre, at its position in the specimen."""
 
     @property
     def id(self) -> int:

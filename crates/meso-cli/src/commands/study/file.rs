@@ -96,7 +96,7 @@ fn base(content: &Content, path: &Path) -> Result<(Value, PathBuf), Failure> {
             Err(wrong(format!("spec is {other}; it must be a [spec] table or the name of a SPEC.toml")))
         }
         (None, Some(name)) => {
-            let recipe = recipes::find(name)
+            let recipe = recipes::Recipe::find(name)
                 .ok_or_else(|| wrong(format!("there is no recipe {name:?}; `mesocrete recipes` lists them")))?;
             let tree = options_from_toml(recipe.text).map_err(|error| wrong(error.to_string()))?;
             Ok((tree, folder))

@@ -9,16 +9,18 @@ use std::path::{Path, PathBuf};
 
 const SCRIPT: &str = include_str!("curve.py");
 
-/// Where the script of the deck at `deck` is: `name_curve.py` beside `name.inp`.
-pub fn curve_path(deck: &Path) -> PathBuf {
-    deck.with_file_name(format!("{}_curve.py", deck.file_stem().unwrap_or_default().to_string_lossy()))
+impl DeckOptions {
+    /// Where the script of the deck at `deck` is: `name_curve.py` beside `name.inp`.
+    pub fn curve_path(deck: &Path) -> PathBuf {
+        deck.with_file_name(format!("{}_curve.py", deck.file_stem().unwrap_or_default().to_string_lossy()))
+    }
 }
 
 /// Writes the script of `mesh`'s deck, which `name` is called, to `out`.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_curve(mesh: &Mesh, options: &DeckOptions, name: &str, mut out: impl Write) -> io::Result<()> {
+pub(crate) fn write_curve(mesh: &Mesh, options: &DeckOptions, name: &str, mut out: impl Write) -> io::Result<()> {
     let height = Aabb::around(&mesh.points).size().z;
     let section = options.section_mm2.unwrap_or_else(|| PhaseVolumes::of_mesh(mesh).total() / height);
     let sense = if options.analysis == Analysis::Tension { "1.0" } else { "-1.0" };

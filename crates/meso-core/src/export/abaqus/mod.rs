@@ -19,8 +19,7 @@ mod periodic;
 use crate::materials::Materials;
 use crate::mesh::sides::Sides;
 use crate::mesh::{Mesh, Phase, PhaseVolumes};
-#[doc(hidden)]
-pub use curve::{curve_path, write_curve};
+pub(crate) use curve::write_curve;
 pub use limits::DeckError;
 use lines::Lines;
 use serde::{Deserialize, Serialize};

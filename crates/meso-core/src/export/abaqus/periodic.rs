@@ -32,10 +32,10 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: &Sides) -
     let aabb = Aabb::around(&mesh.points);
     let first = mesh.points.len() as u64 + 1;
     for (axis, name) in (0..3).zip(REFERENCES).filter(|(axis, _)| mesh.periodic[*axis]) {
-        let mut place = (aabb.min + aabb.max) / 2.0;
-        place[axis] = aabb.max[axis];
+        let mut position = (aabb.min + aabb.max) / 2.0;
+        position[axis] = aabb.max[axis];
         lines.line(format!("*NODE, NSET={name}"))?;
-        lines.node(first + axis as u64, place.into())?;
+        lines.node(first + axis as u64, position.into())?;
     }
     lines.line("*EQUATION")?;
     pairs.iter().try_for_each(|pair| equations(lines, pair, first))
@@ -71,12 +71,12 @@ fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
     let images = Spots::new(&mesh.points, low);
     let (mut pairs, mut others) = (Vec::new(), Others::new());
     for node in nodes.filter(|&node| along(node) != [false; 3]) {
-        let (place, owner, along) = (mesh.points[node as usize], owners[node as usize], along(node));
-        let target = Vec3::from_fn(|axis, _| place[axis] - if along[axis] { size[axis] } else { 0.0 });
-        let lowest = images.at(target).min().ok_or_else(|| unmatched(&place, &along))?;
+        let (position, owner, along) = (mesh.points[node as usize], owners[node as usize], along(node));
+        let target = Vec3::from_fn(|axis, _| position[axis] - if along[axis] { size[axis] } else { 0.0 });
+        let lowest = images.at(target).min().ok_or_else(|| unmatched(&position, &along))?;
         match images.at(target).find(|image| owners[*image as usize] == owner) {
             Some(image) => pairs.push(Pair { node, image, along: [along, [false; 3]] }),
-            None if mesh.cohesive.is_empty() => return Err(unmatched(&place, &along)),
+            None if mesh.cohesive.is_empty() => return Err(unmatched(&position, &along)),
             None => others.entry((lowest, owner)).or_default().push(node),
         }
     }
@@ -89,7 +89,7 @@ fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
     }
 }
 
-/// Nodes on upper faces whose material has none at the lower image of their place, by the lowest node there and by owner.
+/// Nodes on upper faces whose material has none at the lower image of their position, by the lowest node there and by owner.
 type Others = BTreeMap<(u32, u32), Vec<u32>>;
 
 /// Ties images of one material to the one of them on the fewest upper faces.
@@ -111,9 +111,9 @@ fn as_many(periodic: [bool; 3], sides: &Sides) -> Result<(), DeckError> {
     Ok(())
 }
 
-fn unmatched(place: &Vec3, along: &[bool; 3]) -> DeckError {
+fn unmatched(position: &Vec3, along: &[bool; 3]) -> DeckError {
     let axis = along.iter().position(|along| *along).unwrap_or(0);
-    let [x, y, z]: [f64; 3] = (*place).into();
+    let [x, y, z]: [f64; 3] = (*position).into();
     faces_differ(&format!("the node at {x:.4}, {y:.4}, {z:.4} mm has none opposite to it on {}", SIDES[2 * axis].2))
 }
 

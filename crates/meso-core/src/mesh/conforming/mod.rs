@@ -10,7 +10,7 @@
 //!    (`improve`).
 //!
 //! The core runs nothing: [`Surfaces::write`] and [`Surfaces::script`] are gmsh's input, and whoever calls runs it with
-//! [`GMSH_OPTIONS`] and hands its output back ([`VolumeMesher`]).
+//! [`Surfaces::GMSH_OPTIONS`] and hands its output back ([`VolumeMesher`]).
 
 mod clipped;
 mod facets;
@@ -21,9 +21,6 @@ mod plc;
 mod sections;
 mod slabs;
 mod stitch;
-
-#[doc(hidden)]
-pub use super::error::ADVISED_GAP_MM;
 
 use super::cells::NO_BODY;
 use super::error::MeshError;
@@ -39,13 +36,6 @@ use rayon::prelude::*;
 use slabs::Slabs;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
-
-/// Arguments for gmsh besides its script and `-o` with its output: Delaunay's volume mesher, optimised, and binary MSH 4.1.
-///
-/// Not HXT, which is faster on several cores: where bodies are close it needs nodes on the given surfaces, and breaks off
-/// (4.8 and 4.15: "corrupted size").
-#[doc(hidden)]
-pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41", "-bin", "-save_all"];
 
 /// Sizes that gmsh is asked for in turn, as shares of the one wanted, where it puts a node on one of two opposite faces
 /// alone, leaves a cell without volume or breaks off: with other nodes on the surfaces it does none of these, mostly.
@@ -166,6 +156,12 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
+    /// Arguments for gmsh besides its script and `-o` with its output: Delaunay's volume mesher, optimised, and binary MSH 4.1.
+    ///
+    /// Not HXT, which is faster on several cores: where bodies are close it needs nodes on the given surfaces, and breaks off
+    /// (4.8 and 4.15: "corrupted size").
+    pub const GMSH_OPTIONS: [&str; 7] = ["-3", "-algo", "del3d", "-format", "msh41", "-bin", "-save_all"];
+
     /// The size of the elements, mm, where gmsh is asked again from here on, since its mesh for another size is of no use.
     pub fn again_mm(&self) -> Option<f64> {
         self.again.then_some(self.size)

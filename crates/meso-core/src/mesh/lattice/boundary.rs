@@ -125,9 +125,9 @@ impl<'a> BoundarySurface<'a> {
     pub(super) fn edges_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3, f64)) {
         for edge in &self.edges {
             let t = (x - edge.start).dot(&edge.along) / edge.along.norm_squared();
-            let place = edge.start + edge.along * t.clamp(0.0, 1.0);
-            if (place - x).norm_squared() < reach * reach {
-                visit(place, edge.stands_out);
+            let nearest = edge.start + edge.along * t.clamp(0.0, 1.0);
+            if (nearest - x).norm_squared() < reach * reach {
+                visit(nearest, edge.stands_out);
             }
         }
     }

@@ -42,7 +42,7 @@ pub(super) struct RadialOffset {
 }
 
 impl RadialOffset {
-    /// `None` where the aggregate hardly reaches `flat`: there is no way in.
+    /// `None` where the aggregate hardly reaches `flat`: no direction is inward.
     fn new(aggregate: &Aggregate, thickness: f64, flat: Flat, walls: &Aabb, periodic: [bool; 3]) -> Option<Self> {
         let planes: Vec<Plane> = aggregate.body.planes().collect();
         let aabb = aggregate.body.aabb();
@@ -84,7 +84,7 @@ impl RadialOffset {
 pub(super) struct RadialOffsets(HashMap<(u32, Flat), RadialOffset>);
 
 impl RadialOffsets {
-    /// Layers of `thickness(body)` mm; nodes that have no way in are pinned.
+    /// Layers of `thickness(body)` mm; nodes without an inward direction are pinned.
     pub(super) fn new(
         bodies: &Bodies,
         thickness: impl Fn(u32) -> f64 + Sync,
@@ -188,8 +188,8 @@ pub(super) fn turn(
         let copy = group[0].0;
         let around: Vec<Vec3> = group.iter().map(|(_, normal)| *normal).collect();
         let radial = offsets.get(copies.body(copy), ties.flat(copy));
-        if let (Some(radial), Some((way, cosine))) = (radial, steepest(&around)) {
-            targets[copy as usize] = p(copy) + way * (radial.thickness / cosine.max(0.25));
+        if let (Some(radial), Some((inward, cosine))) = (radial, steepest(&around)) {
+            targets[copy as usize] = p(copy) + inward * (radial.thickness / cosine.max(0.25));
         }
     }
     ties.spread(targets);
@@ -197,24 +197,24 @@ pub(super) fn turn(
 
 /// Steps of the search.
 const STEEPEST_STEPS: usize = 60;
-/// Least cosine to all faces for a way to be one.
+/// Least cosine of a direction to all faces that counts as inward.
 const STEEP: f64 = 0.05;
 
 /// The unit vector whose least cosine to the inward `normals` (given outward) is greatest, and that cosine: exact for one
-/// and two faces, within a few percent for more; `None` where there is no way in, or hardly one.
+/// and two faces, within a few percent for more; `None` where no direction is inward to all.
 fn steepest(normals: &[Vec3]) -> Option<(Vec3, f64)> {
-    let least = |way: &Vec3| {
-        let cosines = normals.iter().map(|normal| (-normal.dot(way), *normal));
+    let least = |inward: &Vec3| {
+        let cosines = normals.iter().map(|normal| (-normal.dot(inward), *normal));
         cosines.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
     };
-    let mut way = -normals.iter().sum::<Vec3>().try_normalize(1e-9)?;
-    let mut best = (way, least(&way).0);
+    let mut inward = -normals.iter().sum::<Vec3>().try_normalize(1e-9)?;
+    let mut best = (inward, least(&inward).0);
     let steps = if normals.len() > 2 { STEEPEST_STEPS } else { 0 };
     for step in 0..steps {
-        way = (way - least(&way).1 * (1.0 / (2 + step) as f64)).try_normalize(1e-9)?;
-        let cosine = least(&way).0;
+        inward = (inward - least(&inward).1 * (1.0 / (2 + step) as f64)).try_normalize(1e-9)?;
+        let cosine = least(&inward).0;
         if cosine > best.1 {
-            best = (way, cosine);
+            best = (inward, cosine);
         }
     }
     (best.1 > STEEP).then_some(best)
@@ -263,10 +263,10 @@ fn on_own_faces(radial: &RadialOffset, flat: Flat, x: &Vec3, target: &Vec3) -> O
     let slopes: Vec<Vec3> = own.iter().map(|plane| flat.along(&plane.0)).collect();
     let damped = slopes.iter().map(|slope| slope * slope.transpose()).sum::<Mat3>() + Mat3::identity() * DAMPING;
     let inverse = damped.try_inverse().filter(|_| !own.is_empty())?;
-    let mut place = target - radial.centre;
+    let mut position = target - radial.centre;
     for _ in 0..PROJECTION_STEPS {
-        let lack = |plane: &(Vec3, f64)| plane.1 - radial.thickness - plane.0.dot(&place);
-        place += inverse * slopes.iter().zip(&own).map(|(slope, plane)| slope * lack(plane)).sum::<Vec3>();
+        let lack = |plane: &(Vec3, f64)| plane.1 - radial.thickness - plane.0.dot(&position);
+        position += inverse * slopes.iter().zip(&own).map(|(slope, plane)| slope * lack(plane)).sum::<Vec3>();
     }
-    Some(radial.centre + place)
+    Some(radial.centre + position)
 }

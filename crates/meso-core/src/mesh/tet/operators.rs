@@ -54,7 +54,7 @@ fn arcs(topology: &Topology, cells: &[u32], a: u32, b: u32) -> Option<Vec<(u32, 
     let first = steps.iter().find(is_first).or(steps.first())?;
     let mut arcs = vec![(first.1, vec![first.0[0]])];
     let mut step = first;
-    for place in 1..=steps.len() {
+    for turn in 1..=steps.len() {
         let [here, next] = step.0;
         let (owner, arc) = arcs.last_mut()?;
         if *owner == step.1 {
@@ -64,7 +64,7 @@ fn arcs(topology: &Topology, cells: &[u32], a: u32, b: u32) -> Option<Vec<(u32, 
         }
         step = after(next)?;
         // Shut once, and only at the end.
-        if (step.0 == first.0) != (place == steps.len()) {
+        if (step.0 == first.0) != (turn == steps.len()) {
             return None;
         }
     }
@@ -82,8 +82,8 @@ fn arcs(topology: &Topology, cells: &[u32], a: u32, b: u32) -> Option<Vec<(u32, 
 
 /// The other two nodes of a cell, so that with a and b before them the volume stays positive.
 fn beside(cell: [u32; 4], a: u32, b: u32) -> [u32; 2] {
-    let place = |end: u32| cell.iter().position(|node| *node == end).expect("a cell around an edge has both its ends");
-    let (at_a, at_b) = (place(a), place(b));
+    let corner = |end: u32| cell.iter().position(|node| *node == end).expect("a cell around an edge has both its ends");
+    let (at_a, at_b) = (corner(a), corner(b));
     let mut others = cell.into_iter().filter(|node| ![a, b].contains(node));
     let [first, second] = [others.next(), others.next()].map(|node| node.expect("a cell has four nodes"));
     // The order a, b, first, second takes so many exchanges of neighbours, or two less.

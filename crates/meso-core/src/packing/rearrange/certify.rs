@@ -135,7 +135,7 @@ impl<'a> Scene<'a> {
         stop::point();
         let centre = |number: u32| self.settled[number as usize].pose.centre;
         let offset = centre(pair.other) + pair.shift - centre(pair.body);
-        gjk::apart_counted(a, b, &offset, self.task.request.placement.min_gap_mm, None, counters).is_some()
+        counters.apart(a, b, &offset, self.task.request.placement.min_gap_mm, None).is_some()
     }
 }
 

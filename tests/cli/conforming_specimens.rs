@@ -76,9 +76,9 @@ fn meshed_within(specimen: &Specimen, off_mm: f64) -> Option<Mesh> {
     let kind = specimen.kind();
     assert!(model.aggregates.len() > 15, "{kind}: {} aggregates", model.aggregates.len());
     let mesh = with_options(&model, MeshOptions { itz: ItzForm::None, element_size_mm: 3.0, ..Default::default() })?;
-    assert!(quality::cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0), "{kind}");
-    let (room, outside) = (specimen.container(), outside(&mesh));
-    let off = outside.iter().map(|x| room.depth(x).abs()).fold(0.0, f64::max);
+    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0), "{kind}");
+    let (container, outside) = (specimen.container(), outside(&mesh));
+    let off = outside.iter().map(|x| container.depth(x).abs()).fold(0.0, f64::max);
     assert!(outside.len() > 1000 && off < off_mm, "{kind}: {off} mm off the surface");
     let exact: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
     assert!((PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0).abs() < 1e-9, "{kind}");
