@@ -1,6 +1,6 @@
 //! Abaqus input decks (`.inp`): flat, streamed, read by Abaqus, CalculiX and meshio.
 //!
-//! gmsh writes such decks but has no reader for them (none in 4.15); [`msh`](super::msh) is for gmsh.
+//! gmsh writes such decks but has no reader for them (none in 4.15); `.msh` is for gmsh.
 //!
 //! Element sets, node sets, surfaces and materials have the names AGGREGATE, ITZ, MORTAR (and FIBRE, where there are
 //! fibres), XMIN to ZMAX and S_XMIN to S_ZMAX. Node and element numbers are the mesh's indices plus 1. The rules kept throughout: keyword lines under 80
