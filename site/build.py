@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Builds the site: runs every page of the gallery, writes the reference from the stub, and has mkdocs check all links.
+"""Builds the site: runs every page of the gallery, writes it as page and notebook, the reference from the stub, and has
+mkdocs check all links.
 
 python3 site/build.py            into build/site; warnings are errors
 python3 site/build.py --only 05  runs one page of the gallery and nothing else
@@ -10,6 +11,7 @@ begin a paragraph are text, the rest is code. It runs in a folder of its own and
 
 import argparse
 import ast
+import json
 import os
 import shutil
 import subprocess
@@ -21,7 +23,8 @@ ROOT = SITE.parent
 BUILD = ROOT / "build"
 PAGES = BUILD / "docs"
 STUB = ROOT / "crates" / "meso-py" / "python" / "mesocrete" / "_mesocrete.pyi"
-MODULES = [STUB, *(STUB.with_name(name) for name in ("_options.py", "_study.py", "_results.py"))]
+GJK = STUB.with_name("gjk.py")
+MODULES = [STUB, GJK, *(STUB.with_name(name) for name in ("_options.py", "_study.py", "_results.py"))]
 
 
 def main() -> None:
@@ -54,68 +57,99 @@ def gallery_page(script: Path) -> tuple[str, str]:
     source = script.read_text(encoding="utf-8")
     docstring = ast.get_docstring(ast.parse(source)) or ""
     title, _, text = docstring.partition("\n")
-    code = source.split('"""', 2)[2].strip()
+    parts = cells(source.split('"""', 2)[2].strip())
     output = f"\nIt prints:\n\n```text\n{run.stdout.rstrip()}\n```\n" if run.stdout else ""
     picture = f"\n![{title}]({script.stem}/picture.png)\n" if (folder / "picture.png").exists() else ""
     if not picture:
         sys.exit(f"{script.name} wrote no picture.png")
-    page = f"# {title}\n\n{text.strip()}\n{picture}\n{prose_and_code(code)}{output}"
+    download = f"\n[This page as a notebook]({script.stem}/{script.stem}.ipynb)\n"
+    page = f"# {title}\n\n{text.strip()}\n{picture}\n{markdown(parts)}{output}{download}"
     (PAGES / "gallery" / f"{script.stem}.md").write_text(page, encoding="utf-8")
     for left in folder.iterdir():
         if left.name != "picture.png":
             shutil.rmtree(left) if left.is_dir() else left.unlink()
+    introduction = ("markdown", f"# {title}\n\n{text.strip()}")
+    (folder / f"{script.stem}.ipynb").write_text(notebook([introduction, *parts]), encoding="utf-8")
     print(f"ran {script.name}", flush=True)
     return script.stem, title
 
 
-def prose_and_code(code: str) -> str:
-    """Make text of the comments that begin a paragraph, and blocks of the rest."""
-    pieces: list[str] = []
+def cells(code: str) -> list[tuple[str, str]]:
+    """Divide a program: ("markdown", text) of the comments that begin a paragraph, ("code", lines) of the rest."""
+    found: list[tuple[str, str]] = []
     block: list[str] = []
+    prose: list[str] = []
 
-    def end_block() -> None:
-        text = "\n".join(block).strip("\n")
+    def end(kind: str, text: str) -> None:
         if text:
-            pieces.append(f"```python\n{text}\n```\n")
-        block.clear()
+            found.append((kind, text))
 
     lines = ["", *code.splitlines()]
-    prose: list[str] = []
     for before, line in zip(lines, lines[1:], strict=False):
         if line.startswith("# ") and (not before.strip() or prose):
             if not prose:
-                end_block()
+                end("code", "\n".join(block).strip("\n"))
+                block.clear()
             prose.append(line[2:])
             continue
-        if prose:
-            pieces.append(" ".join(prose) + "\n")
-            prose.clear()
+        end("markdown", " ".join(prose))
+        prose.clear()
         block.append(line)
-    end_block()
-    return "\n".join(pieces)
+    end("code", "\n".join(block).strip("\n"))
+    return found
+
+
+def markdown(parts: list[tuple[str, str]]) -> str:
+    """Write the cells of a program as a page."""
+    return "\n".join(f"```python\n{text}\n```\n" if kind == "code" else f"{text}\n" for kind, text in parts)
+
+
+def notebook(parts: list[tuple[str, str]]) -> str:
+    """Write the cells of a program as a Jupyter notebook (format 4.5)."""
+    code = {"execution_count": None, "outputs": []}
+    made = [
+        {"cell_type": kind, "id": f"cell-{number}", "metadata": {}, "source": text} | (code if kind == "code" else {})
+        for number, (kind, text) in enumerate(parts)
+    ]
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    return json.dumps({"cells": made, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}, indent=1)
 
 
 def gallery_index(pages: list[tuple[str, str]]) -> str:
     """Write the front page of the gallery."""
     cells = [f"- [![{title}]({name}/picture.png){{ width=240 }}]({name}.md)\n\n    [{title}]({name}.md)\n" for name, title in pages]
-    intro = "Every page is a program that runs when this site is built; copy it and change it."
+    intro = "Every page is a program that runs when this site is built. Copy it, or take its notebook, and change it."
     return f"# Gallery\n\n{intro}\n\n" + "\n".join(cells)
 
 
 def reference() -> str:
     """Write the reference: every public name of the stub and the modules, with its signature and docstring."""
     text = ["# Reference\n", "The names of `import mesocrete as mc`. Lengths are in mm, stresses in MPa.\n"]
+    in_gjk, own_of_gjk = gjk_names()
     for module in MODULES:
         for node in ast.parse(module.read_text(encoding="utf-8")).body:
-            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-                text += [f"## {node.name}\n", doc(node)]
+            name = getattr(node, "name", "_")
+            # Of what the compiled module returns plainly, gjk makes named tuples.
+            if name.startswith("_") or (module == STUB and name in own_of_gjk):
+                continue
+            place = f"gjk.{name}" if name in in_gjk else name
+            if isinstance(node, ast.ClassDef):
+                text += [f"## {place}\n", doc(node)]
                 items = [item for item in node.body if is_public(item)]
                 # Of overloads the first has the docstring.
                 text += [entry(b, node.name) for a, b in zip([None, *items], items) if not (a and a.name == b.name)]
                 text += fields(node)
-            elif isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
-                text.append(entry(node, ""))
+            elif isinstance(node, ast.FunctionDef):
+                text.append(entry(node, "").replace(f"## {name}\n", f"## {place}\n", 1))
     return "\n".join(text)
+
+
+def gjk_names() -> tuple[set[str], set[str]]:
+    """Find the public names of `mesocrete.gjk`, and those that the module itself defines."""
+    body = ast.parse(GJK.read_text(encoding="utf-8")).body
+    own = {node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    listed = next(node.value for node in body if isinstance(node, ast.Assign) and node.targets[0].id == "__all__")
+    return set(ast.literal_eval(listed)), own
 
 
 def fields(node: ast.ClassDef) -> list[str]:

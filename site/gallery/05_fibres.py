@@ -2,6 +2,8 @@
 
 Straight fibres and spherical voids are further phases. They are placed together with the aggregates, without overlap.
 """
+import pyvista
+
 import mesocrete as mc
 
 spec = {
@@ -13,4 +15,11 @@ spec = {
 packing = mc.pack(spec, fraction=0.25, seed=6)
 phases = [body.phase for body in packing.inclusions]
 print({phase: phases.count(phase) for phase in sorted(set(phases))})
-packing.plot(screenshot="picture.png", opacity=0.7)
+
+# Surfaces have the phase of their body: 2 aggregate, 3 void, 4 fibre. The aggregates are drawn as glass.
+surface = packing.to_pyvista()
+plotter = pyvista.Plotter(off_screen=True)
+packing.plot(plotter=plotter, opacity=0.1)
+plotter.add_mesh(surface.extract_cells(surface.cell_data["phase"] == 4), color="#2f3b4c")
+plotter.add_mesh(surface.extract_cells(surface.cell_data["phase"] == 3), color="#c48b9f")
+plotter.screenshot("picture.png")

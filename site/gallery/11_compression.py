@@ -14,6 +14,5 @@ response = mesh.solve(test="compression", friction=0.1, strain=0.004, duration_s
 print({key: response.result[key] for key in ("peak_mpa", "peak_strain", "modulus_mpa", "softened")})
 
 figure, axes = plt.subplots(figsize=(6, 4))
-axes.plot(1e3 * response.curve["strain"], response.curve["stress_mpa"])
-axes.set(xlabel="strain, per mille", ylabel="stress, MPa")
+response.plot(ax=axes)
 figure.savefig("picture.png", dpi=120)

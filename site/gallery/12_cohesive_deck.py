@@ -15,6 +15,4 @@ text = Path("test.inp").read_text()
 print([line for line in text.splitlines() if line.startswith("*ELEMENT")])
 print(len(mesh), "elements,", len(mesh.cohesive), "of them cohesive")
 
-grid = mesh.to_pyvista()
-half = grid.clip(normal="y", crinkle=True)
-half.plot(scalars="phase", show_edges=True, off_screen=True, screenshot="picture.png", show_scalar_bar=False)
+mesh.plot(cut="y", screenshot="picture.png")

@@ -16,6 +16,14 @@ fn pack_without_outputs_writes_model_json_vtu_inp_and_html() {
     // Voxels of 2 mm show no shell of a tenth, and one line says how to get it.
     assert!(run.stderr.contains("the mesh has no ITZ: shells of 0.1 to 0.5 mm are thinner"), "{}", run.stderr);
     assert!(!run.stderr.contains("itz  "), "{}", run.stderr);
+    let page = String::from_utf8(folder.read("model.html")).unwrap();
+    assert!(
+        page.contains("8000 hexahedra, cut at z = 20 mm") && page.contains("Shares of the specimen: aggregates inside")
+    );
+    // The page of a saved model has no mesh to show.
+    folder.run(&["report", "model.json", "-o", "saved.html"]);
+    let saved = String::from_utf8(folder.read("saved.html")).unwrap();
+    assert!(saved.contains("Shares of the specimen") && !saved.contains("hexahedra"));
 }
 
 #[test]

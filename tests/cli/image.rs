@@ -26,13 +26,13 @@ fn a_section_is_drawn_and_refusals_name_the_way_out() {
     assert!(folder.read("s.svg").starts_with(b"<svg xmlns="));
     for (flags, said) in [
         (&["-o", "x.png"][..], "x.png: that shows one section: name it, as in z=75, or take .npy, .tif or .vti"),
-        (&["-o", "x.bmp"], "the extension names no image; it must be one of .npy, .tif, .vti, .png, .svg"),
+        (&["-o", "x.bmp"], "unknown image format; the extension must be one of .npy, .tif, .vti, .png, .svg"),
         (&["-o", "x.npy", "--section", "w=3"], "it must be an axis and a length in mm, as in z=75"),
         (&["-o", "x.npy", "--section", "z=41"], "--section is 41; it must lie within 0 and 40 mm"),
         (&["-o", "x.npy", "--voxel-size-mm", "0"], "--voxel-size-mm is 0; it must lie within"),
         (&["-o", "x.npy", "--box", "0,0,0,50,1,1"], "--box is [0.0, 0.0, 0.0] to [50.0, 1.0, 1.0]; its lower corner"),
         (&["-o", "x.npy", "--of", "itz"], "--of is only for --what share"),
-        (&["-o", "-", "-o", "small.json"], "small.json: the extension names no image"),
+        (&["-o", "-", "-o", "small.json"], "small.json: unknown image format"),
     ] {
         let run = folder.run(&[&["image", "small.json"][..], flags].concat());
         assert_eq!(run.code, 2, "{flags:?}: {}", run.stderr);

@@ -71,7 +71,7 @@ fn a_link_to_nothing_is_named_before_the_work() {
     for force in [&[][..], &["-f"]] {
         let run = folder.run(&[&["pack", "small.toml", "-o", "link.json"], force].concat());
         assert_eq!(run.code, 1);
-        assert!(run.stderr.contains("link.json is a link to nothing; remove it"), "{}", run.stderr);
+        assert!(run.stderr.contains("link.json is a broken link; remove it"), "{}", run.stderr);
         assert!(!run.stderr.contains("packed"), "{}", run.stderr);
     }
 }
@@ -122,5 +122,5 @@ fn an_input_without_end_is_refused_at_once() {
     let folder = Folder::new();
     let run = folder.command(&["check", "/dev/zero"]).output().unwrap();
     assert_eq!(run.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&run.stderr).contains("no saved model"));
+    assert!(String::from_utf8_lossy(&run.stderr).contains("not a saved model"));
 }

@@ -161,7 +161,7 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         (&["small.json", "--resume"], 1, "there is no out/checkpoint.bin to resume from"),
         (&["small.json", "--seed", "3"], 2, "--seed is for a packing that is made here"),
         (&["small.json", "-o", "none/out"], 1, "none/out: No such file or directory"),
-        (&["small.json", "-o", "small.json"], 1, "small.json is no folder"),
+        (&["small.json", "-o", "small.json"], 1, "small.json is not a folder"),
     ] {
         let run = folder.run(&[&["solve"], args].concat());
         assert_eq!(run.code, code, "{args:?}: {}", run.stderr);

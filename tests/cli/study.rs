@@ -149,7 +149,7 @@ fn wrong_studies_are_refused_before_the_work() {
             "STUDY.toml: [mesh] unexpected argument '--element-size' found",
         ),
         ("[mesh]\noutput = '../a.inp'\n", "[mesh] output has \"../a.inp\"; it must be the name of a file"),
-        ("[solve]\nresume = true\n", "[solve] resume is the study's own business; leave it out"),
+        ("[solve]\nresume = true\n", "[solve] resume is set by the study; remove it"),
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
         ("oops = 1\n", "oops"),
     ] {

@@ -53,7 +53,7 @@ fn a_compressed_model_reads_back_to_the_same() {
     assert!(compressed.len() < written(Format::Json).len());
     assert_eq!(saved::read(&compressed).unwrap(), saved::read(&written(Format::Json)).unwrap());
     let torn = saved::read(&compressed[..compressed.len() - 1]).unwrap_err().to_string();
-    assert!(torn.starts_with("this is no saved model of mesocrete"), "{torn}");
+    assert!(torn.starts_with("this is not a saved model of mesocrete"), "{torn}");
 }
 
 #[test]

@@ -283,7 +283,7 @@ fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
     let page_of = |model: &Model| {
         let options = Options { lines: 100, points: 100, ..Options::default() };
         let mut out = Vec::new();
-        page::write(model, &statistics(model, &options).unwrap(), &mut out).unwrap();
+        page::write(model, &statistics(model, &options).unwrap(), None, &mut out).unwrap();
         String::from_utf8(out).unwrap()
     };
     let page = page_of(&both());

@@ -134,13 +134,13 @@ fn what_is_no_convex_grain_is_rejected_by_name() {
     for (name, bytes, part) in [
         ("dented.stl", dented.as_bytes(), "dented.stl: it is not convex: its surface holds 50.0 % of its hull"),
         ("open.stl", open.as_bytes(), "open.stl: its surface is open"),
-        ("short.stl", &cube[..600], "short.stl: it is no STL"),
+        ("short.stl", &cube[..600], "short.stl: this is not an STL file"),
         ("empty.stl", b"solid empty\nendsolid empty\n", "empty.stl: it has no triangles"),
         ("flat.json", b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0]]}]", "flat.json: grain 0: the points span 2"),
         ("far.json", beyond, "far.json: grain 0: a face names vertex 9 of 4"),
-        ("none.json", b"[]", "it holds no grain"),
-        ("text.json", b"{}", "it is no list of grains"),
-        ("cut.json", b"[[[0,0,0],", "it is no JSON: EOF while parsing"),
+        ("none.json", b"[]", "it has no grains"),
+        ("text.json", b"{}", "it is not a list of grains"),
+        ("cut.json", b"[[[0,0,0],", "it is not JSON: EOF while parsing"),
     ] {
         let path = format!("stones/{name}");
         let error = library(&[(&path, bytes)], "stones").unwrap_err();

@@ -163,6 +163,7 @@ def test_closest_points_are_those_of_boxes():
 
 def test_penetration_is_the_shortest_way_out_of_a_box():
     found = gjk.penetration(CUBE, CUBE + [0.1, 0.7, 0.2])
+    assert isinstance(found, gjk.Penetration)
     assert found.at_least <= 0.3 <= found.depth < 0.3 + 1e-13
     assert found.direction == pytest.approx([0.0, 1.0, 0.0])
     assert not gjk.intersects(CUBE, CUBE + [0.1, 0.7, 0.2] + found.direction * (found.depth + 1e-12))
@@ -171,6 +172,7 @@ def test_penetration_is_the_shortest_way_out_of_a_box():
 
 def test_a_moving_box_arrives_when_its_distance_is_covered():
     found = gjk.time_of_impact(CUBE, CUBE + [4.0, 0.0, 0.0], [-4.0, 0.0, 0.0])
+    assert isinstance(found, gjk.Impact)
     assert found.not_before <= 0.75 <= found.by < 0.75 + 1e-13
     assert found.direction == pytest.approx([1.0, 0.0, 0.0])
     assert gjk.time_of_impact(CUBE, CUBE + [4.0, 0.0, 0.0], [0.0, 9.0, 0.0]) is None

@@ -98,6 +98,7 @@ def test_sections_and_boxes_are_parts_of_the_whole(packing):
     whole = packing.voxelize(0.5)
     assert np.array_equal(packing.section("z", 30.25, px=120), whole[60])
     assert np.array_equal(packing.section("y", 30.25, px=120), whole[:, 60])
+    assert np.array_equal(packing.section("y", px=119), packing.section("y", 30.0, px=119)), "the middle by default"
     assert np.array_equal(packing.section("x", 30.25, px=120), whole[:, :, 60])
     assert np.array_equal(packing.voxelize(0.5, box=[[5, 10, 15], [25, 40, 20]]), whole[30:40, 20:80, 10:50])
 

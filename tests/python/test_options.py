@@ -105,11 +105,27 @@ def test_gradings_and_specimens_have_their_names():
         mc.Specimen.box(50, 60, 70, periodic="x"),
         mc.Specimen.prism(160, 40, 40),
         mc.Specimen.sphere(50),
+        mc.Specimen.notched_prism(400, 100, 100, notch_width_mm=4, notch_depth_mm=20),
+        mc.Specimen.dogbone(300, 100, 50, neck_width_mm=60, neck_length_mm=40, radius_mm=100),
         mc.Specimen.polyhedron([[0, 0, 0], [60, 0, 0], [0, 60, 0], [0, 0, 60]]),
     ):
         assert mc.Spec(specimen=specimen).specimen["kind"] == specimen["kind"]
     for grading in (mc.Grading.bolomey(5, 20), mc.Grading.standard("din-1045-2-a16", 2, 16)):
         assert mc.Spec(grading=grading).grading["curve"]["kind"] == grading["curve"]["kind"]
+
+
+def test_an_stl_file_is_a_specimen_by_its_path(tmp_path):
+    corners = [[0, 0, 0], [40, 0, 0], [0, 40, 0], [0, 0, 40]]
+    triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*corners[i]) for i in triangle) + "endloop\nendfacet\n"
+        for triangle in triangles
+    )
+    path = tmp_path / "corner.stl"
+    path.write_text(f"solid corner\n{facets}endsolid\n")
+    named = mc.pack({"specimen": mc.Specimen.stl(path), "fraction": 0.1, "grading": mc.Grading.fuller(3, 6)}, seed=1)
+    same = mc.pack({"specimen": mc.Specimen.mesh(corners, triangles), "fraction": 0.1, "grading": mc.Grading.fuller(3, 6)}, seed=1)
+    assert np.array_equal(named.aggregates.centroid, same.aggregates.centroid)
 
 
 def test_arrays_are_sieve_tables():

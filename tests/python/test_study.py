@@ -110,8 +110,16 @@ def test_many_rows_and_all_types_survive_parquet(tmp_path):
     assert study.table()["n"].tolist() == list(seeds)
 
 
+def test_a_bar_names_the_cases_and_is_plain_lines_in_a_pipe(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("mesocrete._progress._LINE", 0.0)
+    mc.study(TINY, {"seed": [1, 2]}, out=tmp_path / "s", progress=True)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(" after ")[0] for line in lines] == [f"study: {n} of 2: {50 * n} %" for n in range(3)]
+
+
 def test_failures_are_kept_with_their_message_and_done_again_on_request(tmp_path):
     study = mc.study(TINY, {"seed": [1, 2, 3]}, then=failing, out=tmp_path / "s")
+    assert isinstance(study, mc.Study) and "2 done, 1 failed" in repr(study)
     assert list(study.failures.values()) == ["ArithmeticError: seed two is not liked"]
     assert np.isnan(study.table()["seed_squared"][1])
     calls = []

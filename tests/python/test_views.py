@@ -27,6 +27,23 @@ def test_plot_writes_a_picture_that_is_not_blank(packing, tmp_path):
     assert pixels.std() > 0.05
 
 
+def test_pictures_take_pyvistas_options_and_plotters(packing):
+    pyvista = pytest.importorskip("pyvista")
+    if sys.platform == "linux" and not can_render():
+        pytest.skip("VTK cannot render off screen here")
+    pixels = packing.plot(cut="z", itz=True, screenshot=True, window_size=(320, 240), background="black", cpos="xy")
+    assert pixels.shape == (240, 320, 3) and (pixels[0, 0] == 0).all()
+    plain = packing.plot(color="#ff0000", screenshot=True, window_size=(320, 240))
+    assert (plain[..., 0] > plain[..., 1] + 50).any(), "a colour of one's own wins over the classes'"
+    mesh = packing.mesh(element_size=5.0, accept_phase_error=True)
+    plotter = pyvista.Plotter(shape=(1, 2), off_screen=True)
+    assert packing.plot(plotter=plotter, scalars="itz_thickness_mm") is plotter
+    plotter.subplot(0, 1)
+    assert mesh.plot(cut=("x", 30.0), phases=["aggregate"], plotter=plotter, scalars="aggregate") is plotter
+    assert plotter.screenshot(None).std() > 5
+    plotter.close()
+
+
 def can_render():
     """VTK may crash without a display or Mesa: ask in another process."""
     code = "import pyvista as p; q = p.Plotter(off_screen=True); q.add_mesh(p.Cube()); q.screenshot(None)"

@@ -41,7 +41,7 @@ pub(crate) fn model(path: &Path) -> Result<Model, Failure> {
     let mut bytes = Vec::new();
     source.by_ref().take(HEAD).read_to_end(&mut bytes).map_err(fail)?;
     if bytes.trim_ascii_start().starts_with(b"{") || bytes.starts_with(&GZIP) {
-        read_rest(path, source, &mut bytes, LONGEST_MODEL, "no saved model")?;
+        read_rest(path, source, &mut bytes, LONGEST_MODEL, "a saved model")?;
     }
     saved::read(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
 }
@@ -52,16 +52,16 @@ fn name(path: &Path) -> String {
 
 fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
-    read_rest(path, source(path)?, &mut bytes, limit, "no spec")?;
+    read_rest(path, source(path)?, &mut bytes, limit, "a spec")?;
     Ok(bytes)
 }
 
-/// Appends what is left of `source`, up to a limit of all bytes; what is longer is `no` file of its kind.
-fn read_rest(path: &Path, source: impl Read, bytes: &mut Vec<u8>, limit: u64, no: &str) -> Result<(), Failure> {
+/// Appends what is left of `source`, up to a limit of all bytes; a longer one is refused as too long for its `kind`.
+fn read_rest(path: &Path, source: impl Read, bytes: &mut Vec<u8>, limit: u64, kind: &str) -> Result<(), Failure> {
     let left = limit.saturating_sub(bytes.len() as u64).saturating_add(1);
     source.take(left).read_to_end(bytes).map_err(|error| Failure::file(path, &error))?;
     if bytes.len() as u64 > limit {
-        return Err(Failure::Usage(format!("{} is longer than {} MB; that is {no}", name(path), limit >> 20)));
+        return Err(Failure::Usage(format!("{} is longer than {} MB, too long for {kind}", name(path), limit >> 20)));
     }
     Ok(())
 }

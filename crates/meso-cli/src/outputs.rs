@@ -45,7 +45,7 @@ impl Target {
             }
             Err(_) if path.is_symlink() => {
                 let link = path.display();
-                Err(Failure::Run(format!("{link} is a link to nothing; remove it, or name the file that it is to be")))
+                Err(Failure::Run(format!("{link} is a broken link; remove it, or name its target")))
             }
             Err(_) => probe(path).map(|()| Self::File { shown: path.to_owned(), path: path.to_owned() }),
         }

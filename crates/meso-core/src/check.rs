@@ -122,7 +122,7 @@ impl fmt::Display for Finding {
             Self::Outside { aggregate } => {
                 write!(f, "aggregate {aggregate} reaches out of the specimen or into the wall's gap")
             }
-            Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is no convex solid: {reason}"),
+            Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is not a convex solid: {reason}"),
             Self::Itz { aggregate, reason } => write!(f, "aggregate {aggregate} has no sound ITZ: {reason}"),
             Self::NotTaken { body } => {
                 write!(f, "body {body} is none of the grains that this spec and seed give: class, ITZ or volume differ")

@@ -2,6 +2,7 @@
 //!
 //! Pictures are exact: the polygons in which the plane meets the polyhedra and their cores.
 
+mod mesh_section;
 #[doc(hidden)]
 pub mod plot;
 mod scene;
@@ -11,6 +12,7 @@ mod tables;
 use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::export::appearance::CLASSES;
 use crate::geometry::sieve_size;
+use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::statistics::Statistics;
 #[doc(hidden)]
@@ -20,16 +22,16 @@ use plot::{Curve, Plot};
 use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 
-/// Writes the page to `out`.
+/// Writes the page to `out`, with a section through `mesh` where there is one.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(model: &Model, statistics: &Statistics, out: impl Write) -> io::Result<()> {
+pub fn write(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     head(model, &mut out)?;
     tables::outcome(model, &mut out)?;
     scene::write(model, &mut out)?;
-    pictures(model, &mut out)?;
+    pictures(model, mesh, &mut out)?;
     plots(model, statistics, &mut out)?;
     tables::shapes(statistics, &mut out)?;
     tables::spec(model, &mut out)?;
@@ -61,6 +63,10 @@ th{font-weight:600;border-bottom:1px solid var(--line)}th:first-child,td:first-c
 svg{display:block;max-width:100%;height:auto}svg text{font:11px system-ui,sans-serif;fill:var(--label)}
 canvas{display:block;width:100%;height:min(70vh,36rem);touch-action:none;cursor:grab}
 input[type=range]{width:min(16rem,40vw);vertical-align:middle}
+.a{stroke:none}.f{fill:none;stroke:#9aa0a6}.g{stroke:var(--faint)}
+section{max-width:100%}.e{stroke:#6b6f76;stroke-linejoin:round}
+pre{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}
+@media(max-width:34rem){table{font-size:.8rem}th,td{padding-right:.5rem}td:first-child{white-space:normal}.brief{display:none}}
 ";
 
 fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
@@ -70,15 +76,14 @@ fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let (matrix, classes) = (slice::matrix_style(), slice::class_style(|class| CLASSES[class]));
     write!(
         out,
-        "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}{matrix}.a{{stroke:none}}.f{{fill:none;stroke:#9aa0a6}}.g{{stroke:var(--faint)}}\n{classes}\n\
-         pre{{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}}\n</style>\n<main>\n<h1>{title}</h1>\n"
+        "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}{matrix}{classes}\n</style>\n<main>\n<h1>{title}</h1>\n"
     )?;
     let version = plot::escape(&report.version);
     writeln!(out, "<p class=\"note\">mesocrete {version}, seed {}, {}</p>", report.seed, plot::escape(&report.grading))
 }
 
-/// Three sections through the middle, and the block as one sees it with its corner cut away.
-fn pictures(model: &Model, out: &mut impl Write) -> io::Result<()> {
+/// Three sections through the middle, the block as one sees it with its corner cut away, and the mesh.
+fn pictures(model: &Model, mesh: Option<&Mesh>, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>Sections through the middle</h2>")?;
     if !model.inclusions.is_empty() {
         writeln!(out, "<style>{}</style>", slice::inclusion_style())?;
@@ -94,8 +99,15 @@ fn pictures(model: &Model, out: &mut impl Write) -> io::Result<()> {
         out,
         "</div>\n<p class=\"note\">Coloured by size class, from the finest; dark rims are the ITZ, light is mortar.</p>"
     )?;
-    writeln!(out, "<h2>The block, cut open along three planes</h2>")?;
-    slice::block(model, out)
+    writeln!(out, "<div class=\"row\">\n<section><h2>The block, cut open along three planes</h2>")?;
+    slice::block(model, out)?;
+    writeln!(out, "</section>")?;
+    if let Some(mesh) = mesh {
+        writeln!(out, "<section><h2>The mesh at half height</h2>")?;
+        mesh_section::figure(model, mesh, out)?;
+        writeln!(out, "</section>")?;
+    }
+    writeln!(out, "</div>")
 }
 
 fn plots(model: &Model, statistics: &Statistics, out: &mut impl Write) -> io::Result<()> {

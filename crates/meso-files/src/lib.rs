@@ -29,7 +29,7 @@ impl Files for Beside<'_> {
         File::open(&path).map_err(fail)?.take(LONGEST_INPUT + 1).read_to_end(&mut bytes).map_err(fail)?;
         if bytes.len() as u64 > LONGEST_INPUT {
             let limit = LONGEST_INPUT >> 20;
-            return Err(io::Error::other(format!("{} is longer than {limit} MB; that is no spec", path.display())));
+            return Err(io::Error::other(format!("{} is longer than {limit} MB, too long for a spec", path.display())));
         }
         Ok(bytes)
     }

@@ -40,7 +40,7 @@ pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3
 }
 
 /// Loads numpy's function tables before the first array. Loaded lazily, any error there, even Ctrl-C, would be a
-/// panic.
+/// panic. The package imports numpy before it hands out a name; what pickle calls without the package does it here.
 ///
 /// # Errors
 /// Where numpy cannot be imported.
@@ -119,7 +119,7 @@ fn check_integers(name: &str, array: &Bound<'_, PyAny>, points: &[Vec3]) -> PyRe
 /// A ragged list is a wrong value; objects that numpy cannot convert keep numpy's own exception.
 fn not_an_array(name: &str, object: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
     if error.is_instance_of::<PyValueError>(object.py()) {
-        return PyValueError::new_err(format!("{name} is no (n, 3) array: {}", error.value(object.py())));
+        return PyValueError::new_err(format!("{name} is not an (n, 3) array: {}", error.value(object.py())));
     }
     error
 }

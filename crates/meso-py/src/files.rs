@@ -105,7 +105,7 @@ pub(crate) fn write_mesh(
 
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
     let known = known.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
-    PyValueError::new_err(format!("{}: the extension names no format; it must be one of {known}", path.display()))
+    PyValueError::new_err(format!("{}: unknown format; the extension must be one of {known}", path.display()))
 }
 
 /// Writes the files of a test's results into `folder`, which is made where it is not there.

@@ -214,7 +214,7 @@ fn gjk_error(error: &GjkError) -> PyErr {
 /// Raises
 /// ------
 /// ValueError, TypeError
-///     For a body that is no (n, 3) array of finite numbers; the message says which.
+///     For a body that is not an (n, 3) array of finite numbers; the message says which.
 #[pyclass(name = "Bodies", module = "mesocrete.gjk", frozen)]
 pub(crate) struct PyBodies(Arc<Bodies>);
 

@@ -61,14 +61,16 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
             watch.stops_soon();
             let image = VoxelImage::new(&model, &options).map_err(|error| PyValueError::new_err(error.to_string()))?;
             let shape = image.frame().shape();
-            if shape.iter().product::<usize>() > MOST {
+            let voxels: usize = shape.iter().product();
+            if voxels > MOST {
                 return Err(PyValueError::new_err(format!(
                     "the image would have {shape:?} voxels, more than 2^33; take a box or larger voxels, or stream it to a \
                      file: mesocrete image MODEL -o FILE.npy"
                 )));
             }
             let mut slabs = image.slabs().take_while(|_| watch.goes_on());
-            let first = slabs.next().ok_or_else(|| PyKeyboardInterrupt::new_err("stopped"))?;
+            let mut first = slabs.next().ok_or_else(|| PyKeyboardInterrupt::new_err("stopped"))?;
+            reserve(&mut first, voxels);
             Ok((slabs.fold(first, joined), shape))
         })?;
         let (values, shape) = made?;
@@ -78,6 +80,15 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
             Values::Real(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
         }
     })
+}
+
+/// Takes memory for all `voxels` at once: an array that grows is there twice while it moves.
+fn reserve(slab: &mut Values, voxels: usize) {
+    match slab {
+        Values::Label(values) => values.reserve_exact(voxels - values.len()),
+        Values::Id(values) => values.reserve_exact(voxels - values.len()),
+        Values::Real(values) => values.reserve_exact(voxels - values.len()),
+    }
 }
 
 /// Two slabs as one; slabs of an image are of one type.

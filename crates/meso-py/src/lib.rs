@@ -54,7 +54,9 @@ mod _mesocrete {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        super::arrays::load_numpy(module.py())?;
+        // Without numpy, which the command never needs: the package imports it before anything that makes arrays.
+        let sequence = module.py().import("collections.abc")?.getattr("Sequence")?;
+        sequence.call_method1("register", (module.getattr("Aggregates")?,))?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

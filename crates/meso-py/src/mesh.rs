@@ -292,9 +292,25 @@ impl PyMesh {
         call_view("mesh_to_pyvista", slf, None)
     }
 
-    /// Shows the mesh by phase (needs the extra `plot`); see `plot_mesh` in the reference for `cut`, `phases` and
-    /// `screenshot`.
-    #[pyo3(signature = (**options))]
+    /// Shows the mesh by phase (needs the extra `plot`).
+    ///
+    /// Parameters
+    /// ----------
+    /// cut : str or pair, optional
+    ///     "z", or ("z", 30.0) in mm: takes away whole cells whose centres lie beyond a plane.
+    /// phases : sequence of str, optional
+    ///     Shows only these: "mortar", "ITZ", "aggregate", "fibre".
+    /// screenshot : path or True, optional
+    ///     Writes the picture to this path, off screen. True returns it as an array, shape (rows, columns, 3), uint8.
+    /// plotter : pyvista.Plotter, optional
+    ///     Adds everything to this plotter and returns it; nothing is shown.
+    /// **options
+    ///     `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+    ///     `scalars` or `opacity`, to `pyvista.Plotter.add_mesh`.
+    #[pyo3(
+        signature = (**options),
+        text_signature = "($self, *, cut=None, phases=None, screenshot=None, plotter=None, **options)"
+    )]
     fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         call_view("plot_mesh", slf, options)
     }

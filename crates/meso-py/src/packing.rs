@@ -238,7 +238,7 @@ impl PyPacking {
         })
     }
 
-    /// What is at every voxel of the specimen, or of a box in it.
+    /// Phases, ids, shares or distances at every voxel of the specimen, or of a box in it.
     ///
     /// Voxel (k, j, i) has its centre at (i + 0.5, j + 0.5, k + 0.5) h from the lower corner of the specimen's bounding
     /// box, or of `box`. It lies in a body if its centre lies in the closed polyhedron.
@@ -280,14 +280,14 @@ impl PyPacking {
         image::make(py, &self.0, image::options(h, what, of, region)?)
     }
 
-    /// What is on a plane across an axis, pixel by pixel.
+    /// Phases, ids, shares or distances on a plane normal to an axis, pixel by pixel.
     ///
     /// Parameters
     /// ----------
     /// axis : {"x", "y", "z"}
-    ///     The axis that the plane is across.
-    /// at : float
-    ///     Where on it, mm.
+    ///     The axis that the plane is normal to.
+    /// at : float, optional
+    ///     Position of the plane on it, mm; by default the middle of the specimen.
     /// px : int
     ///     Pixels along the longer side of the section; they are square.
     /// what, of
@@ -303,17 +303,19 @@ impl PyPacking {
     /// ------
     /// ValueError, TypeError
     ///     Names the option, its value and what is accepted.
-    #[pyo3(signature = (axis, at, px=512, what="phase", *, of="aggregate"))]
+    #[pyo3(signature = (axis, at=None, px=512, what="phase", *, of="aggregate"))]
     fn section<'py>(
         &self,
         py: Python<'py>,
         axis: &str,
-        at: f64,
+        at: Option<f64>,
         px: i64,
         what: &str,
         of: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (axis, h) = image::pixels(&self.0, axis, px)?;
+        let aabb = self.0.spec.specimen.aabb();
+        let at = at.unwrap_or((aabb.min[axis] + aabb.max[axis]) / 2.0);
         image::make(py, &self.0, image::options(h, what, of, Region::Section { axis, at })?)
     }
 
@@ -364,8 +366,25 @@ impl PyPacking {
         call_view("packing_to_pyvista", slf, options)
     }
 
-    /// Shows the aggregates, coloured by class; with `screenshot=path` writes the picture instead (extra `plot`).
-    #[pyo3(signature = (**options))]
+    /// Shows the bodies, coloured by size class, inside the specimen's edges (needs the extra `plot`).
+    ///
+    /// Parameters
+    /// ----------
+    /// cut : str or pair, optional
+    ///     "z", or ("z", 30.0) in mm: takes the part beyond a plane away, and shows the phases on the plane.
+    /// itz : bool
+    ///     Whether the cut shows the ITZ. Without a cut the bodies are translucent around their cores.
+    /// screenshot : path or True, optional
+    ///     Writes the picture to this path, off screen. True returns it as an array, shape (rows, columns, 3), uint8.
+    /// plotter : pyvista.Plotter, optional
+    ///     Adds everything to this plotter and returns it; nothing is shown.
+    /// **options
+    ///     `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+    ///     `color` or `scalars`, to `pyvista.Plotter.add_mesh`.
+    #[pyo3(
+        signature = (**options),
+        text_signature = "($self, *, cut=None, itz=False, screenshot=None, plotter=None, **options)"
+    )]
     fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         call_view("plot_packing", slf, options)
     }
@@ -454,6 +473,7 @@ impl PyPacking {
 /// Unpickles a `Packing`: the bytes of a saved model, which names its version, and the report with its seconds.
 #[pyfunction(name = "_restore_packing")]
 pub(crate) fn restore_packing(py: Python<'_>, model: &[u8], report: &str) -> PyResult<PyPacking> {
+    arrays::load_numpy(py)?;
     let damaged = |error: String| PyValueError::new_err(format!("the pickle is damaged: {error}"));
     guard(|| {
         let mut model = py.detach(|| saved::read(model)).map_err(|error| damaged(error.to_string()))?;

@@ -131,6 +131,7 @@ impl PyPolyhedron {
 /// Unpickles a `Polyhedron`.
 #[pyfunction(name = "_restore_polyhedron")]
 pub(crate) fn restore_polyhedron(vertices: &Bound<'_, PyAny>, faces: Vec<Vec<u32>>) -> PyResult<PyPolyhedron> {
+    arrays::load_numpy(vertices.py())?;
     let vertices = arrays::points("vertices", vertices)?;
     // A pickle is a stranger's data: indices that lead nowhere must not reach the geometry.
     if faces.iter().any(|face| face.len() < 3 || face.iter().any(|&i| i as usize >= vertices.len())) {

@@ -180,7 +180,7 @@ impl PyResponse {
     /// Draws stress over strain with the peak; returns the matplotlib axes (extra `plot`).
     ///
     /// `ax` are axes to draw on; further `options` go to `Axes.plot`.
-    #[pyo3(signature = (**options))]
+    #[pyo3(signature = (**options), text_signature = "($self, *, ax=None, **options)")]
     fn plot<'py>(slf: &Bound<'py, Self>, options: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         call_view("plot_response", slf, options)
     }

@@ -39,7 +39,7 @@ pub enum PlanError {
     #[error("over.{0} and over.{1} change the same option; keep one of the two")]
     Overlapping(String, String),
     /// A key that is no dotted path.
-    #[error("over.{0:?} is no option; write its path in a SPEC.toml, e.g. \"grading.d_max_mm\"")]
+    #[error("over.{0:?} is not an option; write its path in a SPEC.toml, e.g. \"grading.d_max_mm\"")]
     Key(String),
     /// Too many combinations.
     #[error("over has {0} combinations; at most {MOST_CASES} cases are a study")]

@@ -72,7 +72,9 @@ impl Args {
         let for_one = [(self.mortar, "--mortar", Format::Step), (self.named_solids, "--named-solids", Format::Stl)];
         match for_one.into_iter().find(|(given, _, format)| *given && !formats.contains(format)) {
             Some((_, flag, format)) => {
-                Err(Failure::Usage(format!("{flag} is for a .{}, which -o does not name", format.extension())))
+                let extension = format.extension();
+                let message = format!("{flag} applies to .{extension} files alone; give -o a name that ends so");
+                Err(Failure::Usage(message))
             }
             None => Ok(()),
         }
@@ -89,7 +91,7 @@ fn format(path: &Path, args: &Args) -> Result<Format, Failure> {
     format.ok_or_else(|| {
         let meshes = " (a mesh for finite elements: mesocrete mesh)";
         Failure::Usage(format!(
-            "{}: the extension names no format; it must be one of {}{meshes}",
+            "{}: unknown format; the extension must be one of {}{meshes}",
             path.display(),
             known(".")
         ))

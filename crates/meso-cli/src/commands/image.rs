@@ -25,15 +25,15 @@ pub(crate) struct Args {
     #[arg(allow_negative_numbers = true)]
     voxel_size_mm: f64,
     #[arg(long, default_value = "phase", value_parser = names::parse::<Quantity>)]
-    #[arg(help = format!("What the values are: {}", names::list::<Quantity>()))]
+    #[arg(help = format!("Quantity at the voxels: {}", names::list::<Quantity>()))]
     what: Quantity,
     #[arg(long, value_parser = names::parse::<ShareOf>)]
-    #[arg(help = format!("Whose share of a voxel, with --what share: {}; absent: aggregate, ITZ included", names::list::<ShareOf>()))]
+    #[arg(help = format!("Bodies whose share of a voxel is written, with --what share: {} [default: aggregate, ITZ included]", names::list::<ShareOf>()))]
     of: Option<ShareOf>,
-    /// The voxels on one plane across an axis, at so many mm: z=75
+    /// Write only the voxels on a plane normal to an axis, in mm: z=75
     #[arg(long, value_name = "AXIS=MM", value_parser = plane, conflicts_with = "box")]
     section: Option<(usize, f64)>,
-    /// A part of the specimen by its lower and upper corner, mm: 0,0,0,50,50,50; voxels are counted from the lower corner
+    /// Write only a box, given by its lower and upper corner in mm: 0,0,0,50,50,50. Voxels start at the lower corner
     #[arg(long, value_name = "X,Y,Z,X,Y,Z", value_parser = corners, allow_hyphen_values = true)]
     r#box: Option<[f64; 6]>,
     #[command(flatten)]
@@ -55,7 +55,7 @@ fn corners(text: &str) -> Result<[f64; 6], String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     numbers
         .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| "it must be six lengths in mm, with commas".to_owned())
+        .ok_or_else(|| "it must be six lengths in mm, separated by commas".to_owned())
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -126,7 +126,7 @@ fn format(path: &Path, options: &ImageOptions) -> Result<ImageFormat, Failure> {
     let format = if path == Path::new("-") { Some(ImageFormat::Npy) } else { ImageFormat::from_path(path) };
     let format = format.ok_or_else(|| {
         let known = ImageFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
-        Failure::Usage(format!("{}: the extension names no image; it must be one of {known}", path.display()))
+        Failure::Usage(format!("{}: unknown image format; the extension must be one of {known}", path.display()))
     })?;
     format.check(options).map_err(|error| Failure::Usage(format!("{}: {}", path.display(), error.accepted)))?;
     Ok(format)

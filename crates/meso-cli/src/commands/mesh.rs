@@ -131,7 +131,7 @@ fn mesh_format(path: &Path) -> Result<MeshFormat, Failure> {
     let format = if path == Path::new("-") { Some(MeshFormat::Inp) } else { MeshFormat::from_path(path) };
     format.ok_or_else(|| {
         let known = MeshFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
-        let message = format!("{}: the extension names no mesh format; it must be one of {known}", path.display());
+        let message = format!("{}: unknown mesh format; the extension must be one of {known}", path.display());
         Failure::Usage(message)
     })
 }

@@ -192,7 +192,7 @@ fn content(path: &Path) -> Result<Content, Failure> {
         let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
         let known: Vec<&str> = Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect();
         let known = known.join(", .");
-        Failure::Usage(format!("{}: the extension names no format; it must be one of .{known}", path.display()))
+        Failure::Usage(format!("{}: unknown format; the extension must be one of .{known}", path.display()))
     })
 }
 
@@ -242,7 +242,7 @@ impl Plan {
                     mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.encoding)?;
                 }
                 (Content::Mesh(_), None) => {}
-                (Content::Page, _) => self.fill_page(&mut unit, target, model, watch)?,
+                (Content::Page, _) => self.fill_page(&mut unit, target, model, mesh, watch)?,
             }
         }
         if let Some(target) = &self.summary {
@@ -260,11 +260,18 @@ impl Plan {
 
 impl Plan {
     /// A page of fewer samples than `report` takes: a newcomer waits for it.
-    fn fill_page(&self, unit: &mut Unit, target: &Target, model: &Model, watch: &Watch) -> Result<(), Failure> {
+    fn fill_page(
+        &self,
+        unit: &mut Unit,
+        target: &Target,
+        model: &Model,
+        mesh: Option<&Mesh>,
+        watch: &Watch,
+    ) -> Result<(), Failure> {
         let told = |share| watch.stage(Stage::Measure, share);
         let figures =
             Statistics::of(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
-        unit.fill(target, self.force, |out| page::write(model, &figures, out))
+        unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
     }
 }
 

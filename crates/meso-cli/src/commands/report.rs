@@ -37,7 +37,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();
     unit.fill(&target, args.writing.force, |out| match content {
-        Content::Page => page::write(&model, &figures, out),
+        Content::Page => page::write(&model, &figures, None, out),
         Content::Figures => write_figures(&figures, out),
     })?;
     unit.commit()?;

@@ -37,7 +37,7 @@ pub enum SurfaceError {
         to: [f64; 3],
     },
     /// The surface bounds no volume, or its inside is outside.
-    #[error("it holds {volume} mm3; its triangles must be counter-clockwise seen from outside")]
+    #[error("it encloses {volume} mm3; its triangles must be counter-clockwise seen from outside")]
     NoVolume {
         /// mm3.
         volume: f64,

@@ -14,11 +14,11 @@ const RECORD: usize = 50;
 pub(crate) enum StlError {
     /// Neither form fits.
     #[error(
-        "it is no STL: neither text that begins with `solid` nor a binary file of 84 + 50 n bytes, n the number at byte 80"
+        "this is not an STL file: neither text that begins with `solid` nor a binary file of 84 + 50 n bytes, n the number at byte 80"
     )]
     NotStl,
     /// A line of a text that cannot be read.
-    #[error("line {line}: `{found}` is no vertex of three numbers")]
+    #[error("line {line}: `{found}` is not a vertex of three numbers")]
     Vertex {
         /// From 1.
         line: usize,
@@ -29,7 +29,7 @@ pub(crate) enum StlError {
     #[error("it has no triangles")]
     Empty,
     /// Facets without three corners each.
-    #[error("it has {corners} vertices, which are no whole number of triangles")]
+    #[error("it has {corners} vertices, which is not a multiple of 3")]
     Incomplete {
         /// Number of `vertex` lines.
         corners: usize,

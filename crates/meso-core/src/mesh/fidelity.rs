@@ -177,6 +177,8 @@ pub(crate) struct Body {
     triangles: Vec<[Vec3; 3]>,
     /// The plane of each triangle.
     planes: Vec<Plane>,
+    /// Around each triangle: the ball's middle and radius, mm.
+    balls: Vec<(Vec3, f64)>,
 }
 
 impl Body {
@@ -185,12 +187,23 @@ impl Body {
         let corners = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
         let pieces =
             body.faces().zip(body.planes()).flat_map(|(face, plane)| face.triangles().map(move |t| (t, plane)));
-        let (triangles, planes) = pieces.map(|(t, plane)| (corners(t), plane)).unzip();
-        Self { id: aggregate.id, triangles, planes }
+        let (triangles, planes): (Vec<_>, Vec<_>) = pieces.map(|(t, plane)| (corners(t), plane)).unzip();
+        let balls = triangles.iter().map(ball_around).collect();
+        Self { id: aggregate.id, triangles, planes, balls }
     }
 
     /// From `x` to the surface, mm: inside, the nearest plane; outside, the nearest of the triangles that face `x`.
     pub(crate) fn distance(&self, x: &Vec3) -> f64 {
+        self.distance_below(x, f64::INFINITY).unwrap_or(f64::INFINITY)
+    }
+
+    /// Above the highest face plane, mm: no more than the distance of an outer `x`, negative inside.
+    pub(crate) fn height(&self, x: &Vec3) -> f64 {
+        self.planes.iter().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// As [`Body::distance`]; `None` where a face plane shows that an outer `x` is no nearer than `limit`.
+    pub(crate) fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
         let height = |plane: &Plane| plane.normal.dot(x) - plane.offset;
         let (mut highest, mut most) = (0, f64::NEG_INFINITY);
         for (triangle, plane) in self.planes.iter().enumerate() {
@@ -200,21 +213,37 @@ impl Body {
             }
         }
         if most <= 0.0 {
-            return -most;
+            return Some(-most);
+        }
+        if most * (1.0 - ROUNDING_OF_A_HEIGHT) >= limit {
+            return None;
         }
         let to = |triangle: usize| (nearest_on_triangle(&self.triangles[triangle], x) - x).norm();
         let mut least = to(highest);
         // Above the inside of the highest triangle, as most points are, nothing is nearer than it.
-        if least <= most * (1.0 + 1e-12) {
-            return least;
+        if least <= most * (1.0 + ROUNDING_OF_A_HEIGHT) {
+            return Some(least);
         }
+        // A ball beyond the nearest point so far costs a third of what its triangle does, and most are.
+        let reaches =
+            |(middle, radius): &(Vec3, f64), least: f64| (middle - x).norm_squared() < (least + radius).powi(2);
         for (triangle, plane) in self.planes.iter().enumerate() {
-            if (0.0..least).contains(&height(plane)) {
+            if (0.0..least).contains(&height(plane)) && reaches(&self.balls[triangle], least) {
                 least = least.min(to(triangle));
             }
         }
-        least
+        Some(least)
     }
+}
+
+/// A share of a distance that its rounding does not reach.
+const ROUNDING_OF_A_HEIGHT: f64 = 1e-12;
+
+/// The middle of a triangle's corners, and a radius that holds them however it is rounded.
+fn ball_around(corners: &[Vec3; 3]) -> (Vec3, f64) {
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let radius = corners.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+    (middle, radius * (1.0 + 1e-9))
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let mut all = Aabb::around(&surface.points);
     shown.iter().for_each(|body| all = all.with(&body.body.aabb()));
     let [x, y, z] = all.size().into();
-    writeln!(out, "<h2>The packing, to turn</h2>")?;
+    writeln!(out, "<h2>The packing in 3D</h2>")?;
     writeln!(
         out,
         "<canvas id=\"view\" tabindex=\"0\" data-size=\"{x} {y} {z}\" role=\"img\" aria-label=\"the packing in 3D\"></canvas>"

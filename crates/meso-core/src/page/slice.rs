@@ -14,7 +14,7 @@ use std::io::{self, Write};
 const ACROSS: [(usize, usize); 3] = [(1, 2), (0, 2), (0, 1)];
 const NAMES: [&str; 3] = ["x", "y", "z"];
 /// Width of the widest picture, pixels.
-const WIDTH: f64 = 340.0;
+pub(super) const WIDTH: f64 = 340.0;
 
 /// One section across `axis` at `at` mm, to scale.
 pub(super) fn figure(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
@@ -134,21 +134,31 @@ fn path(class: &str, corners: &[[f64; 2]], out: &mut impl Write) -> io::Result<(
 
 /// The corners of the section of `body`, in order around it, mm.
 fn polygon(body: &Polyhedron, axis: usize, at: f64) -> Vec<[f64; 2]> {
-    let (u, v) = ACROSS[axis];
     let mut corners = Vec::new();
     for face in body.faces() {
-        for k in 0..face.len() {
-            let [from, to] = [k, (k + 1) % face.len()].map(|k| body.vertices()[face.vertex(k) as usize]);
-            // Every edge is passed in both directions; upwards it counts.
-            if from[axis] < at && to[axis] >= at {
-                let t = (at - from[axis]) / (to[axis] - from[axis]);
-                let point = from + (to - from) * t;
-                corners.push([point[u], point[v]]);
-            }
-        }
+        let vertex = |k: usize| body.vertices()[face.vertex(k) as usize];
+        corners.extend(rising_edges(face.len(), vertex, axis, at));
     }
     sort_around(&mut corners);
     corners
+}
+
+/// Where the edges of a face rise through the plane. The faces of a solid pass every edge in both directions, so that all of
+/// them together name each point of a section once.
+pub(super) fn rising_edges(
+    count: usize,
+    vertex: impl Fn(usize) -> Vec3,
+    axis: usize,
+    at: f64,
+) -> impl Iterator<Item = [f64; 2]> {
+    let (u, v) = ACROSS[axis];
+    (0..count).filter_map(move |k| {
+        let (from, to) = (vertex(k), vertex((k + 1) % count));
+        (from[axis] < at && to[axis] >= at).then(|| {
+            let point = from + (to - from) * ((at - from[axis]) / (to[axis] - from[axis]));
+            [point[u], point[v]]
+        })
+    })
 }
 
 /// The closed lines in which a plane meets the specimen's surface, mm.
@@ -182,7 +192,7 @@ fn outlines(surface: &Surface, axis: usize, at: f64) -> Vec<Vec<[f64; 2]>> {
     outlines
 }
 
-fn sort_around(corners: &mut [[f64; 2]]) {
+pub(super) fn sort_around(corners: &mut [[f64; 2]]) {
     let count = corners.len() as f64;
     let [x, y] = corners.iter().fold([0.0, 0.0], |sum, c| [sum[0] + c[0] / count, sum[1] + c[1] / count]);
     let angle = |c: &[f64; 2]| libm::atan2(c[1] - y, c[0] - x);

@@ -1,6 +1,7 @@
 //! The page's tables.
 
 use super::plot::escape;
+use crate::mesh::PhaseVolumes;
 use crate::model::Model;
 use crate::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
 use std::io::{self, Write};
@@ -38,13 +39,29 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
         escape(&report.specimen.kind),
         escape(&report.strategy),
         report.discarded
+    )?;
+    phases(model, out)
+}
+
+/// The exact volumes of the phases over the specimen's; nothing where a core has no trustworthy volume.
+fn phases(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let specimen = &model.spec.specimen;
+    let exact = PhaseVolumes::exact(&model.bodies(), specimen, |aggregate| aggregate.itz_thickness_mm);
+    let Ok(PhaseVolumes { aggregate, itz, mortar, .. }) = exact else { return Ok(()) };
+    let [aggregate, itz, mortar] = [aggregate, itz, mortar].map(|volume| volume / specimen.volume());
+    writeln!(
+        out,
+        "<p>Shares of the specimen: aggregates inside their ITZ {aggregate:.4}, ITZ {itz:.4}, mortar {mortar:.4}.</p>"
     )
 }
 
 /// Shapes, gaps, orientation.
 pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Result<()> {
     let shapes = &statistics.shapes;
-    writeln!(out, "<h2>Shapes and gaps</h2>\n<table><tr><th><th>mean<th>sd<th>min<th>10 %<th>median<th>90 %<th>max")?;
+    writeln!(
+        out,
+        "<h2>Shapes and gaps</h2>\n<table><tr><th><th>mean<th class=brief>sd<th>min<th class=brief>10 %<th>median<th class=brief>90 %<th>max"
+    )?;
     let rows: [(&str, &Option<Distribution>); 7] = [
         ("length, mm", &shapes.length_mm),
         ("sieve size, mm", &shapes.sieve_size_mm),
@@ -57,10 +74,13 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
     for (name, distribution) in rows {
         let Some(d) = distribution else { continue };
         write!(out, "<tr><td>{name}")?;
-        for value in [d.mean, d.sd, d.min, d.p10, d.median, d.p90, d.max] {
-            write!(out, "<td>{value:.4}")?;
-        }
-        writeln!(out)?;
+        let Distribution { mean, sd, min, p10, median, p90, max } = d;
+        // A phone shows four of them.
+        writeln!(
+            out,
+            "<td>{mean:.4}<td class=brief>{sd:.4}<td>{min:.4}<td class=brief>{p10:.4}<td>{median:.4}<td class=brief>{p90:.4}\
+             <td>{max:.4}"
+        )?;
     }
     let (zingg, [low, middle, high]) = (&shapes.zingg, statistics.orientation.eigenvalues);
     writeln!(

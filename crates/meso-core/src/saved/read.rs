@@ -19,7 +19,7 @@ use std::collections::BTreeSet;
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// Not JSON, or not with the keys a model has.
-    #[error("this is no saved model of mesocrete: {0}")]
+    #[error("this is not a saved model of mesocrete: {0}")]
     NotAModel(String),
     /// Written by a version that may mean something else.
     #[error("it was written by mesocrete {found}, and this is {VERSION}, which cannot read it: update mesocrete")]

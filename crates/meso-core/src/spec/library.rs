@@ -11,7 +11,7 @@ use serde::Deserialize;
 const KEY: &str = "shape.library";
 /// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
 const CONVEX: f64 = 0.999;
-const NO_LIST: &str = "it is no list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
+const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
                        ...], \"faces\": [[0, 1, 2], ...]}";
 
 /// Replaces `shape.library` by the grains that its file, or the files of its folder, hold.
@@ -96,11 +96,11 @@ enum Grain {
 fn read_json(bytes: &[u8]) -> Result<Vec<Vec<Vec3>>, String> {
     // Some programs begin a text with its byte order.
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let tree: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| format!("it is no JSON: {error}"))?;
+    let tree: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| format!("it is not JSON: {error}"))?;
     let (Listed::Bare(grains) | Listed::Grains { grains } | Listed::Model { aggregates: grains }) =
         serde_json::from_value(tree).map_err(|_| NO_LIST)?;
     if grains.is_empty() {
-        return Err("it holds no grain".to_owned());
+        return Err("it has no grains".to_owned());
     }
     let named = |(i, grain): (usize, Grain)| {
         let (name, vertices, faces) = match grain {

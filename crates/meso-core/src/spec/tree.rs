@@ -127,7 +127,7 @@ impl<'a> Lines<'a> {
                 i128::from_str_radix(n.as_str(), n.radix()).map_err(|_| wrong(format!("is {n}; that is too large")))?,
             ),
             DeValue::Float(x) => {
-                Value::Float(x.as_str().parse().map_err(|_| wrong(format!("is {x}; that is no number")))?)
+                Value::Float(x.as_str().parse().map_err(|_| wrong(format!("is {x}; it must be a number")))?)
             }
             DeValue::Datetime(date) => return Err(wrong(format!("is the date {date}; no option takes a date"))),
             DeValue::Table(table) => Value::Table(self.table(table)?),

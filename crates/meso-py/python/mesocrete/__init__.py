@@ -7,28 +7,30 @@
 Units are mm, mm3, N, MPa, tonne and s; fractions go from 0 to 1 by volume of the specimen.
 """
 
-from collections.abc import Sequence
+from __future__ import annotations
 
-from . import gjk
-from ._mesocrete import (
-    Aggregate,
-    Aggregates,
-    Frame,
-    Mesh,
-    Packing,
-    Polyhedron,
-    Response,
-    Spec,
-    __version__,
-    convex_hull,
-    load,
-    pack,
-    recipes,
-)
-from ._options import Grading, Specimen
-from ._study import Study, study
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-Sequence.register(Aggregates)
+if TYPE_CHECKING:
+    from . import gjk
+    from ._mesocrete import (
+        Aggregate,
+        Aggregates,
+        Frame,
+        Mesh,
+        Packing,
+        Polyhedron,
+        Response,
+        Spec,
+        __version__,
+        convex_hull,
+        load,
+        pack,
+        recipes,
+    )
+    from ._options import Grading, Specimen
+    from ._study import Study, study
 
 __all__ = [
     "Aggregate",
@@ -50,3 +52,24 @@ __all__ = [
     "recipes",
     "study",
 ]
+
+# Names of the package's Python modules; all others are the compiled module's.
+_HOMES = {"Grading": "_options", "Specimen": "_options", "Study": "_study", "study": "_study"}
+
+
+def __getattr__(name: str) -> object:
+    """Import what has the name on its first use: numpy alone takes three times what a program's start may."""
+    if name not in __all__:
+        message = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(message)
+    if name == "gjk":
+        return import_module(".gjk", __name__)
+    import_module("numpy")  # before the first array: Rust cannot raise what goes wrong there
+    found: object = getattr(import_module(f".{_HOMES.get(name, '_mesocrete')}", __name__), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    """Name what is public, imported or not."""
+    return sorted({*globals(), *__all__})

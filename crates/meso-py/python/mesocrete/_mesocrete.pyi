@@ -8,7 +8,7 @@ import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]
 import numpy as np
 from matplotlib.axes import Axes  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from numpy.typing import ArrayLike, NDArray
-from pyvista import PolyData, UnstructuredGrid  # type: ignore[import-not-found, import-untyped, unused-ignore]
+from pyvista import Plotter, PolyData, UnstructuredGrid  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from typing_extensions import Unpack
 
 from . import _results, _types
@@ -46,6 +46,8 @@ __all__ = [
 ]
 
 _Path: TypeAlias = str | PathLike[str]
+_Axis: TypeAlias = Literal["x", "y", "z"]
+_Cut: TypeAlias = _Axis | tuple[_Axis, float]
 
 class _Images(TypedDict, total=False):
     images: Literal["none", "whole", "cut"]
@@ -337,7 +339,7 @@ class Packing:
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
     ) -> NDArray[np.uint8]:
-        """What is at every voxel of the specimen, or of a box in it.
+        """Phases, ids, shares or distances at every voxel of the specimen, or of a box in it.
 
         Voxel (k, j, i) has its centre at (i + 0.5, j + 0.5, k + 0.5) h from the lower corner of the specimen's bounding
         box, or of `box`. It lies in a body if its centre lies in the closed polyhedron.
@@ -391,20 +393,20 @@ class Packing:
     def section(
         self,
         axis: Literal["x", "y", "z"],
-        at: float,
+        at: float | None = None,
         px: int = 512,
         what: Literal["phase"] = "phase",
         *,
         of: Literal["aggregate", "core", "itz", "void", "fibre"] = "aggregate",
     ) -> NDArray[np.uint8]:
-        """What is on a plane across an axis, pixel by pixel.
+        """Phases, ids, shares or distances on a plane normal to an axis, pixel by pixel.
 
         Parameters
         ----------
         axis : {"x", "y", "z"}
-            The axis that the plane is across.
-        at : float
-            Where on it, mm.
+            The axis that the plane is normal to.
+        at : float, optional
+            Position of the plane on it, mm; by default the middle of the specimen.
         px : int
             Pixels along the longer side of the section; they are square.
         what, of
@@ -426,7 +428,7 @@ class Packing:
     def section(
         self,
         axis: Literal["x", "y", "z"],
-        at: float,
+        at: float | None = None,
         px: int = 512,
         *,
         what: Literal["grain"],
@@ -436,7 +438,7 @@ class Packing:
     def section(
         self,
         axis: Literal["x", "y", "z"],
-        at: float,
+        at: float | None = None,
         px: int = 512,
         *,
         what: Literal["share", "distance"],
@@ -551,8 +553,31 @@ class Packing:
     def to_pyvista(self, **options: Unpack[_Images]) -> PolyData:
         """The bodies' outer surfaces as PyVista polygons (needs the extra `plot`); `images` as for `write`."""
 
-    def plot(self, **options: object) -> object:
-        """Shows the aggregates, coloured by class; with `screenshot=path` writes the picture instead (extra `plot`)."""
+    def plot(
+        self,
+        *,
+        cut: _Cut | None = None,
+        itz: bool = False,
+        screenshot: _Path | bool | None = None,
+        plotter: Plotter | None = None,
+        **options: object,
+    ) -> object:
+        """Shows the bodies, coloured by size class, inside the specimen's edges (needs the extra `plot`).
+
+        Parameters
+        ----------
+        cut : str or pair, optional
+            "z", or ("z", 30.0) in mm: takes the part beyond a plane away, and shows the phases on the plane.
+        itz : bool
+            Whether the cut shows the ITZ. Without a cut the bodies are translucent around their cores.
+        screenshot : path or True, optional
+            Writes the picture to this path, off screen. True returns it as an array, shape (rows, columns, 3), uint8.
+        plotter : pyvista.Plotter, optional
+            Adds everything to this plotter and returns it; nothing is shown.
+        **options
+            `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+            `color` or `scalars`, to `pyvista.Plotter.add_mesh`.
+        """
 
     def plot_grading(self, **options: Unpack[_Axes]) -> Axes:
         """Draws the grading asked for and the one reached; returns the matplotlib axes (extra `plot`)."""
@@ -697,9 +722,30 @@ class Mesh:
     def to_pyvista(self) -> UnstructuredGrid:
         """The mesh as a PyVista unstructured grid (needs the extra `plot`)."""
 
-    def plot(self, **options: object) -> object:
-        """Shows the mesh by phase (needs the extra `plot`); see `plot_mesh` in the reference for `cut`, `phases` and
-        `screenshot`.
+    def plot(
+        self,
+        *,
+        cut: _Cut | None = None,
+        phases: Sequence[Literal["mortar", "ITZ", "aggregate", "fibre"]] | None = None,
+        screenshot: _Path | bool | None = None,
+        plotter: Plotter | None = None,
+        **options: object,
+    ) -> object:
+        """Shows the mesh by phase (needs the extra `plot`).
+
+        Parameters
+        ----------
+        cut : str or pair, optional
+            "z", or ("z", 30.0) in mm: takes away whole cells whose centres lie beyond a plane.
+        phases : sequence of str, optional
+            Shows only these: "mortar", "ITZ", "aggregate", "fibre".
+        screenshot : path or True, optional
+            Writes the picture to this path, off screen. True returns it as an array, shape (rows, columns, 3), uint8.
+        plotter : pyvista.Plotter, optional
+            Adds everything to this plotter and returns it; nothing is shown.
+        **options
+            `window_size`, `off_screen`, `notebook`, `background` and `cpos` go to the plotter, all others, such as
+            `scalars` or `opacity`, to `pyvista.Plotter.add_mesh`.
         """
 
     def to_meshio(self) -> meshio.Mesh:
@@ -735,7 +781,7 @@ class Response:
     def last(self) -> Frame | None:
         """The end of the test; None where it diverged."""
 
-    def plot(self, **options: object) -> Axes:
+    def plot(self, *, ax: Axes | None = None, **options: object) -> Axes:
         """Draws stress over strain with the peak; returns the matplotlib axes (extra `plot`).
 
         `ax` are axes to draw on; further `options` go to `Axes.plot`.
@@ -988,7 +1034,7 @@ class Bodies:
     Raises
     ------
     ValueError, TypeError
-        For a body that is no (n, 3) array of finite numbers; the message says which.
+        For a body that is not an (n, 3) array of finite numbers; the message says which.
     """
 
     def __new__(cls, bodies: Iterable[_Points]) -> Bodies: ...

@@ -6,6 +6,7 @@ They return plain dicts, as in a SPEC.toml; `pack` and `Spec` check the values.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Literal, TypedDict, cast
 
 import numpy as np
@@ -92,9 +93,37 @@ class Specimen:
         return {"kind": "sphere", "diameter_mm": diameter_mm}
 
     @staticmethod
+    def notched_prism(
+        length_mm: float, width_mm: float, depth_mm: float, notch_width_mm: float, notch_depth_mm: float
+    ) -> _types.NotchedPrismSpecimen:
+        """Return a beam with a notch sawn into the middle of its lower side, across its width."""
+        notch = {"notch_width_mm": notch_width_mm, "notch_depth_mm": notch_depth_mm}
+        beam = {"kind": "notched-prism", "length_mm": length_mm, "width_mm": width_mm, "depth_mm": depth_mm, **notch}
+        return cast("_types.NotchedPrismSpecimen", beam)
+
+    @staticmethod
+    def dogbone(
+        length_mm: float,
+        width_mm: float,
+        thickness_mm: float,
+        neck_width_mm: float,
+        neck_length_mm: float,
+        radius_mm: float,
+    ) -> _types.DogboneSpecimen:
+        """Return a plate, `thickness_mm` along z, that narrows in arcs of `radius_mm` to a neck in the middle of its length."""
+        neck = {"neck_width_mm": neck_width_mm, "neck_length_mm": neck_length_mm, "radius_mm": radius_mm}
+        plate = {"kind": "dogbone", "length_mm": length_mm, "width_mm": width_mm, "thickness_mm": thickness_mm, **neck}
+        return cast("_types.DogboneSpecimen", plate)
+
+    @staticmethod
     def polyhedron(vertices_mm: ArrayLike) -> _types.PolyhedronSpecimen:
         """Return the convex hull of points, shape (n, 3)."""
         return {"kind": "polyhedron", "vertices_mm": np.asarray(vertices_mm, float).tolist()}
+
+    @staticmethod
+    def stl(path: str | PathLike[str]) -> _types.MeshFileSpecimen:
+        """Return what the closed surface of an STL file encloses; lengths in the file are mm."""
+        return {"kind": "mesh", "file": fspath(path)}
 
     @staticmethod
     def mesh(vertices_mm: ArrayLike, triangles: ArrayLike) -> _types.MeshSpecimen:

@@ -1,4 +1,4 @@
-"""What `progress=` accepts: True for a bar on the terminal or in a notebook, or a callable."""
+"""Values of `progress=`: True for a bar on the terminal or in a notebook, or a callable."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Bar:
         elif seen:
             columns = shutil.get_terminal_size().columns - 1
             text = f" {100 * share:3.0f} % {seconds}"
-            width = max(columns - len(text) - 10, 0)
+            width = max(columns - len(text) - max(len(stage), 8) - 2, 0)
             bar = ("=" * int(share * width)).ljust(width)
             sys.stderr.write("\r" + f"{stage:<8} {bar}{text}"[:columns])
             sys.stderr.flush()

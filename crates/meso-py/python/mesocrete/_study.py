@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, load, pack
+from ._progress import Bar
 
 if TYPE_CHECKING:
     from typing_extensions import NotRequired
@@ -24,32 +25,32 @@ _MODEL = "model.json"
 
 
 class Submitter(Protocol):
-    """What hands calls to workers: an `Executor` of `concurrent.futures`, or a client of `dask.distributed`."""
+    """An `Executor` of `concurrent.futures`, or a client of `dask.distributed`."""
 
     @property
     def submit(self) -> Callable[..., object]:
-        """Hand a call over; returns its future."""
+        """Submit a call; returns its future."""
 
 
 class CaseRecord(TypedDict):
-    """What a case leaves in its `case.json`."""
+    """The content of a case's `case.json`."""
 
     mesocrete: str
-    """Version that did it."""
+    """Version that ran it."""
     case: str
     """Its folder."""
     hash: str
-    """Of the complete spec and what is done with it."""
+    """Of the complete spec and the task."""
     then: str
     """Fingerprint of `then`; empty without one."""
     values: dict[str, object]
-    """Of the axes."""
+    """Values of the axes."""
     status: Literal["done", "failed"]
-    """How it ended."""
+    """Whether it succeeded."""
     results: dict[str, object]
     """What `then` returned, or the figures of the packing."""
     error: NotRequired[str]
-    """Why it failed."""
+    """Message of the failure."""
     files: dict[str, int]
     """Every other file of the folder and its length, bytes."""
 
@@ -130,7 +131,7 @@ def study(
     retry_failed: bool = False,
     progress: bool | Callable[[int, int], object] | None = None,
 ) -> Study:
-    """Pack every combination of some options, and do something with each packing.
+    """Pack every combination of some options, and call a function with each packing.
 
     Parameters
     ----------
@@ -150,22 +151,22 @@ def study(
     threads : int, optional
         For each case; default all cores without an executor, 1 with one. It changes the time, never the result.
     retry_failed : bool
-        Do failed cases again; done ones are never done twice.
+        Run failed cases again; finished cases are never repeated.
     progress : bool or callable, optional
-        True draws a bar on stderr; a callable is called as ``progress(over, cases)``.
+        True shows a bar, in a notebook, too; a callable is called as ``progress(over, cases)``.
 
     Returns
     -------
     Study
-        A case is known by the hash of its complete spec and of the source of `then`: the same call after a kill goes on with
-        the cases that are not over. A case that raises is kept with its message, and the others go on.
+        A case is identified by the hash of its complete spec and of the source of `then`: after a kill, the same call runs
+        the remaining cases. A case that raises is recorded with its message, and the others go on.
 
     Raises
     ------
     ValueError, TypeError
-        For a combination that cannot be, before any work starts.
+        For an invalid combination, before any work starts.
     RuntimeError
-        Where an executor lost its workers; what is done is kept.
+        Where an executor lost its workers; finished cases are kept.
     """
     plan = _StudyPlan(dict(spec) if isinstance(spec, Mapping) else spec, dict(over or {}))
     folder = Path(out).absolute()
@@ -334,22 +335,12 @@ def _teller(progress: bool | Callable[[int, int], object] | None, cases: int) ->
     if not progress:
         return lambda _: None
     if progress is True:
-        return lambda over: _bar(over, cases)
+        bar = Bar()
+        return lambda over: bar.close() if over is None else bar(over, cases, f"study: {over} of {cases}")
     if not callable(progress):
         message = f"progress is of type {type(progress).__name__}; it must be a bool or a callable that takes (over, cases)"
         raise TypeError(message)
     return lambda over: None if over is None else (progress(over, cases), None)[1]
-
-
-def _bar(over: int | None, cases: int) -> None:
-    import sys
-
-    if over is None:
-        sys.stderr.write("\n")
-    else:
-        full = "=" * (16 * over // max(cases, 1))
-        sys.stderr.write(f"\rstudy [{full:16}] {over} of {cases}")
-    sys.stderr.flush()
 
 
 def _arrays(columns: Mapping[str, list[Any]]) -> dict[str, NDArray[np.generic]]:

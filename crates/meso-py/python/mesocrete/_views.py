@@ -25,6 +25,8 @@ _AXES = ("x", "y", "z")
 _PALETTE, _CLASSES = _colours()
 # Meshes of more cells are shown without their edges.
 _EDGES = 200_000
+# Options of a picture that are the plotter's and not a surface's.
+_PLOTTER_OPTIONS = ("notebook", "off_screen", "window_size")
 
 
 def _need(module: str, extra: str) -> Any:
@@ -44,12 +46,14 @@ def packing_to_pyvista(packing: Any, *, images: str = "none") -> Any:
     pyvista = _need("pyvista", "plot")
     points, faces, owner = packing._surfaces(images)
     data = pyvista.PolyData(points, faces)
-    bodies = [*packing.aggregates, *packing.inclusions]
     data.cell_data["aggregate"] = owner
     if packing.inclusions:
-        data.cell_data["phase"] = np.array([_KINDS[b.phase] for b in bodies], dtype=np.uint8)[owner]
-    data.cell_data["class"] = np.array([b.size_class for b in bodies], dtype=np.int64)[owner]
-    data.cell_data["itz_thickness_mm"] = np.array([b.itz_thickness for b in bodies], dtype=np.float64)[owner]
+        kinds = [_KINDS["aggregate"]] * len(packing) + [_KINDS[body.phase] for body in packing.inclusions]
+        data.cell_data["phase"] = np.array(kinds, dtype=np.uint8)[owner]
+    classes = [body.size_class for body in packing.inclusions]
+    data.cell_data["class"] = np.array([*packing.aggregates.size_class, *classes], dtype=np.int64)[owner]
+    thicknesses = [body.itz_thickness for body in packing.inclusions]
+    data.cell_data["itz_thickness_mm"] = np.array([*packing.aggregates.itz_thickness, *thicknesses])[owner]
     return data
 
 
@@ -63,7 +67,7 @@ def _across(cut: Any, bounds: Any) -> tuple[int, float]:
     return axis, (bounds[0][axis] + bounds[1][axis]) / 2 if at is None else float(at)
 
 
-def _colours(labels: Any) -> Any:
+def _painted(labels: Any) -> Any:
     """Return red, green, blue and opacity of phase labels."""
     table = np.zeros((256, 4), dtype=np.uint8)
     for label, colour in enumerate(_PALETTE):
@@ -84,7 +88,7 @@ def _section(packing: Any, axis: int, at: float, *, itz: bool, px: int = 800) ->
     counts = np.ones(3, dtype=int)
     counts[sides[0]], counts[sides[1]] = labels.shape[1] + 1, labels.shape[0] + 1
     plane = _need("pyvista", "plot").ImageData(dimensions=counts, spacing=spacing, origin=low)
-    plane.cell_data["colour"] = _colours(labels).reshape(-1, 4)
+    plane.cell_data["colour"] = _painted(labels).reshape(-1, 4)
     return plane.threshold(0.5, scalars="inside") if _mark(plane, labels) else plane
 
 
@@ -95,20 +99,25 @@ def _mark(plane: Any, labels: Any) -> bool:
 
 
 def plot_packing(
-    packing: Any, *, cut: Any = None, itz: bool = False, screenshot: Any = None, **options: Any
+    packing: Any,
+    *,
+    cut: Any = None,
+    itz: bool = False,
+    screenshot: Any = None,
+    plotter: Any = None,
+    **options: Any,
 ) -> Any:
-    """Show the bodies, coloured by size class (voids and fibres as further ones), inside the specimen's edges.
+    """Show the bodies as `Packing.plot` documents; voids and fibres count as further classes.
 
-    `cut` ("z", or ("z", 30.0) in mm) takes the part beyond a plane away, and shows the phases on it. With `itz` the ITZ
-    is shown on the cut; without a cut the bodies are translucent around their cores. With `screenshot` (a path) the
-    picture is written off screen instead. `options` go to `pyvista.Plotter.add_mesh`. Bodies that cross a face of a
-    periodic specimen are cut there.
+    Bodies that cross a face of a periodic specimen are cut there.
     """
     pyvista = _need("pyvista", "plot")
     surface = packing_to_pyvista(packing, images="cut")
-    plotter = pyvista.Plotter(off_screen=screenshot is not None)
+    picture = _Picture(screenshot, plotter, options)
+    plotter = picture.plotter
     colours = _CLASSES[: max(int(surface.cell_data["class"].max(initial=0)) + 1, 2)]
-    options = {"scalars": "class", "cmap": colours, "clim": (0, len(colours) - 1), "show_scalar_bar": False} | options
+    if not {"color", "scalars"} & options.keys():
+        options = {"scalars": "class", "cmap": colours, "clim": (0, len(colours) - 1), "show_scalar_bar": False} | options
     if cut is not None:
         axis, at = _across(cut, packing.bounds)
         normal = np.eye(3)[axis]
@@ -125,7 +134,7 @@ def plot_packing(
     outline = pyvista.PolyData.from_regular_faces(points, triangles).extract_feature_edges(20.0)
     if outline.n_points:
         plotter.add_mesh(outline, color="black")
-    return _shown(plotter, screenshot)
+    return picture.shown()
 
 
 def _surfaces_of(bodies: Any) -> Any:
@@ -136,23 +145,41 @@ def _surfaces_of(bodies: Any) -> Any:
     return _need("pyvista", "plot").PolyData.from_regular_faces(points, np.concatenate(triangles))
 
 
-def _shown(plotter: Any, screenshot: Any) -> Any:
-    """Show what a plotter holds, or write it as a picture."""
-    if screenshot is None:
-        return plotter.show()
-    plotter.screenshot(screenshot)
-    return plotter.close()
+class _Picture:
+    """A plotter, the caller's or our own, and how it is shown. Takes its options out of those of a surface."""
+
+    def __init__(self, screenshot: Any, plotter: Any, options: dict[str, Any]) -> None:
+        """Make a plotter where there is none yet."""
+        self._screenshot = None if screenshot is False else screenshot
+        self._is_ours = plotter is None
+        self._cpos = options.pop("cpos", None)
+        made = {name: options.pop(name) for name in _PLOTTER_OPTIONS if name in options}
+        if self._is_ours:
+            made = {"off_screen": True if self._screenshot is not None else None} | made
+            plotter = _need("pyvista", "plot").Plotter(**made)
+        self.plotter = plotter
+        if (background := options.pop("background", None)) is not None:
+            plotter.set_background(background)
+
+    def shown(self) -> Any:
+        """Show it, write it as a picture, or return the caller's plotter."""
+        if self._cpos is not None:
+            self.plotter.camera_position = self._cpos
+        if not self._is_ours:
+            return self.plotter
+        if self._screenshot is None:
+            return self.plotter.show()
+        is_asked_back = self._screenshot is True
+        pixels = self.plotter.screenshot(None if is_asked_back else self._screenshot)
+        self.plotter.close()
+        return pixels if is_asked_back else None
 
 
 def plot_mesh(
-    mesh: Any, *, cut: Any = None, phases: Any = None, screenshot: Any = None, **options: Any
+    mesh: Any, *, cut: Any = None, phases: Any = None, screenshot: Any = None, plotter: Any = None, **options: Any
 ) -> Any:
-    """Show a mesh by phase.
-
-    `cut` ("z", or ("z", 30.0) in mm) takes the cells beyond a plane away, whole ones; `phases`, a list of names
-    ("mortar", "ITZ", "aggregate", "fibre"), shows only these. With `screenshot` (a path) the picture is written off
-    screen instead. `options` go to `pyvista.Plotter.add_mesh`.
-    """
+    """Show a mesh as `Mesh.plot` documents."""
+    picture = _Picture(screenshot, plotter, options)
     grid = mesh_to_pyvista(mesh)
     kept = np.ones(grid.n_cells, dtype=bool)
     if phases is not None:
@@ -167,10 +194,11 @@ def plot_mesh(
         axis, at = _across(cut, (points.min(axis=0), points.max(axis=0)))
         kept &= points[mesh.cells, axis].mean(axis=1) <= at
     shown = grid.extract_cells(np.flatnonzero(kept)).extract_surface(algorithm="dataset_surface")
-    shown.cell_data["colour"] = _colours(np.asarray(shown.cell_data["phase"]))
-    plotter = _need("pyvista", "plot").Plotter(off_screen=screenshot is not None)
-    plotter.add_mesh(shown, **({"scalars": "colour", "rgb": True, "show_edges": grid.n_cells < _EDGES} | options))
-    return _shown(plotter, screenshot)
+    if not {"color", "scalars"} & options.keys():
+        shown.cell_data["colour"] = _painted(np.asarray(shown.cell_data["phase"]))
+        options = {"scalars": "colour", "rgb": True} | options
+    picture.plotter.add_mesh(shown, **({"show_edges": grid.n_cells < _EDGES} | options))
+    return picture.shown()
 
 
 def packing_to_html(packing: Any) -> str:

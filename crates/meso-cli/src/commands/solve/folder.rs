@@ -98,7 +98,10 @@ impl Folder {
         let mut head = Vec::new();
         state.read_until(b'\n', &mut head).map_err(fail)?;
         let Ok(Head { frames }) = serde_json::from_slice(&head) else {
-            return Err(Failure::Run(format!("{} is no checkpoint, or a damaged one", path.display())));
+            return Err(Failure::Run(format!(
+                "{} is not a checkpoint, or it is damaged; --force starts the test anew",
+                path.display()
+            )));
         };
         match frames.iter().map(|frame| self.path.join(frame.file())).find(|file| !file.is_file()) {
             Some(missing) => Err(Failure::Run(format!("{} is missing; the run cannot be resumed", missing.display()))),
@@ -179,7 +182,7 @@ impl Folder {
 fn make(path: &Path) -> Result<Option<Made>, Failure> {
     match std::fs::metadata(path) {
         Ok(kind) if kind.is_dir() => Ok(None),
-        Ok(_) => Err(Failure::Run(format!("{} is no folder; name one for the results", path.display()))),
+        Ok(_) => Err(Failure::Run(format!("{} is not a folder; name a folder for the results", path.display()))),
         Err(_) => {
             std::fs::create_dir(path).map_err(|error| Failure::file(path, &error))?;
             Ok(Some(Made(path.to_owned())))

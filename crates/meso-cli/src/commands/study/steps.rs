@@ -154,7 +154,7 @@ fn words(
         if ["force", "quiet", "threads", "summary-json", "resume", "help"].contains(&flag.as_str())
             || (flag == "output" && folder.is_none())
         {
-            return Err(Failure::Usage(format!("[{section}] {key} is the study's own business; leave it out")));
+            return Err(Failure::Usage(format!("[{section}] {key} is set by the study; remove it")));
         }
         if flag == "materials-sha256" {
             continue;
