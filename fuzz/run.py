@@ -16,8 +16,8 @@ import sys
 from pathlib import Path
 
 FUZZ = Path(__file__).resolve().parent
-# What is kept of a corpus, in bytes: enough for each way through a reader.
-KEPT = 50_000
+# What is kept of a corpus, in bytes and in cases: enough for each way through a reader.
+KEPT, MOST = 25_000, 60
 # Readers of small files; a saved model is larger.
 LONGEST = {"saved-model": 30_000}
 
@@ -64,12 +64,15 @@ def lasts(name: str, seconds: int) -> bool:
 
 
 def trim(corpus: Path) -> None:
-    """Keep the smallest cases that fit in, since libFuzzer keeps thousands."""
-    room = KEPT
-    for case in sorted(corpus.iterdir(), key=lambda path: (path.stat().st_size, path.name)):
+    """Keep some of the cases, small and large ones alike, since libFuzzer keeps thousands."""
+    cases = sorted(corpus.iterdir(), key=lambda path: (path.stat().st_size, path.name))
+    kept, room = set(), KEPT
+    for case in cases[:: -(-len(cases) // MOST)] if cases else []:
         room -= case.stat().st_size
-        if room < 0:
-            case.unlink()
+        if room >= 0:
+            kept.add(case)
+    for case in set(cases) - kept:
+        case.unlink()
 
 
 if __name__ == "__main__":

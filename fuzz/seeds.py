@@ -9,6 +9,19 @@ from pathlib import Path
 FUZZ = Path(__file__).resolve().parent
 CORPUS = FUZZ / "corpus"
 CORNERS = [(0, 0, 0), (30, 0, 0), (0, 30, 0), (0, 0, 30)]
+COMMAND_LINES = [
+    "pack --fraction 0.4 --seed 1 --strategy rearrange --time-limit 10 -o a.json -o b.vtu",
+    "pack --method lattice --element-size-mm 2 --itz cohesive --analysis compression -o a.inp",
+    "mesh m.json --method conforming --element-size-mm 2 --slabs 3 --order 2 -o a.msh",
+    "solve m.json --test tension --law cdp --strain 0.001 --itz solid --frames 3 -o out",
+    "image m.json --what share --of itz --section z=75 --voxel-size-mm 0.5 -o a.png",
+    "image m.json --box 0,0,0,50,50,50 -o a.npy --threads 2",
+    "convert m.json -o a.step --mortar --images cut",
+    "study s.toml --jobs 2 -o out --retry-failed",
+    "check m.json --json",
+    "report m.json -o a.html",
+    "completions bash",
+]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
 
 
@@ -49,6 +62,8 @@ def main() -> None:
     keep("sieve-table", "comma.csv", b"sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n")
     keep("sieve-table", "semicolon.csv", b"sieve_mm;passing_percent\n4;10\n8;45,5\n16;100\n")
     keep("materials", "mortar.toml", b"[mortar]\nyoungs_modulus_mpa = 25000\npoisson_ratio = 0.2\n")
+    for number, line in enumerate(COMMAND_LINES):
+        keep("command-line", str(number), line.replace(" ", "\n").encode())
     for target in ["hull", "offset", "collision", "tiny-mesh"]:
         for seed in range(8):
             keep(target, str(seed), bytes((i * 37 + seed * 11) % 256 for i in range(200)))

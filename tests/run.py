@@ -41,7 +41,7 @@ Stage = tuple[str, list[str]]
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
 
 # Benches of the Python module; the solvers' leaves out what is not installed.
-PYTHON_BENCHES = ["images.py", "mesh_write.py", "solvers.py", "stopping.py"]
+PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "solvers.py", "stopping.py"]
 
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [
@@ -76,7 +76,7 @@ def main() -> int:
     results = [(name, run(name, command)) for name, command in supply_chain()]
     if args.slow:
         results += [(name, run(name, command)) for name, command in [*rust_stages(slow=True), *python_stages(python, slow=True)]]
-        results += [(name, run(name, command)) for name, command in bench_stages(python)]
+        results += [(name, run(name, command)) for name, command in [*bench_stages(python), *watched_stages(python)]]
     else:
         results += side_by_side(rust_stages(slow=False), python_stages(python, slow=False))
     return summarise(results, time.monotonic() - started)
@@ -168,8 +168,7 @@ def supply_chain() -> list[Stage]:
     else:
         print("skipped, for want of cargo-deny (cargo install cargo-deny): advisories, licences and sources of dependencies")
     oldest = re.search(r'^rust-version = "(.*)"', (ROOT / "Cargo.toml").read_text(encoding="utf-8"), re.MULTILINE)[1]
-    listed = shutil.which("rustup") and subprocess.run(["rustup", "toolchain", "list"], check=False, capture_output=True, text=True)
-    if listed and re.search(rf"^{oldest}\b", listed.stdout, re.MULTILINE):
+    if re.search(rf"^{oldest}\b", toolchains(), re.MULTILINE):
         found.append((f"Rust {oldest}", ["rustup", "run", oldest, "cargo", "check", "--workspace", "--target-dir", "target/oldest"]))
     else:
         print(f"skipped, for want of Rust {oldest} (rustup toolchain install {oldest}): the oldest compiler promised")
@@ -189,6 +188,39 @@ def python_stages(python: Path, *, slow: bool) -> list[Stage]:
         ("stubtest", [str(python), "-m", "mypy.stubtest", "mesocrete"]),
         ("pytest", [str(python), "-m", "pytest", *(["--slow"] if slow else [])]),
     ]
+
+
+def watched_stages(python: Path) -> list[Stage]:
+    """Name what runs under a sanitizer: the fuzz targets, and the tests that pass through `unsafe`."""
+    fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60"])
+    if "nightly" not in toolchains():
+        print("skipped, for want of nightly Rust (rustup toolchain install nightly): `unsafe` under AddressSanitizer")
+        return [fuzzing]
+    return [fuzzing, *((f"AddressSanitizer {target}", sanitized(crate, target, words)) for crate, target, words in UNSAFE)]
+
+
+# What passes through `unsafe`: vector instructions and the hint to fetch memory in the core, registers in the solver. Without its
+# default features the core is collision and geometry alone.
+UNSAFE = [
+    ("meso-core", "collision", ["--no-default-features"]),
+    ("meso-solve", "laws", []),
+    ("meso-solve", "solve", []),
+]
+
+
+def sanitized(crate: str, target: str, words: list[str]) -> list[str]:
+    """Build the command that runs a crate's tests under AddressSanitizer."""
+    host = subprocess.run(["rustc", "-vV"], check=True, capture_output=True, text=True).stdout
+    host = re.search(r"^host: (.*)$", host, re.MULTILINE)[1]
+    build = ["--config", 'build.rustflags=["-Zsanitizer=address"]', "--target", host, "--target-dir", "target/sanitizer"]
+    return ["rustup", "run", "nightly", "cargo", "test", "--quiet", *build, "-p", crate, *words, "--test", target]
+
+
+def toolchains() -> str:
+    """List the toolchains of rustup, one a line; empty without rustup."""
+    if shutil.which("rustup") is None:
+        return ""
+    return subprocess.run(["rustup", "toolchain", "list"], check=False, capture_output=True, text=True).stdout
 
 
 def bench_stages(python: Path) -> list[Stage]:

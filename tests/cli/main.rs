@@ -8,12 +8,15 @@ mod bad_input;
 #[path = "../bad_specs.rs"]
 mod bad_specs;
 mod command;
+#[path = "../hostile/command_line.rs"]
+mod command_line;
 mod conforming;
 mod conforming_periodic;
 mod conforming_slabs;
 mod conforming_specimens;
 mod files;
 mod help;
+mod hostile;
 mod image;
 mod interrupt;
 #[path = "../layer_errors.rs"]

@@ -229,3 +229,10 @@ fn every_recipe_is_a_spec_that_can_be() {
     }
     assert_eq!(Spec::from_toml(recipes::Recipe::find("paper").unwrap().text).unwrap(), Spec::default());
 }
+
+#[test]
+fn classes_that_nobody_named_are_of_5_mm_up_to_100_mm_and_then_the_standards_sieves() {
+    let classes = |d_max_mm: f64| Grading { d_max_mm, ..Grading::default() }.usual_classes();
+    assert_eq!(classes(100.0), (1..=20).map(|k| f64::from(k) * 5.0).collect::<Vec<_>>());
+    assert_eq!(classes(120.0), [5.0, 5.6, 8.0, 11.2, 16.0, 22.4, 31.5, 45.0, 63.0, 120.0]);
+}

@@ -18,6 +18,7 @@ pub(crate) mod solve;
 pub(crate) mod study;
 mod values;
 
+use crate::failure::Failure;
 use clap::{Parser, Subcommand};
 
 /// Mesoscale concrete: convex aggregates packed without overlap, proved apart, meshed for finite elements.
@@ -67,4 +68,19 @@ pub(crate) enum Command {
     Completions(completions::Args),
     /// Write the manual pages
     Man(completions::ManArgs),
+}
+
+impl Command {
+    /// Refuses flags that no file can make right.
+    pub(crate) fn validate(&self) -> Result<(), Failure> {
+        match self {
+            Self::Pack(args) => args.validate(),
+            Self::Mesh(args) => args.validate(),
+            Self::Solve(args) => args.validate_alone(),
+            Self::Convert(args) => args.validate(),
+            Self::Report(args) => args.validate(),
+            Self::Image(args) => args.validate(),
+            _ => Ok(()),
+        }
+    }
 }

@@ -30,6 +30,21 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         .unwrap_or_else(|failure| failure.print())
 }
 
+/// Reads `args` and refuses what no file can make right, as every command does before its work: it opens no file, runs no
+/// program and prints no error.
+///
+/// # Errors
+/// The message of wrong usage.
+#[doc(hidden)]
+pub fn validate(args: impl IntoIterator<Item = OsString>) -> Result<(), String> {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        // Help and version are no errors.
+        Err(error) => return if error.use_stderr() { Err(error.to_string()) } else { Ok(()) },
+    };
+    cli.command.validate().map_err(|failure| failure.message().to_owned())
+}
+
 fn dispatch(command: Command) -> Result<u8, Failure> {
     match command {
         Command::Pack(args) => commands::pack::run(&args),

@@ -6,6 +6,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
 use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Stage, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
+use crate::stop;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -132,6 +133,7 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     arrange(&mut grains, &order);
     arrange(&mut poses, &order);
     let settle = |((grain, pose), &id): ((Grain, &Option<Pose>), &u32)| -> Result<Aggregate, SpecError> {
+        stop::point();
         let pose = pose.as_ref().expect("those without a pose are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
         let Grain { kind, class, itz_thickness_mm, .. } = grain;

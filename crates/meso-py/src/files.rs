@@ -12,7 +12,7 @@ use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
 use pyo3::prelude::*;
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -20,9 +20,34 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// `OSError` where the file cannot be read, `ValueError` with its name where it is no model.
-pub(crate) fn load(path: &Path) -> PyResult<Model> {
-    let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
+pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
+    let bytes = read(path, watch).map_err(|error| file_error(path, error))?;
     saved::read(&bytes).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
+}
+
+/// Bytes that are read at a time: about a millisecond's worth.
+const AT_ONCE: usize = 1 << 20;
+
+/// The bytes of a file, or an error where the work is to stop.
+fn read(path: &Path, watch: &Watch) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let mut bytes = Vec::with_capacity(file.metadata().map_or(0, |there| there.len() as usize));
+    Watched { file, watch }.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A file that gives no more where the work is to stop.
+struct Watched<'a> {
+    file: File,
+    watch: &'a Watch,
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        Stop(self.watch).goes_on()?;
+        let some = buffer.len().min(AT_ONCE);
+        self.file.read(&mut buffer[..some])
+    }
 }
 
 /// Writes a model in the format that the extension of `path` names; a deck gets the default mesh.

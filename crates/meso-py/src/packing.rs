@@ -61,7 +61,7 @@ fn named_images(name: &str) -> PyResult<Images> {
 ///     Where it is no model; the message says what is wrong and where.
 #[pyfunction]
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyPacking> {
-    guard(|| Ok(PyPacking(Arc::new(beside_python(py, None, move |_| files::load(&path))??))))
+    guard(|| Ok(PyPacking(Arc::new(beside_python(py, None, move |watch| files::load(&path, watch))??))))
 }
 
 #[pymethods]

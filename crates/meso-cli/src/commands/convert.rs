@@ -44,15 +44,7 @@ fn format_name(text: &str) -> Result<Format, String> {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
-    for (given, flag, format) in
-        [(args.mortar, "--mortar", Format::Step), (args.named_solids, "--named-solids", Format::Stl)]
-    {
-        if given && plan.iter().all(|(_, planned)| *planned != format) {
-            let extension = format.extension();
-            let message = format!("{flag} applies to .{extension} files alone; give -o a name that ends so");
-            return Err(Failure::Usage(message));
-        }
-    }
+    args.validate()?;
     let model = inputs::model(&args.model)?;
     let surfaces = Surfaces {
         encoding: Encoding::compressed(args.compress),
@@ -73,17 +65,37 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
+impl Args {
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        let formats = self.output.iter().map(|path| format(path, self)).collect::<Result<Vec<_>, _>>()?;
+        let for_one = [(self.mortar, "--mortar", Format::Step), (self.named_solids, "--named-solids", Format::Stl)];
+        match for_one.into_iter().find(|(given, _, format)| *given && !formats.contains(format)) {
+            Some((_, flag, format)) => {
+                let extension = format.extension();
+                let message = format!("{flag} applies to .{extension} files alone; give -o a name that ends so");
+                Err(Failure::Usage(message))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
 fn plan(path: &Path, args: &Args) -> Result<(Target, Format), Failure> {
+    Ok((Target::new(path, args.writing.force)?, format(path, args)?))
+}
+
+/// The format that an output's name asks for.
+fn format(path: &Path, args: &Args) -> Result<Format, Failure> {
     let format = if path == Path::new("-") { Some(args.format) } else { Format::from_path(path) };
-    let format = format.ok_or_else(|| {
+    format.ok_or_else(|| {
         let meshes = " (a mesh for finite elements: mesocrete mesh)";
         Failure::Usage(format!(
             "{}: unknown format; the extension must be one of {}{meshes}",
             path.display(),
             known(".")
         ))
-    })?;
-    Ok((Target::new(path, args.writing.force)?, format))
+    })
 }
 
 fn known(dot: &str) -> String {

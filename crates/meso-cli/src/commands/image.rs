@@ -96,6 +96,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        let options = self.options()?;
+        self.output.iter().try_for_each(|path| format(path, &options).map(drop))
+    }
+
     fn options(&self) -> Result<ImageOptions, Failure> {
         if self.of.is_some() && self.what != Quantity::Share {
             return Err(Failure::Usage("--of is only for --what share; add that, or leave --of out".to_owned()));
@@ -111,13 +117,19 @@ impl Args {
 }
 
 fn plan(path: &Path, args: &Args, options: &ImageOptions) -> Result<(Target, ImageFormat), Failure> {
+    let format = format(path, options)?;
+    Ok((Target::new(path, args.writing.force)?, format))
+}
+
+/// The format that an output's name asks for, where it can hold the image.
+fn format(path: &Path, options: &ImageOptions) -> Result<ImageFormat, Failure> {
     let format = if path == Path::new("-") { Some(ImageFormat::Npy) } else { ImageFormat::from_path(path) };
     let format = format.ok_or_else(|| {
         let known = ImageFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
         Failure::Usage(format!("{}: unknown image format; the extension must be one of {known}", path.display()))
     })?;
     format.check(options).map_err(|error| Failure::Usage(format!("{}: {}", path.display(), error.accepted)))?;
-    Ok((Target::new(path, args.writing.force)?, format))
+    Ok(format)
 }
 
 /// The core speaks of `voxel_size_mm`, the user typed `--voxel-size-mm`.

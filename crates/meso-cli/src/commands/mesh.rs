@@ -46,6 +46,12 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        self.output.iter().try_for_each(|path| mesh_format(path).map(drop))?;
+        self.meshing.options().map(drop)
+    }
+
     /// Refuses what a packing of `spec` cannot be meshed with, before it is packed.
     pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         self.output.iter().try_for_each(|path| mesh_format(path).map(drop))?;

@@ -298,6 +298,14 @@ impl Meshing {
         self.materials.iter().map(PathBuf::as_path)
     }
 
+    /// Refuses what no mesh of a packing of `spec` can have, as far as no file says it; it looks for no gmsh.
+    pub(super) fn validate(&self, spec: &Spec) -> Result<(), Failure> {
+        if self.materials.is_none() {
+            self.deck(spec)?;
+        }
+        self.options()?.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))
+    }
+
     /// Refuses options that `specimen` cannot be meshed with, and a missing gmsh, before the specimen is packed.
     pub(super) fn check(&self, specimen: &Specimen) -> Result<(), Failure> {
         check(&self.options()?, &self.gmsh, specimen)

@@ -123,6 +123,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        self.output.iter().try_for_each(|path| content(path).map(drop))?;
+        if self.spec.is_some() { Ok(()) } else { self.meshing.validate(&self.spec()?) }
+    }
+
     /// The spec's file, with the changes of the flags.
     fn spec(&self) -> Result<Spec, Failure> {
         let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), inputs::spec)?;

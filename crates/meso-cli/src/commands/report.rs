@@ -47,6 +47,13 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     Ok(0)
 }
 
+impl Args {
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        content(&self.output).map(drop)
+    }
+}
+
 /// What the output's name asks for.
 #[derive(Clone, Copy)]
 enum Content {

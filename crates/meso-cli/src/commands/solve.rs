@@ -134,6 +134,16 @@ impl Args {
         self.division.options(false, &spec.specimen).map(drop)
     }
 
+    /// Refuses flags that no file can make right.
+    pub(super) fn validate_alone(&self) -> Result<(), Failure> {
+        self.validate()?;
+        if self.division.has_materials() {
+            return Ok(());
+        }
+        meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        self.division.for_any(self.model.is_none()).map(drop)
+    }
+
     /// Refuses flags that cannot be meant, before any work.
     fn validate(&self) -> Result<(), Failure> {
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {

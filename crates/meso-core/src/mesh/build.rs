@@ -1,19 +1,20 @@
 //! From a packing to its mesh, whatever the method.
 //!
-//! Mortar outside a specimen that does not fill its bounding box is clipped where its cell has its centroid outside; the surface that
-//! is left is one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
+//! Mortar outside a specimen that does not fill its bounding box is clipped, cell by cell (`clip`); the surface that is left is
+//! one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
 //! surface instead.) Voids are left out of every mesh.
 
-use super::cells::{CellKind, Draft, Mesh, NO_AGGREGATE, NO_BODY, Notes, Phase};
+use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
 use super::phase_error::PhaseOff;
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{apart, fidelity, interface, lattice, layer, narrow_gaps, own_volume, quality, sides, smeared, voxel};
+use super::{
+    apart, clip, fidelity, interface, lattice, layer, narrow_gaps, own_volume, quality, sides, smeared, voxel,
+};
 use crate::aggregate::{Aggregate, Kind};
-use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
 use rayon::prelude::*;
@@ -202,14 +203,10 @@ fn with_layer(
 
 /// Keeps the aggregates' cells and the mortar's inside `container`, and the nodes they have.
 fn clip(mesh: &mut Mesh, container: &dyn Container) {
-    if container.is_box() {
-        return;
+    if !container.is_box() {
+        let inside = clip::kept(mesh, container);
+        retain(mesh, &inside);
     }
-    let (nodes, points) = (mesh.kind.nodes(), &mesh.points);
-    let centroid = |cell: &[u32]| cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / nodes as f64;
-    let keep = |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || container.contains(&centroid(cell));
-    let inside: Vec<bool> = mesh.cells.par_chunks_exact(nodes).zip(&mesh.aggregate).map(keep).collect();
-    retain(mesh, &inside);
 }
 
 /// Keeps all cells but those of voids.

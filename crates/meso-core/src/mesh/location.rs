@@ -25,13 +25,12 @@ pub(crate) struct Facets {
 impl Facets {
     /// `shell(aggregate)` is the thickness of its shell in the mesh, mm.
     pub(crate) fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
-        let facets = |a: &Aggregate| Self {
-            phase: Phase::inside(a.kind),
-            aabb: a.body.aabb(),
-            planes: a.body.planes().collect(),
-            shell: shell(a),
+        let facets = |a: &Aggregate| {
+            stop::point();
+            let planes = a.body.planes().collect();
+            Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, shell: shell(a) }
         };
-        aggregates.par_iter().map(facets).collect()
+        aggregates.par_iter().panic_fuse().map(facets).collect()
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.
@@ -192,7 +191,6 @@ impl<'a> Scan<'a> {
 
     /// Labels of layer `k`, into `labels` of length [`PointGrid::layer_len`].
     pub(crate) fn label_layer(&self, k: usize, labels: &mut [Label]) {
-        stop::point();
         labels.fill(Label::MORTAR);
         self.paint_layer(k, labels, |body| [Label::shell(body), Label::core(body)]);
     }
@@ -201,6 +199,7 @@ impl<'a> Scan<'a> {
     pub(crate) fn paint_layer<T: Copy>(&self, k: usize, layer: &mut [T], values: impl Fn(u32) -> [T; 2]) {
         let z = self.grid.coordinate(2, k);
         for &index in &self.by_layer[k] {
+            stop::point();
             let body = &self.bodies[index as usize];
             let [shell, core_value] = values(index);
             for j in self.grid.range(1, body.aabb.min.y, body.aabb.max.y) {

@@ -5,6 +5,7 @@
 pub(crate) mod apart;
 mod build;
 pub(crate) mod cells;
+mod clip;
 pub mod conforming;
 mod crack_band;
 mod error;

@@ -8,7 +8,7 @@
 //! apart by their *owner*, the aggregate whose cells have them, and `complete` gives an image on an upper face a node for each owner that a
 //! cohesive element across the face needs there. Every node has cells or cohesive elements.
 
-use super::cells::{Cells, Mesh, NO_AGGREGATE};
+use super::cells::{Cells, Mesh, NO_AGGREGATE, Phase};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Specimen;
 use rayon::prelude::*;
@@ -294,9 +294,8 @@ impl Joins {
         let classes = ImageClasses::new(mesh.points.len(), twins);
         let mut joins = Vec::new();
         for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
-            let lower = |face: &(u32, usize)| {
-                Some((classes.key(&corners(mesh.by_aggregate(), face))?, mesh.aggregate[face.0 as usize]))
-            };
+            let lower =
+                |face: &(u32, usize)| Some((classes.key(&corners(mesh.by_aggregate(), face))?, material(mesh, face.0)));
             let mut low: Vec<(Vec<u32>, u32)> = sides.faces()[2 * axis].iter().filter_map(lower).collect();
             low.sort_unstable();
             let opposite = |own: &[u32]| {
@@ -304,7 +303,7 @@ impl Joins {
                 low.binary_search_by(|entry| entry.0.cmp(&key)).ok().map(|found| low[found].1)
             };
             for face in &sides.faces()[2 * axis + 1] {
-                let (own, inside) = (corners(mesh.by_aggregate(), face), mesh.aggregate[face.0 as usize]);
+                let (own, inside) = (corners(mesh.by_aggregate(), face), material(mesh, face.0));
                 let outside = opposite(&own).filter(|outside| *outside != inside);
                 joins.extend(outside.map(|outside| Join { own, inside, outside }));
             }
@@ -390,10 +389,18 @@ pub(super) fn image_classes(points: &[Vec3], periodic: [bool; 3], sides: &Sides)
 /// The aggregate whose cells have a node, [`NOBODY`] where none does.
 fn by_cells(mesh: &Mesh) -> Vec<u32> {
     let mut owners = vec![NOBODY; mesh.points.len()];
-    for (cell, &aggregate) in mesh.cells().zip(&mesh.aggregate) {
-        cell.iter().for_each(|&node| owners[node as usize] = aggregate);
+    for (number, cell) in (0..).zip(mesh.cells()) {
+        cell.iter().for_each(|&node| owners[node as usize] = material(mesh, number));
     }
     owners
+}
+
+/// The aggregate of a cell. Fibres count as mortar, to which they are bonded: both have the same nodes.
+fn material(mesh: &Mesh, cell: u32) -> u32 {
+    match mesh.phase[cell as usize] {
+        Phase::Fibre => NO_AGGREGATE,
+        _ => mesh.aggregate[cell as usize],
+    }
 }
 
 /// The nodes on faces across which the box repeats itself, by class, upper faces, owner and number; without those that

@@ -8,10 +8,14 @@ use super::cells::{CellKind, Draft, NO_BODY, Phase};
 use super::location::{Facets, Label, PointGrid, Scan};
 use super::options::MeshOptions;
 use super::subsamples::{Claim, settle};
-use crate::aggregate::Aggregate;
+use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
 use crate::packing::Specimen;
 use rayon::prelude::*;
+
+/// Samples of a voxel along an axis where there are fibres, at least. Few voxels have their centre in a fibre thinner than they
+/// are: which ones is chance, and all fibres of a 100 mm cube together were 1.2 % off.
+const FIBRE_SAMPLES: u32 = 4;
 
 /// The voxel mesh of `bodies` in `specimen`.
 pub(super) fn build(
@@ -24,7 +28,8 @@ pub(super) fn build(
     let voxels = Voxels::of(specimen, options.element_size_mm);
     let facets =
         Facets::all(bodies, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
-    let labels = voxels.labels(bodies, &facets, subsamples as usize);
+    let has_fibres = bodies.iter().any(|body| body.kind == Kind::Fibre);
+    let labels = voxels.labels(bodies, &facets, subsamples.max(if has_fibres { FIBRE_SAMPLES } else { 1 }) as usize);
     let phase = labels.par_iter().map(|&label| phase_of(label, &facets)).collect();
     let owner = labels.par_iter().map(|label| label.body().unwrap_or(NO_BODY)).collect();
     Draft { kind: CellKind::Hexahedron, points: voxels.points(), cells: voxels.cells(), phase, owner }

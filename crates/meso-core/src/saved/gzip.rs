@@ -1,6 +1,7 @@
 //! The compressed saved model: gzip in members of a fixed size, so that threads cannot change a byte.
 
 use super::{in_chunks, threads};
+use crate::stop;
 use flate2::Compression;
 use flate2::read::MultiGzDecoder;
 use flate2::write::GzEncoder;
@@ -64,11 +65,22 @@ impl<W: Write> Write for Members<W> {
 pub(super) fn expand(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let most = MOST_TIMES * bytes.len() as u64;
     let mut text = Vec::new();
-    MultiGzDecoder::new(bytes).take(most + 1).read_to_end(&mut text).map_err(|error| error.to_string())?;
+    let mut expanded = Stopping(MultiGzDecoder::new(bytes)).take(most + 1);
+    expanded.read_to_end(&mut text).map_err(|error| error.to_string())?;
     if text.len() as u64 > most {
         return Err(format!("it expands to more than {MOST_TIMES} times its size"));
     }
     Ok(text)
+}
+
+/// A reader that passes a stop point at every read.
+struct Stopping<R>(R);
+
+impl<R: Read> Read for Stopping<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        stop::point();
+        self.0.read(buffer)
+    }
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
+use super::polygons::Polygons;
 use super::{VERSION, gzip};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
@@ -9,6 +10,7 @@ use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, Spec, SpecError};
+use crate::stop;
 use serde::Deserialize;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -69,7 +71,7 @@ struct FileAggregate {
     class: u16,
     itz_thickness_mm: f64,
     vertices: Vec<[f64; 3]>,
-    faces: Vec<Vec<u32>>,
+    faces: Polygons,
 }
 
 #[derive(Deserialize)]
@@ -78,7 +80,7 @@ struct FileInclusion {
     id: u32,
     phase: Kind,
     vertices: Vec<[f64; 3]>,
-    faces: Vec<Vec<u32>>,
+    faces: Polygons,
 }
 
 /// Reads the bytes of a saved model, compressed or not.
@@ -181,17 +183,18 @@ fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate
     Ok(Aggregate { id: file.id, kind: file.phase, class, itz_thickness_mm: 0.0, body })
 }
 
-fn body(vertices: Vec<[f64; 3]>, faces: Vec<Vec<u32>>) -> Result<Polyhedron, String> {
+fn body(vertices: Vec<[f64; 3]>, faces: Polygons) -> Result<Polyhedron, String> {
+    stop::point();
     let in_reach = |v: &[f64; 3]| v.iter().all(|x| x.abs() <= 2.0 * MAX_LENGTH_MM);
     if let Some(vertex) = vertices.iter().position(|v| !in_reach(v)) {
         return Err(format!("vertex {vertex} is farther than {} mm from the origin", 2.0 * MAX_LENGTH_MM));
     }
     closed_surface(vertices.len(), &faces)?;
-    Ok(Polyhedron::from_parts(vertices.into_iter().map(Vec3::from).collect(), faces))
+    Ok(Polyhedron::from_parts(vertices.into_iter().map(Vec3::from).collect(), faces.iter()))
 }
 
 /// Every face has three corners or more, all of them there, and every edge is passed once in each direction.
-fn closed_surface(vertices: usize, faces: &[Vec<u32>]) -> Result<(), String> {
+fn closed_surface(vertices: usize, faces: &Polygons) -> Result<(), String> {
     if vertices < 4 || faces.len() < 4 {
         return Err(format!("{vertices} vertices and {} faces; a solid has at least 4 of each", faces.len()));
     }

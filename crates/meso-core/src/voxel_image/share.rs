@@ -10,6 +10,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::location::PointGrid;
+use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -32,7 +33,7 @@ const WHOLE: f64 = 1e-9;
 
 impl Shares {
     pub(super) fn new(grid: PointGrid, of: ShareOf, aggregates: &[Aggregate]) -> Self {
-        Self::of(grid, aggregates.par_iter().flat_map_iter(|aggregate| parts(aggregate, of)).collect())
+        Self::of(grid, aggregates.par_iter().panic_fuse().flat_map_iter(|aggregate| parts(aggregate, of)).collect())
     }
 
     fn of(grid: PointGrid, bodies: Vec<Body>) -> Self {
@@ -47,6 +48,7 @@ impl Shares {
     pub(super) fn add(&self, k: usize, layer: &mut [f32]) {
         let mut columns = Columns::default();
         for &index in &self.by_layer[k] {
+            stop::point();
             let body = &self.bodies[index as usize];
             columns.fill(&self.grid, k, body);
             columns.add_to(&self.grid, body.sign, layer);
@@ -56,6 +58,7 @@ impl Shares {
 
 /// The convex parts of an aggregate that count.
 fn parts(aggregate: &Aggregate, of: ShareOf) -> Vec<Body> {
+    stop::point();
     let part = |surface: Polyhedron, sign: f32| Body { aabb: surface.aabb(), surface, sign };
     let whole = || part(aggregate.body.clone(), 1.0);
     let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(core, sign));

@@ -61,6 +61,13 @@ enum Zone {
 impl Division {
     /// What is asked of the mesh of `specimen`.
     pub(super) fn options(&self, is_quick: bool, specimen: &Specimen) -> Result<MeshOptions, Failure> {
+        let options = self.for_any(is_quick)?;
+        meshing::check(&options, &self.gmsh, specimen)?;
+        Ok(options)
+    }
+
+    /// What is asked of a mesh, whatever the specimen.
+    pub(super) fn for_any(&self, is_quick: bool) -> Result<MeshOptions, Failure> {
         let usual = MeshTable::default();
         let table = MeshTable {
             method: self.method,
@@ -77,14 +84,17 @@ impl Division {
             subsamples: self.subsamples,
             ..usual
         };
-        let options = MeshOptions::try_from(table).map_err(|error| meshing::wrong_mesh(&error))?;
-        meshing::check(&options, &self.gmsh, specimen)?;
-        Ok(options)
+        MeshOptions::try_from(table).map_err(|error| meshing::wrong_mesh(&error))
     }
 
     /// What mortar at an aggregate is.
     pub(super) fn smeared(&self) -> Itz {
         if self.itz == Zone::Smeared { Itz::Smeared } else { Itz::None }
+    }
+
+    /// Whether a file says what the materials are.
+    pub(super) fn has_materials(&self) -> bool {
+        self.materials.is_some()
     }
 
     pub(super) fn materials(&self) -> Result<Materials, Failure> {

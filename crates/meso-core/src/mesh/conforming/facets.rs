@@ -9,6 +9,7 @@ use super::plane::{Frame, Triangles, region};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::mesh::error::MeshError;
+use crate::stop;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashMap};
 
@@ -33,6 +34,7 @@ pub(super) struct Nodes {
 impl Nodes {
     /// The number of the node at `position`, a new one where there is none.
     pub(super) fn at(&mut self, position: Vec3) -> u32 {
+        stop::point();
         // -0 and 0 are one position.
         let key: [u64; 3] = position.map(|x| (x + 0.0).to_bits()).into();
         *self.numbers.entry(key).or_insert_with(|| {
@@ -131,6 +133,7 @@ impl<F: Fn(u32, Vec3) -> Vec3> Refinement<F> {
             if f64::from_bits(bits) <= limit * limit {
                 break;
             }
+            stop::point();
             for (u, v) in self.split(a, b) {
                 heap.push(entry(self, u, v));
             }

@@ -6,8 +6,9 @@
 use super::slabs::snap;
 use crate::math::Vec3;
 use crate::mesh::error::MeshError;
+use crate::stop;
 use spade::handles::{FixedVertexHandle, InnerTag};
-use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
+use spade::{AngleLimit, ConstrainedDelaunayTriangulation, HasPosition, Point2, RefinementParameters, Triangulation};
 
 /// The refinement stops at circumradii of this many shortest edges: angles of 24.6 degrees, where rims allow them.
 const RADIUS_PER_EDGE: f64 = 1.2;
@@ -80,10 +81,30 @@ impl Frame {
     }
 }
 
+/// A vertex of the triangulation. The refinement of a large region takes seconds in one call; it makes one of these for every
+/// node that it adds, so that is where it stops.
+#[derive(Clone, Copy)]
+struct Vertex(Point2<f64>);
+
+impl From<Point2<f64>> for Vertex {
+    fn from(point: Point2<f64>) -> Self {
+        stop::point();
+        Self(point)
+    }
+}
+
+impl HasPosition for Vertex {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.0
+    }
+}
+
 /// A region in the making.
 pub(super) struct Plane {
     frame: Frame,
-    cdt: ConstrainedDelaunayTriangulation<Point2<f64>>,
+    cdt: ConstrainedDelaunayTriangulation<Vertex>,
     /// By the vertices' numbers: those of rims first, in their order.
     pub(super) points: Vec<Vec3>,
 }
@@ -124,7 +145,7 @@ impl Plane {
     }
 
     fn vertex(&mut self, position: Vec3) -> FixedVertexHandle {
-        let vertex = self.cdt.insert(self.frame.flat(&position)).expect("coordinates are finite and not tiny");
+        let vertex = self.cdt.insert(self.frame.flat(&position).into()).expect("coordinates are finite and not tiny");
         if vertex.index() == self.points.len() {
             self.points.push(position);
         }
@@ -217,7 +238,7 @@ fn refinement(limit: f64) -> RefinementParameters<f64> {
 ///
 /// Ruppert's nodes lie on bisectors of edges, many in a row and on common circles: there gmsh leaves tetrahedra without
 /// volume (one of 35 boxes of 30 mm had them).
-fn smoothed(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>, first: usize) -> Vec<Point2<f64>> {
+fn smoothed(cdt: &ConstrainedDelaunayTriangulation<Vertex>, first: usize) -> Vec<Point2<f64>> {
     let mut points: Vec<Point2<f64>> = cdt.vertices().map(|vertex| vertex.position()).collect();
     let ring = |vertex: usize| -> Vec<usize> {
         let vertex = cdt.vertex(FixedVertexHandle::from_index(vertex));

@@ -12,6 +12,7 @@ use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::error::MeshError;
 use crate::packing::{Container, Obstacle, Period};
+use crate::stop;
 use rayon::prelude::*;
 
 /// Triangles of bodies that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
@@ -165,11 +166,12 @@ pub(super) fn refuse_near_touching(
         ahead.filter(move |&&b| near(&boxes[first], &boxes[b])).map(move |&b| (first, b))
     };
     let gap = |(a, b): (usize, usize)| {
+        stop::point();
         let bodies = [a, b].map(|i| aggregates[i].body.vertices());
         // Bodies that no distance can be told of are as good as touching.
         (gjk::distance(bodies[0], bodies[1]).unwrap_or(0.0), aggregates[a].id, Some(aggregates[b].id))
     };
-    let pairs = (0..order.len()).into_par_iter().flat_map_iter(after).map(gap);
+    let pairs = (0..order.len()).into_par_iter().panic_fuse().flat_map_iter(after).map(gap);
     let walls = aggregates.par_iter().map(|a| (wall_gap(&a.body, container) - chord, a.id, None));
     let closest = pairs.chain(walls).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     match closest {
@@ -186,6 +188,7 @@ fn near(a: &Aabb, b: &Aabb) -> bool {
 
 /// Distance of `body` from the surface of `container`, mm; where the container is not convex and it is beyond [`NARROWEST_MM`], infinite.
 fn wall_gap(body: &Polyhedron, container: &dyn Container) -> f64 {
+    stop::point();
     if container.is_convex() {
         return body.vertices().iter().map(|vertex| container.depth(vertex)).fold(f64::INFINITY, f64::min);
     }

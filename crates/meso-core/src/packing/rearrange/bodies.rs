@@ -7,6 +7,7 @@ use super::walls::Walls;
 use crate::aggregate::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::{Period, Pose, Turn};
+use crate::stop;
 use nalgebra::{Quaternion, Vector3};
 use rayon::prelude::*;
 
@@ -335,6 +336,7 @@ fn moving(
     }
     let bodies = state.par_chunks_mut(CHUNK).zip(boxes.par_chunks_mut(CHUNK)).zip(paths.par_chunks_mut(CHUNK));
     bodies.zip(chunks).enumerate().for_each(|(number, (((states, boxes), paths), (mut turned, spans)))| {
+        stop::point();
         let bodies = states.iter_mut().zip(boxes).zip(paths).zip(spans);
         for (k, (((state, own_box), path), span)) in bodies.enumerate() {
             let (own, rest) = turned.split_at_mut(3 * span.len as usize);

@@ -7,6 +7,7 @@ use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::task::Task;
 use crate::packing::{Placement, Pose, Work};
+use crate::stop;
 use rayon::prelude::*;
 
 /// The final poses on the lattice, less the grains that are not proved inside and apart from all others.
@@ -22,8 +23,11 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     let settle = |pose: &Pose| Pose { centre: task.period.wrap(&snap(&pose.centre)), ..*pose };
     let mut there: Vec<(u32, Pose)> = reached.iter().map(|(grain, pose)| (*grain, settle(pose))).collect();
     there.sort_unstable_by_key(|&(grain, _)| grain);
-    let settled: Vec<Settled> =
-        there.par_iter().map(|(grain, pose)| Settled::new(task, &task.request.grains[*grain as usize], pose)).collect();
+    let settled: Vec<Settled> = there
+        .par_iter()
+        .panic_fuse()
+        .map(|(grain, pose)| Settled::new(task, &task.request.grains[*grain as usize], pose))
+        .collect();
     let scene = Scene::new(task, &settled);
     let number = |grain: u32| there.partition_point(|body| body.0 < grain) as u32;
     let near: Vec<u32> = reached.par_iter().map(|&(grain, _)| number(grain)).collect();
@@ -52,6 +56,7 @@ struct Settled<'a> {
 
 impl<'a> Settled<'a> {
     fn new(task: &Task, grain: &'a Grain, pose: &'a Pose) -> Self {
+        stop::point();
         let vertices = pose.turned(&grain.body);
         let local = Aabb::around(&vertices);
         let Placement { min_gap_mm, wall_gap_mm, .. } = task.request.placement;
@@ -116,6 +121,7 @@ impl<'a> Scene<'a> {
 
     /// The bodies before `body`, and it itself, with an image whose box meets its own.
     fn near(&self, body: u32) -> impl Iterator<Item = Near> {
+        stop::point();
         let own = &self.settled[body as usize];
         self.tree.near(own.aabb).filter_map(move |item| {
             let (other, shift) = self.images[item as usize];
@@ -126,6 +132,7 @@ impl<'a> Scene<'a> {
     }
 
     fn apart(&self, pair: &Near, a: &gjk::Body, b: &gjk::Body, counters: &mut Counters) -> bool {
+        stop::point();
         let centre = |number: u32| self.settled[number as usize].pose.centre;
         let offset = centre(pair.other) + pair.shift - centre(pair.body);
         counters.apart(a, b, &offset, self.task.request.placement.min_gap_mm, None).is_some()

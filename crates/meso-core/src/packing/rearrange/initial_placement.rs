@@ -8,6 +8,7 @@ use crate::aggregate::random::{Purpose, Stream};
 use crate::math::{Aabb, Vec3};
 use crate::packing::task::Task;
 use crate::packing::{Pose, Stage, StopReason};
+use crate::stop;
 use rayon::prelude::*;
 
 /// Random positions tried per dropped grain.
@@ -100,10 +101,11 @@ impl Ground<'_> {
             let centre = self.best_position(grain, &row);
             (number, row, centre)
         };
-        numbers.par_iter().map(look).collect()
+        numbers.par_iter().panic_fuse().map(look).collect()
     }
 
     fn best_position(&self, body: &Grain, row: &Row) -> Vec3 {
+        stop::point();
         let mut stream = Stream::new(self.task.request.target.seed, Purpose::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
         let mut best = (f32::NEG_INFINITY, reach.min);

@@ -4,6 +4,7 @@ use super::bodies::{Bodies, Fixed};
 use super::cell_list::{CellList, starts};
 use super::contact::{V, add_scaled, cross};
 use super::contact_cache::{BLOCK, Block, Gaps, Look, Scratch, Touch};
+use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -78,6 +79,7 @@ impl NeighbourList {
     fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &CellList) {
         self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
         self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
+            stop::point();
             block.renew((number * BLOCK) as u32, bodies, paths, cells, scratch);
         });
     }
@@ -114,7 +116,10 @@ impl NeighbourList {
     pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> Look {
         let blocks = self.blocks.par_iter_mut().enumerate();
         let looks: Vec<Look> = blocks
-            .map_init(Vec::new, |touching, (number, block)| block.look((number * BLOCK) as u32, bodies, gaps, touching))
+            .map_init(Vec::new, |touching, (number, block)| {
+                stop::point();
+                block.look((number * BLOCK) as u32, bodies, gaps, touching)
+            })
             .collect();
         looks.iter().fold(Look::default(), |sum, look| Look {
             energy: sum.energy + look.energy,
