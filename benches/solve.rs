@@ -1,6 +1,6 @@
 //! Nanoseconds that an element and a step take, bytes that an element takes, and what a second thread buys.
 //!
-//! `cargo bench --bench solve -- [SIDE_MM [ELEMENT_SIZE_MM]]` takes a cube of 50 mm with elements of 2 mm when nothing is
+//! `cargo bench -p meso-bench --bench solve -- [SIDE_MM [ELEMENT_SIZE_MM]]` takes a cube of 50 mm with elements of 2 mm when nothing is
 //! given, with `--quick` one turn of a cube of 24 mm, and writes `benches/results/solve.csv`. Times are processor seconds of one thread, medians over turns that the
 //! cases take one after the other; the gain of two threads is in wall-clock time, which means something on a quiet machine
 //! alone.

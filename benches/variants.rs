@@ -1,4 +1,5 @@
-//! The GJK variants under criterion: `cargo bench --bench variants`, with criterion's own flags.
+//! The GJK variants under criterion: `cargo bench -p meso-bench --bench variants`, with criterion's own flags, `--quick`
+//! among them.
 //!
 //! Who is compared and on which pairs is as in the bench `gjk`, which writes the tables of the documents. This one compares
 //! with the run before it, and keeps its samples under `target/criterion/`.

@@ -32,13 +32,16 @@ PEERS = {
 }
 
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
-CARGO_TEST = ["cargo", "test", "--workspace"]
+CARGO_TEST = ["cargo", "test", "--workspace", "--exclude", "meso-bench"]
 
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
 
 # Benches of conforming meshes.
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
+
+# Benches under criterion, in a package of their own.
+CRITERION_BENCHES = {"solve", "variants"}
 
 # Benches of the Python module; the solvers' leaves out what is not installed.
 PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "solvers.py", "stopping.py"]
@@ -152,7 +155,7 @@ def quick_stages() -> list[Stage]:
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
-        ("quick cargo test", ["cargo", "test", "--workspace", "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
+        ("quick cargo test", [*CARGO_TEST, "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
 
@@ -226,9 +229,15 @@ def toolchains() -> str:
 def bench_stages(python: Path) -> list[Stage]:
     """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
     benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
-    rust = [["cargo", "bench", "--quiet", "--bench", name.stem, "--", "--quick"] for name in benches]
+    rust = [["cargo", "bench", "--quiet", *package(name.stem), "--bench", name.stem, "--", "--quick"] for name in benches]
     scripts = [[str(python), str(ROOT / "benches" / name), "--quick"] for name in PYTHON_BENCHES]
-    return [(f"bench {command[4]}", command) for command in rust] + [(f"bench {Path(c[1]).stem}", c) for c in scripts]
+    named = [(f"bench {name.stem}", command) for name, command in zip(benches, rust, strict=True)]
+    return named + [(f"bench {Path(c[1]).stem}", c) for c in scripts]
+
+
+def package(bench: str) -> list[str]:
+    """Name the package of a bench that no plain `cargo bench` finds."""
+    return ["-p", "meso-bench"] if bench in CRITERION_BENCHES else []
 
 
 def has_gmsh() -> bool:

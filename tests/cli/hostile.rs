@@ -102,7 +102,7 @@ fn what_is_validated_is_what_the_command_accepts() {
         (&["pack", "--fraction", "0.4", "-o", "a.json"], true),
         (&["pack", "--fraction", "1.4"], false),
         (&["pack", "-o", "a.unknown"], false),
-        (&["mesh", "m.json", "-o", "a.inp", "--element-size-mm", "-2"], false),
+        (&["mesh", "m.json", "-o", "a.inp", "--method", "octree"], false),
         (&["image", "m.json", "-o", "a.npy", "--of", "itz"], false),
         (&["convert", "m.json", "-o", "a.stl", "--mortar"], false),
     ];

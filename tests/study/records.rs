@@ -11,7 +11,7 @@ fn done() -> (tempfile::TempDir, Case) {
     let case = plan(&[("seed", json!([7]))]).unwrap().cases.remove(0);
     std::fs::write(folder.path().join(MODEL), "{...}").unwrap();
     let results = Map::from_iter([("fraction".to_owned(), json!(0.2))]);
-    Record::new(&case, "f", Ok(results), folder.path()).unwrap().save(folder.path()).unwrap();
+    Record::new(&case, "f", Ok(results), folder.path()).unwrap().save(folder.path(), ()).unwrap();
     (folder, case)
 }
 
@@ -66,7 +66,7 @@ fn what_a_killed_run_left_goes_away() {
 #[test]
 fn a_failure_keeps_its_message() {
     let (folder, case) = done();
-    Record::new(&case, "", Err("no room".to_owned()), folder.path()).unwrap().save(folder.path()).unwrap();
+    Record::new(&case, "", Err("no room".to_owned()), folder.path()).unwrap().save(folder.path(), ()).unwrap();
     let State::Over(record) = State::of(&case, "", folder.path()) else { panic!("it is not over") };
     assert_eq!((record.status, record.error.as_deref()), (Status::Failed, Some("no room")));
 }

@@ -126,7 +126,7 @@ pub(crate) fn distinct(targets: &[&Target], inputs: &[&Path]) -> Result<(), Fail
 pub(crate) struct Unit(whole::Unit<Signals>);
 
 /// Signals wait while files get their names, and find all temporary ones.
-#[derive(Default)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Signals;
 
 impl Keeper for Signals {

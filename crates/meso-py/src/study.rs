@@ -125,7 +125,7 @@ impl PyStudyPlan {
                 _ => Map::new(),
             };
             let ended = error.map_or(Ok(results), Err);
-            let record = Record::new(case, then, ended, &folder).and_then(|record| record.save(&folder));
+            let record = Record::new(case, then, ended, &folder).and_then(|record| record.save(&folder, ()));
             record.map_err(|error| file_error(&folder, error))
         })
     }
@@ -138,7 +138,7 @@ impl PyStudyPlan {
         out: PathBuf,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
         let records = self.records(then, &out);
-        let table = save_tables(&out, &self.0.keys, &records).map_err(|error| file_error(&out, error))?;
+        let table = save_tables(&out, &self.0.keys, &records, ()).map_err(|error| file_error(&out, error))?;
         let groups = ensemble(&table, &self.0.keys, meso_study::REPLICATE);
         Ok((columns(py, &table)?, columns(py, &groups)?))
     }

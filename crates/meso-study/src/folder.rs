@@ -3,21 +3,23 @@
 use crate::ensemble::{REPLICATE, ensemble};
 use crate::record::{Record, save};
 use crate::table::{Table, tabulate};
+use meso_files::whole::Keeper;
 use std::io;
 use std::path::Path;
 
 /// Names of the tables: all cases twice, then the ensembles.
 pub const TABLES: [&str; 3] = ["table.csv", "table.parquet", "ensemble.csv"];
 
-/// Writes the tables of `records` into `out`, each whole or not at all; returns the table of all cases.
+/// Writes the tables of `records` into `out`, each whole or not at all; returns the table of all cases. `keeper` knows of
+/// temporary files.
 ///
 /// # Errors
 /// Those of the file system.
-pub fn save_tables(out: &Path, keys: &[String], records: &[Record]) -> io::Result<Table> {
+pub fn save_tables<K: Keeper + Copy>(out: &Path, keys: &[String], records: &[Record], keeper: K) -> io::Result<Table> {
     let table = tabulate(keys, records);
     let groups = ensemble(&table, keys, REPLICATE);
-    save(out, TABLES[0], |file| table.write_csv(file))?;
-    save(out, TABLES[1], |file| table.write_parquet(file))?;
-    save(out, TABLES[2], |file| groups.write_csv(file))?;
+    save(out, TABLES[0], keeper, |file| table.write_csv(file))?;
+    save(out, TABLES[1], keeper, |file| table.write_parquet(file))?;
+    save(out, TABLES[2], keeper, |file| groups.write_csv(file))?;
     Ok(table)
 }

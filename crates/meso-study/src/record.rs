@@ -1,7 +1,7 @@
 //! What a case leaves in its folder: `case.json`, written last and as a whole.
 
 use crate::case::Case;
-use meso_files::whole::{Output, UNFINISHED, Unit};
+use meso_files::whole::{Keeper, Output, UNFINISHED, Unit};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -82,12 +82,12 @@ impl Record {
         })
     }
 
-    /// Writes the record into `folder`, whole or not at all.
+    /// Writes the record into `folder`, whole or not at all; `keeper` knows of temporary files.
     ///
     /// # Errors
     /// Those of the file system.
-    pub fn save(&self, folder: &Path) -> io::Result<()> {
-        save(folder, RECORD, |file| {
+    pub fn save<K: Keeper>(&self, folder: &Path, keeper: K) -> io::Result<()> {
+        save(folder, RECORD, keeper, |file| {
             serde_json::to_writer_pretty(&mut *file, self)?;
             writeln!(file)
         })
@@ -160,12 +160,13 @@ fn files(folder: &Path) -> io::Result<BTreeMap<String, u64>> {
 }
 
 /// Writes a file into `out`, whole or not at all.
-pub(crate) fn save(
+pub(crate) fn save<K: Keeper>(
     out: &Path,
     name: &str,
-    write: impl FnOnce(&mut BufWriter<Output<'_, ()>>) -> io::Result<()>,
+    keeper: K,
+    write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut unit = Unit::new(());
+    let mut unit = Unit::new(keeper);
     unit.fill(&out.join(name), true, write)?;
     unit.commit().map_err(|(_, error)| error)
 }

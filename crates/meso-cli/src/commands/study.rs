@@ -5,6 +5,7 @@ mod steps;
 
 use super::values;
 use crate::failure::{Failure, INTERRUPTED};
+use crate::outputs::Signals;
 use crate::progress::{CLEAR, bar, show};
 use crate::{interrupt, stderr};
 use file::StudyFile;
@@ -141,7 +142,7 @@ impl<'a> Study<'a> {
             return Ok(None);
         }
         let record = Record::new(case, "", ended, &folder).map_err(fail)?;
-        record.save(&folder).map_err(fail)?;
+        record.save(&folder, Signals).map_err(fail)?;
         Ok(Some(record))
     }
 
@@ -166,7 +167,7 @@ impl<'a> Study<'a> {
         }
         let out = &self.args.output;
         let records: Vec<Record> = self.records().iter().flatten().cloned().collect();
-        save_tables(out, keys, &records).map_err(|error| Failure::file(out, &error))?;
+        save_tables(out, keys, &records, Signals).map_err(|error| Failure::file(out, &error))?;
         for record in records.iter().filter(|record| record.status == Status::Failed) {
             stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
         }

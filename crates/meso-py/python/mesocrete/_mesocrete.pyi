@@ -26,6 +26,7 @@ __all__ = [
     "Response",
     "Spec",
     "__version__",
+    "_colours",
     "_restore_aggregate",
     "_restore_packing",
     "_restore_polyhedron",
