@@ -155,7 +155,7 @@ def run(program: str, case: Case, folder: Path) -> None:
     words = words_of(case)
     asked = folder / "asked.json"
     same = asked.exists() and asked.read_text(encoding="utf-8") == words
-    if same and (folder / "result.json").exists():
+    if same and read_result(folder):
         return
     (folder / "SPEC.toml").write_text(to_toml(case.spec), encoding="utf-8")
     (folder / "materials.toml").write_text(materials_of(case), encoding="utf-8")
@@ -218,9 +218,10 @@ def row(group: str, label: str, results: list[dict]) -> str:
 
 
 def read_result(folder: Path) -> dict | None:
-    """Read the figures of a case that was finished."""
+    """Read the figures of a case that came to its end."""
     path = folder / "result.json"
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+    result = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    return result if result.get("ended") == "completed" else None
 
 
 if __name__ == "__main__":
