@@ -20,7 +20,9 @@ pub(crate) fn folder() -> PathBuf {
     if quick() {
         return std::env::temp_dir().join("mesocrete-quick-benches");
     }
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../benches/results")
+    // Of a bench of `crates/`, or of this folder's own package.
+    let package = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    if package.ends_with("benches") { package.join("results") } else { package.join("../../benches/results") }
 }
 
 /// Writes a file under `benches/results/`; pictures get their origin as a comment.
