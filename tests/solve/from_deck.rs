@@ -309,5 +309,6 @@ fn the_defaults_of_before_fail_the_same_test() {
     assert!(!is_of_concrete(&skeleton), "{skeleton:?}");
     let (text, error) = deck(0.0, &MeshOptions::default(), Some(6.0));
     let all = Model::read(&text).crush();
-    assert!(!is_of_concrete(&all) && error < -0.5, "{all:?} {error}");
+    // What is left is mortar, and as stiff as that.
+    assert!(all.modulus_mpa < 0.8 * tough.modulus_mpa && error < -0.5, "{all:?} {tough:?} {error}");
 }

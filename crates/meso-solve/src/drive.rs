@@ -62,9 +62,9 @@ impl Run<'_> {
         energies.iter().all(|energy| energy.is_finite()) && state.kinetic <= most
     }
 
-    /// Kinetic energy of the whole specimen at the speed of the plate, mJ.
+    /// Kinetic energy of the whole specimen at the speed of a plate, mJ.
     fn plate_energy(&self) -> f64 {
-        0.5 * self.outline.masses[1] * self.plates.speed(f64::INFINITY).powi(2)
+        0.5 * self.outline.masses[1] * (0.5 * self.plates.speed(f64::INFINITY)).powi(2)
     }
 
     /// The cell whose nodes are fastest, in words.

@@ -66,11 +66,12 @@ impl<'a> Frame<'a> {
         self.run.phases()
     }
 
-    /// Displacements of the mesh's nodes, mm.
+    /// Displacements of the mesh's nodes, mm; the lower plate rests.
     pub fn displacement(&self) -> Vec<[f32; 3]> {
+        let lower = -0.5 * self.run.state.travel;
         let mut moved = vec![[0.0; 3]; self.run.order.len()];
         for (u, &node) in self.run.nodes.displacement.iter().zip(&self.run.order) {
-            moved[node as usize] = u.map(|x| x as f32);
+            moved[node as usize] = [u[0], u[1], u[2] - lower].map(|x| x as f32);
         }
         moved
     }
@@ -149,9 +150,9 @@ impl LawTask for GroupProbe<'_> {
 
 #[inline(always)]
 fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, width: L, memory: &[Eight]) -> [Point; LANES] {
-    let history = crate::block::history::<L, W>(memory);
+    let mut history = crate::block::history::<L, W>(memory);
+    let response = law.stress(strain, &mut history, width);
     let state = law.state(strain, &history, width);
-    let response = law.stress(strain, &mut history.clone(), width);
     let stress = response.stress.map(L::eight);
     let [damage, tension, compression, opening, stored] =
         [L::splat(1.0) - response.integrity, state.tension, state.compression, state.opening, state.stored]

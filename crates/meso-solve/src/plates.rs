@@ -1,5 +1,8 @@
 //! Two rigid plates: they press and rub, or they are glued on.
 //!
+//! Each does half of the way, so the specimen's middle rests: its kinetic energy is then a quarter of what it is beside a
+//! plate at rest, and no wave runs from one plate alone.
+//!
 //! No penalty: a node is first moved as if free; where it would pass into a plate, it is put onto it, and the impulse
 //! that this takes is the plate's. Friction takes away as much of its sliding as Coulomb's cone allows.
 
@@ -27,20 +30,20 @@ pub(crate) struct Plates {
     pub(crate) contacts: Vec<Contact>,
     kind: Kind,
     friction: f64,
-    /// Speed of the upper plate once the ramp is over, upwards, mm/s.
+    /// Speed of the upper plate against the lower one once the ramp is over, upwards, mm/s.
     speed: f64,
     /// Length of the ramp, s.
     ramp_s: f64,
 }
 
-/// A step of the upper plate: where it is, and how fast, upwards, mm, mm/s.
+/// A step of the upper plate, upwards; the lower one does the opposite.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
     /// Length of the step, s.
     pub(crate) dt: f64,
-    /// At the end of the step.
+    /// Where the plate is at the end of the step, mm from its start.
     pub(crate) travel: f64,
-    /// Mean of this step and the one before: forces at whole steps do their work along it.
+    /// Mean of this step and the one before, mm/s: forces at whole steps do their work along it.
     pub(crate) mean_speed: f64,
 }
 
@@ -84,7 +87,7 @@ impl Plates {
         Ok(Self { contacts, kind: test.kind, friction: test.friction, speed, ramp_s })
     }
 
-    /// Speed of the upper plate at time `t`, mm/s upwards: 3 s^2 - 2 s^3 along the ramp, then constant.
+    /// Speed of the upper plate against the lower one at time `t`, mm/s upwards: 3 s^2 - 2 s^3 along the ramp, then constant.
     pub(crate) fn speed(&self, t: f64) -> f64 {
         let s = (t / self.ramp_s).min(1.0);
         self.speed * s * s * (3.0 - 2.0 * s)
@@ -108,12 +111,12 @@ impl Plates {
         v: &mut [f64; 3],
     ) -> Impact {
         let Motion { dt, .. } = *motion;
-        let (travel, speed) = if contact.plate == 1 { (motion.travel, motion.mean_speed) } else { (0.0, 0.0) };
+        let inward = if contact.plate == 1 { -1.0 } else { 1.0 };
+        let (travel, speed) = (-inward * motion.travel, -inward * motion.mean_speed);
         let free = *v;
         match self.kind {
             Kind::Tension => *v = [-u[0] / dt, -u[1] / dt, (travel - u[2]) / dt],
             Kind::Compression => {
-                let inward = if contact.plate == 1 { -1.0 } else { 1.0 };
                 // On the plate, the displacement makes good the gap.
                 let on_plate = travel - inward * contact.gap;
                 if (u[2] + dt * v[2] - on_plate) * inward >= 0.0 {

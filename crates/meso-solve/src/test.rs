@@ -19,7 +19,7 @@ pub struct Test {
     pub duration_s: Option<f64>,
     /// Time step that mass scaling keeps, s.
     pub time_step_s: Option<f64>,
-    /// Share of the time in which the plate gains its speed.
+    /// Share of the time in which the plates gain their speed.
     pub ramp: f64,
     /// Rows of the curve, at most.
     pub rows: u32,
@@ -39,14 +39,14 @@ pub struct Test {
     pub instruction_set: Option<InstructionSet>,
 }
 
-/// Which way the upper plate moves.
+/// Which way the plates move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// Down, between plates that press and rub.
+    /// Towards each other, between plates that press and rub.
     Compression,
-    /// Up, between plates that are glued on.
+    /// Apart, glued on.
     Tension,
 }
 
@@ -102,7 +102,7 @@ impl Default for Test {
             strain: None,
             duration_s: None,
             time_step_s: None,
-            ramp: 0.5,
+            ramp: 0.3,
             rows: 400,
             frames: 0,
             law: LawName::Cdp,
