@@ -12,6 +12,8 @@ from matplotlib import pyplot
 matplotlib.use("Agg")
 # Points of the curve, as the paper names them: share of the peak, and on which side of it.
 POINTS = {"A": (0.3, "before"), "B": (0.8, "before"), "C": (1.0, "before"), "D": (0.8, "after"), "E": (0.0, "after")}
+# Points whose stress in the aggregates is drawn, too.
+STRESSED = "DE"
 # What `phase` holds in a cell of an aggregate.
 AGGREGATE = 2
 
@@ -69,18 +71,20 @@ def index_at(stress: list[float], peak: int, share: float, side: str) -> int:
 
 
 def draw_sections(label: str, folder: Path, path: Path) -> None:
-    """Damage at half depth at the points A to E, and the least principal stress of the aggregates at E."""
+    """Damage at half depth at the points A to E, and the least principal stress of the aggregates at D and E."""
     import pyvista
 
-    figure, axes = pyplot.subplots(1, len(POINTS) + 1, figsize=(17, 3.2), layout="constrained")
+    figure, axes = pyplot.subplots(1, len(POINTS) + len(STRESSED), figsize=(19, 3.1), layout="constrained")
+    stressed = iter(axes[len(POINTS) :])
     for axis, (point, file) in zip(axes, frames_at_points(folder).items(), strict=False):
         cut = pyvista.read(folder / file).slice(normal="y").triangulate()
         aggregate = cut["phase"] == AGGREGATE
         paint(axis, cut, np.where(aggregate, np.nan, cut["damage"]), cmap="inferno_r", vmin=0, vmax=1)
         axis.set(title=point)
-    stress = np.where(aggregate, least_principal(cut["stress_mpa"]), np.nan)
-    colours = paint(axes[-1], cut, stress, cmap="viridis", vmin=-95, vmax=0)
-    axes[-1].set(title="E, aggregates")
+        if point in STRESSED:
+            stress, beside = np.where(aggregate, least_principal(cut["stress_mpa"]), np.nan), next(stressed)
+            colours = paint(beside, cut, stress, cmap="viridis", vmin=-95, vmax=0)
+            beside.set(title=f"{point}, aggregates")
     figure.colorbar(colours, ax=axes[-1], label="least principal stress, MPa")
     figure.suptitle(f"damage, friction {label}")
     figure.savefig(path, dpi=80)
@@ -104,10 +108,15 @@ def least_principal(tensors: Iterable) -> np.ndarray:
 
 
 def describe(name: str, folder: Path) -> None:
-    """Print how much is damaged near the plates and between, and what stress the aggregates carry, at the end."""
+    """Print how much is damaged near the plates and between at the end, and what stress the aggregates carry."""
     import pyvista
 
-    mesh = pyvista.read(folder / frames_at_points(folder)["E"])
+    frames = frames_at_points(folder)
+    for point in "CDE":
+        mesh = pyvista.read(folder / frames[point])
+        least = least_principal(mesh["stress_mpa"][mesh["phase"] == AGGREGATE])
+        percentiles = ", ".join(f"{np.percentile(least, p):.0f}" for p in (1, 50, 99))
+        print(f"{name}: least principal stress in the aggregates at {point}, percentiles 1, 50, 99: {percentiles} MPa")
     sizes = mesh.compute_cell_sizes(length=False, area=False)["Volume"]
     low, high = mesh.bounds[4:]
     height = (mesh.cell_centers().points[:, 2] - low) / (high - low)
@@ -115,7 +124,4 @@ def describe(name: str, folder: Path) -> None:
     near, middle = matrix & (np.abs(height - 0.5) > 0.4), matrix & (np.abs(height - 0.5) < 0.1)
     broken = (mesh["damage"] > 0.9) * sizes
     shares = [broken[part].sum() / sizes[part].sum() for part in (near, middle)]
-    least = least_principal(mesh["stress_mpa"][~matrix])
-    percentiles = ", ".join(f"{np.percentile(least, p):.0f}" for p in (1, 50, 99))
-    print(f"{name}: {shares[0]:.0%} of mortar and ITZ broken in the tenths at the plates, {shares[1]:.0%} in the middle fifth;")
-    print(f"  least principal stress in the aggregates, percentiles 1, 50, 99: {percentiles} MPa")
+    print(f"{name}: {shares[0]:.0%} of mortar and ITZ broken in the tenths at the plates, {shares[1]:.0%} in the middle fifth")
