@@ -268,7 +268,7 @@ impl PyFrame {
         self.1.moment.time_s
     }
 
-    /// Displacement of every node: ndarray, shape (n, 3), float32, mm; a copy.
+    /// Displacement of every node against the lower plate: ndarray, shape (n, 3), float32, mm; a copy.
     #[getter]
     fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         rows(py, &self.1.displacement)

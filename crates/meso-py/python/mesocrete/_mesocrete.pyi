@@ -834,7 +834,7 @@ class Frame:
 
     @property
     def displacement(self) -> NDArray[np.float32]:
-        """Displacement of every node: ndarray, shape (n, 3), float32, mm; a copy."""
+        """Displacement of every node against the lower plate: ndarray, shape (n, 3), float32, mm; a copy."""
 
     @property
     def stress(self) -> NDArray[np.float32]:
