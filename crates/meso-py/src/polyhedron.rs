@@ -110,7 +110,9 @@ impl PyPolyhedron {
 
     fn __repr__(&self) -> String {
         let (vertices, faces) = (self.0.vertices().len(), self.0.faces().len());
-        format!("Polyhedron({vertices} vertices, {faces} faces, volume={} mm3)", self.0.volume())
+        // Six digits, without zeros at their end.
+        let volume = format!("{:.5e}", self.0.volume()).parse().unwrap_or(self.0.volume());
+        format!("Polyhedron({vertices} vertices, {faces} faces, volume={volume} mm3)")
     }
 
     /// A frozen object is its own copy.
