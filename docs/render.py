@@ -25,6 +25,8 @@ matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
 MORTAR, ITZ, CRACK = _PALETTE[0], "#c8553d", "#c8553d"
+# Phases by their labels, the ITZ so that it is seen.
+PHASES = [MORTAR, ITZ, *_PALETTE[2:]]
 # A cylinder, a box that repeats itself in all directions, gravel in a sphere, crushed rock in a prism.
 OTHERS = [
     {"specimen": {"kind": "cylinder", "diameter_mm": 100, "height_mm": 200}, "fraction": 0.55},
@@ -68,7 +70,7 @@ def draw_mesh() -> np.ndarray:
     packing = mc.pack(SMALL, seed=2)
     grid = packing.mesh(method="lattice", element_size=2.0, itz="solid").to_pyvista()
     plotter = new_plotter()
-    add_painted(plotter, cut_open(grid), lambda cells: rgb(_PALETTE)[cells["phase"]], show_edges=True, line_width=1)
+    add_painted(plotter, cut_open(grid), lambda cells: rgb(PHASES)[cells["phase"]], show_edges=True, line_width=1)
     return seen(plotter, packing.bounds)
 
 
@@ -97,7 +99,7 @@ def painted_section(packing: mc.Packing, axis: int, at: float, px: int = 800) ->
     low[axis] = at
     counts = np.insert(np.array(labels.shape[::-1]) + 1, axis, 1)
     plane = pyvista.ImageData(dimensions=counts, spacing=[max(high - low) / px] * 3, origin=low)
-    plane.cell_data["colour"] = np.round(255 * rgb([*_PALETTE[:1], ITZ, *_PALETTE[2:]])[labels.ravel()]).astype(np.uint8)
+    plane.cell_data["colour"] = np.round(255 * rgb(PHASES)[labels.ravel()]).astype(np.uint8)
     return plane
 
 

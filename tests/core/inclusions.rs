@@ -247,6 +247,12 @@ fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
     let shape = |finding: &Finding| matches!(finding, Finding::Shape { body, .. } if *body == id);
     assert!(shrunk.iter().any(shape), "{shrunk:?}");
     assert!(matches!(shrunk.last(), Some(Finding::Report { .. })), "{shrunk:?}");
+    let swollen = found(&|m| {
+        let middle = m.inclusions[void].body.mass_properties().centroid;
+        m.inclusions[void].body = m.inclusions[void].body.mapped(|v| middle + (v - middle) * 2.1);
+    });
+    let id = good.inclusions[void].id;
+    assert!(swollen.iter().any(|f| matches!(f, Finding::Shape { body, .. } if *body == id)), "{swollen:?}");
     let fewer = found(&|m| drop(m.inclusions.pop()));
     let report = |finding: &Finding| matches!(finding, Finding::Report { .. });
     assert!(fewer.iter().all(report) && fewer.iter().any(|f| f.to_string().contains("fibres lack")), "{fewer:?}");
@@ -254,7 +260,7 @@ fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
         let up = 60.0 * meso_core::math::Vec3::z();
         m.inclusions[fibre].body = m.inclusions[fibre].body.translated(&up);
     });
-    assert!(outside.contains(&Finding::Outside { aggregate: id }), "{outside:?}");
+    assert!(outside.contains(&Finding::Outside { aggregate: good.inclusions[fibre].id }), "{outside:?}");
 }
 
 #[test]
