@@ -328,3 +328,11 @@ fn a_cube_vanishes_at_half_its_side_and_not_before() {
     assert!((core.volume() / (2.0 - 2.0 * almost).powi(3) - 1.0).abs() < 1e-12);
     assert!(!matches!(inward_offset(&body, 1.0 - f64::EPSILON / 2.0), Ok(None)));
 }
+
+#[test]
+fn thicknesses_that_are_none_are_refused() {
+    let cube = convex_hull(&block([4.0; 3])).unwrap();
+    for thickness in [f64::NAN, f64::INFINITY, -1e-9] {
+        assert!(matches!(inward_offset(&cube, thickness), Err(OffsetError::Thickness { .. })), "{thickness}");
+    }
+}
