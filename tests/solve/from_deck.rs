@@ -7,11 +7,11 @@
 use crate::deck_reader::{Card, Deck};
 use crate::samples::small_cube;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
-use meso_core::materials::{Elastic, Materials, Plasticity, Strength};
+use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
     self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, NarrowGaps, Notes, Phase, PhaseVolumes,
-    Volumes, band_factor, regular_edge,
+    Volumes,
 };
 use meso_solve::{Figures, Itz, Kind, Run, Sample, Silent, Test};
 use std::collections::BTreeMap;

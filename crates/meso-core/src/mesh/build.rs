@@ -4,16 +4,14 @@
 //! one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
 //! surface instead.) Voids are left out of every mesh.
 
-use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase};
+use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase, drop_lone_nodes};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
-use super::phase_error::PhaseOff;
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{
-    apart, clip, fidelity, interface, lattice, layer, narrow_gaps, own_volume, quality, sides, smeared, voxel,
-};
+use super::volumes::{self, PhaseOff};
+use super::{clip, fidelity, gaps, interface, lattice, layer, quality, sides, voxel};
 use crate::aggregate::{Aggregate, Kind};
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
@@ -110,7 +108,7 @@ fn assemble(
         }
     }
     told(0.95);
-    quality::all_positive(&mesh)?;
+    quality::all_positive(mesh.by_aggregate())?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -120,21 +118,17 @@ fn assemble(
 /// Parts joined aggregates, restores volumes, splits narrow gaps and names the smeared ITZ, as far as each is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
-        let parted = apart::part(mesh, bodies, options.joined == Joined::Cut);
-        mesh.notes.parted_nodes = parted.nodes;
-        mesh.notes.parted_pairs = parted.pairs;
-        mesh.notes.parted_cells = parted.cells;
-        mesh.notes.parted_mm3 = parted.volume_mm3;
+        gaps::part(mesh, bodies, options.joined == Joined::Cut);
     }
     let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
-        own_volume::restore(mesh, bodies, options.element_size_mm);
+        volumes::restore(mesh, bodies, options.element_size_mm);
     }
     if options.narrow_gaps == NarrowGaps::Split {
-        mesh.notes.split_gap_edges = narrow_gaps::split(mesh);
+        mesh.notes.split_gap_edges = gaps::split_narrow(mesh);
     }
     if options.itz == ItzForm::Smeared {
-        smeared::name(mesh);
+        interface::smear_itz(mesh);
     }
 }
 
@@ -228,18 +222,5 @@ fn retain(mesh: &mut Mesh, cells: &[bool]) {
     mesh.phase.retain(|_| *kept.next().unwrap_or(&true));
     let mut kept = cells.iter();
     mesh.aggregate.retain(|_| *kept.next().unwrap_or(&true));
-    drop_lone_nodes(mesh);
-}
-
-/// Leaves out the nodes without cells and numbers the others anew, in their order.
-fn drop_lone_nodes(mesh: &mut Mesh) {
-    const LONE: u32 = u32::MAX;
-    let mut number = vec![LONE; mesh.points.len()];
-    mesh.cells.iter().for_each(|&node| number[node as usize] = 0);
-    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != LONE)) {
-        *number = count;
-    }
-    let mut old = number.iter();
-    mesh.points.retain(|_| *old.next().unwrap_or(&LONE) != LONE);
-    mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+    drop_lone_nodes(&mut mesh.points, &mut mesh.cells);
 }

@@ -5,7 +5,7 @@
 //! the specimen across which this does not repeat itself.
 
 use super::cells::Mesh;
-use super::interface::Owners;
+use super::interface::{Owners, pairs};
 use super::sides::FlatSides;
 use crate::aggregate::Aggregate;
 use crate::geometry::{Plane, nearest_on_triangle};
@@ -22,15 +22,12 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
     let on_side = |node: u32| sides.have(&mesh.points[node as usize]);
     let members = owners.bodies(|node| owners.are_several(node) || on_side(node));
     let bodies = ById::new(bodies);
-    let (mut pairs, mut at_sides) = (Vec::new(), Vec::new());
+    let (pairs, mut at_sides) = (pairs(&members), Vec::new());
     let notes = &mut mesh.notes;
     for meet in members.chunk_by(|a, b| a.0 == b.0) {
         let node = meet[0].0;
         if meet.len() > 1 {
             notes.closed_gaps += 1;
-        }
-        for (i, (_, higher)) in meet.iter().enumerate() {
-            pairs.extend(meet[..i].iter().map(|(_, lower)| (*lower, *higher)));
         }
         let x = &mesh.points[node as usize];
         if sides.have(x) {
@@ -38,8 +35,6 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
             at_sides.extend(meet.iter().map(|(_, id)| (*id, sides.across(x))));
         }
     }
-    pairs.par_sort_unstable();
-    pairs.dedup();
     notes.closed_gap_pairs = pairs.len();
     notes.widest_closed_gap_mm = bodies.widest(&pairs);
     at_sides.sort_unstable();

@@ -67,17 +67,25 @@ impl Piece {
     }
 }
 
-/// All pieces of the `placed` bodies, by slab and body.
+/// What is cut, and by which planes.
+#[derive(Clone, Copy)]
+pub(super) struct Cuts<'a> {
+    pub(super) placed: &'a [Aggregate],
+    pub(super) bodies: &'a BodyIndex,
+    /// How the specimen repeats itself, and its box.
+    pub(super) period: &'a Period,
+    pub(super) domain: &'a Aabb,
+    pub(super) slabs: &'a Slabs,
+    /// Of the elements, mm.
+    pub(super) size: f64,
+}
+
+/// All pieces of the placed bodies, by slab and body.
 ///
 /// # Errors
 /// Where a face, an edge or a corner of the box, or a plane between slabs, grazes a body.
-pub(super) fn pieces(
-    placed: &[Aggregate],
-    period: &Period,
-    domain: &Aabb,
-    slabs: &Slabs,
-    bodies: &BodyIndex,
-) -> Result<Vec<Vec<Piece>>, MeshError> {
+pub(super) fn pieces(cuts: Cuts) -> Result<Vec<Vec<Piece>>, MeshError> {
+    let Cuts { placed, bodies, period, domain, slabs, .. } = cuts;
     let open = period.mixed(domain, &Aabb::everywhere());
     let of_body = |(index, aggregate): (usize, &Aggregate)| -> Result<Vec<(usize, Piece)>, MeshError> {
         let shifts = period.shifts(&aggregate.body.aabb(), &open);

@@ -73,17 +73,13 @@ pub(super) struct Sheets {
 
 impl Sheets {
     fn new(pieces: &[Piece], facets: &[Triangles], nodes: &mut Nodes) -> Self {
-        let own = |surface: &Triangles| {
-            let number: Vec<u32> = surface.points.iter().map(|point| nodes.at(*point)).collect();
-            surface.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])).collect()
-        };
-        Self { facets: facets.iter().map(own).collect(), caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
+        let facets = facets.iter().map(|surface| nodes.triangles(surface)).collect();
+        Self { facets, caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
     }
 
     /// Adds the part of the specimen's own surface that bounds mortar.
     pub(super) fn add_walls(&mut self, walls: &Triangles, nodes: &mut Nodes) {
-        let number: Vec<u32> = walls.points.iter().map(|point| nodes.at(*point)).collect();
-        self.rest.extend(walls.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])));
+        self.rest.extend(nodes.triangles(walls));
     }
 
     /// Adds a slab's own lower face.

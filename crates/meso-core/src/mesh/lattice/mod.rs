@@ -12,7 +12,6 @@
 mod bcc;
 mod boundary;
 mod nodes;
-mod remeshing;
 mod repair;
 mod reprojection;
 mod smoothing;

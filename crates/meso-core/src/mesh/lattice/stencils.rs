@@ -7,9 +7,9 @@
 
 use super::warp::{Field, OUTSIDE, alpha};
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
+use crate::mesh::cells::{DROPPED, NO_BODY};
 use crate::mesh::location::Locator;
-use crate::mesh::tet::{DROPPED, TetMesh, oriented};
+use crate::mesh::tet::{TetMesh, oriented};
 use crate::stop;
 use rayon::prelude::*;
 use std::cmp::Reverse;

@@ -1,120 +1,84 @@
-//! Aggregates that share nodes parted by mortar: for analyses, since joined ones make an elastic skeleton that never breaks.
+//! Gaps between aggregates, for analyses: mortar parts those that share nodes, and narrow gaps get two layers of tetrahedra.
 //!
-//! Two ways. The first makes whole cells mortar: at a node that several aggregates share, all of them leave but one, and
+//! Joined aggregates make an elastic skeleton that never breaks. There are two ways to part them. The first makes whole cells mortar: at a node that several aggregates share, all of them leave but one, and
 //! the nodes are taken in an order that loses little volume. No cell is added, so no stable step gets shorter.
 //!
 //! The second cuts tetrahedra first. A shared node stays with the aggregate whose surface is nearest; the others' cells
 //! there have reached across the gap. The edges that lead from the node into these are cut where they meet their surfaces,
 //! and what lies before the cut becomes mortar: little volume less, but cells of half the size. Hexahedra, and cells of a
 //! mesh whose opposite faces must match, become mortar whole.
+//!
+//! A layer of one element has all its nodes on aggregates, which do not give way: it cannot flow aside, and carries several
+//! times the strength of mortar. So each edge of the mortar that runs from one body to another is halved. Cells are
+//! bisected at their longest such edge first; neighbours have that edge in common, so they agree on the face between
+//! them. Edges in faces across which a specimen repeats itself stay, so that opposite faces still match.
 
-use super::cells::{CellKind, Mesh, NO_AGGREGATE, Phase};
+use super::cells::{CellKind, EDGES, Mesh, NO_AGGREGATE, Phase};
 use super::fidelity::ById;
-use super::quality::cell_volume;
+use super::interface::{Owners, pairs};
+use super::sides::Sides;
 use crate::aggregate::Aggregate;
 use crate::math::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What was parted.
-pub(super) struct Parted {
-    /// Nodes that several aggregates had.
-    pub(super) nodes: usize,
-    /// Pairs of aggregates that had such nodes.
-    pub(super) pairs: usize,
-    /// Cells of aggregates that are mortar now.
-    pub(super) cells: usize,
-    /// Their volume, mm3.
-    pub(super) volume_mm3: f64,
+impl Mesh {
+    /// Nodes that cores of several aggregates share, and pairs of aggregates that share some: an elastic skeleton.
+    pub fn joined_aggregates(&self) -> (usize, usize) {
+        let joined = joined(self);
+        (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined).len())
+    }
+
+    /// Numbers of the aggregates' cells, ascending, that must become mortar so that no aggregate shares a node with another
+    /// one or with a fibre, few by their volume.
+    ///
+    /// At a shared node all leave but a fibre, or the aggregate with the largest volume there. The node that costs the least
+    /// is next: where an aggregate has left a node, it has less to lose at the nodes beside it. The smallest volume of all is
+    /// a vertex cover of least weight, which is hard to find.
+    pub fn joining_cells(&self) -> Vec<usize> {
+        let mut shared = Shared::of(self);
+        let nodes: Vec<u32> = shared.cells.keys().copied().collect();
+        let mut next: BTreeSet<(u64, u32)> = nodes.iter().map(|&node| (shared.cost(node).0, node)).collect();
+        while let Some((_, node)) = next.pop_first() {
+            let leaving = shared.cost(node).1;
+            let mut others: BTreeSet<u32> = leaving.iter().flat_map(|&cell| shared.neighbours(self, cell)).collect();
+            others.retain(|&other| next.remove(&(shared.cost(other).0, other)));
+            leaving.iter().for_each(|&cell| shared.gone[cell] = true);
+            next.extend(others.iter().map(|&other| (shared.cost(other).0, other)));
+        }
+        (0..shared.gone.len()).filter(|&cell| shared.gone[cell]).collect()
+    }
 }
 
 /// The nodes that cells of several aggregates have, with these, ascending: cores alone, an ITZ between them counts for none.
-pub(crate) fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
-    let corners = mesh.kind.corners();
-    let cores = || {
-        let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate);
-        let cores = cells.filter(|((_, phase), _)| **phase == Phase::Aggregate);
-        cores.flat_map(move |((cell, _), &aggregate)| cell[..corners].iter().map(move |&node| (node, aggregate)))
-    };
-    let mut first = vec![NO_AGGREGATE; mesh.points.len()];
-    for (node, aggregate) in cores() {
-        let first = &mut first[node as usize];
-        *first = if *first == NO_AGGREGATE { aggregate } else { *first };
-    }
-    let further = cores().filter(|&(node, aggregate)| first[node as usize] != aggregate);
-    let mut joined: Vec<(u32, u32)> =
-        further.flat_map(|(node, aggregate)| [(node, aggregate), (node, first[node as usize])]).collect();
-    joined.sort_unstable();
-    joined.dedup();
-    joined
-}
-
-/// The pairs of aggregates among [`joined`] nodes.
-pub(crate) fn pairs(joined: &[(u32, u32)]) -> usize {
-    let mut pairs = Vec::new();
-    for meet in joined.chunk_by(|a, b| a.0 == b.0) {
-        for (i, (_, higher)) in meet.iter().enumerate() {
-            pairs.extend(meet[..i].iter().map(|(_, lower)| (*lower, *higher)));
-        }
-    }
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs.len()
+fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
+    let owners = mesh.owners(|cell| mesh.phase[cell] == Phase::Aggregate);
+    owners.bodies(|node| owners.are_several(node))
 }
 
 /// Parts the aggregates of `mesh`, images of `bodies`, that share nodes; `cuts` tetrahedra before whole cells go.
-pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) -> Parted {
-    let joined = joined(mesh);
-    let (nodes, pairs) = (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined));
-    let mut parted = Parted { nodes, pairs, cells: 0, volume_mm3: 0.0 };
+pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) {
+    (mesh.notes.parted_nodes, mesh.notes.parted_pairs) = mesh.joined_aggregates();
     if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
         let bodies = ById::new(bodies);
         for _ in 0..CUTS {
-            let left = left(mesh, &bodies, &self::joined(mesh));
+            let left = left(mesh, &bodies, &joined(mesh));
             cut(mesh, &bodies, &left);
             let gone = cells_at(mesh, &left);
-            parted.become_mortar(mesh, &gone);
+            become_mortar(mesh, &gone);
         }
     }
-    let gone = joining_cells(mesh);
-    parted.become_mortar(mesh, &gone);
-    parted
+    let gone = mesh.joining_cells();
+    become_mortar(mesh, &gone);
 }
 
-impl Parted {
-    /// Gives the mortar the cells `gone`.
-    fn become_mortar(&mut self, mesh: &mut Mesh, gone: &[usize]) {
-        self.cells += gone.len();
-        self.volume_mm3 += gone.iter().map(|&cell| volume(mesh, cell)).sum::<f64>();
-        for &cell in gone {
-            mesh.phase[cell] = Phase::Mortar;
-            mesh.aggregate[cell] = NO_AGGREGATE;
-        }
+/// Gives the mortar the cells `gone`.
+fn become_mortar(mesh: &mut Mesh, gone: &[usize]) {
+    mesh.notes.parted_cells += gone.len();
+    mesh.notes.parted_mm3 += gone.iter().map(|&cell| mesh.volume(cell)).sum::<f64>();
+    for &cell in gone {
+        mesh.phase[cell] = Phase::Mortar;
+        mesh.aggregate[cell] = NO_AGGREGATE;
     }
-}
-
-fn volume(mesh: &Mesh, cell: usize) -> f64 {
-    let nodes = mesh.kind.nodes();
-    cell_volume(mesh.kind, &mesh.cells[cell * nodes..][..nodes], &mesh.points)
-}
-
-/// The aggregates' cells that must become mortar so that no aggregate shares a node with another one or with a fibre,
-/// ascending.
-///
-/// At a shared node all leave but a fibre, or the aggregate with the largest volume there. The node that costs the least
-/// is next: where an aggregate has left a node, it has less to lose at the nodes beside it. The smallest volume of all is
-/// a vertex cover of least weight, which is hard to find.
-pub(crate) fn joining_cells(mesh: &Mesh) -> Vec<usize> {
-    let mut shared = Shared::of(mesh);
-    let nodes: Vec<u32> = shared.cells.keys().copied().collect();
-    let mut next: BTreeSet<(u64, u32)> = nodes.iter().map(|&node| (shared.cost(node).0, node)).collect();
-    while let Some((_, node)) = next.pop_first() {
-        let leaving = shared.cost(node).1;
-        let mut others: BTreeSet<u32> = leaving.iter().flat_map(|&cell| shared.neighbours(mesh, cell)).collect();
-        others.retain(|&other| next.remove(&(shared.cost(other).0, other)));
-        leaving.iter().for_each(|&cell| shared.gone[cell] = true);
-        next.extend(others.iter().map(|&other| (shared.cost(other).0, other)));
-    }
-    (0..shared.gone.len()).filter(|&cell| shared.gone[cell]).collect()
 }
 
 /// The nodes that several bodies share.
@@ -127,23 +91,13 @@ struct Shared {
 
 impl Shared {
     fn of(mesh: &Mesh) -> Self {
-        let corners = mesh.kind.corners();
-        let bodies = || {
-            let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).enumerate();
-            cells.filter(|(_, ((_, phase), _))| matches!(phase, Phase::Aggregate | Phase::Fibre))
-        };
-        let (mut first, mut several) = (vec![NO_AGGREGATE; mesh.points.len()], vec![false; mesh.points.len()]);
-        for (_, ((cell, _), &body)) in bodies() {
-            for &node in &cell[..corners] {
-                let first = &mut first[node as usize];
-                several[node as usize] |= *first != NO_AGGREGATE && *first != body;
-                *first = body;
-            }
-        }
+        let is_stiff = |cell: usize| matches!(mesh.phase[cell], Phase::Aggregate | Phase::Fibre);
+        let owners = mesh.owners(is_stiff);
         let mut cells: BTreeMap<u32, Vec<(usize, u32, f64)>> = BTreeMap::new();
-        for (number, ((cell, phase), &body)) in bodies() {
-            let weight = if *phase == Phase::Fibre { f64::INFINITY } else { volume(mesh, number) };
-            for &node in cell[..corners].iter().filter(|node| several[**node as usize]) {
+        let all = mesh.cells().zip(&mesh.aggregate).enumerate().filter(|(number, _)| is_stiff(*number));
+        for (number, (cell, &body)) in all {
+            let weight = if mesh.phase[number] == Phase::Fibre { f64::INFINITY } else { mesh.volume(number) };
+            for &node in cell[..mesh.kind.corners()].iter().filter(|node| owners.are_several(**node)) {
                 cells.entry(node).or_default().push((number, body, weight));
             }
         }
@@ -278,4 +232,95 @@ fn cells_at(mesh: &Mesh, left: &[(u32, u32)]) -> Vec<usize> {
     let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).enumerate();
     let left = cells.filter(|(_, ((cell, phase), id))| **phase == Phase::Aggregate && leaves(cell, **id));
     left.map(|(number, _)| number).collect()
+}
+
+/// Halves the edges of mortar between two bodies; tells how many there were.
+pub(super) fn split_narrow(mesh: &mut Mesh) -> usize {
+    if mesh.kind != CellKind::Tetrahedron {
+        return 0;
+    }
+    let bridges = Bridges::of(mesh);
+    let first = mesh.points.len() as u32;
+    let middle = |&[a, b]: &[u32; 2]| (mesh.points[a as usize] + mesh.points[b as usize]) / 2.0;
+    let middles: Vec<_> = bridges.edges.iter().map(middle).collect();
+    mesh.points.extend(middles);
+    let mut cell = 0;
+    // What is cut off goes to the end, and is looked at there.
+    while cell < mesh.phase.len() {
+        let nodes: [u32; 4] = std::array::from_fn(|corner| mesh.cells[4 * cell + corner]);
+        let is_mortar = mesh.phase[cell] == Phase::Mortar;
+        let Some((edge, [i, j])) = is_mortar.then(|| bridges.longest_of(&nodes)).flatten() else {
+            cell += 1;
+            continue;
+        };
+        mesh.cells[4 * cell + i] = first + edge;
+        let mut rest = nodes;
+        rest[j] = first + edge;
+        mesh.cells.extend(rest);
+        mesh.phase.push(Phase::Mortar);
+        mesh.aggregate.push(NO_AGGREGATE);
+    }
+    bridges.edges.len()
+}
+
+/// Edges of the mortar from one body to another.
+struct Bridges {
+    /// The lower end and the upper one, ascending.
+    edges: Vec<[u32; 2]>,
+    /// The rank of each by its length, the longest first.
+    rank: Vec<u32>,
+    owners: Owners,
+}
+
+impl Bridges {
+    fn of(mesh: &Mesh) -> Self {
+        let owners = mesh.owners(|cell| mesh.aggregate[cell] != NO_AGGREGATE);
+        let mut bridges = Self { edges: Vec::new(), rank: Vec::new(), owners };
+        let sides = Sides::of_points(&mesh.points);
+        let repeats = (0..3).filter(|axis| mesh.periodic[*axis]).fold(0, |bits, axis| bits | 3 << (2 * axis));
+        let is_fixed = |[a, b]: [u32; 2]| sides.on(a) & sides.on(b) & repeats != 0;
+        let mortar = mesh.cells().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar);
+        let mut edges: Vec<[u32; 2]> = mortar
+            .flat_map(|(cell, _)| EDGES.map(|[i, j]| ordered(cell[i], cell[j])))
+            .filter(|&edge| bridges.parts_two(edge) && !is_fixed(edge))
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        bridges.rank = ranks(mesh, &edges);
+        bridges.edges = edges;
+        bridges
+    }
+
+    /// Whether the ends lie on two bodies. A node of several may share one of them with the other end: such an edge may be
+    /// theirs.
+    fn parts_two(&self, edge: [u32; 2]) -> bool {
+        let [a, b] = edge.map(|node| self.owners.only(node));
+        a.is_some() && b.is_some() && a != b
+    }
+
+    /// The longest bridge of a cell: its number, and the places of its ends.
+    fn longest_of(&self, nodes: &[u32; 4]) -> Option<(u32, [usize; 2])> {
+        let found = EDGES.iter().filter_map(|&[i, j]| Some((self.number(nodes[i], nodes[j])?, [i, j])));
+        found.min_by_key(|(edge, _)| self.rank[*edge as usize])
+    }
+
+    fn number(&self, a: u32, b: u32) -> Option<u32> {
+        let place = self.parts_two([a, b]).then(|| self.edges.binary_search(&ordered(a, b)).ok())?;
+        place.map(|place| place as u32)
+    }
+}
+
+fn ordered(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Ranks by length, the longest first; of equal ones the lower number.
+fn ranks(mesh: &Mesh, edges: &[[u32; 2]]) -> Vec<u32> {
+    let square = |[a, b]: [u32; 2]| (mesh.points[a as usize] - mesh.points[b as usize]).norm_squared();
+    let squares: Vec<f64> = edges.iter().map(|&edge| square(edge)).collect();
+    let mut order: Vec<usize> = (0..edges.len()).collect();
+    order.sort_by(|&i, &j| squares[j].total_cmp(&squares[i]).then(i.cmp(&j)));
+    let mut ranks = vec![0; edges.len()];
+    (0..).zip(order).for_each(|(rank, edge)| ranks[edge] = rank);
+    ranks
 }
