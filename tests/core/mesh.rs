@@ -224,6 +224,6 @@ fn a_plain_lattice_has_the_phase_of_every_centroid() {
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 4.0;
         let inside = |a: &&Aggregate| a.body.planes().all(|p| p.normal.dot(&centre) <= p.offset);
-        assert_eq!(mesh.aggregate[c], grains.iter().find(inside).map_or(mesh::NO_AGGREGATE, |a| a.id));
+        assert_eq!(mesh.aggregate[c], grains.iter().find(inside).map_or(Mesh::NO_AGGREGATE, |a| a.id));
     }
 }

@@ -11,7 +11,7 @@ mod solid;
 mod taken;
 
 use crate::aggregate::{Aggregate, Kind, SizeDefinition};
-use crate::geometry::{Polyhedron, sieve_size};
+use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
 use crate::packing::Container;
@@ -296,7 +296,7 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
     };
     let size_mm = match model.spec.grading.size {
         SizeDefinition::LongestAxis => longest_distance(aggregate.body.vertices()),
-        SizeDefinition::Sieve => sieve_size(&aggregate.body),
+        SizeDefinition::Sieve => aggregate.body.sieve_size(),
     };
     let rounding = rounding(size_mm);
     let fits = size_mm >= class.d_min_mm - rounding && size_mm <= class.d_max_mm + rounding;
@@ -306,13 +306,13 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{convex_hull, inward_offset};
+    use crate::geometry::convex_hull;
 
     #[test]
     fn a_shell_thinner_by_a_nanometre_and_more_is_found() {
         let corners = |half: f64| (0..8).map(move |i| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { half } else { -half }));
         let body = convex_hull(&corners(2.0).collect::<Vec<_>>()).unwrap();
-        let core = inward_offset(&body, 0.5).unwrap().unwrap();
+        let core = body.inward_offset(0.5).unwrap().unwrap();
         assert_eq!(too_thin(&body, &core, 0.5), None);
         assert_eq!(too_thin(&body, &core, 0.5 + 1e-10), None);
         assert!(too_thin(&body, &core, 0.5 + 2e-9).is_some());

@@ -1,7 +1,7 @@
 //! What every cell is made of in a test: joined aggregates are parted, and the ITZ is smeared where the mesh has none.
 
 use crate::test::{Itz, Joined};
-use meso_core::mesh::{Mesh, NO_AGGREGATE, Phase};
+use meso_core::mesh::{Mesh, Phase};
 
 /// Phases as they are solved, and what was changed.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ impl Phases {
         for (cell, phase) in mesh.cells().zip(&mut self.of_cells) {
             let touches = |face: &&[usize]| {
                 let owner = owners.last(cell[face[0]]);
-                owner != NO_AGGREGATE && face.iter().all(|&corner| owners.last(cell[corner]) == owner)
+                owner != Mesh::NO_AGGREGATE && face.iter().all(|&corner| owners.last(cell[corner]) == owner)
             };
             if *phase == Phase::Mortar && mesh.kind.faces().iter().any(touches) {
                 *phase = Phase::Itz;

@@ -270,7 +270,7 @@ impl Plan {
     ) -> Result<(), Failure> {
         let told = |share| watch.stage(Stage::Measure, share);
         let figures =
-            Statistics::of(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
+            Statistics::watched(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
         unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
     }
 }

@@ -166,13 +166,16 @@ pub struct Notes {
     pub shifted_itz_nodes: usize,
 }
 
-/// [`Mesh::aggregate`] of a cell that belongs to none.
-pub const NO_AGGREGATE: u32 = u32::MAX;
+/// Within the core, by a short name.
+pub(crate) const NO_AGGREGATE: u32 = Mesh::NO_AGGREGATE;
 
 /// The owner of a cell that lies in no body.
 pub(crate) const NO_BODY: u32 = NO_AGGREGATE;
 
 impl Mesh {
+    /// [`Mesh::aggregate`] of a cell that belongs to none.
+    pub const NO_AGGREGATE: u32 = u32::MAX;
+
     /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
     pub(crate) fn of(
         kind: CellKind,

@@ -69,7 +69,7 @@ impl<'a> ById<'a> {
             let all =
                 || self.images(a).flat_map(|a| self.images(b).map(move |b| [a, b].map(|body| body.body.vertices())));
             // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
-            let is_wider = all().all(|[a, b]| gjk::farther(a, b, widest).unwrap_or(false));
+            let is_wider = all().all(|[a, b]| gjk::distance_exceeds(a, b, widest).unwrap_or(false));
             let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
             if is_wider { gap() } else { widest }
         };

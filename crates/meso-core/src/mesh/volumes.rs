@@ -76,7 +76,7 @@ impl PhaseVolumes {
     ) -> Result<Self, OffsetError> {
         let core = |aggregate: &Aggregate| {
             let inner = if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 };
-            Ok(crate::geometry::inward_offset(&aggregate.body, inner)?.map_or(0.0, |body| body.volume()))
+            Ok(aggregate.body.inward_offset(inner)?.map_or(0.0, |body| body.volume()))
         };
         // Summed in the aggregates' order: the same on any number of threads.
         let cores = aggregates.par_iter().map(core).collect::<Result<Vec<f64>, OffsetError>>()?;

@@ -18,7 +18,6 @@ mod prisms;
 use super::cells::NO_BODY;
 use super::interface::{self, Owners, separate};
 use crate::aggregate::Aggregate;
-use crate::geometry::inward_offset;
 use crate::math::Aabb;
 pub(super) use improve::improve;
 use offset::RadialOffsets;
@@ -71,7 +70,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
 fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
     let shell = |body: u32| {
         let whole = &bodies.get(body).body;
-        let core = inward_offset(whole, thickness(body)).ok()?.map_or(0.0, |core| core.volume());
+        let core = whole.inward_offset(thickness(body)).ok()?.map_or(0.0, |core| core.volume());
         Some(whole.volume() - core)
     };
     let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
