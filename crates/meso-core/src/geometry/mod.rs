@@ -28,7 +28,7 @@ pub(crate) use hull::HullBuilder;
 pub use hull::{HullError, convex_hull};
 #[doc(hidden)]
 pub use inradius::Ball;
-pub(crate) use nearest::nearest_on_triangle;
+pub(crate) use nearest::{ConvexSurface, nearest_on_triangle};
 pub use offset::OffsetError;
 pub use plane::{Facet, Plane};
 pub use polyhedron::{MassProperties, Polyhedron};

@@ -7,12 +7,11 @@ pub(crate) mod cells;
 mod clip;
 pub mod conforming;
 mod error;
-pub(crate) mod fidelity;
+mod fidelity;
 mod gaps;
 mod interface;
 mod lattice;
 mod layer;
-pub(crate) mod location;
 mod options;
 pub mod quality;
 #[doc(hidden)]

@@ -10,7 +10,7 @@
 //! body by body to half a voxel, and over all bodies of a kind. Core and shell divide a body's voxels in the same way.
 
 use super::cells::{CellKind, Draft, NO_BODY, Phase};
-use super::location::{Facets, Label, PointGrid, Scan};
+use crate::location::{Facets, Label, PointGrid, Scan};
 use super::options::MeshOptions;
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;

@@ -18,7 +18,7 @@ pub use crate::export::raster::{Frame, ValueKind, Values};
 
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Phase;
-use crate::mesh::location::{Facets, PointGrid, Scan};
+use crate::location::{Facets, PointGrid, Scan};
 use crate::model::Model;
 use crate::packing::{Container, images_near};
 use distance::Surfaces;

@@ -21,7 +21,7 @@ mod sweeps;
 mod warp;
 
 use super::cells::{CellKind, Draft, NO_BODY, Notes, Phase};
-use super::location::{Facets, Locator};
+use crate::location::{Facets, Locator};
 use super::options::MeshOptions;
 use super::tet::{TetMesh, oriented};
 use crate::aggregate::Aggregate;

@@ -9,7 +9,7 @@ use super::surface::Surface;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::interface::Owners;
-use crate::mesh::location::Locator;
+use crate::location::Locator;
 use crate::mesh::sides::{Sides, image_classes};
 use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
 use crate::stop;

@@ -8,7 +8,7 @@
 use super::warp::{Field, OUTSIDE, alpha};
 use crate::math::Vec3;
 use crate::mesh::cells::{DROPPED, NO_BODY};
-use crate::mesh::location::Locator;
+use crate::location::Locator;
 use crate::mesh::tet::{TetMesh, oriented};
 use crate::stop;
 use rayon::prelude::*;

@@ -14,7 +14,7 @@ use super::repair::repair;
 use super::smoothing::{is_poor, smoothed, snapped};
 use super::surface::{Surface, volume_deficits};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::location::Locator;
+use crate::location::Locator;
 use crate::mesh::tet::{Incidence, Star, TetMesh};
 use crate::stop;
 use rayon::prelude::*;
