@@ -2,6 +2,7 @@
 
 use crate::mesh::{aggregate, block};
 use meso_core::aggregate::Aggregate;
+use meso_core::geometry::Plane;
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{
     self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality,
@@ -43,16 +44,17 @@ fn around(mesh: &Mesh) -> Vec<BTreeSet<u32>> {
     around
 }
 
-/// How far `p` is from the nearest plane of a body's surface, mm.
-fn height(body: &Aggregate, p: &Vec3) -> f64 {
-    body.body.planes().map(|plane| plane.normal.dot(p) - plane.offset).fold(f64::MIN, f64::max).abs()
-}
-
 /// For every node of an interface how far it lies from the nearest of its aggregates, mm, and how many these are.
 fn off(mesh: &Mesh, model: &Model) -> Vec<(f64, usize)> {
+    let planes: Vec<Vec<Plane>> = model.aggregates.iter().map(|aggregate| aggregate.body.planes().collect()).collect();
+    // From the nearest plane of a body's surface.
+    let height = |id: u32, p: &Vec3| {
+        let heights = planes[id as usize].iter().map(|plane| plane.normal.dot(p) - plane.offset);
+        heights.fold(f64::MIN, f64::max).abs()
+    };
     let of = |(ids, p): (&BTreeSet<u32>, &Vec3)| {
         let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != Mesh::NO_AGGREGATE).collect();
-        let heights = bodies.iter().map(|id| height(&model.aggregates[*id as usize], p));
+        let heights = bodies.iter().map(|id| height(*id, p));
         (ids.len() > 1).then_some((heights.fold(f64::INFINITY, f64::min), bodies.len()))
     };
     around(mesh).iter().zip(&mesh.points).filter_map(of).collect()
