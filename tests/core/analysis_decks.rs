@@ -7,9 +7,7 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::{Elastic, Materials, Strength};
 use meso_core::math::Vec3;
 use meso_core::mesh::quality::{self, MassScaling};
-use meso_core::mesh::{
-    self, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Phase, PhaseVolumes, Volumes,
-};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Phase, PhaseVolumes, Volumes};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};

@@ -6,9 +6,7 @@ use crate::mesh_specimens::every_kind;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
 use meso_core::math::Vec3;
-use meso_core::mesh::{
-    self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase,
-};
+use meso_core::mesh::{self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase};
 use meso_core::packing::{Periodic, Specimen};
 use std::collections::BTreeSet;
 

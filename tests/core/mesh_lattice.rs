@@ -4,9 +4,7 @@ use crate::mesh::{aggregate, block};
 use meso_core::aggregate::Aggregate;
 use meso_core::geometry::Plane;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{
-    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality,
-};
+use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;

@@ -6,9 +6,7 @@ use crate::periodic_decks::{SIDE_MM, equations, packed, tied};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{
-    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality,
-};
+use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;

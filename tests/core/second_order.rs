@@ -7,8 +7,7 @@ use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::sides::Sides;
 use meso_core::mesh::{
-    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase,
-    PhaseVolumes,
+    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseVolumes,
 };
 
 /// Two tetrahedra that share a face, the first of them aggregate.

@@ -143,7 +143,10 @@ fn the_nearest_aggregate_may_be_an_image_far_beyond_a_face() {
     let nearest = |x: &[f64]| {
         let mut model = model(100.0, x.iter().map(|&x| ball(Vec3::new(x, 50.0, 50.0), 3.0)).collect());
         model.spec.specimen = Specimen::Cube { side_mm: 100.0, periodic: Periodic([true, false, false]) };
-        Statistics::of(&model, &Options { lines: 0, points: 0, ..Options::default() }).unwrap().nearest_distance_mm.unwrap()
+        Statistics::of(&model, &Options { lines: 0, points: 0, ..Options::default() })
+            .unwrap()
+            .nearest_distance_mm
+            .unwrap()
     };
     // 48 mm apart in the box, 40 mm across its face.
     let two = nearest(&[20.0, 74.0]);

@@ -10,8 +10,7 @@ use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Notes, Phase, PhaseVolumes,
-    Volumes,
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Notes, Phase, PhaseVolumes, Volumes,
 };
 use meso_solve::{Figures, Itz, Kind, Run, Sample, Silent, Test};
 use std::collections::BTreeMap;

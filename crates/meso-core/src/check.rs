@@ -156,23 +156,23 @@ impl Finding {
 
 impl Check {
     /// As [`check`], and reports which share of the work is done, 0 to 1.
-    pub fn of(model: &Model, told: &dyn Fn(f64)) -> Self {
-        told(0.02);
+    pub fn of(model: &Model, progress: &dyn Fn(f64)) -> Self {
+        progress(0.02);
         let container = model.spec.specimen.container();
         let bodies = model.bodies();
         let placed = placed(model, &bodies, container.aabb());
-        told(0.1);
+        progress(0.1);
         let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
-        told(0.4);
+        progress(0.4);
         findings.par_extend(bodies.par_iter().panic_fuse().flat_map_iter(|body| single(model, &*container, body)));
-        told(0.7);
+        progress(0.7);
         // Summed in the order of the aggregates, whatever the threads.
         let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
         let fraction = volumes.iter().sum::<f64>() / container.volume();
         let (taken, not_taken) = taken::check(model, &bodies);
         findings.extend(not_taken);
         findings.extend(report::check(model, taken.as_ref()));
-        told(1.0);
+        progress(1.0);
         let not_checked = not_checked(model, taken.is_some());
         Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings, not_checked }
     }

@@ -116,20 +116,20 @@ impl Statistics {
     ///
     /// # Errors
     /// As [`Statistics::of`].
-    pub fn watched(model: &Model, options: &Options, report: &(dyn Fn(f64) + Sync)) -> Result<Self, GjkError> {
-        report(0.02);
+    pub fn watched(model: &Model, options: &Options, progress: &(dyn Fn(f64) + Sync)) -> Result<Self, GjkError> {
+        progress(0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
         // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
         let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
         let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
         let (shapes, orientation) = (Shapes::of(aggregates), Orientation::of(aggregates));
-        report(0.2);
+        progress(0.2);
         let wall_effect = wall::wall_effect(&sample);
-        report(0.35);
+        progress(0.35);
         let nearest_distance_mm = nearest::nearest_distances(model, &images)?;
-        report(0.7);
+        progress(0.7);
         let correlation = correlation::correlation(&sample);
-        report(1.0);
+        progress(1.0);
         Ok(Statistics {
             fraction: ordered_sum(aggregates, |a| a.body.volume()) / container.volume(),
             specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / container.volume(),

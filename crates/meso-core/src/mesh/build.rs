@@ -42,9 +42,9 @@ pub fn build_watched(
     model: &Model,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
-    told: &dyn Fn(f64),
+    progress: &dyn Fn(f64),
 ) -> Result<Mesh, MeshError> {
-    assemble(&model.bodies(), &model.spec.specimen, options, gmsh, told)
+    assemble(&model.bodies(), &model.spec.specimen, options, gmsh, progress)
 }
 
 /// As [`build_watched`], and refuses a mesh in which a phase has more or less of its volume than `accepted` allows.
@@ -59,9 +59,9 @@ pub fn build_accepted(
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
     accepted: f64,
-    told: &dyn Fn(f64),
+    progress: &dyn Fn(f64),
 ) -> Result<(Mesh, Option<PhaseOff>), MeshError> {
-    let mesh = build_watched(model, options, gmsh, told)?;
+    let mesh = build_watched(model, options, gmsh, progress)?;
     let off = PhaseOff::of(&mesh, &model.bodies(), &model.spec.specimen, options);
     match off.filter(|off| off.error().abs() > accepted) {
         Some(off) => Err(off.refused(options)),
@@ -82,32 +82,32 @@ fn assemble(
     specimen: &Specimen,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
-    told: &dyn Fn(f64),
+    progress: &dyn Fn(f64),
 ) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
-    told(0.02);
+    progress(0.02);
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut bodies = images_near(aggregates, specimen, 0.0);
     bodies.sort_by(before);
     let bodies = bodies.as_slice();
-    told(0.05);
+    progress(0.05);
     let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
-    told(0.6);
+    progress(0.6);
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
         clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, bodies);
     fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
-    told(0.75);
+    progress(0.75);
     make_fit(&mut mesh, bodies, options);
-    told(0.85);
+    progress(0.85);
     if options.itz == ItzForm::Cohesive {
         interface::add_cohesive(&mut mesh);
         if mesh.periodic != [false; 3] {
             sides::complete(&mut mesh);
         }
     }
-    told(0.95);
+    progress(0.95);
     quality::all_positive(mesh.by_aggregate())?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();

@@ -304,8 +304,8 @@ impl Mesh {
         cell_volume(self.kind, &self.cells[cell * nodes..][..nodes], &self.points)
     }
 
-    /// What `of_run` makes of the cells' nodes and phases, given with the number of the first, run by run: of one length and in
-    /// order, so that sums are the same on any number of threads.
+    /// Applies `of_run` to runs of cells: the number of the first, all nodes, all phases. Runs have one length and their results are
+    /// in order, so that sums are the same on any number of threads.
     pub(super) fn in_runs<T: Send>(&self, of_run: impl Fn(usize, &[u32], &[Phase]) -> T + Sync) -> Vec<T> {
         let runs = self.cells.par_chunks(RUN * self.kind.nodes()).zip(self.phase.par_chunks(RUN)).enumerate();
         runs.map(|(run, (cells, phases))| of_run(run * RUN, cells, phases)).collect()

@@ -110,7 +110,8 @@ impl InterfaceDistance {
     /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
         let surface = |body: &Aggregate| (body.id, ConvexSurface::new(&body.body));
-        let mut bodies: Vec<(u32, ConvexSurface)> = images_near(aggregates, specimen, 0.0).iter().map(surface).collect();
+        let mut bodies: Vec<(u32, ConvexSurface)> =
+            images_near(aggregates, specimen, 0.0).iter().map(surface).collect();
         bodies.sort_by_key(|body| body.0);
         let distance = |&(node, id): &(u32, u32)| {
             stop::point();

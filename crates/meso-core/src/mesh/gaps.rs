@@ -1,7 +1,8 @@
 //! Gaps between aggregates, for analyses: mortar parts those that share nodes, and narrow gaps get two layers of tetrahedra.
 //!
-//! Joined aggregates make an elastic skeleton that never breaks. There are two ways to part them. The first makes whole cells mortar: at a node that several aggregates share, all of them leave but one, and
-//! the nodes are taken in an order that loses little volume. No cell is added, so no stable step gets shorter.
+//! Joined aggregates make an elastic skeleton that never breaks. There are two ways to part them. The first makes whole cells
+//! mortar: at a node that several aggregates share, all of them leave but one, and the nodes are taken in an order that
+//! loses little volume. No cell is added, so no stable step gets shorter.
 //!
 //! The second cuts tetrahedra first. A shared node stays with the aggregate whose surface is nearest; the others' cells
 //! there have reached across the gap. The edges that lead from the node into these are cut where they meet their surfaces,
@@ -234,7 +235,7 @@ fn cells_at(mesh: &Mesh, left: &[(u32, u32)]) -> Vec<usize> {
     left.map(|(number, _)| number).collect()
 }
 
-/// Halves the edges of mortar between two bodies; tells how many there were.
+/// Halves the edges of mortar between two bodies; the number of these.
 pub(super) fn split_narrow(mesh: &mut Mesh) -> usize {
     if mesh.kind != CellKind::Tetrahedron {
         return 0;
@@ -245,7 +246,7 @@ pub(super) fn split_narrow(mesh: &mut Mesh) -> usize {
     let middles: Vec<_> = bridges.edges.iter().map(middle).collect();
     mesh.points.extend(middles);
     let mut cell = 0;
-    // What is cut off goes to the end, and is looked at there.
+    // The half that is cut off goes to the end, and is looked at there.
     while cell < mesh.phase.len() {
         let nodes: [u32; 4] = std::array::from_fn(|corner| mesh.cells[4 * cell + corner]);
         let is_mortar = mesh.phase[cell] == Phase::Mortar;

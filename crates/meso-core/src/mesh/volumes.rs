@@ -132,7 +132,7 @@ impl PhaseOff {
         wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
     }
 
-    /// What it has too much, or, below 0, too little, as a share of its exact volume.
+    /// Its excess, or, below 0, its lack, as a share of its exact volume.
     pub fn error(&self) -> f64 {
         self.meshed / self.exact - 1.0
     }
@@ -153,7 +153,7 @@ fn comparable(mesh: &Mesh, itz: ItzForm) -> PhaseVolumes {
     }
 }
 
-/// What keeps the phase, by the options' names.
+/// The ways to keep the phase, by the options' names.
 fn ways_out(phase: Phase, options: &MeshOptions) -> String {
     let size = match phase {
         Phase::Fibre => "an element_size_mm of at most half the fibres' diameter",
@@ -208,7 +208,7 @@ fn missing(mesh: &Mesh, exact: &BTreeMap<u32, f64>) -> BTreeMap<u32, f64> {
     missing
 }
 
-/// What may move.
+/// The nodes that may move, with their faces and cells.
 struct Surface {
     /// For every node the aggregate whose surface it slides off, [`NO_AGGREGATE`] where it stays.
     owner: Vec<u32>,

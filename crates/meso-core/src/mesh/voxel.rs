@@ -10,9 +10,9 @@
 //! body by body to half a voxel, and over all bodies of a kind. Core and shell divide a body's voxels in the same way.
 
 use super::cells::{CellKind, Draft, NO_BODY, Phase};
-use crate::location::{Facets, Label, PointGrid, Scan};
 use super::options::MeshOptions;
 use crate::aggregate::{Aggregate, Kind};
+use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::packing::Specimen;
 use rayon::prelude::*;

@@ -5,8 +5,8 @@
 
 use crate::aggregate::Aggregate;
 use crate::geometry::{BoxTree, ConvexSurface};
-use crate::math::{Aabb, Vec3};
 use crate::location::{Label, PointGrid, Scan};
+use crate::math::{Aabb, Vec3};
 use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -26,7 +26,11 @@ pub(super) struct Surfaces {
 impl Surfaces {
     pub(super) fn new(aggregates: &[Aggregate]) -> Self {
         let boxes: Vec<Aabb> = aggregates.iter().map(|aggregate| aggregate.body.aabb()).collect();
-        Self { bodies: aggregates.par_iter().map(|aggregate| ConvexSurface::new(&aggregate.body)).collect(), tree: BoxTree::new(&boxes), boxes }
+        Self {
+            bodies: aggregates.par_iter().map(|aggregate| ConvexSurface::new(&aggregate.body)).collect(),
+            tree: BoxTree::new(&boxes),
+            boxes,
+        }
     }
 
     /// Distances of the voxels of layer `k`, mm, negative inside a body. The bodies of `scan` are these, in their order.

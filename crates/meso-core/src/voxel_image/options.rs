@@ -1,7 +1,7 @@
 //! What is asked of an image.
 
-use crate::math::Vec3;
 use crate::location::PointGrid;
+use crate::math::Vec3;
 use crate::packing::Specimen;
 use serde::{Deserialize, Serialize};
 

@@ -48,7 +48,7 @@ pub(super) struct Piece {
     /// How many periods the image is away.
     pub(super) steps: [i32; 3],
     pub(super) points: Vec<Vec3>,
-    /// What is left of the body's own facets, counter-clockwise from outside.
+    /// The remaining parts of the body's own facets, counter-clockwise from outside.
     pub(super) facets: Vec<Vec<u32>>,
     /// Where faces of the box cut it, counter-clockwise from outside: axis, whether it is the upper face, corners.
     pub(super) caps: Vec<(usize, bool, Vec<u32>)>,
@@ -67,7 +67,7 @@ impl Piece {
     }
 }
 
-/// What is cut, and by which planes.
+/// The bodies to cut, and the planes that cut them.
 #[derive(Clone, Copy)]
 pub(super) struct Cuts<'a> {
     pub(super) placed: &'a [Aggregate],
@@ -127,7 +127,7 @@ fn sound(piece: Piece, aggregate: &Aggregate) -> Result<Piece, MeshError> {
     }
 }
 
-/// What a polygon of a cut body is: a facet, or the cut at a face of the box.
+/// The kind of a polygon of a cut body: a facet, or the cut at a face of the box.
 type Side = Option<(usize, bool)>;
 
 /// A body by its convex polygons; in slabs it may be any.
@@ -240,7 +240,7 @@ impl Cut<'_> {
         self.points[point as usize][self.axis] >= self.position
     }
 
-    /// What is left of a polygon, and the edge along which the plane cuts it, in the cap's direction.
+    /// The rest of a polygon, and the edge along which the plane cuts it, in the cap's direction.
     fn polygon(&mut self, corners: &[u32]) -> (Vec<u32>, Option<(u32, u32)>) {
         let (mut kept, mut out, mut back) = (Vec::with_capacity(corners.len() + 1), None, None);
         for (k, &corner) in corners.iter().enumerate() {

@@ -86,7 +86,7 @@ pub(super) fn mesh(
     Err(first.unwrap_or(MeshError::NeedsGmsh))
 }
 
-/// What is asked of gmsh.
+/// The input of all runs of gmsh.
 struct Division {
     /// By slab.
     runs: Vec<Surfaces>,

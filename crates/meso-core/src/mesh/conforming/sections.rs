@@ -163,7 +163,7 @@ impl Sides<'_> {
     /// The rims of `caps` and the face's four sides, as nodes in a row.
     fn rims(&self, caps: &[(usize, Vec<Vec3>)], limit: f64) -> Vec<Vec<Vec3>> {
         let of_caps = caps.iter().flat_map(|(_, corners)| edges(corners));
-        // What bodies have of the sides is among their parts.
+        // The edges of bodies on the sides are among the parts of these.
         let of_caps = of_caps.filter(|(from, to)| !self.is_on_a_side(from, to));
         self.sides(caps).into_iter().chain(of_caps).map(|(from, to)| halved(from, to, limit)).collect()
     }

@@ -243,7 +243,7 @@ impl<'a> Seam<'a> {
     }
 }
 
-/// What is in the first of two ascending lists alone.
+/// The entries of the first of two ascending lists that the second lacks.
 fn without(list: &[Corners], other: &[Corners]) -> Vec<Corners> {
     list.iter().filter(|entry| other.binary_search(entry).is_err()).copied().collect()
 }

@@ -21,10 +21,10 @@ mod sweeps;
 mod warp;
 
 use super::cells::{CellKind, Draft, NO_BODY, Notes, Phase};
-use crate::location::{Facets, Locator};
 use super::options::MeshOptions;
 use super::tet::{TetMesh, oriented};
 use crate::aggregate::Aggregate;
+use crate::location::{Facets, Locator};
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
 use crate::stop;

@@ -6,10 +6,10 @@
 
 use super::boundary::{Boundary, Hold};
 use super::surface::Surface;
+use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::interface::Owners;
-use crate::location::Locator;
 use crate::mesh::sides::{Sides, image_classes};
 use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
 use crate::stop;

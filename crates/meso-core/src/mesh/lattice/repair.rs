@@ -351,7 +351,7 @@ impl Patch {
         any
     }
 
-    /// What makes the mesh like this one where it was like `before`.
+    /// The changes that lead from `before` to this patch.
     fn in_place_of(&self, before: &Self) -> Remeshed {
         let sorted = |of: &Self| {
             let mut cells = of.mesh.cells.clone();

@@ -43,7 +43,7 @@ const MOST: f64 = 0.1;
 /// Cells added up together.
 const RUN: usize = 1 << 12;
 
-/// What was done for the angles.
+/// The counts of changes for the angles.
 pub(in crate::mesh) struct Improved {
     /// Inner ends that left the exact offset.
     pub(in crate::mesh) shifted: usize,
@@ -285,7 +285,6 @@ impl Constraint for Mover<'_> {
         let flat = self.0.faces.flat(self.1);
         directions().map(|direction| x + flat.along(&direction) * step).collect()
     }
-
 }
 
 impl Mover<'_> {
@@ -372,7 +371,7 @@ struct Group {
     nodes: Vec<u32>,
 }
 
-/// What came of a group.
+/// The fate of a group.
 enum Tried {
     Collapsed,
     Grown,

@@ -66,7 +66,7 @@ impl Star {
         worst
     }
 
-    /// What a move of the node by a unit vector gains of six times the volume of the star's tetrahedra, each counted as
+    /// The gain of six times the volume of the star's tetrahedra by a unit move of the node, each tetrahedron counted as
     /// often as `weight` of its owner says: volumes are linear in the node's position.
     pub(in crate::mesh) fn gain(&self, weight: impl Fn(u32) -> f64) -> Vec3 {
         -self.faces.iter().map(|([a, b, c], owner)| (b - a).cross(&(c - a)) * weight(*owner)).sum::<Vec3>()
@@ -84,7 +84,7 @@ impl Star {
     }
 }
 
-/// What one node of a mesh may do.
+/// The moves that one node of a mesh may make.
 pub(in crate::mesh) trait Constraint {
     /// The positions that the node may take about one `step` from `x`; the unit of steps is the implementer's.
     fn reachable(&self, x: &Vec3, step: f64) -> Vec<Vec3>;
