@@ -4,7 +4,7 @@
 //!
 //! What explicit dynamics in steps of a given length cost: the mass that mass scaling adds, phase by phase. A cell whose own
 //! stable step is shorter by the factor k gets k^2 times its mass, as `*FIXED MASS SCALING, TYPE=BELOW MIN` does it; its own
-//! step is the bound of [`stable_length`] over the wave speed.
+//! step is the bound of [`stable_length_mm`](CellQuality::stable_length_mm) over the wave speed.
 
 use super::cells::{CellKind, Cells, Mesh, Phase, cell_volume};
 use super::error::MeshError;
