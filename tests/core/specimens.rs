@@ -4,7 +4,7 @@ use crate::angle_piece::angle_piece;
 use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, MeshOptions, Method};
+use meso_core::mesh::{self, Mesh, MeshOptions, Method};
 use meso_core::packing::{Built, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, pack};
 use std::f64::consts::PI;
@@ -195,7 +195,7 @@ fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
         let exact = model.spec.specimen.volume();
         assert!((volume / exact - 1.0).abs() < 0.02, "{method:?}: {volume} of {exact}");
-        for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == mesh::NO_AGGREGATE).map(|(cell, _)| cell)
+        for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == Mesh::NO_AGGREGATE).map(|(cell, _)| cell)
         {
             let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / cell.len() as f64;
             assert!((centre.x - 30.0).hypot(centre.y - 30.0) <= 30.0 + 1e-9);

@@ -218,7 +218,7 @@ impl PySpec {
         guard(|| {
             let mut value = self.unresolved()?;
             let changes = changes.map_or(Ok(Value::Object(Map::new())), |dict| tree::from_python("", dict.as_any()));
-            spec::overlay(&mut value, changes?);
+            Spec::overlay(&mut value, changes?);
             from_value(&value).map(Self)
         })
     }

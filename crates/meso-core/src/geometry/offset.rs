@@ -41,37 +41,39 @@ pub enum OffsetError {
     },
 }
 
-/// The half-space erosion { x : n_i . x <= d_i - thickness |n_i| } of `body`, or `None` where it vanishes.
-///
-/// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to 1e-12
-/// for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are rounded to f64.
-/// There is no answer only where f64 vertices cannot show the shape: where what is left is thinner than about 1e-13 of its
-/// distance from the origin.
-/// A face that is not plane to the last bit counts as the plane of its widest triangle.
-///
-/// # Errors
-/// See [`OffsetError`].
-pub fn inward_offset(body: &Polyhedron, thickness: f64) -> Result<Option<Polyhedron>, OffsetError> {
-    if !thickness.is_finite() || thickness < 0.0 {
-        return Err(OffsetError::Thickness { thickness });
-    }
-    if thickness == 0.0 {
-        return Ok(Some(body.clone()));
-    }
-    let corners = plane_corners(body);
-    // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.
-    let centroid = body.centroid();
-    if let Some(points) = dual_points(&corners, &centroid, thickness) {
-        return intersect(&corners, &centroid, thickness, &points).map(Some);
-    }
-    if clearly_vanishes(body, thickness) {
-        return Ok(None);
-    }
-    match erosion(&corners, thickness) {
-        Erosion::Nothing => Ok(None),
-        Erosion::Around(center) => {
-            let points = dual_points(&corners, &center, thickness).ok_or_else(lost)?;
-            intersect(&corners, &center, thickness, &points).map(Some)
+impl Polyhedron {
+    /// The half-space erosion { x : n_i . x <= d_i - thickness |n_i| } of the body, or `None` where it vanishes.
+    ///
+    /// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to 1e-12
+    /// for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are rounded to f64.
+    /// There is no answer only where f64 vertices cannot show the shape: where what is left is thinner than about 1e-13 of its
+    /// distance from the origin.
+    /// A face that is not plane to the last bit counts as the plane of its widest triangle.
+    ///
+    /// # Errors
+    /// See [`OffsetError`].
+    pub fn inward_offset(&self, thickness: f64) -> Result<Option<Self>, OffsetError> {
+        if !thickness.is_finite() || thickness < 0.0 {
+            return Err(OffsetError::Thickness { thickness });
+        }
+        if thickness == 0.0 {
+            return Ok(Some(self.clone()));
+        }
+        let corners = plane_corners(self);
+        // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.
+        let centroid = self.centroid();
+        if let Some(points) = dual_points(&corners, &centroid, thickness) {
+            return intersect(&corners, &centroid, thickness, &points).map(Some);
+        }
+        if clearly_vanishes(self, thickness) {
+            return Ok(None);
+        }
+        match erosion(&corners, thickness) {
+            Erosion::Nothing => Ok(None),
+            Erosion::Around(center) => {
+                let points = dual_points(&corners, &center, thickness).ok_or_else(lost)?;
+                intersect(&corners, &center, thickness, &points).map(Some)
+            }
         }
     }
 }
