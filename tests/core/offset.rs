@@ -333,6 +333,6 @@ fn a_cube_vanishes_at_half_its_side_and_not_before() {
 fn thicknesses_that_are_none_are_refused() {
     let cube = convex_hull(&block([4.0; 3])).unwrap();
     for thickness in [f64::NAN, f64::INFINITY, -1e-9] {
-        assert!(matches!(inward_offset(&cube, thickness), Err(OffsetError::Thickness { .. })), "{thickness}");
+        assert!(matches!(cube.inward_offset(thickness), Err(OffsetError::Thickness { .. })), "{thickness}");
     }
 }
