@@ -114,7 +114,10 @@ fn attempts(stream: &Stream, ccd: Option<&Ccd>, table: &mut Measured) {
         let clear = |group: &[[u32; 2]]| {
             let (first, end) = (group[0][0], group[group.len() - 1][1]);
             let ends: Vec<u32> = group.iter().map(|r| r[1] - first).collect();
-            gjk::clear_many(&asks[first as usize..end as usize], &ends, 0.0).into_iter().filter(|&c| c).count()
+            gjk::PairQuery::clear_many(&asks[first as usize..end as usize], &ends, 0.0)
+                .into_iter()
+                .filter(|&c| c)
+                .count()
         };
         ranges.chunks(64).map(clear).sum()
     };

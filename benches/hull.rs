@@ -11,7 +11,7 @@ mod clock;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_core::geometry::{Polyhedron, convex_hull, inward_offset};
+use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::Vec3;
 use meso_core::testing::{HullBuilder, Purpose, Stream};
 use std::hint::black_box;
@@ -68,7 +68,7 @@ fn main() {
         ("hull (builder kept)", each(&grains, move |points| builder.build(points))),
         ("hull", each(&grains, |points| convex_hull(points))),
         ("hull by parry3d-f64", each(&parry, |points| parry3d_f64::transformation::try_convex_hull(points))),
-        ("offset by 0.3 mm", each(&bodies, |body| inward_offset(body, 0.3))),
+        ("offset by 0.3 mm", each(&bodies, |body| body.inward_offset(0.3))),
         ("inscribed ball", each(&bodies, Polyhedron::inscribed_ball)),
         ("volume with centroid and inertia", each(&bodies, Polyhedron::mass_properties)),
     ];

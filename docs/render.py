@@ -4,10 +4,11 @@
     pip install '.[plot]' && python docs/render.py [FOLDER]
 
 Writes packing.png and section.png to FOLDER (default docs/images), from the specimen that `mesocrete pack` makes,
-specimens.png, and mesh.png, itz.png and cracks.png side by side in results.png. The cracks take some 30 CPU s.
+specimens.png, and a mesh, ITZ shells and cracks side by side in results.png. The cracks take some minutes.
 """
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
@@ -18,11 +19,14 @@ from matplotlib.collections import PolyCollection
 import mesocrete as mc
 from mesocrete._views import _CLASSES as CLASS_COLORS
 from mesocrete._views import _PALETTE
+from PIL import Image
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
 MORTAR, ITZ, CRACK = _PALETTE[0], "#c8553d", "#c8553d"
+# Phases by their labels, the ITZ so that it is seen.
+PHASES = [MORTAR, ITZ, *_PALETTE[2:]]
 # A cylinder, a box that repeats itself in all directions, gravel in a sphere, crushed rock in a prism.
 OTHERS = [
     {"specimen": {"kind": "cylinder", "diameter_mm": 100, "height_mm": 200}, "fraction": 0.55},
@@ -31,8 +35,9 @@ OTHERS = [
     {"specimen": {"kind": "box", "size_mm": [70, 70, 150]}, "shape": {"kind": "crushed"}, "fraction": 0.5},
 ]
 
-# What mesh, ITZ and cracks are shown of.
-SMALL = {"specimen": {"kind": "cube", "side_mm": 40.0}, "fraction": 0.4}
+# What mesh and ITZ are shown of: shells of one thickness, and a box that repeats itself, so that its faces cut aggregates.
+SMALL = {"specimen": {"kind": "cube", "side_mm": 40.0}, "fraction": 0.4, "itz": {"thickness_mm": [0.5, 0.5]}}
+REPEATED = SMALL | {"specimen": {"kind": "cube", "side_mm": 40.0, "periodic": ["x", "y", "z"]}, "fraction": 0.55}
 
 
 def main() -> None:
@@ -40,19 +45,16 @@ def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "images"
     folder.mkdir(parents=True, exist_ok=True)
     packing = mc.pack()
-    save(draw(packing, [1400, 1300], zoom=0.95)[::2, ::2], folder / "packing.png")
+    save([draw(packing)], folder / "packing.png", height=640)
     draw_section(packing, folder / "section.png", height=75.0)
-    # As large as fits a tile, upright ones in narrow tiles.
-    tiles = [(720, 0.95), (1000, 0.95), (900, 1.1), (720, 0.95)]
-    pictures = [draw(mc.pack(spec), [w, 1000], zoom=zoom) for spec, (w, zoom) in zip(OTHERS, tiles, strict=True)]
-    save(np.hstack(pictures)[::2, ::2], folder / "specimens.png")
-    save(np.hstack([draw_mesh(), draw_itz(), draw_cracks()])[::2, ::2], folder / "results.png")
+    save([draw(mc.pack(spec)) for spec in OTHERS], folder / "specimens.png", height=460)
+    save([draw_mesh(), draw_itz(), draw_cracks()], folder / "results.png", height=460)
     print(f"{packing!r}: packing.png, section.png, specimens.png, results.png in {folder}")
 
 
-def draw(packing: mc.Packing, size: list[int], *, zoom: float) -> np.ndarray:
+def draw(packing: mc.Packing) -> np.ndarray:
     """All aggregates, coloured by class, in the edges of their specimen; periodic ones are cut at its faces."""
-    plotter = new_plotter(size)
+    plotter = new_plotter()
     bodies = packing.to_pyvista(images="cut")
     clim = (0, len(CLASS_COLORS) - 1)
     plotter.add_mesh(bodies, scalars="class", cmap=CLASS_COLORS, clim=clim, show_scalar_bar=False, ambient=0.15)
@@ -60,78 +62,114 @@ def draw(packing: mc.Packing, size: list[int], *, zoom: float) -> np.ndarray:
     if outline.n_points:
         plotter.add_mesh(outline, color="black", line_width=3)
     plotter.enable_ssao(radius=12.0, bias=0.4)
-    return seen(plotter, packing.bounds, zoom)
+    return seen(plotter, packing.bounds)
 
 
 def draw_mesh() -> np.ndarray:
-    """A fitted lattice cut open: aggregates and mortar, conforming."""
+    """A fitted lattice with its layers of ITZ, cut open."""
     packing = mc.pack(SMALL, seed=2)
-    grid = packing.mesh(method="lattice", element_size=2.0, itz="none").to_pyvista()
-    shown = grid.extract_cells(np.flatnonzero(grid.cell_centers().points[:, 1] > 20.0)).extract_surface(algorithm="dataset_surface")
-    plotter = new_plotter([900, 900])
-    add_phases(plotter, shown, show_edges=True, line_width=1)
-    return seen(plotter, packing.bounds, 0.95)
+    grid = packing.mesh(method="lattice", element_size=2.0, itz="solid").to_pyvista()
+    plotter = new_plotter()
+    add_painted(plotter, cut_open(grid), lambda cells: rgb(PHASES)[cells["phase"]], show_edges=True, line_width=1)
+    return seen(plotter, packing.bounds)
 
 
 def draw_itz() -> np.ndarray:
-    """Aggregates cut open in their shells, which are thicker here than by default, to be seen."""
-    packing = mc.pack(SMALL | {"itz": {"thickness_mm": [0.5, 0.5]}}, seed=2)
-    plotter = new_plotter([900, 900])
-    for aggregate in packing.aggregates:
-        for body, color in ((aggregate, ITZ), (aggregate.core(), CLASS_COLORS[aggregate.size_class])):
-            if body is None:
-                continue
-            surface = pyvista.PolyData.from_regular_faces(body.vertices, body.triangles)
-            # What is cut off an aggregate shows the cut through its shell and its core.
-            part = surface.clip_closed_surface(normal="y", origin=(0.0, 20.0 + 1e-3 * (body is aggregate), 0.0))
-            if part.n_cells:
-                plotter.add_mesh(part, color=color, ambient=0.15)
-    return seen(plotter, packing.bounds, 0.95)
+    """A box that repeats itself, without the eighth that is nearest: mortar, shells and cores in exact sections."""
+    packing = mc.pack(REPEATED, seed=2)
+    low, high = (np.array(corner) for corner in packing.bounds)
+    middle = (low + high) / 2.0
+    plotter = new_plotter()
+    # The eighth beyond the middle of x and z, and before that of y, is away: its three faces lie inside.
+    for axis, outside in enumerate([high, low, high]):
+        for at, is_inner in ((outside[axis], False), (middle[axis], True)):
+            plane = painted_section(packing, axis, at)
+            centers = plane.cell_centers().points
+            beyond = (centers > middle) == [True, False, True]
+            away = beyond[:, [i for i in range(3) if i != axis]].all(axis=1)
+            plotter.add_mesh(plane.extract_cells(np.flatnonzero(away == is_inner)), scalars="colour", rgb=True, ambient=0.2)
+    return seen(plotter, packing.bounds)
+
+
+def painted_section(packing: mc.Packing, axis: int, at: float, px: int = 800) -> pyvista.ImageData:
+    """The exact section across an axis, mm, as pixels in the colours of the phases."""
+    low, high = (np.array(corner) for corner in packing.bounds)
+    # A face of the box belongs to it, but for rounding.
+    labels = packing.section("xyz"[axis], float(np.clip(at, low[axis] + 1e-6, high[axis] - 1e-6)), px=px)
+    low[axis] = at
+    counts = np.insert(np.array(labels.shape[::-1]) + 1, axis, 1)
+    plane = pyvista.ImageData(dimensions=counts, spacing=[max(high - low) / px] * 3, origin=low)
+    plane.cell_data["colour"] = np.round(255 * rgb(PHASES)[labels.ravel()]).astype(np.uint8)
+    return plane
 
 
 def draw_cracks() -> np.ndarray:
-    """The cracks of a cube that was crushed between plates with little friction."""
+    """The cracks of a cube that was crushed between plates with little friction, cut open; displacements five times."""
     packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 50.0}, "fraction": 0.4}, seed=1)
-    response = packing.mesh(element_size=2.0, itz="none").solve(friction=0.1, strain=0.005)
+    response = packing.mesh(method="lattice", element_size=2.0, itz="none").solve(friction=0.1, strain=0.005)
     grid = response.to_pyvista()
     grid.points += 5.0 * grid.point_data["displacement_mm"]
-    plotter = new_plotter([900, 900])
-    opening = np.minimum(grid.cell_data["crack_opening_mm"], 0.05)
-    grid.cell_data["opening"] = opening
-    surface = grid.extract_surface(algorithm="dataset_surface")
-    plotter.add_mesh(surface, scalars="opening", cmap=[MORTAR, "#e8b7a4", CRACK, "#5a1f12"], show_scalar_bar=False)
-    return seen(plotter, packing.bounds, 0.95)
+    shades = matplotlib.colors.LinearSegmentedColormap.from_list("cracks", [MORTAR, "#e8b7a4", CRACK, "#2b0d07"])
+
+    def colors(cells: pyvista.DataSetAttributes) -> np.ndarray:
+        opening = np.minimum(cells["crack_opening_mm"] / 0.05, 1.0)
+        return np.where((cells["phase"] == 2)[:, None], rgb(_PALETTE)[cells["phase"]], shades(opening)[:, :3])
+
+    plotter = new_plotter()
+    add_painted(plotter, cut_open(grid), colors)
+    return seen(plotter, packing.bounds)
 
 
-def add_phases(plotter: pyvista.Plotter, shown: pyvista.PolyData, **options: object) -> None:
-    """Add a surface in the colours of its phases."""
-    colors = np.array([matplotlib.colors.to_rgb(_PALETTE[phase]) for phase in shown.cell_data["phase"]])
-    shown.cell_data["colour"] = (255 * colors).astype(np.uint8)
+def cut_open(grid: pyvista.UnstructuredGrid) -> pyvista.PolyData:
+    """The surface of what lies beyond the middle of y."""
+    low, high = np.array(grid.bounds).reshape(3, 2).T
+    return grid.clip("-y", origin=(low + high) / 2.0).extract_surface(algorithm="dataset_surface")
+
+
+def rgb(colors: list[str]) -> np.ndarray:
+    """Red, green and blue of each, 0 to 1."""
+    return np.array([matplotlib.colors.to_rgb(color) for color in colors])
+
+
+def add_painted(plotter: pyvista.Plotter, shown: pyvista.PolyData, colors: Callable, **options: object) -> None:
+    """Add a surface whose cells have these colours, 0 to 1, of their data."""
+    shown.cell_data["colour"] = np.round(255 * colors(shown.cell_data)).astype(np.uint8)
     plotter.add_mesh(shown, scalars="colour", rgb=True, ambient=0.15, **options)
 
 
-def new_plotter(size: list[int]) -> pyvista.Plotter:
+def new_plotter() -> pyvista.Plotter:
     """An empty white picture."""
-    plotter = pyvista.Plotter(off_screen=True, window_size=size)
+    plotter = pyvista.Plotter(off_screen=True, window_size=[1500, 1500])
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter
 
 
-def seen(plotter: pyvista.Plotter, bounds: tuple[list[float], list[float]], zoom: float) -> np.ndarray:
-    """The picture from above a corner, whole at a zoom of 1, as pixels."""
+def seen(plotter: pyvista.Plotter, bounds: tuple[list[float], list[float]]) -> np.ndarray:
+    """The picture from above a corner as pixels, without the white around it."""
     low, high = map(np.array, bounds)
     plotter.camera_position = [(low + high) / 2.0 + np.array([1.9, -2.5, 1.5]), (low + high) / 2.0, (0, 0, 1)]
     plotter.reset_camera()
-    plotter.camera.zoom(zoom)
-    return plotter.screenshot(None, return_img=True)
+    plotter.camera.zoom(0.9)
+    pixels = plotter.screenshot(None, return_img=True)
+    used = (pixels < 250).any(axis=2)
+    rows, columns = (np.flatnonzero(used.any(axis=axis)) for axis in (1, 0))
+    if rows[0] == 0 or columns[0] == 0 or rows[-1] == len(pixels) - 1 or columns[-1] == len(pixels[0]) - 1:
+        sys.exit("a picture is cropped")
+    return pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def save(pixels: np.ndarray, path: Path) -> None:
-    """Write `pixels` with 128 colours: a third of the bytes, and the eye sees no difference."""
-    from PIL import Image
-
-    Image.fromarray(pixels).quantize(128).save(path, optimize=True)
+def save(pictures: list[np.ndarray], path: Path, height: int) -> None:
+    """Write pictures side by side, equally high, with 128 colours: a third of the bytes, and the eye sees no difference."""
+    images = [Image.fromarray(pixels) for pixels in pictures]
+    images = [image.resize((round(image.width * height / image.height), height), Image.Resampling.LANCZOS) for image in images]
+    gap = height // 10
+    whole = Image.new("RGB", (sum(image.width for image in images) + gap * len(images), height + gap), "white")
+    left = gap // 2
+    for image in images:
+        whole.paste(image, (left, gap // 2))
+        left += image.width + gap
+    whole.quantize(128).save(path, optimize=True)
 
 
 def draw_section(packing: mc.Packing, path: Path, height: float) -> None:

@@ -311,7 +311,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[placement]\ntime_limit_s = 0", "placement.time_limit_s", "is 0;"),
     ("[placement]\ntime_limit_s = -5", "placement.time_limit_s", "is -5;"),
     ("[placement]\ntime_limit_s = nan", "placement.time_limit_s", "is nan;"),
-    ("[placement]\ngap = 1", "placement.gap", "is not a known key"),
+    ("[placement]\ngap = 1", "placement.gap", "is not a known key; did you mean min_gap_mm or wall_gap_mm?"),
     // voids
     ("[voids]\ndiameter_mm = [1, 2]", "voids.fraction", "is missing"),
     ("[voids]\nfraction = 0.02", "voids.diameter_mm", "is missing"),

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Do the tests bite? Builds the code with every fault of tests/mutants.txt in it and switches on one after the other.
 
-    python3 tests/mutants.py                 # all of them; enters benches/results/mutants.csv
-    python3 tests/mutants.py check hull      # some rooms, and enters nothing
+    python3 tests/mutants.py                 # all of them
+    python3 tests/mutants.py check hull      # some rooms
 
 A fault is an expression in place of the right one where the variable MUTANT of the environment has its number. So all of
 them take one build, of a copy in target/mutants. Each is run against the tests of its room alone, those that
-end in seconds; a run that fails, breaks off or does not end in time has noticed it.
+end in seconds; a run that fails, breaks off or does not end in time has noticed it. Outcomes are entered in
+benches/results/mutants.csv, beside those of earlier runs.
 """
 
 import argparse
@@ -17,13 +18,18 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "benches"))
+from origin import origin  # noqa: E402
+
 COPY = ROOT / "target" / "mutants" / "tree"
 RESULTS = ROOT / "benches" / "results" / "mutants.csv"
+OUTCOME = ["outcome", "machine", "date", "commit"]
 # What must notice the faults of a room: of a crate's test binaries these tests; "lib" are the unit tests.
 TESTS = {
     "gjk": [("meso-core", "lib", ["gjk::"]), ("meso-core", "collision", [])],
@@ -64,6 +70,10 @@ class Mutant:
     wrong: str
     reason: str = ""
 
+    def key(self) -> tuple[str, str, str]:
+        """Name the fault by what it is, since numbers change."""
+        return self.file, self.right, self.wrong
+
     def part(self) -> tuple[str, str, str]:
         """Split the right text: before, changed, after."""
         found = re.fullmatch(r"(.*)\[\[(.*)\]\](.*)", self.right)
@@ -75,22 +85,37 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rooms", nargs="*", help="all when absent")
     args = parser.parse_args()
-    mutants = [m for m in read(ROOT / "tests" / "mutants.txt") if not args.rooms or m.room in args.rooms]
+    mutants = read(ROOT / "tests" / "mutants.txt")
     plant(mutants)
-    binaries = build(mutants)
-    usual = {tests: right(tests, binaries) for tests in dict.fromkeys(m.tests for m in mutants)}
-    rows = []
-    for mutant in mutants:
+    chosen = [m for m in mutants if not args.rooms or m.room in args.rooms]
+    binaries = build(chosen)
+    usual = {tests: right(tests, binaries) for tests in dict.fromkeys(m.tests for m in chosen)}
+    outcomes = entered()
+    for mutant in chosen:
         outcome = run(mutant, binaries, usual[mutant.tests])
-        rows.append([mutant.number, mutant.room, mutant.file, mutant.right, mutant.wrong, outcome, mutant.reason])
+        outcomes[mutant.key()] = [outcome, *origin().split(",")]
         print(f"{mutant.number:3} {mutant.room:12} {outcome:10} {mutant.right} ==> {mutant.wrong}", flush=True)
-    caught = sum(row[5] != "survives" for row in rows)
-    print(f"{caught} of {len(rows)} caught: {100 * caught / len(rows):.0f} %")
-    if not args.rooms:
-        with RESULTS.open("w", encoding="utf-8", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([["number", "room", "file", "right", "wrong", "outcome", "reason"], *rows])
-    unexplained = [row[0] for row in rows if row[5] == "survives" and not row[6]]
+        enter(mutants, outcomes)
+    told = [outcomes[m.key()][0] for m in mutants if m.key() in outcomes]
+    caught = sum(outcome != "survives" for outcome in told)
+    print(f"{caught} of {len(told)} caught: {100 * caught / len(told):.0f} %; {len(mutants) - len(told)} were never run")
+    unexplained = [m.number for m in chosen if outcomes[m.key()][0] == "survives" and not m.reason]
     return 1 if unexplained else 0
+
+
+def entered() -> dict[tuple[str, str, str], list[str]]:
+    """Read the outcomes of earlier runs, each with its machine, date and commit."""
+    if not RESULTS.exists():
+        return {}
+    with RESULTS.open(encoding="utf-8", newline="") as file:
+        return {(row["file"], row["right"], row["wrong"]): [row[name] for name in OUTCOME] for row in csv.DictReader(file)}
+
+
+def enter(mutants: list[Mutant], outcomes: dict[tuple[str, str, str], list[str]]) -> None:
+    """Write the outcomes of the mutants that were run."""
+    rows = [[m.number, m.room, *m.key(), m.reason, *outcomes[m.key()]] for m in mutants if m.key() in outcomes]
+    with RESULTS.open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([["number", "room", "file", "right", "wrong", "reason", *OUTCOME], *rows])
 
 
 def read(path: Path) -> list[Mutant]:
@@ -110,28 +135,35 @@ def read(path: Path) -> list[Mutant]:
 
 
 def plant(mutants: list[Mutant]) -> None:
-    """Copy the sources and put all faults into the copy."""
-    shutil.rmtree(COPY, ignore_errors=True)
-    COPY.mkdir(parents=True)
-    for name in ["crates", "tests", "benches", "examples", "docs"]:
-        shutil.copytree(ROOT / name, COPY / name, ignore=shutil.ignore_patterns("__pycache__", "*.so", "results"))
-    for name in ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "LICENSE"]:
-        shutil.copy2(ROOT / name, COPY / name)
+    """Copy the sources and put all faults into the copy; what is there already keeps its age, and is not compiled again."""
+    texts = {path.relative_to(ROOT): path.read_bytes() for path in sources()}
     for crate in {m.file.split("/")[1] for m in mutants}:
-        source = COPY / "crates" / crate / "src"
-        (source / "mutant.rs").write_text(SWITCH, encoding="utf-8")
-        library = (source / "lib.rs").read_text(encoding="utf-8")
-        (source / "lib.rs").write_text(library + "\n#[doc(hidden)]\npub mod mutant;\n", encoding="utf-8")
-    for place in dict.fromkeys((m.file, m.right) for m in mutants):
-        here = [m for m in mutants if (m.file, m.right) == place]
+        source = Path("crates") / crate / "src"
+        texts[source / "mutant.rs"] = SWITCH.encode()
+        texts[source / "lib.rs"] += b"\n#[doc(hidden)]\npub mod mutant;\n"
+    for file, right in dict.fromkeys((m.file, m.right) for m in mutants):
+        here = [m for m in mutants if (m.file, m.right) == (file, right)]
         before, changed, after = here[0].part()
-        text = (COPY / place[0]).read_text(encoding="utf-8")
-        count = text.count(before + changed + after)
-        if count != 1:
-            sys.exit(f"{place[0]} has {count} times, not once: {place[1]}")
+        text = texts[Path(file)].decode()
+        if (count := text.count(before + changed + after)) != 1:
+            sys.exit(f"{file} has {count} times, not once: {right}")
         cases = "".join(f"if crate::mutant::is({m.number}) {{ {m.wrong} }} else " for m in here)
         planted = f"{before}({cases}{{ {changed} }}){after}"
-        (COPY / place[0]).write_text(text.replace(before + changed + after, planted), encoding="utf-8")
+        texts[Path(file)] = text.replace(before + changed + after, planted).encode()
+    for old in [path for path in COPY.rglob("*") if path.is_file() and path.relative_to(COPY) not in texts]:
+        old.unlink()
+    for name, text in texts.items():
+        path = COPY / name
+        if not path.exists() or path.read_bytes() != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(text)
+
+
+def sources() -> list[Path]:
+    """Name the files that the tests' crates are built from."""
+    folders = [ROOT / name for name in ["crates", "tests", "benches", "examples", "docs"]]
+    files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    return [path for path in files if path.suffix not in {".so", ".pyc"}] + [ROOT / name for name in ["Cargo.toml", "Cargo.lock", "README.md", "CHANGELOG.md", "LICENSE"]]
 
 
 def build(mutants: list[Mutant]) -> dict[tuple[str, str], Path]:
@@ -170,11 +202,21 @@ def run(mutant: Mutant, binaries: dict[tuple[str, str], Path], usual: float) -> 
 
 
 def passes(which: tuple[str, str, list[str]], binaries: dict[tuple[str, str], Path], number: int, limit: float) -> bool:
-    """Whether a binary's tests pass with this fault."""
+    """Whether a binary's tests pass with this fault; the first that fails ends it, as the others tell nothing more."""
     crate, target, filters = which
-    env = {**os.environ, "MUTANT": str(number)}
+    env = {**os.environ, "MUTANT": str(number), "RUST_BACKTRACE": "0"}
     command = [str(binaries[crate, target]), *filters]
-    return subprocess.run(command, cwd=COPY / "crates" / crate, env=env, capture_output=True, timeout=limit, check=False).returncode == 0
+    run = subprocess.Popen(command, cwd=COPY / "crates" / crate, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    late = threading.Event()
+    clock = threading.Timer(limit, lambda: (late.set(), run.kill()))
+    clock.start()
+    with run:
+        if any(line.endswith("... FAILED\n") for line in run.stdout):
+            run.kill()
+    clock.cancel()
+    if late.is_set():
+        raise subprocess.TimeoutExpired(command, limit)
+    return run.returncode == 0
 
 
 if __name__ == "__main__":

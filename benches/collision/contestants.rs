@@ -5,7 +5,7 @@ use super::ccd::Ccd;
 use super::clock::Contestant;
 use super::literal::{self, Outcome};
 use super::pairs::Query;
-use meso_core::gjk::{self, Method, PairQuery};
+use meso_core::gjk::{Method, PairQuery};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -13,7 +13,7 @@ use parry3d_f64::query;
 pub type AskOne<'a> = Box<dyn Fn(&Query, &Grain, &Grain) -> bool + 'a>;
 
 fn mesocrete<'a>() -> AskOne<'a> {
-    Box::new(|q, a, b| gjk::overlap(&a.body, &b.body, &q.x))
+    Box::new(|q, a, b| a.body.overlaps(&b.body, &q.x))
 }
 
 fn method<'a>(method: Method) -> AskOne<'a> {
@@ -53,7 +53,7 @@ pub fn contestants<'a>(grains: &'a [Grain], queries: &'a [Query], ccd: Option<&'
     let asks = asks(grains, queries);
     let batched = move |part: &[Query]| {
         let first = (part.as_ptr().addr() - queries.as_ptr().addr()) / size_of::<Query>();
-        gjk::overlap_many(&asks[first..first + part.len()]).into_iter().filter(|&hit| hit).count()
+        PairQuery::overlap_many(&asks[first..first + part.len()]).into_iter().filter(|&hit| hit).count()
     };
     let mut all: Vec<Contestant<'a, Query>> = vec![("mesocrete, batched".into(), Box::new(batched))];
     for (name, ask) in everybody(ccd) {

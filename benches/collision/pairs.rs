@@ -1,7 +1,6 @@
 //! Pair sets: what a collision test is asked in packing.
 
 use super::bodies::{Dice, Grain};
-use meso_core::gjk::overlap;
 use meso_core::math::Vec3;
 use std::collections::VecDeque;
 
@@ -82,7 +81,7 @@ fn touching(a: &Grain, b: &Grain, v: &Vec3, reach: f64) -> f64 {
     let (mut inside, mut outside) = (0.0, reach * 1.0001);
     while outside - inside > 1e-14 * reach {
         let middle = 0.5 * (inside + outside);
-        if overlap(&a.body, &b.body, &(v * middle)) { inside = middle } else { outside = middle }
+        if a.body.overlaps(&b.body, &(v * middle)) { inside = middle } else { outside = middle }
     }
     0.5 * (inside + outside)
 }
@@ -118,7 +117,7 @@ pub fn placement_stream(side: f64, fraction: f64, record: usize) -> Stream {
             let at = Vec3::from_fn(|_, _| dice.between(margin, side - margin));
             let near = cells.around(&at).filter(|(p, c)| (c - at).norm() < grains[*p].radius + margin);
             let asked: Vec<Query> = near.map(|(p, c)| Query { a: g as u32, b: *p as u32, x: c - at }).collect();
-            let free = asked.iter().all(|q| !overlap(&grains[g].body, &grains[q.b as usize].body, &q.x));
+            let free = asked.iter().all(|q| !grains[g].body.overlaps(&grains[q.b as usize].body, &q.x));
             attempts.push_back(asked);
             if attempts.len() > record {
                 attempts.pop_front();

@@ -65,6 +65,8 @@ fn every_wrong_flag_exits_with_2_and_names_the_flag() {
         (&["pack", "-o", "-", "--summary-json", "-"], "standard output is asked for twice"),
         (&["pack", "-o", "a.json", "-o", "./a.json"], "asked for twice"),
         (&["pack", "a.toml", "b.toml"], "b.toml"),
+        (&["pack", "rve-60"], "rve-60 is a recipe and no file; write it first: mesocrete init rve-60"),
+        (&["pack", "small.json"], "small.json: line 1: this is JSON, not TOML; a saved model is packed already"),
         (&["pack", "."], ". is a directory; name a file, or - for standard input"),
         (&["mesh"], "--output"),
         (&["mesh", "small.json", "-o", "small.stl"], "small.stl: unknown mesh format"),
@@ -120,14 +122,19 @@ fn what_the_system_refuses_exits_with_1_and_names_the_path() {
         (&["pack", "small.toml", "-o", "a.json", "--summary-json", "/dev/full"], "/dev/full: No space left on device"),
         (&["init", "-o", "small.toml"], "small.toml exists; --force replaces it"),
         (&["check", "absent.json"], "absent.json: No such file or directory"),
-        (&["check", "small.toml"], "small.toml: this is not a saved model of mesocrete"),
+        (
+            &["check", "small.toml"],
+            "small.toml: this is not a saved model of mesocrete: it is TOML, as a spec is; pack it first",
+        ),
         (&["convert", "small.toml", "-o", "a.stl"], "small.toml: this is not a saved model of mesocrete"),
-        (&["mesh", "empty.json", "-o", "a.inp"], "empty.json: this is not a saved model of mesocrete"),
+        (&["mesh", "empty.json", "-o", "a.inp"], "empty.json: this is not a saved model of mesocrete: it is empty"),
+        (&["check", "a_deck"], "a_deck: this is not a saved model of mesocrete: it is a deck"),
         (&["check", "other.json"], "other.json: it was written by mesocrete 9.1.0"),
     ];
     let folder = Folder::with_model();
     std::fs::create_dir(folder.path("folder.json")).unwrap();
     folder.write("empty.json", "");
+    folder.write("a_deck", "*HEADING\n*NODE\n");
     let model = String::from_utf8(folder.read("small.json")).unwrap();
     folder.write("other.json", model.replacen("\"0.1.0\"", "\"9.1.0\"", 1));
     let before = folder.names();

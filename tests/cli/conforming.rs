@@ -4,7 +4,6 @@ use crate::command::Folder;
 use crate::layer_errors::LayerErrors;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::abaqus::{self, DeckOptions};
-use meso_core::geometry::inward_offset;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
@@ -52,7 +51,7 @@ fn a_conforming_mesh_has_every_aggregates_exact_volume() {
     assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
     assert!((cells.iter().map(|q| q.volume_mm3).sum::<f64>() / 27_000.0 - 1.0).abs() < 1e-12);
     let mut volumes = vec![0.0; model.aggregates.len()];
-    for (q, id) in cells.iter().zip(&mesh.aggregate).filter(|(_, id)| **id != mesh::NO_AGGREGATE) {
+    for (q, id) in cells.iter().zip(&mesh.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
         volumes[*id as usize] += q.volume_mm3;
     }
     for (aggregate, volume) in model.aggregates.iter().zip(volumes) {
@@ -76,7 +75,7 @@ fn the_solid_itz_of_a_conforming_mesh_is_as_thick_as_asked() {
 }
 
 fn core_area(aggregate: &Aggregate) -> f64 {
-    inward_offset(&aggregate.body, aggregate.itz_thickness_mm).unwrap().expect("the core is there").area()
+    aggregate.body.inward_offset(aggregate.itz_thickness_mm).unwrap().expect("the core is there").area()
 }
 
 #[test]
@@ -221,7 +220,7 @@ fn voids_are_holes_and_fibres_bodies_of_their_exact_volumes_in_a_conforming_mesh
             let normal = (at(1) - at(0)).cross(&(at(2) - at(0)));
             assert!(normal.dot(&(at(0) - body.centroid())) > 0.0, "the normal leads out of the aggregate");
         }
-        let held: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|id| *id != mesh::NO_AGGREGATE).collect();
+        let held: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|id| *id != Mesh::NO_AGGREGATE).collect();
         let solid: BTreeSet<u32> = bodies.iter().filter(|b| b.kind != Kind::Void).map(|b| b.id).collect();
         assert_eq!(held, solid);
     }

@@ -3,9 +3,7 @@
 use crate::command::Folder;
 use crate::conforming::{has_gmsh, with_options};
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{
-    self, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, VolumeMesher, quality,
-};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, VolumeMesher, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use meso_gmsh::Gmsh;
@@ -55,8 +53,10 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
             assert!((meshed / exact - 1.0).abs() < 1e-12, "{axes:?}: {meshed} {exact}");
         }
         let mut volumes = vec![0.0; model.aggregates.len()];
-        for (q, id) in
-            quality::CellQuality::of_cells(&mesh).iter().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE)
+        for (q, id) in quality::CellQuality::of_cells(&mesh)
+            .iter()
+            .zip(&mesh.aggregate)
+            .filter(|(_, id)| **id != Mesh::NO_AGGREGATE)
         {
             volumes[*id as usize] += q.volume_mm3;
         }
@@ -66,7 +66,7 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
         for axis in (0..3).filter(|&axis| axes[axis]) {
             let [low, high] = [0.0, SIDE_MM].map(|place| side(&mesh, axis, place));
             assert!(low == high && low.len() > 500, "{axes:?} across {axis}: {} {}", low.len(), high.len());
-            assert!(low.iter().filter(|triangle| triangle.1 != NO_AGGREGATE).count() > 100, "aggregates are cut");
+            assert!(low.iter().filter(|triangle| triangle.1 != Mesh::NO_AGGREGATE).count() > 100, "aggregates are cut");
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::angle_piece::angle_piece;
 use crate::conforming::with_options;
 use meso_core::aggregate::Grading;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
@@ -82,7 +82,7 @@ fn meshed_within(specimen: &Specimen, off_mm: f64) -> Option<Mesh> {
     assert!(outside.len() > 1000 && off < off_mm, "{kind}: {off} mm off the surface");
     let exact: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
     assert!((PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0).abs() < 1e-9, "{kind}");
-    assert!(mesh.aggregate.contains(&mesh::NO_AGGREGATE));
+    assert!(mesh.aggregate.contains(&Mesh::NO_AGGREGATE));
     Some(mesh)
 }
 

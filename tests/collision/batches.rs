@@ -2,7 +2,7 @@
 
 use super::families::Dice;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{Body, Method, PairQuery, apart, clear_many, overlap, overlap_many};
+use meso_core::gjk::{Body, Method, PairQuery};
 use meso_core::math::{Mat3, Vec3};
 use meso_core::testing::{Isa, choose};
 
@@ -36,18 +36,18 @@ fn many_answers_are_the_single_ones() {
     let mut dice = Dice::new(7);
     let bodies = bodies(&mut dice);
     let asks = questions(&mut dice, &bodies, 20_011);
-    let single: Vec<bool> = asks.iter().map(|q| overlap(q.a, q.b, &q.b_from_a)).collect();
+    let single: Vec<bool> = asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a)).collect();
     for isa in Isa::ALL {
         let isa = choose(isa);
-        assert_eq!(overlap_many(&asks), single, "{isa:?}");
-        assert!(asks.iter().map(|q| overlap(q.a, q.b, &q.b_from_a)).eq(single.iter().copied()), "{isa:?}");
+        assert_eq!(PairQuery::overlap_many(&asks), single, "{isa:?}");
+        assert!(asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a)).eq(single.iter().copied()), "{isa:?}");
     }
     let searched = asks.iter().map(|q| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a));
     assert!(searched.eq(single.iter().copied()), "the headers tell otherwise than the search");
     let hits = single.iter().filter(|&&hit| hit).count();
     assert!((6_000..14_000).contains(&hits), "{hits} of 20011 overlap");
     for (ask, hit) in asks.iter().zip(single).take(3000) {
-        assert_eq!(apart(ask.a, ask.b, &ask.b_from_a, 0.0, None).is_none(), hit);
+        assert_eq!(ask.a.separating_axis(ask.b, &ask.b_from_a, 0.0, None).is_none(), hit);
     }
 }
 
@@ -59,7 +59,7 @@ fn near_touch<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<PairQuer
         let (mut inside, mut outside) = (0.0, 1.01 * (a.circumradius() + b.circumradius()));
         for _ in 0..60 {
             let middle = 0.5 * (inside + outside);
-            *(if overlap(a, b, &(v * middle)) { &mut inside } else { &mut outside }) = middle;
+            *(if a.overlaps(b, &(v * middle)) { &mut inside } else { &mut outside }) = middle;
         }
         let off = dice.decade(-16.0, -2.0) * if dice.below(2) == 0 { 1.0 } else { -1.0 };
         PairQuery { a, b, b_from_a: v * (inside * (1.0 + off)) }
@@ -74,9 +74,9 @@ fn assert_every_form_is_exact(seed: u64, n: usize) {
     let exact: Vec<bool> = asks.iter().map(|q| Method::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
     for isa in Isa::ALL {
         let isa = choose(isa);
-        assert_eq!(overlap_many(&asks), exact, "many at a time, seed {seed}, {isa:?}");
+        assert_eq!(PairQuery::overlap_many(&asks), exact, "many at a time, seed {seed}, {isa:?}");
         for (i, (q, exact)) in asks.iter().zip(&exact).enumerate() {
-            assert_eq!(overlap(q.a, q.b, &q.b_from_a), *exact, "pair {i} of seed {seed}, {isa:?}");
+            assert_eq!(q.a.overlaps(q.b, &q.b_from_a), *exact, "pair {i} of seed {seed}, {isa:?}");
         }
     }
     let hits = exact.iter().filter(|&&hit| hit).count();
@@ -115,9 +115,9 @@ fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instr
         let truth: Vec<bool> = asks.iter().map(|q| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a)).collect();
         for isa in Isa::ALL {
             let isa = choose(isa);
-            assert_eq!(overlap_many(&asks), truth, "many at a time, seed {seed}, {isa:?}");
+            assert_eq!(PairQuery::overlap_many(&asks), truth, "many at a time, seed {seed}, {isa:?}");
             assert!(
-                asks.iter().map(|q| overlap(q.a, q.b, &q.b_from_a)).eq(truth.iter().copied()),
+                asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a)).eq(truth.iter().copied()),
                 "seed {seed}, {isa:?}"
             );
         }
@@ -139,9 +139,9 @@ fn an_attempt_is_clear_when_all_its_pairs_are_apart() {
     for gap in [0.0, 0.3] {
         let mut start = 0;
         let mut clear_ones = 0;
-        for (i, clear) in clear_many(&asks, &ends, gap).into_iter().enumerate() {
+        for (i, clear) in PairQuery::clear_many(&asks, &ends, gap).into_iter().enumerate() {
             let attempt = &asks[start..ends[i] as usize];
-            let truth = attempt.iter().all(|q| apart(q.a, q.b, &q.b_from_a, gap, None).is_some());
+            let truth = attempt.iter().all(|q| q.a.separating_axis(q.b, &q.b_from_a, gap, None).is_some());
             assert_eq!(clear, truth, "attempt {i}, gap {gap}");
             clear_ones += usize::from(clear && !attempt.is_empty());
             start = ends[i] as usize;
@@ -157,5 +157,5 @@ fn a_gap_is_exceeded_or_not_to_the_last_bit() {
     let body = Body::new(&points).with_inside_of(convex_hull(&points).unwrap().facets());
     let ask = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(0.1, x, -0.2) };
     let asks = [ask(2.25), ask(2.25 + 4.0 * f64::EPSILON), ask(2.0), ask(9.0), ask(0.0)];
-    assert_eq!(clear_many(&asks, &[1, 2, 3, 4, 5], 0.25), [false, true, false, true, false]);
+    assert_eq!(PairQuery::clear_many(&asks, &[1, 2, 3, 4, 5], 0.25), [false, true, false, true, false]);
 }

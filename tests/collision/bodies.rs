@@ -2,7 +2,7 @@
 
 use super::families::Dice;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{self, Body, PairQuery, Support, apart, clear_many, overlap, overlap_many};
+use meso_core::gjk::{self, Body, PairQuery, Support};
 use meso_core::math::{Mat3, Vec3};
 use meso_core::testing::Counters;
 
@@ -30,8 +30,8 @@ fn bodies_overlap_as_their_points_do_and_the_hit_rate_is_fair() {
         let plain = [&a, &b].map(|s| Body::new(s));
         let bounded = [&a, &b].map(|s| Body::on_ellipsoid(s, &axes, &Mat3::identity()));
         for [a, b] in [&plain, &bounded] {
-            assert_eq!(overlap(a, b, &x), truth, "seed {seed}");
-            assert_eq!(apart(a, b, &x, 0.0, None).is_none(), truth, "seed {seed}");
+            assert_eq!(a.overlaps(b, &x), truth, "seed {seed}");
+            assert_eq!(a.separating_axis(b, &x, 0.0, None).is_none(), truth, "seed {seed}");
         }
         hits += u32::from(truth);
     }
@@ -46,14 +46,14 @@ fn an_axis_is_found_exactly_when_the_distance_exceeds_the_gap() {
         let (body_a, body_b) = (Body::new(&a), Body::new(&b));
         for factor in [0.0, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0] {
             let gap = distance * factor;
-            let axis = apart(&body_a, &body_b, &x, gap, None);
+            let axis = body_a.separating_axis(&body_b, &x, gap, None);
             assert_eq!(axis.is_some(), factor < 1.0 && distance > 0.0, "seed {seed}, gap {gap} of {distance}");
             if let Some(axis) = axis {
                 assert!((axis.norm() - 1.0).abs() < 1e-15);
                 let top = a.iter().map(|p| p.dot(&axis)).fold(f64::NEG_INFINITY, f64::max);
                 let bottom = placed(&b, &x).iter().map(|p| p.dot(&axis)).fold(f64::INFINITY, f64::min);
                 assert!(bottom - top > gap, "seed {seed}: {} for {gap}", bottom - top);
-                assert!(apart(&body_a, &body_b, &x, gap, Some(axis)).is_some());
+                assert!(body_a.separating_axis(&body_b, &x, gap, Some(axis)).is_some());
             }
         }
     }
@@ -70,12 +70,12 @@ fn a_body_that_does_not_hold_its_frames_origin_is_not_taken_to() {
     assert_eq!((left.inradius(), middle.inradius() > 0.4), (0.0, true));
     let zero = Vec3::zeros();
     for (a, b) in [(&left, &right), (&right, &middle), (&middle, &left)] {
-        assert!(!overlap(a, b, &zero));
-        assert!(!overlap(a, b, &Vec3::new(0.1, 0.0, 0.0)));
-        assert_eq!(overlap_many(&[PairQuery { a, b, b_from_a: zero }]), [false]);
-        assert_eq!(clear_many(&[PairQuery { a, b, b_from_a: zero }], &[1], 3.0), [true]);
+        assert!(!a.overlaps(b, &zero));
+        assert!(!a.overlaps(b, &Vec3::new(0.1, 0.0, 0.0)));
+        assert_eq!(PairQuery::overlap_many(&[PairQuery { a, b, b_from_a: zero }]), [false]);
+        assert_eq!(PairQuery::clear_many(&[PairQuery { a, b, b_from_a: zero }], &[1], 3.0), [true]);
     }
-    assert!(overlap(&left, &right, &Vec3::new(-9.5, 0.0, 0.0)));
+    assert!(left.overlaps(&right, &Vec3::new(-9.5, 0.0, 0.0)));
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn a_remembered_axis_saves_the_search() {
     let ([a, b], _) = pair(&mut Dice::new(1));
     let (a, b) = (Body::new(&a), Body::new(&b));
     let x = Vec3::new(9.7, 1.5, 0.0);
-    let axis = apart(&a, &b, &x, 0.0, None).expect("far enough apart");
+    let axis = a.separating_axis(&b, &x, 0.0, None).expect("far enough apart");
     let mut counters = Counters::default();
     assert!(counters.apart(&a, &b, &x, 0.0, Some(axis)).is_some());
     assert_eq!((counters.pairs, counters.gjk_calls, counters.exact_calls), (1, 0, 0));

@@ -50,7 +50,7 @@ fn a_separating_direction_separates_and_overlap_points_belong_to_the_bodies() {
     for (name, family) in families::ALL.iter().filter(|(name, _)| !name.contains("magnitudes")) {
         for seed in 0..40 {
             let (a, b) = family(&mut Dice::new(3000 + seed));
-            match gjk::verdict(&a, &b).unwrap() {
+            match Method::default().verdict(&a, &b).unwrap() {
                 Verdict::Separated { direction, proof: Proof::Margin } => {
                     let height = |p: &Vec3| (p - a[0]).dot(&direction);
                     let top = a.iter().map(height).fold(f64::NEG_INFINITY, f64::max);

@@ -186,3 +186,17 @@ fn bodies_that_slide_along_each_other_or_stand_still_meet_as_they_should() {
     assert_eq!(meets(2.0, 0.0, Vec3::new(1.0, 5.0, 0.0)), None);
     assert!(Impact::of(&cube(0.0, 0.0), &cube(2.0, 0.0), &Vec3::repeat(f64::NAN)).is_err());
 }
+
+/// Found by a user's script: from a motion of 1e16 sizes on, `by` was `None` for a cube that flies right through.
+#[test]
+fn a_motion_far_beyond_the_bodies_size_is_timed_to_their_rounding() {
+    let cube = |x: f64| {
+        [0, 1, 2, 3, 4, 5, 6, 7].map(|i| Vec3::new(x + f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)))
+    };
+    for exponent in [0, 3, 10, 16, 20, 50] {
+        let motion = -8.0 * libm::pow(10.0, f64::from(exponent));
+        let found = Impact::of(&cube(0.0), &cube(5.0), &Vec3::new(motion, 0.0, 0.0)).unwrap().unwrap();
+        let [first, last] = [found.not_before, found.by.unwrap()].map(|time| -time * motion);
+        assert!(first <= 4.0 && 4.0 <= last && last - first < 1e-13, "1e{exponent}: {first} to {last}");
+    }
+}

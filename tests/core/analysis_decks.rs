@@ -7,9 +7,7 @@ use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::{Elastic, Materials, Strength};
 use meso_core::math::Vec3;
 use meso_core::mesh::quality::{self, MassScaling};
-use meso_core::mesh::{
-    self, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, NarrowGaps, Phase, PhaseVolumes, Volumes,
-};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Phase, PhaseVolumes, Volumes};
 use meso_core::packing::Specimen;
 use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};
@@ -116,14 +114,14 @@ fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
     let became_mortar = kept.phase.iter().zip(&whole.phase).filter(|(a, b)| a != b).count();
     assert_eq!((became_mortar, became_mortar), (whole.notes.parted_cells, kept.joining_cells().len()));
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-    for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
+    for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
         cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
     }
     let qualities = quality::CellQuality::of_cells(kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
     let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
     let both: f64 =
-        cells.filter(|((cell, id), _)| **id != NO_AGGREGATE && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
+        cells.filter(|((cell, id), _)| **id != Mesh::NO_AGGREGATE && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
     let lost = [whole, cut].map(|mesh| mesh.notes.parted_mm3 / both);
     assert!(lost[0] < 0.5 && lost[1] < 0.5 * lost[0], "{lost:?}");
 }
@@ -169,7 +167,7 @@ fn split_gaps_leave_no_edge_of_mortar_from_one_aggregate_to_another() {
 /// Edges of cells of no aggregate whose ends lie on two aggregates, one each.
 fn bridges(mesh: &Mesh) -> usize {
     let mut owners: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); mesh.points.len()];
-    for (cell, id) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id != NO_AGGREGATE) {
+    for (cell, id) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
         cell.iter().for_each(|&node| _ = owners[node as usize].insert(*id));
     }
     let parts = |a: u32, b: u32| {
@@ -177,7 +175,7 @@ fn bridges(mesh: &Mesh) -> usize {
         a.len() == 1 && b.len() == 1 && a != b
     };
     let mut found = BTreeSet::new();
-    for (cell, _) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == NO_AGGREGATE) {
+    for (cell, _) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == Mesh::NO_AGGREGATE) {
         for (i, &a) in cell.iter().enumerate() {
             found.extend(cell[..i].iter().filter(|&&b| parts(a, b)).map(|&b| (a.min(b), a.max(b))));
         }

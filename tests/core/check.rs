@@ -5,6 +5,7 @@ use meso_core::Model;
 use meso_core::check::{Check, Finding, check};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
+use meso_core::packing::{Periodic, Specimen};
 
 /// A model whose boxes are all as long as their class asks (5 to 10 mm along the diagonal) and reported rightly.
 fn sound(bodies: Vec<Polyhedron>) -> Model {
@@ -71,6 +72,23 @@ fn a_gap_that_is_too_small_is_found_with_its_size() {
     let mut model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.25, 0.0, 0.0), cube(0.0, 0.0, 4.5)]);
     model.spec.placement.min_gap_mm = 0.5;
     assert_eq!(findings(&model), [Finding::Gap { a: 0, b: 1, distance_mm: 0.25 }]);
+}
+
+#[test]
+fn a_gap_that_lacks_one_ulp_is_found() {
+    let mut model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.5f64.next_down(), 0.0, 0.0), cube(0.0, 0.0, 4.5)]);
+    model.spec.placement.min_gap_mm = 0.5;
+    let found = findings(&model);
+    assert!(matches!(found[..], [Finding::Gap { a: 0, b: 1, .. }]), "{found:?}");
+}
+
+#[test]
+fn a_body_too_near_its_own_image_is_found() {
+    let mut model = sound(vec![box_body([0.0625, 0.0, 0.0], [149.9375, 4.0, 4.0])]);
+    model.spec.specimen = Specimen::Cube { side_mm: 150.0, periodic: Periodic([true, false, false]) };
+    model.spec.placement.min_gap_mm = 0.5;
+    let found = findings(&model);
+    assert!(found.contains(&Finding::Gap { a: 0, b: 0, distance_mm: 0.125 }), "{found:?}");
 }
 
 #[test]

@@ -313,3 +313,16 @@ fn the_faces_of_known_solids_are_counted() {
         assert_eq!(count(&cloud.points), (8, 6), "{}", cloud.name);
     }
 }
+
+#[test]
+fn points_in_a_plane_along_the_axes_span_two_dimensions() {
+    for axis in 0..3 {
+        let square = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let points = square.map(|[u, v]| {
+            let mut point = Vec3::repeat(3.0);
+            (point[(axis + 1) % 3], point[(axis + 2) % 3]) = (u, v);
+            point
+        });
+        assert!(matches!(convex_hull(&points), Err(HullError::LowerDimensional { dimension: 2 })), "{axis}");
+    }
+}

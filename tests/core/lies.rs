@@ -255,6 +255,28 @@ fn ninety_lies_are_found_and_the_truth_is_not() {
     assert_eq!(believed, [""; 0]);
 }
 
+/// Whether one of the findings in a file says so.
+fn is_said(file: &Value, part: &str) -> bool {
+    let model = saved::read(file.to_string().as_bytes()).unwrap();
+    check(&model).findings.iter().any(|finding| finding.to_string().contains(part))
+}
+
+#[test]
+fn a_report_that_is_gone_is_named_as_such() {
+    let mut file = honest();
+    drop_key(&mut file, "report");
+    assert!(is_said(&file, "the file has none"));
+}
+
+#[test]
+fn a_stopped_run_discards_no_more_than_the_spec_has_grains_left() {
+    let mut file = honest();
+    file["report"]["stop_reason"] = json!("interrupted");
+    assert!(!is_said(&file, "discarded is"));
+    file["report"]["discarded"] = json!(1_000_000);
+    assert!(is_said(&file, "discarded is 1000000; the spec leaves at most "));
+}
+
 #[test]
 fn a_packing_that_was_stopped_or_fell_short_is_sound() {
     for placement in [

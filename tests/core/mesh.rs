@@ -3,7 +3,7 @@
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::vtk::Encoding;
 use meso_core::export::{abaqus, vtu_mesh};
-use meso_core::geometry::Polyhedron;
+use meso_core::geometry::{Plane, Polyhedron};
 use meso_core::math::{Rotation, Vec3};
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
@@ -62,15 +62,22 @@ fn an_aligned_block_is_meshed_exactly() {
     assert_eq!((volumes.aggregate, volumes.itz, volumes.mortar), (64.0, 216.0 - 64.0, 1000.0 - 216.0));
 }
 
+/// The planes of every aggregate, with its id.
+fn planes(aggregates: &[Aggregate]) -> Vec<(u32, Vec<Plane>)> {
+    aggregates.iter().map(|aggregate| (aggregate.id, aggregate.body.planes().collect())).collect()
+}
+
 #[test]
 fn every_voxel_has_the_phase_of_its_centre() {
     let (grains, specimen) = turned_blocks();
     let options = MeshOptions { element_size_mm: 0.8, method: thin(1), ..Default::default() };
     let mesh = voxels(&grains, &specimen, options);
+    let planes = planes(&grains);
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 8.0;
-        let depth = |a: &Aggregate| a.body.planes().map(|p| p.normal.dot(&centre) - p.offset).fold(f64::MIN, f64::max);
-        let (id, depth) = grains.iter().map(|a| (a.id, depth(a))).min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+        let depth = |planes: &[Plane]| planes.iter().map(|p| p.normal.dot(&centre) - p.offset).fold(f64::MIN, f64::max);
+        let depths = planes.iter().map(|(id, planes)| (*id, depth(planes)));
+        let (id, depth) = depths.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
         let expected = match depth {
             d if d <= -0.5 => Phase::Aggregate,
             d if d <= 0.0 => Phase::Itz,
@@ -221,9 +228,10 @@ fn the_faces_of_a_fitted_lattice_match_in_pairs() {
 fn a_plain_lattice_has_the_phase_of_every_centroid() {
     let (grains, _) = turned_blocks();
     let mesh = lattice(1.5, Method::PLAIN);
+    let planes = planes(&grains);
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 4.0;
-        let inside = |a: &&Aggregate| a.body.planes().all(|p| p.normal.dot(&centre) <= p.offset);
-        assert_eq!(mesh.aggregate[c], grains.iter().find(inside).map_or(mesh::NO_AGGREGATE, |a| a.id));
+        let inside = |(_, planes): &&(u32, Vec<Plane>)| planes.iter().all(|p| p.normal.dot(&centre) <= p.offset);
+        assert_eq!(mesh.aggregate[c], planes.iter().find(inside).map_or(Mesh::NO_AGGREGATE, |(id, _)| *id));
     }
 }

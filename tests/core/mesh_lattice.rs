@@ -2,10 +2,9 @@
 
 use crate::mesh::{aggregate, block};
 use meso_core::aggregate::Aggregate;
+use meso_core::geometry::Plane;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{
-    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, PhaseVolumes, quality,
-};
+use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
@@ -34,7 +33,7 @@ fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_
     assert!((volumes.total() / exact.total() - 1.0).abs() < 1e-9);
 }
 
-/// The ids of the aggregates, and [`NO_AGGREGATE`], whose cells every node has.
+/// The ids of the aggregates, and [`Mesh::NO_AGGREGATE`], whose cells every node has.
 fn around(mesh: &Mesh) -> Vec<BTreeSet<u32>> {
     let mut around = vec![BTreeSet::new(); mesh.points.len()];
     for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
@@ -43,16 +42,17 @@ fn around(mesh: &Mesh) -> Vec<BTreeSet<u32>> {
     around
 }
 
-/// How far `p` is from the nearest plane of a body's surface, mm.
-fn height(body: &Aggregate, p: &Vec3) -> f64 {
-    body.body.planes().map(|plane| plane.normal.dot(p) - plane.offset).fold(f64::MIN, f64::max).abs()
-}
-
 /// For every node of an interface how far it lies from the nearest of its aggregates, mm, and how many these are.
 fn off(mesh: &Mesh, model: &Model) -> Vec<(f64, usize)> {
+    let planes: Vec<Vec<Plane>> = model.aggregates.iter().map(|aggregate| aggregate.body.planes().collect()).collect();
+    // From the nearest plane of a body's surface.
+    let height = |id: u32, p: &Vec3| {
+        let heights = planes[id as usize].iter().map(|plane| plane.normal.dot(p) - plane.offset);
+        heights.fold(f64::MIN, f64::max).abs()
+    };
     let of = |(ids, p): (&BTreeSet<u32>, &Vec3)| {
-        let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != NO_AGGREGATE).collect();
-        let heights = bodies.iter().map(|id| height(&model.aggregates[*id as usize], p));
+        let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != Mesh::NO_AGGREGATE).collect();
+        let heights = bodies.iter().map(|id| height(*id, p));
         (ids.len() > 1).then_some((heights.fold(f64::INFINITY, f64::min), bodies.len()))
     };
     around(mesh).iter().zip(&mesh.points).filter_map(of).collect()

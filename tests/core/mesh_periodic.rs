@@ -6,9 +6,7 @@ use crate::periodic_decks::{SIDE_MM, equations, packed, tied};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{
-    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, NO_AGGREGATE, Phase, PhaseVolumes, quality,
-};
+use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
@@ -161,7 +159,7 @@ fn a_layer_is_as_thick_on_the_faces_of_a_periodic_box_as_inside() {
 #[test]
 fn both_parts_of_an_aggregate_on_a_face_keep_its_id() {
     let mesh = block_across();
-    assert!(mesh.aggregate.iter().all(|id| [0, NO_AGGREGATE].contains(id)));
+    assert!(mesh.aggregate.iter().all(|id| [0, Mesh::NO_AGGREGATE].contains(id)));
     let mut parts: BTreeMap<(Phase, bool), usize> = BTreeMap::new();
     for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
         assert_eq!(*id == 0, *phase != Phase::Mortar);

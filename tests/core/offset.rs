@@ -3,7 +3,7 @@
 use crate::erosion::Planes;
 use crate::hull::assert_closed;
 use crate::solids::{Cloud, Source, block, coplanar, duplicates, hard, issues, lattices, near_flat, paper, scaled};
-use meso_core::geometry::{OffsetError, Polyhedron, convex_hull, inward_offset};
+use meso_core::geometry::{OffsetError, Polyhedron, convex_hull};
 use meso_core::math::Vec3;
 
 /// How the offsets of a family came out.
@@ -24,7 +24,7 @@ fn score(clouds: &[Cloud]) -> Score {
         let radius = body.inscribed_ball().radius;
         for share in [0.05, 0.3, 0.7, 0.95, 0.999, 1.001, 1.5] {
             let thickness = radius * share;
-            compare(&mut score, &body, inward_offset(&body, thickness), planes.eroded_volume(thickness), &cloud.name);
+            compare(&mut score, &body, body.inward_offset(thickness), planes.eroded_volume(thickness), &cloud.name);
         }
     }
     score
@@ -167,12 +167,12 @@ fn worst_of_regular(solids: &[Regular]) -> f64 {
         let body = convex_hull(&solid.points).unwrap();
         for share in [0.02, 0.3, 0.9] {
             let core =
-                inward_offset(&body, share * solid.radius).unwrap_or_else(|error| panic!("{}: {error}", solid.name));
+                body.inward_offset(share * solid.radius).unwrap_or_else(|error| panic!("{}: {error}", solid.name));
             let core = core.unwrap_or_else(|| panic!("{} vanished", solid.name));
             assert_closed(&core, &solid.name);
             worst = worst.max((core.volume() / (body.volume() * (1.0 - share).powi(3)) - 1.0).abs());
         }
-        assert_eq!(inward_offset(&body, 1.001 * solid.radius).unwrap(), None, "{}", solid.name);
+        assert_eq!(body.inward_offset(1.001 * solid.radius).unwrap(), None, "{}", solid.name);
     }
     worst
 }
@@ -226,7 +226,7 @@ fn vanishing_is_decided_to_the_last_bit() {
         let radius = body.inscribed_ball().radius;
         for step in -3..=3 {
             let thickness = f64::from_bits(radius.to_bits().wrapping_add_signed(step));
-            let vanishes = matches!(inward_offset(&body, thickness), Ok(None));
+            let vanishes = matches!(body.inward_offset(thickness), Ok(None));
             assert_eq!(vanishes, planes.eroded_volume(thickness) == 0.0, "{} by {thickness:e}", cloud.name);
             *(if vanishes { &mut vanished } else { &mut left }) += 1;
         }
@@ -244,7 +244,7 @@ fn score_hard_sets(seed: u64, sets: usize) -> Score {
         let planes = Planes::of(&body);
         let radius = body.inscribed_ball().radius;
         for thickness in [0.4 * radius, 0.99 * radius, radius.next_down(), radius, radius.next_up()] {
-            compare(&mut score, &body, inward_offset(&body, thickness), planes.eroded_volume(thickness), &cloud.name);
+            compare(&mut score, &body, body.inward_offset(thickness), planes.eroded_volume(thickness), &cloud.name);
         }
     }
     score
@@ -271,13 +271,13 @@ fn cores_are_closed_and_inside_their_bodies() {
         let body = convex_hull(&cloud.points).unwrap();
         let radius = body.inscribed_ball().radius;
         let volumes = [0.1, 0.5, 0.9].map(|share| {
-            let core = inward_offset(&body, share * radius).unwrap().unwrap();
+            let core = body.inward_offset(share * radius).unwrap().unwrap();
             assert_closed(&core, &cloud.name);
             assert!(core.vertices().iter().all(|v| body.contains(v)), "{}", cloud.name);
             core.volume()
         });
         assert!(volumes[0] > volumes[1] && volumes[1] > volumes[2], "{}: {volumes:?}", cloud.name);
-        assert_eq!(inward_offset(&body, 0.0).unwrap().unwrap(), body);
+        assert_eq!(body.inward_offset(0.0).unwrap().unwrap(), body);
     }
 }
 
@@ -289,9 +289,9 @@ fn faces_that_shrink_to_an_edge_disappear() {
     let points: Vec<Vec3> = outline.iter().flat_map(|[x, y]| [-3.0, 3.0].map(|z| Vec3::new(*x, *y, z))).collect();
     let body = convex_hull(&points).unwrap();
     for (thickness, faces) in [(0.25, 7), (0.75, 6)] {
-        assert_eq!(inward_offset(&body, thickness).unwrap().unwrap().faces().len(), faces);
+        assert_eq!(body.inward_offset(thickness).unwrap().unwrap().faces().len(), faces);
     }
-    let core = inward_offset(&body, 0.5).unwrap().unwrap();
+    let core = body.inward_offset(0.5).unwrap().unwrap();
     assert_closed(&core, "event");
     assert!((core.volume() / (7.0 * 7.0 * 5.0) - 1.0).abs() < 1e-14, "{}", core.volume());
 }
@@ -301,7 +301,7 @@ fn an_octahedron_keeps_its_six_vertices() {
     let points: Vec<Vec3> = [Vec3::x(), Vec3::y(), Vec3::z()].iter().flat_map(|axis| [*axis, -axis]).collect();
     let turn = Source::new(34).rotation();
     let body = convex_hull(&points.iter().map(|p| turn * p * 3.0 + Vec3::repeat(70.0)).collect::<Vec<_>>()).unwrap();
-    let core = inward_offset(&body, 0.7).unwrap().unwrap();
+    let core = body.inward_offset(0.7).unwrap().unwrap();
     // Four planes meet in every vertex: rounding must not split them.
     assert_eq!((core.vertices().len(), core.faces().len()), (6, 8));
 }
@@ -310,7 +310,7 @@ fn an_octahedron_keeps_its_six_vertices() {
 fn a_shrunk_cube_is_a_cube() {
     let body = convex_hull(&block([1.0; 3])).unwrap();
     for thickness in [0.0, 0.1, 0.25, 0.9, 0.999] {
-        let core = inward_offset(&body, thickness).unwrap().unwrap();
+        let core = body.inward_offset(thickness).unwrap().unwrap();
         let side = 2.0 - 2.0 * thickness;
         assert!((core.volume() / side.powi(3) - 1.0).abs() < 1e-13, "{} at {thickness}", core.volume());
         assert_eq!((core.vertices().len(), core.faces().len()), (8, 6));
@@ -321,10 +321,18 @@ fn a_shrunk_cube_is_a_cube() {
 fn a_cube_vanishes_at_half_its_side_and_not_before() {
     let body = convex_hull(&block([1.0; 3])).unwrap();
     assert_eq!(body.inscribed_ball().radius, 1.0);
-    assert_eq!(inward_offset(&body, 1.0).unwrap(), None);
-    assert_eq!(inward_offset(&body, 1.0 + f64::EPSILON).unwrap(), None);
+    assert_eq!(body.inward_offset(1.0).unwrap(), None);
+    assert_eq!(body.inward_offset(1.0 + f64::EPSILON).unwrap(), None);
     let almost = 1.0 - f64::EPSILON * 1e5;
-    let core = inward_offset(&body, almost).unwrap().unwrap();
+    let core = body.inward_offset(almost).unwrap().unwrap();
     assert!((core.volume() / (2.0 - 2.0 * almost).powi(3) - 1.0).abs() < 1e-12);
-    assert!(!matches!(inward_offset(&body, 1.0 - f64::EPSILON / 2.0), Ok(None)));
+    assert!(!matches!(body.inward_offset(1.0 - f64::EPSILON / 2.0), Ok(None)));
+}
+
+#[test]
+fn thicknesses_that_are_none_are_refused() {
+    let cube = convex_hull(&block([4.0; 3])).unwrap();
+    for thickness in [f64::NAN, f64::INFINITY, -1e-9] {
+        assert!(matches!(cube.inward_offset(thickness), Err(OffsetError::Thickness { .. })), "{thickness}");
+    }
 }

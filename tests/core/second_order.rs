@@ -7,8 +7,7 @@ use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::sides::Sides;
 use meso_core::mesh::{
-    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, NO_AGGREGATE, Notes, Order, Phase,
-    PhaseVolumes,
+    self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseVolumes,
 };
 
 /// Two tetrahedra that share a face, the first of them aggregate.
@@ -19,7 +18,7 @@ fn two_tetrahedra() -> Mesh {
         kind: CellKind::Tetrahedron,
         cells: vec![0, 1, 2, 3, 1, 2, 3, 4],
         phase: vec![Phase::Aggregate, Phase::Mortar],
-        aggregate: vec![0, NO_AGGREGATE],
+        aggregate: vec![0, Mesh::NO_AGGREGATE],
         cohesive: Vec::new(),
         cohesive_aggregate: Vec::new(),
         periodic: [false; 3],

@@ -1,7 +1,7 @@
 //! The sieve size of bodies whose square hole is known.
 
 use crate::solids::{Source, block};
-use meso_core::geometry::{convex_hull, sieve_size};
+use meso_core::geometry::convex_hull;
 use meso_core::math::{Mat3, Vec3};
 use meso_core::testing::principal_axes;
 
@@ -11,7 +11,7 @@ fn a_block_passes_a_square_as_wide_as_its_middle_edge() {
     for half in [[3.0, 2.0, 1.0], [5.0, 2.0, 2.0], [4.0, 1.0, 0.9]] {
         let turn = source.rotation();
         let points: Vec<Vec3> = block(half).iter().map(|p| turn * p).collect();
-        let size = sieve_size(&convex_hull(&points).unwrap());
+        let size = convex_hull(&points).unwrap().sieve_size();
         // A flat cross-section (2b, 2c) fits a square turned by 45 degrees where that is smaller.
         let expected = (2.0 * half[1]).min((2.0 * half[1] + 2.0 * half[2]) / 2.0_f64.sqrt());
         assert!((size - expected).abs() < 1e-12 * expected, "{half:?}: {size}, not {expected}");
@@ -20,7 +20,7 @@ fn a_block_passes_a_square_as_wide_as_its_middle_edge() {
 
 #[test]
 fn a_plank_passes_cornerwise() {
-    let size = sieve_size(&convex_hull(&block([10.0, 2.0, 0.1])).unwrap());
+    let size = convex_hull(&block([10.0, 2.0, 0.1])).unwrap().sieve_size();
     assert!((size - 4.2 / 2.0_f64.sqrt()).abs() < 1e-12, "{size}");
 }
 
@@ -34,7 +34,7 @@ fn a_sieve_size_is_no_larger_than_the_longest_and_no_smaller_than_the_shortest_e
             let along = body.vertices().iter().map(|v| v.dot(&axes.column(k)));
             along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
         };
-        let size = sieve_size(&body);
+        let size = body.sieve_size();
         assert!(size <= extent(1).max(extent(2)) * (1.0 + 1e-12), "{size}");
         assert!(size >= 0.7 * extent(2), "{size}");
     }

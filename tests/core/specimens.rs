@@ -4,7 +4,7 @@ use crate::angle_piece::angle_piece;
 use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, MeshOptions, Method};
+use meso_core::mesh::{self, Mesh, MeshOptions, Method};
 use meso_core::packing::{Built, Silent, Specimen, StopReason, Strategy};
 use meso_core::{Model, Spec, pack};
 use std::f64::consts::PI;
@@ -57,6 +57,52 @@ fn grains_lie_inside_a_prism() {
     let specimen = Specimen::Prism { length_mm: 90.0, width_mm: 40.0, depth_mm: 50.0 };
     assert_eq!((specimen.volume(), specimen.aabb().max), (180_000.0, Vec3::new(90.0, 40.0, 50.0)));
     assert_inside(&specimen, |v| v.min().min(90.0 - v.x).min(40.0 - v.y).min(50.0 - v.z));
+}
+
+/// A point for every wall of a specimen, where it is so many mm deep.
+type Walls = fn(f64) -> Vec<Vec3>;
+
+#[test]
+fn a_picometre_more_than_the_gap_to_a_wall_is_held_and_a_picometre_less_is_not() {
+    let cases: [(Specimen, Walls); 3] = [
+        (Specimen::cube(64.0), |depth| {
+            let low = [0, 1, 2].map(|axis| Vec3::from_fn(|i, _| if i == axis { depth } else { 32.0 }));
+            low.into_iter().chain(low.map(|point| Vec3::repeat(64.0) - point)).collect()
+        }),
+        (Specimen::Cylinder { diameter_mm: 60.0, height_mm: 70.0 }, |depth| {
+            let arm = 30.0 - depth;
+            let side = Vec3::new(30.0 - 0.6 * arm, 30.0 + 0.8 * arm, 35.0);
+            vec![side, Vec3::new(30.0, 30.0, depth), Vec3::new(30.0, 30.0, 70.0 - depth)]
+        }),
+        (Specimen::Sphere { diameter_mm: 80.0 }, |depth| {
+            let arm = 40.0 - depth;
+            vec![Vec3::new(40.0 - 0.36 * arm, 40.0 + 0.48 * arm, 40.0 - 0.8 * arm)]
+        }),
+    ];
+    for (specimen, walls) in cases {
+        let container = specimen.container();
+        for gap in [0.0, 1.5] {
+            let held = |depth: f64| {
+                walls(depth).iter().map(|point| container.holds(&[Vec3::zeros()], point, gap)).collect::<Vec<_>>()
+            };
+            assert!(held(gap + 1e-12).iter().all(|held| *held), "{specimen:?}, gap {gap}: {:?}", held(gap + 1e-12));
+            assert!(!held(gap - 1e-12).iter().any(|held| *held), "{specimen:?}, gap {gap}: {:?}", held(gap - 1e-12));
+        }
+    }
+}
+
+#[test]
+fn a_convex_polyhedron_is_closed_and_holds_its_own_corners() {
+    let turned = |k: usize| {
+        // Corners of a box, turned, so that no face has a normal of few digits.
+        let (sin, cos) = (0.1 + k as f64).sin_cos();
+        let corner = move |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 30.0 + axis as f64 } else { 0.0 });
+        (0..8).map(corner).map(|[x, y, z]| [cos * x - sin * y, sin * x + cos * y, z + 0.3 * x]).collect::<Vec<_>>()
+    };
+    for k in 0..40 {
+        let container = Specimen::Polyhedron { vertices_mm: turned(k) }.container();
+        assert!(container.holds(&container.surface().points, &Vec3::zeros(), 0.0), "{k}");
+    }
 }
 
 /// A frustum: a square of 80 mm below, one of 50 mm above, 60 mm high; away from the origin in the spec.
@@ -195,7 +241,7 @@ fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
         let exact = model.spec.specimen.volume();
         assert!((volume / exact - 1.0).abs() < 0.02, "{method:?}: {volume} of {exact}");
-        for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == mesh::NO_AGGREGATE).map(|(cell, _)| cell)
+        for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == Mesh::NO_AGGREGATE).map(|(cell, _)| cell)
         {
             let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / cell.len() as f64;
             assert!((centre.x - 30.0).hypot(centre.y - 30.0) <= 30.0 + 1e-9);

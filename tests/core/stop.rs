@@ -5,7 +5,7 @@
 use meso_core::check::check;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, MeshError, MeshOptions, Method};
-use meso_core::statistics::{Options, statistics};
+use meso_core::statistics::{Options, Statistics};
 use meso_core::stop::{Stopped, listen};
 use meso_core::voxel_image::{ImageOptions, Quantity, VoxelImage};
 use meso_core::{Model, Silent, Spec, pack, saved};
@@ -122,7 +122,7 @@ fn surfaces_for_gmsh_end_when_they_are_told_to() {
 fn checks_statistics_and_images_end_when_they_are_told_to() {
     let model = model(60.0);
     let options = Options { lines: 10_000_000, points: 10_000_000, ..Options::default() };
-    ends_soon("statistics", &MOMENTS, || statistics(&model, &options).is_ok());
+    ends_soon("statistics", &MOMENTS, || Statistics::of(&model, &options).is_ok());
     ends_soon("check", &MOMENTS, || (0..1000).map(|_| check(&model).aggregates).sum::<usize>());
     for quantity in [Quantity::Share, Quantity::Distance, Quantity::Phase] {
         let options = ImageOptions { quantity, voxel_size_mm: 0.15, ..ImageOptions::default() };
@@ -150,5 +150,5 @@ fn slow_no_step_of_any_stage_keeps_the_end_waiting() {
     let many = pack(&Spec::default(), &Silent).unwrap();
     ends_soon("check", &moments, || check(&many).aggregates);
     let options = Options { lines: 300_000, points: 1_000_000, ..Options::default() };
-    ends_soon("statistics", &moments, || statistics(&many, &options).is_ok());
+    ends_soon("statistics", &moments, || Statistics::of(&many, &options).is_ok());
 }

@@ -4,7 +4,7 @@
 //! Nothing may panic, and nothing accepted may break its promise. Requests for much work are left alone.
 
 use meso_core::check::check;
-use meso_core::geometry::{convex_hull, inward_offset};
+use meso_core::geometry::convex_hull;
 use meso_core::gjk::{self, Method};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
@@ -116,7 +116,7 @@ pub(crate) fn offset(bytes: &[u8]) {
     let Some((&depth, rest)) = bytes.split_first() else { return };
     let Ok(body) = convex_hull(&points(rest)) else { return };
     let thickness = f64::from(depth) / 64.0;
-    let Ok(Some(inner)) = inward_offset(&body, thickness) else { return };
+    let Ok(Some(inner)) = body.inward_offset(thickness) else { return };
     assert!(inner.volume() <= body.volume() * (1.0 + 1e-9));
     let (outer, within) = (body.aabb(), inner.aabb());
     let slack = 1e-9 * (1.0 + outer.size().max());

@@ -1,6 +1,6 @@
 //! Concrete damaged plasticity against closed forms, in f64 and in the f32 of the solver.
 
-use crate::subject::{Number, along, cdp, close, from_peak, inelastic_energy, mortar, peak, slope};
+use crate::subject::{Number, WIDTH, along, cdp, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_core::materials::Materials;
 use meso_solve::law::{Law, cdp as law};
 use meso_solve::point::{Held, Sample, curve, ramp};
@@ -45,6 +45,25 @@ fn confined_strength_is_the_surfaces_closed_form() {
         confined::<f64>(meridian);
         confined::<f32>(meridian);
     }
+}
+
+/// All stresses s: s (3 alpha + beta) = (1 - alpha) c, where hardening begins, c = 0.4 f_c. Steps end beyond the tip.
+fn pulled_on_all_sides<R: Number>() {
+    let (of, zero) = (cdp::<R>(&mortar()), R::splat(0.0));
+    let mut history = <law::Cdp<R> as Law<R>>::virgin();
+    let stresses = (1..=50).map(|step| {
+        let strain = R::splat(f64::from(step) * 4e-6);
+        of.stress(&[strain, strain, strain, zero, zero, zero], &mut history, R::splat(WIDTH)).stress[0].into()
+    });
+    let (alpha, c) = (0.16 / 1.32, 16.0);
+    let beta = (1.0 - alpha) * c / 3.0 - (1.0 + alpha);
+    close(stresses.fold(0.0, f64::max), (1.0 - alpha) * c / (3.0 * alpha + beta), 3e-3);
+}
+
+#[test]
+fn tension_on_all_sides_returns_to_the_tip() {
+    pulled_on_all_sides::<f64>();
+    pulled_on_all_sides::<f32>();
 }
 
 fn energies<R: Number>(width: f64) {

@@ -58,6 +58,7 @@ def test_meshes_compare_by_value_and_say_what_they_are(mesh, packing):
         ({"element_size": 1e-6}, ValueError, "element_size_mm is"),
         ({"element_size": "fine"}, TypeError, "element_size_mm"),
         ({"itz": "thick"}, ValueError, "itz is \"thick\".*solid"),
+        ({"size": 2.0}, ValueError, "size is not a known key; did you mean element_size_mm"),
         ({"elementsize": 2.0}, ValueError, "elementsize is not a known key.*element_size_mm"),
     ],
 )

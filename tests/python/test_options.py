@@ -93,6 +93,8 @@ def test_recipes_are_specs():
     assert mc.Spec.recipe("paper") == mc.Spec()
     with pytest.raises(ValueError, match=r'there is no recipe "rve-61"; the recipes are paper, '):
         mc.Spec.recipe("rve-61")
+    with pytest.raises(FileNotFoundError, match=r'rve-60 is a recipe and no file: Spec.recipe\("rve-60"\)'):
+        mc.pack("rve-60")
 
 
 def test_gradings_and_specimens_have_their_names():

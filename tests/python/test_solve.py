@@ -149,7 +149,7 @@ def test_tension_pulls(mesh):
     [
         ({"friction": -1.0}, "friction is -1; it must be 0 to 10"),
         ({"strain": 0.0}, "strain is 0; it must lie above 0"),
-        ({"test": "bending"}, "kind is .bending.; .*compression"),
+        ({"test": "bending"}, "test is .bending.; .*compression"),
         ({"law": "steel"}, "law is .steel.; .*elastic"),
         ({"frictoin": 0.1}, "frictoin is not a known key; did you mean friction"),
         ({"materials": {"mortar": {"poisson_ratio": 0.7}}}, "materials.mortar.poisson_ratio is 0.7"),

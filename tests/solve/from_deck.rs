@@ -7,11 +7,10 @@
 use crate::deck_reader::{Card, Deck};
 use crate::samples::small_cube;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
-use meso_core::materials::{Elastic, Materials, Plasticity, Strength};
+use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NO_AGGREGATE, NarrowGaps, Notes, Phase, PhaseVolumes,
-    Volumes, band_factor, regular_edge,
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Notes, Phase, PhaseVolumes, Volumes,
 };
 use meso_solve::{Figures, Itz, Kind, Run, Sample, Silent, Test};
 use std::collections::BTreeMap;
@@ -103,11 +102,11 @@ fn mesh_of(deck: &Deck, is_smeared: bool) -> Mesh {
             piece[other as usize] = first;
         }
     }
-    let shells = if is_smeared { NO_AGGREGATE } else { 0 };
+    let shells = if is_smeared { Mesh::NO_AGGREGATE } else { 0 };
     let mut owner = |(cell, phase): (&[u32], &Phase)| match phase {
         Phase::Aggregate => root(&mut piece, cell[0]),
         Phase::Itz => shells,
-        _ => NO_AGGREGATE,
+        _ => Mesh::NO_AGGREGATE,
     };
     let aggregate = cells.chunks_exact(per_cell).zip(&phase).map(&mut owner).collect();
     let points = used.iter().map(|node| Vec3::from(deck.nodes[node])).collect();

@@ -1,6 +1,7 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
+use meso_core::recipes::Recipe;
 use meso_core::{Model, Spec, SpecError, saved};
 use meso_files::Beside;
 use std::fs::File;
@@ -20,6 +21,10 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
+    if let Some(recipe) = path.to_str().and_then(Recipe::find).filter(|_| !path.exists()) {
+        let name = recipe.name;
+        return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
+    }
     toml(path, |text| Spec::from_toml_with(text, &mut Beside(folder)))
 }
 

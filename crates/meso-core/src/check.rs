@@ -11,7 +11,7 @@ mod solid;
 mod taken;
 
 use crate::aggregate::{Aggregate, Kind, SizeDefinition};
-use crate::geometry::{Polyhedron, sieve_size};
+use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
 use crate::packing::Container;
@@ -156,23 +156,23 @@ impl Finding {
 
 impl Check {
     /// As [`check`], and reports which share of the work is done, 0 to 1.
-    pub fn of(model: &Model, told: &dyn Fn(f64)) -> Self {
-        told(0.02);
+    pub fn of(model: &Model, progress: &dyn Fn(f64)) -> Self {
+        progress(0.02);
         let container = model.spec.specimen.container();
         let bodies = model.bodies();
         let placed = placed(model, &bodies, container.aabb());
-        told(0.1);
+        progress(0.1);
         let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
-        told(0.4);
+        progress(0.4);
         findings.par_extend(bodies.par_iter().panic_fuse().flat_map_iter(|body| single(model, &*container, body)));
-        told(0.7);
+        progress(0.7);
         // Summed in the order of the aggregates, whatever the threads.
         let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
         let fraction = volumes.iter().sum::<f64>() / container.volume();
         let (taken, not_taken) = taken::check(model, &bodies);
         findings.extend(not_taken);
         findings.extend(report::check(model, taken.as_ref()));
-        told(1.0);
+        progress(1.0);
         let not_checked = not_checked(model, taken.is_some());
         Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings, not_checked }
     }
@@ -296,7 +296,7 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
     };
     let size_mm = match model.spec.grading.size {
         SizeDefinition::LongestAxis => longest_distance(aggregate.body.vertices()),
-        SizeDefinition::Sieve => sieve_size(&aggregate.body),
+        SizeDefinition::Sieve => aggregate.body.sieve_size(),
     };
     let rounding = rounding(size_mm);
     let fits = size_mm >= class.d_min_mm - rounding && size_mm <= class.d_max_mm + rounding;
@@ -306,13 +306,13 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{convex_hull, inward_offset};
+    use crate::geometry::convex_hull;
 
     #[test]
     fn a_shell_thinner_by_a_nanometre_and_more_is_found() {
         let corners = |half: f64| (0..8).map(move |i| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { half } else { -half }));
         let body = convex_hull(&corners(2.0).collect::<Vec<_>>()).unwrap();
-        let core = inward_offset(&body, 0.5).unwrap().unwrap();
+        let core = body.inward_offset(0.5).unwrap().unwrap();
         assert_eq!(too_thin(&body, &core, 0.5), None);
         assert_eq!(too_thin(&body, &core, 0.5 + 1e-10), None);
         assert!(too_thin(&body, &core, 0.5 + 2e-9).is_some());

@@ -318,12 +318,12 @@ impl ImageFormat {
         image: &VoxelImage,
         model: &Model,
         region: Region,
-        told: &dyn Fn(f64),
+        progress: &dyn Fn(f64),
         out: impl Write + Seek,
     ) -> io::Result<()> {
         match self {
-            Self::Tif => tif::write(&image.frame(), image.slabs_watched(told), out),
-            _ => self.write(image, model, region, told, out),
+            Self::Tif => tif::write(&image.frame(), image.slabs_watched(progress), out),
+            _ => self.write(image, model, region, progress, out),
         }
     }
 
@@ -336,13 +336,13 @@ impl ImageFormat {
         image: &VoxelImage,
         model: &Model,
         region: Region,
-        told: &dyn Fn(f64),
+        progress: &dyn Fn(f64),
         mut out: impl Write,
     ) -> io::Result<()> {
         let frame = image.frame();
         match (self, region) {
-            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(told), out),
-            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(told), out),
+            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(progress), out),
+            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(progress), out),
             (Self::Svg, Region::Section { axis, at }) => page::section(model, axis, at, &mut out),
             (Self::Png, Region::Section { .. }) => {
                 let values: Values = image.layers(0..frame.counts[2]);

@@ -38,6 +38,8 @@ pub mod gjk;
 mod import;
 mod lanes;
 #[cfg(feature = "concrete")]
+mod location;
+#[cfg(feature = "concrete")]
 pub mod materials;
 pub mod math;
 #[cfg(feature = "concrete")]

@@ -11,7 +11,6 @@ mod tables;
 
 use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::export::appearance::CLASSES;
-use crate::geometry::sieve_size;
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::statistics::Statistics;
@@ -145,7 +144,7 @@ const CURVE_POINTS: usize = 60;
 
 /// The volume that passes square openings of a size, over the volume asked for.
 fn sieve_curve(model: &Model) -> Vec<(f64, f64)> {
-    let sieved = |aggregate: &Aggregate| (sieve_size(&aggregate.body), aggregate.body.volume());
+    let sieved = |aggregate: &Aggregate| (aggregate.body.sieve_size(), aggregate.body.volume());
     let mut grains: Vec<(f64, f64)> = model.aggregates.par_iter().map(sieved).collect();
     grains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let asked = model.report.target_fraction * model.report.specimen.volume_mm3;

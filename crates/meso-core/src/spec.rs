@@ -24,9 +24,6 @@ pub use files::Files;
 use files::NoFiles;
 pub(crate) use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
-pub use overlay::overlay;
-#[cfg(feature = "schema")]
-pub use schema::of_options;
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
 use crate::packing::{Placement, Specimen};

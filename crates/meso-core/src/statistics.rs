@@ -103,33 +103,33 @@ pub struct Statistics {
     pub phases: Vec<PhaseFigures>,
 }
 
-/// Measures a packed model.
-///
-/// # Errors
-/// A loaded model may hold coordinates beyond what the exact distance accepts.
-pub fn statistics(model: &Model, options: &Options) -> Result<Statistics, GjkError> {
-    Statistics::of(model, options, &|_| {})
-}
-
 impl Statistics {
-    /// As [`statistics`], and reports which share of the work is done, 0 to 1.
+    /// Measures a packed model.
     ///
     /// # Errors
-    /// As [`statistics`].
-    pub fn of(model: &Model, options: &Options, told: &(dyn Fn(f64) + Sync)) -> Result<Self, GjkError> {
-        told(0.02);
+    /// A loaded model may hold coordinates beyond what the exact distance accepts.
+    pub fn of(model: &Model, options: &Options) -> Result<Self, GjkError> {
+        Self::watched(model, options, &|_| {})
+    }
+
+    /// As [`Statistics::of`], and reports which share of the work is done, 0 to 1.
+    ///
+    /// # Errors
+    /// As [`Statistics::of`].
+    pub fn watched(model: &Model, options: &Options, progress: &(dyn Fn(f64) + Sync)) -> Result<Self, GjkError> {
+        progress(0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
         // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
         let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
         let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
         let (shapes, orientation) = (Shapes::of(aggregates), Orientation::of(aggregates));
-        told(0.2);
+        progress(0.2);
         let wall_effect = wall::wall_effect(&sample);
-        told(0.35);
+        progress(0.35);
         let nearest_distance_mm = nearest::nearest_distances(model, &images)?;
-        told(0.7);
+        progress(0.7);
         let correlation = correlation::correlation(&sample);
-        told(1.0);
+        progress(1.0);
         Ok(Statistics {
             fraction: ordered_sum(aggregates, |a| a.body.volume()) / container.volume(),
             specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / container.volume(),

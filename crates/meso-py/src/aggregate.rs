@@ -5,7 +5,7 @@ use crate::boundary::guard;
 use crate::polyhedron::{PyPolyhedron, offset_error};
 use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};
-use meso_core::geometry::{Face, sieve_size};
+use meso_core::geometry::Face;
 use meso_core::math::longest_distance;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
@@ -82,7 +82,7 @@ impl PyAggregate {
     /// Side of the smallest square hole that it passes, mm.
     #[getter]
     fn sieve_size(&self) -> f64 {
-        sieve_size(&self.0.body)
+        self.0.body.sieve_size()
     }
 
     /// Thickness of the ITZ shell, mm.

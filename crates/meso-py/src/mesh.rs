@@ -12,7 +12,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, Mesh, MeshOptions, MeshTable, NO_AGGREGATE, PhaseOff, PhaseVolumes,
+    self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes,
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
@@ -109,7 +109,7 @@ impl PyMesh {
     /// Id of the aggregate or fibre every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let id = |&id: &u32| if id == NO_AGGREGATE { -1 } else { i64::from(id) };
+        let id = |&id: &u32| if id == Mesh::NO_AGGREGATE { -1 } else { i64::from(id) };
         PyArray1::from_vec(py, self.0.aggregate.iter().map(id).collect())
     }
 

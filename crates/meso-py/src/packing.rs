@@ -232,7 +232,7 @@ impl PyPacking {
             let progress = listener(py, progress)?;
             let plan = Plan(&[(Stage::Measure, 1.0)], 1.0);
             let measured = in_stages(py, progress.as_ref(), plan, move |watch| {
-                Statistics::of(&model, &options, &|share| watch.stage(Stage::Measure, share))
+                Statistics::watched(&model, &options, &|share| watch.stage(Stage::Measure, share))
             })?;
             plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
         })

@@ -2,7 +2,7 @@
 
 use crate::arrays;
 use crate::boundary::guard;
-use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull, inward_offset};
+use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;
@@ -103,14 +103,16 @@ impl PyPolyhedron {
     ///     Where what is left is too thin, or too small, for float64 vertices to show its shape.
     fn offset(&self, py: Python<'_>, thickness: f64) -> PyResult<Option<Self>> {
         guard(|| {
-            let inner = py.detach(|| inward_offset(&self.0, thickness)).map_err(|error| offset_error(&error))?;
+            let inner = py.detach(|| self.0.inward_offset(thickness)).map_err(|error| offset_error(&error))?;
             Ok(inner.map(Self::from))
         })
     }
 
     fn __repr__(&self) -> String {
         let (vertices, faces) = (self.0.vertices().len(), self.0.faces().len());
-        format!("Polyhedron({vertices} vertices, {faces} faces, volume={} mm3)", self.0.volume())
+        // Six digits, without zeros at their end.
+        let volume = format!("{:.5e}", self.0.volume()).parse().unwrap_or(self.0.volume());
+        format!("Polyhedron({vertices} vertices, {faces} faces, volume={volume} mm3)")
     }
 
     /// A frozen object is its own copy.

@@ -11,11 +11,12 @@ use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Progress as _};
 use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Ended, Frame, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
+use meso_solve::{Ended, Frame, Kind, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde::Deserialize;
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -60,6 +61,12 @@ pub(crate) struct Asked {
     threads: Option<usize>,
 }
 
+/// The kind of a test by the keyword's name, which errors then have.
+#[derive(Deserialize)]
+struct Asking {
+    test: Kind,
+}
+
 impl Asked {
     /// Reads and checks the keywords, before any work.
     pub(crate) fn new(
@@ -68,8 +75,11 @@ impl Asked {
         threads: Option<&Bound<'_, PyAny>>,
         keywords: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        keywords.set_item("kind", kind)?;
-        let (test, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
+        let named = PyDict::new(keywords.py());
+        named.set_item("test", kind)?;
+        let Asking { test: kind } = options(Some(&named))?;
+        let (given, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
+        let test = Test { kind, ..given };
         meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
         Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()? })
     }

@@ -5,7 +5,7 @@ use crate::tree;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError, SpecErrorKind};
 use meso_files::Beside;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::{PyFileNotFoundError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde::de::DeserializeOwned;
@@ -50,6 +50,10 @@ pub(crate) fn options<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>)
 }
 
 fn read(path: &Path) -> PyResult<Spec> {
+    if let Some(recipe) = path.to_str().and_then(recipes::Recipe::find).filter(|_| !path.exists()) {
+        let name = recipe.name;
+        return Err(PyFileNotFoundError::new_err(format!("{name} is a recipe and no file: Spec.recipe({name:?})")));
+    }
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
     let named = |text: String| PyValueError::new_err(format!("{}: {text}", path.display()));
     let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
@@ -218,7 +222,7 @@ impl PySpec {
         guard(|| {
             let mut value = self.unresolved()?;
             let changes = changes.map_or(Ok(Value::Object(Map::new())), |dict| tree::from_python("", dict.as_any()));
-            spec::overlay(&mut value, changes?);
+            Spec::overlay(&mut value, changes?);
             from_value(&value).map(Self)
         })
     }

@@ -4,7 +4,6 @@ use crate::boundary::guard;
 use crate::run::beside_python;
 use meso_core::Model;
 use meso_core::aggregate::Aggregate;
-use meso_core::geometry::sieve_size;
 use meso_core::math::{Vec3, longest_distance};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -26,7 +25,7 @@ impl Row {
     fn of(aggregate: &Aggregate) -> Self {
         let (body, mass) = (&aggregate.body, aggregate.body.mass_properties());
         let size = longest_distance(body.vertices());
-        Self { size, sieve_size: sieve_size(body), volume: mass.volume, area: body.area(), centroid: mass.centroid }
+        Self { size, sieve_size: body.sieve_size(), volume: mass.volume, area: body.area(), centroid: mass.centroid }
     }
 
     fn sphericity(&self) -> f64 {

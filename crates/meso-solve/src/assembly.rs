@@ -9,8 +9,9 @@ use crate::lanes::{Eight, LANES};
 use crate::mass::{Need, box_metric, tet_metric};
 use crate::order::{along_curve, key};
 use crate::sample::Sample;
+use meso_core::materials::regular_edge;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase, regular_edge};
+use meso_core::mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 
 /// Order of the phases within a block.

@@ -1,8 +1,9 @@
 //! What is tested: a mesh, and what the mesh does not know of its specimen.
 
 use crate::error::SolveError;
+use meso_core::materials::band_factor;
 use meso_core::math::Aabb;
-use meso_core::mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes, band_factor};
+use meso_core::mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes};
 use meso_core::packing::Specimen;
 
 /// A meshed specimen; it is loaded along z.

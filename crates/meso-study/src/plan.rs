@@ -1,7 +1,7 @@
 //! The cases of a study: a base, and axes whose values are laid over it in every combination.
 
 use crate::case::Case;
-use meso_core::spec::{Files, overlay};
+use meso_core::spec::Files;
 use meso_core::{Spec, SpecError};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -112,7 +112,7 @@ fn case(base: &Value, values: &[(&str, &Value)], task: &Value, files: &mut dyn F
         let change = key
             .rsplit('.')
             .fold((*value).clone(), |inner, name| Value::Object(Map::from_iter([(name.to_owned(), inner)])));
-        overlay(if is_task { &mut task } else { &mut tree }, change);
+        Spec::overlay(if is_task { &mut task } else { &mut tree }, change);
     }
     let spec = Spec::from_value_with(&tree, files).map_err(|error| PlanError::Spec(describe(values), error))?;
     Ok(Case::new(values, spec, task))

@@ -24,11 +24,14 @@ pub(crate) struct Args {
     json: bool,
     #[command(flatten)]
     threads: Threads,
+    /// Print only the table, the findings, warnings and errors
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model)?;
-    let mut watch = Watch::of_files(false, &[(Stage::Prove, 1.0)]);
+    let mut watch = Watch::of_files(args.quiet, &[(Stage::Prove, 1.0)]);
     let found = args.threads.run(|| Check::of(&model, &|share| watch.stage(Stage::Prove, share)))?;
     watch.finish();
     Unit::default()

@@ -1,7 +1,7 @@
 //! `mesocrete convert`: a saved model in another format.
 
 use super::names;
-use super::shared::Writing;
+use super::shared::{Threads, Writing};
 use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
@@ -34,6 +34,8 @@ pub(crate) struct Args {
     #[arg(long)]
     named_solids: bool,
     #[command(flatten)]
+    threads: Threads,
+    #[command(flatten)]
     writing: Writing,
 }
 
@@ -42,6 +44,10 @@ fn format_name(text: &str) -> Result<Format, String> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    args.threads.run(|| on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
     args.validate()?;

@@ -70,16 +70,18 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let image = VoxelImage::new(&model, &options).map_err(|error| wrong(&error))?;
     let mut unit = Unit::default();
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Image, 1.0)]);
-    let told = |share| watch.stage(Stage::Image, share);
+    let progress = |share| watch.stage(Stage::Image, share);
     for (target, format) in &plan {
         match format {
             ImageFormat::Tif => {
                 unit.fill_file(target, args.writing.force, |out| {
-                    format.write_file(&image, &model, options.region, &told, out)
+                    format.write_file(&image, &model, options.region, &progress, out)
                 })?;
             }
             _ => {
-                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &told, out))?;
+                unit.fill(target, args.writing.force, |out| {
+                    format.write(&image, &model, options.region, &progress, out)
+                })?;
             }
         }
     }

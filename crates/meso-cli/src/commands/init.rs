@@ -1,5 +1,6 @@
 //! `mesocrete init`: a commented SPEC.toml to start from.
 
+use super::shared::Writing;
 use crate::failure::Failure;
 use crate::outputs::{Target, Unit};
 use crate::stderr;
@@ -14,18 +15,17 @@ pub(crate) struct Args {
     /// Where to write it; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "SPEC.toml")]
     output: PathBuf,
-    /// Replace a file that is there already
-    #[arg(short, long)]
-    force: bool,
+    #[command(flatten)]
+    writing: Writing,
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let recipe = Recipe::find(&args.recipe).ok_or_else(|| unknown(&args.recipe))?;
-    let target = Target::new(&args.output, args.force)?;
+    let target = Target::new(&args.output, args.writing.force)?;
     let mut unit = Unit::default();
-    unit.fill(&target, args.force, |out| out.write_all(recipe.text.as_bytes()))?;
+    unit.fill(&target, args.writing.force, |out| out.write_all(recipe.text.as_bytes()))?;
     unit.commit()?;
-    if let Some(path) = target.file() {
+    if let (Some(path), false) = (target.file(), args.writing.quiet) {
         let path = path.display();
         stderr::line(format!("wrote {path}; edit it, then: mesocrete pack {path}"));
     }

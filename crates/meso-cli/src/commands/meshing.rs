@@ -334,9 +334,9 @@ impl Meshing {
     /// Meshes, and finds the phase that is farthest off its exact volume; options that cannot be are wrong usage.
     pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
         let accepted = if self.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        let told = |share| watch.stage(Stage::Mesh, share);
+        let progress = |share| watch.stage(Stage::Mesh, share);
         let gmsh = Announced { gmsh: Gmsh::program(&self.gmsh), quiet };
-        mesh::build_accepted(model, &self.options()?, &gmsh, accepted, &told).map_err(|error| wrong_mesh(&error))
+        mesh::build_accepted(model, &self.options()?, &gmsh, accepted, &progress).map_err(|error| wrong_mesh(&error))
     }
 }
 
@@ -357,9 +357,9 @@ pub(super) fn build(
     quiet: bool,
     watch: &Watch,
 ) -> Result<Mesh, Failure> {
-    let told = |share| watch.stage(Stage::Mesh, share);
+    let progress = |share| watch.stage(Stage::Mesh, share);
     let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
-    mesh::build_watched(model, options, &gmsh, &told).map_err(|error| wrong_mesh(&error))
+    mesh::build_watched(model, options, &gmsh, &progress).map_err(|error| wrong_mesh(&error))
 }
 
 /// gmsh, whose second attempts the user hears of.

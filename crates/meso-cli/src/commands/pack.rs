@@ -268,9 +268,9 @@ impl Plan {
         mesh: Option<&Mesh>,
         watch: &Watch,
     ) -> Result<(), Failure> {
-        let told = |share| watch.stage(Stage::Measure, share);
-        let figures =
-            Statistics::of(model, &Options::quick(), &told).map_err(|error| Failure::Run(error.to_string()))?;
+        let progress = |share| watch.stage(Stage::Measure, share);
+        let figures = Statistics::watched(model, &Options::quick(), &progress)
+            .map_err(|error| Failure::Run(error.to_string()))?;
         unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
     }
 }

@@ -31,8 +31,8 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     outputs::distinct(&[&target], &[&args.model])?;
     let model = inputs::model(&args.model)?;
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Measure, 1.0)]);
-    let told = |share| watch.stage(Stage::Measure, share);
-    let figures = args.threads.run(|| Statistics::of(&model, &Options::default(), &told))?;
+    let progress = |share| watch.stage(Stage::Measure, share);
+    let figures = args.threads.run(|| Statistics::watched(&model, &Options::default(), &progress))?;
     watch.finish();
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();

@@ -6,7 +6,6 @@ use meso_core::Spec;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::MeshTable;
-use meso_core::spec::of_options;
 use meso_core::statistics;
 use serde_json::Value;
 
@@ -31,11 +30,11 @@ impl Of {
     fn schema(self) -> Value {
         match self {
             Self::Spec => Spec::schema(),
-            Self::Mesh => of_options::<MeshTable>(),
-            Self::Deck => of_options::<DeckOptions>(),
-            Self::Solve => of_options::<meso_solve::Test>(),
-            Self::Statistics => of_options::<statistics::Options>(),
-            Self::Materials => of_options::<Materials>(),
+            Self::Mesh => Spec::schema_of::<MeshTable>(),
+            Self::Deck => Spec::schema_of::<DeckOptions>(),
+            Self::Solve => Spec::schema_of::<meso_solve::Test>(),
+            Self::Statistics => Spec::schema_of::<statistics::Options>(),
+            Self::Materials => Spec::schema_of::<Materials>(),
         }
     }
 }

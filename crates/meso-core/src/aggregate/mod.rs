@@ -20,7 +20,7 @@ pub use itz::Itz;
 pub use library::Template;
 pub use shape::{Shape, ShapeKind};
 
-use crate::geometry::{OffsetError, Polyhedron, inward_offset};
+use crate::geometry::{OffsetError, Polyhedron};
 
 /// One aggregate, or one void or fibre, at its position in the specimen.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +43,6 @@ impl Aggregate {
     /// # Errors
     /// Where the offset of an ill-shaped body has no trustworthy answer.
     pub fn core(&self) -> Result<Option<Polyhedron>, OffsetError> {
-        inward_offset(&self.body, self.itz_thickness_mm)
+        self.body.inward_offset(self.itz_thickness_mm)
     }
 }

@@ -4,7 +4,7 @@ use super::grain::{Grain, Kind};
 use super::inclusions::{self, Inclusions};
 use super::random::{Purpose, Stream};
 use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
-use crate::geometry::{HullError, convex_hull, sieve_size};
+use crate::geometry::{HullError, convex_hull};
 use crate::stop;
 use rayon::prelude::*;
 
@@ -94,7 +94,7 @@ fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<G
     let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
     let mut vertices = recipe.shape.outline(size, limits.d_min_mm, stream);
     if recipe.grading.size == SizeDefinition::Sieve {
-        let scale = size / sieve_size(&convex_hull(&vertices)?);
+        let scale = size / convex_hull(&vertices)?.sieve_size();
         vertices.iter_mut().for_each(|vertex| *vertex *= scale);
     }
     let bare = Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?;

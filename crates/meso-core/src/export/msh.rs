@@ -7,7 +7,7 @@
 
 use crate::math::Aabb;
 use crate::mesh::sides::{SIDES, Sides};
-use crate::mesh::{CellKind, Mesh, NO_AGGREGATE, Phase};
+use crate::mesh::{CellKind, Mesh, Phase};
 use std::io::{self, BufWriter, Write};
 
 /// Elements of one entity: dimension, tag, gmsh's element type, nodes each, and all their nodes.
@@ -170,7 +170,7 @@ fn grains(blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
     write!(out, "$ElementData\n1\n\"aggregate\"\n1\n0\n3\n0\n1\n{}\n", aggregates().count())?;
     for (number, &id) in (1..).zip(aggregates()) {
         int(out, number)?;
-        let value = if id == NO_AGGREGATE { -1.0 } else { f64::from(id) };
+        let value = if id == Mesh::NO_AGGREGATE { -1.0 } else { f64::from(id) };
         out.write_all(&value.to_le_bytes())?;
     }
     out.write_all(b"\n$EndElementData\n")

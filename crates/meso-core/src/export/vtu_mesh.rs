@@ -4,7 +4,7 @@
 //! `radius_ratio` and `min_dihedral_deg`.
 
 use super::vtk::{Array, Encoding, Grid, Layout};
-use crate::mesh::{CellKind, Mesh, NO_AGGREGATE, Phase, quality};
+use crate::mesh::{CellKind, Mesh, Phase, quality};
 use std::io::{self, Write};
 
 /// Writes `mesh` with its phases and quality to `out`.
@@ -106,5 +106,5 @@ fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
 }
 
 fn signed(aggregate: u32) -> i32 {
-    if aggregate == NO_AGGREGATE { -1 } else { aggregate as i32 }
+    if aggregate == Mesh::NO_AGGREGATE { -1 } else { aggregate as i32 }
 }

@@ -55,15 +55,16 @@ pub enum HullError {
 /// # Errors
 /// See [`HullError`].
 pub fn convex_hull(points: &[Vec3]) -> Result<Polyhedron, HullError> {
+    with_builder(points.len(), |builder| builder.build(points))
+}
+
+/// Runs with the memory of the thread's last hull, where this one is of few points.
+fn with_builder<R>(points: usize, run: impl FnOnce(&mut HullBuilder) -> R) -> R {
     thread_local! {
         static BUILDER: RefCell<HullBuilder> = RefCell::default();
     }
     // Fresh memory would cost a fifth of a grain's hull; that of a large hull is better given back.
-    if points.len() <= KEPT_POINTS {
-        BUILDER.with_borrow_mut(|builder| builder.build(points))
-    } else {
-        HullBuilder::default().build(points)
-    }
+    if points <= KEPT_POINTS { BUILDER.with_borrow_mut(run) } else { run(&mut HullBuilder::default()) }
 }
 
 /// [`convex_hull`] with memory that is kept from one hull to the next: for whoever makes thousands of them.
@@ -142,23 +143,39 @@ impl HullBuilder {
 }
 
 /// The faces of a hull as loops of point indices, for whoever wants the combinatorics alone.
-pub(super) struct Facets(Polygons);
+pub(super) struct Facets {
+    /// Corners of all faces, one face after the other.
+    corners: Box<[u32]>,
+    /// One past the last corner of each face.
+    ends: Box<[u32]>,
+}
 
 impl Facets {
     /// The facets of the hull of `points`, whose coordinates must be within the range of [`convex_hull`].
     pub(super) fn of(points: &[Vec3]) -> Result<Self, HullError> {
         check(points)?;
-        let mut surface = Surface::default();
-        surface.build(points)?;
-        let mut polygons = Polygons::default();
-        polygons.collect(&surface, points);
-        Ok(Self(polygons))
+        with_builder(points.len(), |HullBuilder { surface, polygons, .. }| {
+            surface.build(points)?;
+            polygons.collect(surface, points);
+            Ok(Self { corners: polygons.corners.as_slice().into(), ends: polygons.ends.as_slice().into() })
+        })
     }
 
-    /// Point indices of every facet, counter-clockwise from outside.
+    /// Number of facets.
+    pub(super) fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Point indices of a facet, counter-clockwise from outside.
+    #[inline(always)]
+    pub(super) fn facet(&self, f: usize) -> &[u32] {
+        let start = if f == 0 { 0 } else { self.ends[f - 1] };
+        &self.corners[start as usize..self.ends[f] as usize]
+    }
+
+    /// Point indices of every facet.
     pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        let starts = std::iter::once(&0).chain(&self.0.ends);
-        starts.zip(&self.0.ends).map(|(&start, &end)| &self.0.corners[start as usize..end as usize])
+        (0..self.len()).map(|f| self.facet(f))
     }
 }
 

@@ -73,6 +73,9 @@ pub(super) fn erosion(corners: &[[Vec3; 3]], thickness: f64) -> Erosion {
 
 /// Three corners of every face that span its plane: the widest triangle of its fan.
 pub(super) fn plane_corners(body: &Polyhedron) -> Vec<[Vec3; 3]> {
+    if let Some(triangles) = body.face_lists().byte_triangles() {
+        return triangles.iter().map(|corners| corners.map(|i| body.vertices()[usize::from(i)])).collect();
+    }
     let at = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
     let doubled_area = |[a, b, c]: &[Vec3; 3]| (b - a).cross(&(c - a)).norm_squared();
     let widest = |x: [Vec3; 3], y: [Vec3; 3]| if doubled_area(&y) > doubled_area(&x) { y } else { x };

@@ -28,12 +28,11 @@ pub(crate) use hull::HullBuilder;
 pub use hull::{HullError, convex_hull};
 #[doc(hidden)]
 pub use inradius::Ball;
-pub(crate) use nearest::nearest_on_triangle;
-pub use offset::{OffsetError, inward_offset};
+pub(crate) use nearest::{ConvexSurface, nearest_on_triangle};
+pub use offset::OffsetError;
 pub use plane::{Facet, Plane};
 pub use polyhedron::{MassProperties, Polyhedron};
 pub(crate) use predicates::orient3d;
 pub(crate) use sieve::principal_axes;
-pub use sieve::sieve_size;
 #[doc(hidden)]
 pub use triangle_mesh::{SurfaceError, TriangleMesh};

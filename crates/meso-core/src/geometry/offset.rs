@@ -41,37 +41,39 @@ pub enum OffsetError {
     },
 }
 
-/// The half-space erosion { x : n_i . x <= d_i - thickness |n_i| } of `body`, or `None` where it vanishes.
-///
-/// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to 1e-12
-/// for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are rounded to f64.
-/// There is no answer only where f64 vertices cannot show the shape: where what is left is thinner than about 1e-13 of its
-/// distance from the origin.
-/// A face that is not plane to the last bit counts as the plane of its widest triangle.
-///
-/// # Errors
-/// See [`OffsetError`].
-pub fn inward_offset(body: &Polyhedron, thickness: f64) -> Result<Option<Polyhedron>, OffsetError> {
-    if !thickness.is_finite() || thickness < 0.0 {
-        return Err(OffsetError::Thickness { thickness });
-    }
-    if thickness == 0.0 {
-        return Ok(Some(body.clone()));
-    }
-    let corners = plane_corners(body);
-    // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.
-    let centroid = body.centroid();
-    if let Some(points) = dual_points(&corners, &centroid, thickness) {
-        return intersect(&corners, &centroid, thickness, &points).map(Some);
-    }
-    if clearly_vanishes(body, thickness) {
-        return Ok(None);
-    }
-    match erosion(&corners, thickness) {
-        Erosion::Nothing => Ok(None),
-        Erosion::Around(center) => {
-            let points = dual_points(&corners, &center, thickness).ok_or_else(lost)?;
-            intersect(&corners, &center, thickness, &points).map(Some)
+impl Polyhedron {
+    /// The half-space erosion { x : n_i . x <= d_i - thickness |n_i| } of the body, or `None` where it vanishes.
+    ///
+    /// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to 1e-12
+    /// for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are rounded to f64.
+    /// There is no answer only where f64 vertices cannot show the shape: where what is left is thinner than about 1e-13 of its
+    /// distance from the origin.
+    /// A face that is not plane to the last bit counts as the plane of its widest triangle.
+    ///
+    /// # Errors
+    /// See [`OffsetError`].
+    pub fn inward_offset(&self, thickness: f64) -> Result<Option<Self>, OffsetError> {
+        if !thickness.is_finite() || thickness < 0.0 {
+            return Err(OffsetError::Thickness { thickness });
+        }
+        if thickness == 0.0 {
+            return Ok(Some(self.clone()));
+        }
+        let corners = plane_corners(self);
+        // Most shells are thin: the centroid is well inside, and no search for a better centre is needed.
+        let centroid = self.centroid();
+        if let Some(points) = dual_points(&corners, &centroid, thickness) {
+            return intersect(&corners, &centroid, thickness, &points).map(Some);
+        }
+        if clearly_vanishes(self, thickness) {
+            return Ok(None);
+        }
+        match erosion(&corners, thickness) {
+            Erosion::Nothing => Ok(None),
+            Erosion::Around(center) => {
+                let points = dual_points(&corners, &center, thickness).ok_or_else(lost)?;
+                intersect(&corners, &center, thickness, &points).map(Some)
+            }
         }
     }
 }
@@ -83,14 +85,14 @@ const FRAMES: usize = 4;
 fn intersect(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64, points: &[Vec3]) -> Result<Polyhedron, OffsetError> {
     let mut dual = Dual::of(points)?;
     if let Some(body) = dual.body() {
-        return placed(&body, &dual, center, |v| *v, 1.0);
+        return placed(body, &dual, center, |v| *v, 1.0);
     }
     let mut frame = Frame::default();
     for _ in 0..FRAMES {
         frame = frame.around(&dual).ok_or_else(lost)?;
         dual = Dual::of(&frame.dual_points(corners, center, thickness).ok_or_else(lost)?)?;
         if let Some(body) = dual.body() {
-            return placed(&body, &dual, center, |v| frame.to_world(v), frame.volume());
+            return placed(body, &dual, center, |v| frame.to_world(v), frame.volume());
         }
     }
     Err(lost())
@@ -99,7 +101,7 @@ fn intersect(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64, points: &[Vec
 /// The body about its centre in a frame, in the specimen's coordinates. It keeps its volume wherever it is; its vertices
 /// must still show its shape.
 fn placed(
-    body: &Polyhedron,
+    body: Polyhedron,
     dual: &Dual,
     center: &Vec3,
     to_world: impl Fn(&Vec3) -> Vec3,
@@ -107,17 +109,24 @@ fn placed(
 ) -> Result<Polyhedron, OffsetError> {
     let length = dual.unit();
     let volume = body.volume() * length * length * length * frame_volume;
-    let body = body.clone().mapped_to_volume(|v| center + to_world(&(v * length)), volume);
-    if rounded_volume(&body) < 1e-3 * volume { Ok(body) } else { Err(lost()) }
+    let body = body.mapped_to_volume(|v| center + to_world(&(v * length)), volume);
+    if is_shown(&body, 1e-3 * volume) { Ok(body) } else { Err(lost()) }
 }
 
-/// The volume between faces whose corners err by half an ulp of the largest coordinates: along each axis, that times the
-/// faces seen along it.
-fn rounded_volume(body: &Polyhedron) -> f64 {
-    let largest = body.vertices().iter().fold(Vec3::zeros(), |most, v| most.sup(&v.abs()));
+/// True where the volume between faces whose corners err by half an ulp of the largest coordinates is below a limit: along
+/// each axis, that times the faces seen along it.
+fn is_shown(body: &Polyhedron, limit: f64) -> bool {
+    let aabb = body.aabb();
+    let (largest, size) = (aabb.min.abs().sup(&aabb.max.abs()), aabb.size());
+    // Along an axis one sees no more of a convex body than of its box, from either side: enough for most; rounding is given
+    // a half.
+    let sides = Vec3::new(size.y * size.z, size.z * size.x, size.x * size.y);
+    if 1.5 * ROUNDING * largest.dot(&(sides * 2.0)) < limit {
+        return true;
+    }
     let at = |i: u32| body.vertices()[i as usize];
     let seen: Vec3 = body.triangles().map(|[a, b, c]| (at(b) - at(a)).cross(&(at(c) - at(a))).abs() / 2.0).sum();
-    ROUNDING * largest.dot(&seen)
+    ROUNDING * largest.dot(&seen) < limit
 }
 
 /// A ball of radius r fits only where 3 volumes are at least r areas (the cones from its centre to the faces).

@@ -8,6 +8,9 @@ use super::predicates::orient3d;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
 
+/// As many vertices as a byte can number.
+const BYTE_INDICES: usize = 256;
+
 /// A closed convex polyhedron.
 ///
 /// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps what it is given:
@@ -49,7 +52,11 @@ impl Polyhedron {
             let face = &corners[start as usize..end as usize];
             face.windows(2).skip(1).map(|edge| [face[0], edge[0], edge[1]])
         });
-        let volume = if ends.len() * 3 == corners.len() {
+        let volume = if vertices.len() <= BYTE_INDICES {
+            let mut few = Vec::with_capacity(corners.len() - 2 * ends.len());
+            triangles.for_each(|triangle| few.push(triangle.map(|i| i as u8)));
+            integrals::volume_of_few(&vertices, &few)
+        } else if ends.len() * 3 == corners.len() {
             integrals::volume(&vertices, corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]))
         } else {
             integrals::volume(&vertices, triangles)
@@ -87,8 +94,9 @@ impl Polyhedron {
     }
 
     /// The same faces over vertices mapped by `map`, with a volume known better than from the rounded vertices.
-    pub(super) fn mapped_to_volume(self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
-        Self { vertices: self.vertices.iter().map(map).collect(), faces: self.faces, volume }
+    pub(super) fn mapped_to_volume(mut self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
+        self.vertices.iter_mut().for_each(|vertex| *vertex = map(vertex));
+        Self { volume, ..self }
     }
 
     /// Vertex positions, mm.
@@ -142,19 +150,19 @@ impl Polyhedron {
 
     /// Centre of volume, mm.
     pub fn centroid(&self) -> Vec3 {
-        self.mass_properties().centroid
+        let sum = |(volume, moment): (f64, Vec3), (v, [a, b, c]): (f64, [Vec3; 3])| {
+            (volume + v, moment + (a + b + c) * (v / 4.0))
+        };
+        let (volume, moment) = self.tetrahedra().fold((0.0, Vec3::zeros()), sum);
+        self.vertices[0] + moment / volume
     }
 
     /// Volume, centroid and inertia by summing the tetrahedra between the first vertex and every surface triangle.
     ///
     /// The covariance of a tetrahedron (0, a, b, c) of volume V is V/20 (s s^T + a a^T + b b^T + c c^T), s = a + b + c.
     pub fn mass_properties(&self) -> MassProperties {
-        let apex = self.vertices[0];
         let (mut volume, mut moment, mut covariance) = (0.0, Vec3::zeros(), Mat3::zeros());
-        for triangle in self.triangles() {
-            let corners = triangle.map(|i| self.vertices[i as usize]);
-            let v = integrals::six_volumes(&apex, &corners) / 6.0;
-            let [a, b, c] = corners.map(|p| p - apex);
+        for (v, [a, b, c]) in self.tetrahedra() {
             let s = a + b + c;
             volume += v;
             moment += s * (v / 4.0);
@@ -163,7 +171,16 @@ impl Polyhedron {
         let mean = moment / volume;
         let central = covariance - mean * mean.transpose() * volume;
         let inertia = Mat3::identity() * central.trace() - central;
-        MassProperties { volume: self.volume, centroid: apex + mean, inertia }
+        MassProperties { volume: self.volume, centroid: self.vertices[0] + mean, inertia }
+    }
+
+    /// The tetrahedra between the first vertex and every surface triangle: volumes, and corners from that vertex.
+    fn tetrahedra(&self) -> impl Iterator<Item = (f64, [Vec3; 3])> {
+        let apex = self.vertices[0];
+        self.triangles().map(move |triangle| {
+            let corners = triangle.map(|i| self.vertices[i as usize]);
+            (integrals::six_volumes(&apex, &corners) / 6.0, corners.map(|p| p - apex))
+        })
     }
 
     /// True when the closed body has `point`; exact where the faces are plane to the last bit.

@@ -12,12 +12,14 @@ use nalgebra::Vector2;
 
 type Vec2 = Vector2<f64>;
 
-/// Side of the smallest square hole that `body` passes lengthwise, mm.
-pub fn sieve_size(body: &Polyhedron) -> f64 {
-    let axes = principal_axes(&body.mass_properties().inertia);
-    let (u, v) = (axes.column(1).into_owned(), axes.column(2).into_owned());
-    let mut shadow: Vec<Vec2> = body.vertices().iter().map(|p| Vec2::new(u.dot(p), v.dot(p))).collect();
-    smallest_square(&outline(&mut shadow))
+impl Polyhedron {
+    /// Side of the smallest square hole that the body passes lengthwise, mm.
+    pub fn sieve_size(&self) -> f64 {
+        let axes = principal_axes(&self.mass_properties().inertia);
+        let (u, v) = (axes.column(1).into_owned(), axes.column(2).into_owned());
+        let mut shadow: Vec<Vec2> = self.vertices().iter().map(|p| Vec2::new(u.dot(p), v.dot(p))).collect();
+        smallest_square(&outline(&mut shadow))
+    }
 }
 
 /// Unit eigenvectors of a symmetric tensor as columns, by ascending eigenvalue (for an inertia tensor: the longest axis

@@ -35,23 +35,45 @@ pub struct Counters {
     pub exact_calls: u64,
 }
 
-/// True when the bodies share a point; `b_from_a` is what to add to B's points to have them in A's frame, mm.
-///
-/// The answer is exact for the points and the displacement as given.
-///
-/// ```
-/// use meso_core::{gjk::{Body, overlap}, math::Vec3};
-/// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
-/// assert!(overlap(&octahedron, &octahedron, &Vec3::new(2.0, 0.0, 0.0)));
-/// assert!(!overlap(&octahedron, &octahedron, &Vec3::new(2.0, 1e-300, 0.0)));
-/// ```
-#[inline]
-pub fn overlap(a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
-    Counters::default().overlap(a, b, b_from_a)
+impl Body {
+    /// True when the bodies share a point; `b_from_a` is what to add to B's points to have them in this one's frame, mm.
+    ///
+    /// The answer is exact for the points and the displacement as given.
+    ///
+    /// ```
+    /// use meso_core::{gjk::Body, math::Vec3};
+    /// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+    /// assert!(octahedron.overlaps(&octahedron, &Vec3::new(2.0, 0.0, 0.0)));
+    /// assert!(!octahedron.overlaps(&octahedron, &Vec3::new(2.0, 1e-300, 0.0)));
+    /// ```
+    #[inline]
+    pub fn overlaps(&self, b: &Self, b_from_a: &Vec3) -> bool {
+        Counters::default().overlap(self, b, b_from_a)
+    }
+
+    /// A unit axis towards B along which the bodies are more than `gap` (mm, at least 0) apart, or `None` when they are not.
+    ///
+    /// `Some` exactly when the distance of the bodies is more than `gap`, for the points and the displacement as given. The
+    /// support gap along the axis is then proved to be more than `gap`, unless the two differ by less than about 1e-14 of
+    /// the bodies' size: there, exact arithmetic decided, and the axis is the exact one rounded.
+    ///
+    /// `start` is a guess of the axis, such as the one found last time; a good one makes the answer cheap.
+    ///
+    /// ```
+    /// use meso_core::{gjk::Body, math::Vec3};
+    /// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+    /// let axis = |gap: f64| octahedron.separating_axis(&octahedron, &Vec3::new(2.5, 0.0, 0.0), gap, None);
+    /// assert!(axis(0.25).unwrap().x > 0.5);
+    /// assert!(axis(0.5).is_none());
+    /// ```
+    #[inline]
+    pub fn separating_axis(&self, b: &Self, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
+        Counters::default().apart(self, b, b_from_a, gap, start)
+    }
 }
 
 impl Method {
-    /// [`overlap`] by this search from the first step, without the spheres and ellipsoids: for comparisons.
+    /// [`Body::overlaps`] by this search from the first step, without the spheres and ellipsoids: for comparisons.
     pub fn overlap(self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
         let query = Query { a, b, x: *b_from_a, gap: 0.0 };
         let v = if *b_from_a == Vec3::zeros() { Vec3::x() } else { *b_from_a };
@@ -63,28 +85,8 @@ impl Method {
     }
 }
 
-/// A unit axis from A to B along which the bodies are more than `gap` (mm, at least 0) apart, or `None` when they are not.
-///
-/// `Some` exactly when the distance of the bodies is more than `gap`, for the points and the displacement as given. The
-/// support gap along the axis is then proved to be more than `gap`, unless the two differ by less than about 1e-14 of
-/// the bodies' size: there, exact arithmetic decided, and the axis is the exact one rounded.
-///
-/// `start` is a guess of the axis, such as the one found last time; a good one makes the answer cheap.
-///
-/// ```
-/// use meso_core::{gjk::{Body, apart}, math::Vec3};
-/// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
-/// let axis = apart(&octahedron, &octahedron, &Vec3::new(2.5, 0.0, 0.0), 0.25, None).unwrap();
-/// assert!(axis.x > 0.5);
-/// assert!(apart(&octahedron, &octahedron, &Vec3::new(2.5, 0.0, 0.0), 0.5, None).is_none());
-/// ```
-#[inline]
-pub fn apart(a: &Body, b: &Body, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
-    Counters::default().apart(a, b, b_from_a, gap, start)
-}
-
-/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`apart`], where B is laid out, in the memory of
-/// `made`, only if neither its bounds nor the faces of A tell; counts what it took.
+/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`Body::separating_axis`], where B is laid out, in
+/// the memory of `made`, only if neither its bounds nor the faces of A tell; counts what it took.
 #[inline]
 pub(crate) fn apart_from(
     a: &Solid,
@@ -141,13 +143,13 @@ pub(crate) enum Stage {
 }
 
 impl Counters {
-    /// The answer of [`overlap`], counting what it took.
+    /// The answer of [`Body::overlaps`], counting what it took.
     #[inline]
     pub fn overlap(&mut self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
         !Query { a, b, x: *b_from_a, gap: 0.0 }.apart(self)
     }
 
-    /// That of [`apart`](apart()).
+    /// That of [`Body::separating_axis`].
     #[inline]
     pub fn apart(&mut self, a: &Body, b: &Body, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
         Query { a, b, x: *b_from_a, gap }.axis(start, self).map(|v| v.normalize())

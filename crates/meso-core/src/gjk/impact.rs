@@ -158,7 +158,9 @@ impl<'a> Flight<'a> {
 
     /// The first of some later times at which the bodies share a point.
     fn later(&self, time: f64) -> Option<f64> {
-        let step = U * (time + 4.0 / (self.motion.amax() * self.scaled.originals.scale));
+        // The rounding of the bodies' own coordinates: of a motion far beyond their size that of the motion says nothing.
+        let extent = extent(&self.scaled.a).max(extent(&self.scaled.b));
+        let step = U * (time + 4.0 * extent / (self.motion.amax() * self.scaled.originals.scale));
         let mut times = (0..LATER).map(|k| (time + step * f64::from(1 << k)).min(1.0));
         times.find(|time| self.separating(*time).is_none())
     }
@@ -167,6 +169,11 @@ impl<'a> Flight<'a> {
 /// An upper bound of the height of a body's points.
 fn top(body: &impl Support, v: &Vec3) -> f64 {
     (0..body.len()).map(|i| highest(&body.point(i), v)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The largest magnitude of a coordinate.
+fn extent(body: &impl Support) -> f64 {
+    (0..body.len()).map(|i| body.point(i).amax()).fold(0.0, f64::max)
 }
 
 /// The direction opposite to the point of the simplex nearest the origin.

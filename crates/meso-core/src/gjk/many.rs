@@ -1,7 +1,7 @@
 //! Many questions at once: pairs in lockstep through the same stages as a single one.
 //!
-//! The answers are those of [`overlap`](super::overlap), in any order and on any machine: both are exact. Where lockstep does
-//! not pay, on the instruction set or with few pairs, they are asked one by one.
+//! The answers are those of [`Body::overlaps`](super::Body::overlaps), in any order and on any machine: both are exact.
+//! Where lockstep does not pay, on the instruction set or with few pairs, they are asked one by one.
 
 use super::cascade::Counters;
 use super::lockstep::{Glance, Pending, Search, Undecided};
@@ -15,19 +15,41 @@ use std::ops::Range;
 /// Pairs below which they are asked one by one: less than a register's lanes, twice.
 const FEW: usize = 8;
 
-/// [`overlap`](super::overlap) for each of many pairs, in their order.
-///
-/// ```
-/// use meso_core::{gjk::{Body, PairQuery, overlap_many}, math::Vec3};
-/// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
-/// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
-/// assert_eq!(overlap_many(&[query(1.0), query(2.0), query(3.0)]), [true, true, false]);
-/// ```
-pub fn overlap_many(queries: &[PairQuery<'_>]) -> Vec<bool> {
-    overlap_settled(queries, &Own { queries, gap: 0.0 })
+impl PairQuery<'_> {
+    /// [`Body::overlaps`](super::Body::overlaps) for each of many pairs, in their order.
+    ///
+    /// ```
+    /// use meso_core::{gjk::{Body, PairQuery}, math::Vec3};
+    /// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+    /// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
+    /// assert_eq!(PairQuery::overlap_many(&[query(1.0), query(2.0), query(3.0)]), [true, true, false]);
+    /// ```
+    pub fn overlap_many(queries: &[Self]) -> Vec<bool> {
+        overlap_settled(queries, &Own { queries, gap: 0.0 })
+    }
+
+    /// Which of many attempts are clear: attempt i asks `queries[ends[i - 1]..ends[i]]`, and is clear if all of these are more
+    /// than `gap` (mm, at least 0) apart.
+    ///
+    /// Bounds first, for all; then, attempt by attempt, the pair that seems closest; then what is left. Most attempts of a
+    /// dense packing fail, most of them without a look at a vertex.
+    ///
+    /// ```
+    /// use meso_core::{gjk::{Body, PairQuery}, math::Vec3};
+    /// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
+    /// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
+    /// // Two positions of one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.
+    /// assert_eq!(PairQuery::clear_many(&[query(4.0), query(4.0), query(2.5)], &[1, 3], 0.6), [true, false]);
+    /// ```
+    ///
+    /// # Panics
+    /// When `ends` does not ascend to the number of `queries`.
+    pub fn clear_many(queries: &[Self], ends: &[u32], gap: f64) -> Vec<bool> {
+        clear_settled(queries, ends, gap, &Own { queries, gap })
+    }
 }
 
-/// [`overlap_many`] where `open` answers what bounds and lockstep leave open.
+/// [`PairQuery::overlap_many`] where `open` answers what bounds and lockstep leave open.
 pub(super) fn overlap_settled(queries: &[PairQuery<'_>], open: &dyn Settle) -> Vec<bool> {
     if queries.len() < FEW || !lockstep_pays() {
         return (0..queries.len()).map(|i| !is_apart(queries, i, 0.0, open)).collect();
@@ -77,27 +99,7 @@ fn lockstep_pays() -> bool {
     dispatch(Pays)
 }
 
-/// Which of many attempts are clear: attempt i asks `asks[ends[i - 1]..ends[i]]`, and is clear if all of these are more
-/// than `gap` (mm, at least 0) apart.
-///
-/// Bounds first, for all; then, attempt by attempt, the pair that seems closest; then what is left. Most attempts of a
-/// dense packing fail, most of them without a look at a vertex.
-///
-/// ```
-/// use meso_core::{gjk::{Body, PairQuery, clear_many}, math::Vec3};
-/// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
-/// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
-/// // Two positions of one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.
-/// assert_eq!(clear_many(&[query(4.0), query(4.0), query(2.5)], &[1, 3], 0.6), [true, false]);
-/// ```
-///
-/// # Panics
-/// When `ends` does not ascend to the number of `queries`.
-pub fn clear_many(queries: &[PairQuery<'_>], ends: &[u32], gap: f64) -> Vec<bool> {
-    clear_settled(queries, ends, gap, &Own { queries, gap })
-}
-
-/// [`clear_many`] where `open` answers what bounds and lockstep leave open.
+/// [`PairQuery::clear_many`] where `open` answers what bounds and lockstep leave open.
 pub(super) fn clear_settled(queries: &[PairQuery<'_>], ends: &[u32], gap: f64, open: &dyn Settle) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
     if !lockstep_pays() {

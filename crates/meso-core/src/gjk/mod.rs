@@ -18,8 +18,9 @@
 //! a moving body arrives.
 //!
 //! For many queries about the same points, make [`Bodies`] of them. Where they are about bodies that hold their frames'
-//! origins and are displaced from each other, a [`Body`] of each is faster still: ask [`overlap`] or [`apart`],
-//! [`overlap_many`] for many pairs at once, and [`clear_many`] for many placement attempts.
+//! origins and are displaced from each other, a [`Body`] of each is faster still: ask [`Body::overlaps`] or
+//! [`Body::separating_axis`], [`PairQuery::overlap_many`] for many pairs at once, and [`PairQuery::clear_many`] for many
+//! placement attempts.
 //!
 //! The modules, from the question to its proof:
 //!
@@ -61,15 +62,13 @@ pub use bodies::Bodies;
 pub use body::Body;
 pub(crate) use body::Bounds;
 pub(crate) use cascade::{Counters, apart_from};
-pub use cascade::{apart, overlap};
 pub use error::{GjkError, Operand};
 pub(crate) use gauge::Solid;
 pub use impact::Impact;
-pub use many::{clear_many, overlap_many};
 pub use method::Method;
 pub use pair_query::PairQuery;
 pub use penetration::Penetration;
-pub(crate) use points::farther;
-pub use points::{Proof, Verdict, closest_points, distance, intersects, verdict};
+pub(crate) use points::distance_exceeds;
+pub use points::{Proof, Verdict, closest_points, distance, intersects};
 #[doc(hidden)]
 pub use support::Support;

@@ -61,22 +61,6 @@ pub fn intersects(a: &[Vec3], b: &[Vec3]) -> Result<bool, GjkError> {
     Method::default().intersects(a, b)
 }
 
-/// Whether the hulls of `a` and `b` share a point, with the proof.
-///
-/// # Errors
-/// As [`intersects`].
-///
-/// ```
-/// use meso_core::{gjk::{self, Verdict}, math::Vec3};
-/// let a = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
-/// let Verdict::Separated { direction, .. } = gjk::verdict(&a, &[Vec3::new(2.0, 1.0, 0.0)])? else { panic!() };
-/// assert!(direction.x > 0.0);
-/// # Ok::<(), gjk::GjkError>(())
-/// ```
-pub fn verdict(a: &[Vec3], b: &[Vec3]) -> Result<Verdict, GjkError> {
-    Method::default().verdict(a, b)
-}
-
 impl Method {
     /// [`intersects`] by this search.
     ///
@@ -109,10 +93,19 @@ impl Method {
         bodies.into_iter().enumerate().map(answer).collect()
     }
 
-    /// [`verdict`] by this search.
+    /// Whether the hulls of `a` and `b` share a point, with the proof.
     ///
     /// # Errors
     /// As [`intersects`].
+    ///
+    /// ```
+    /// use meso_core::{gjk::{Method, Verdict}, math::Vec3};
+    /// let a = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
+    /// let verdict = Method::default().verdict(&a, &[Vec3::new(2.0, 1.0, 0.0)])?;
+    /// let Verdict::Separated { direction, .. } = verdict else { panic!() };
+    /// assert!(direction.x > 0.0);
+    /// # Ok::<(), meso_core::gjk::GjkError>(())
+    /// ```
     pub fn verdict(self, a: &[Vec3], b: &[Vec3]) -> Result<Verdict, GjkError> {
         check(a, Operand::A)?;
         check(b, Operand::B)?;
@@ -180,10 +173,10 @@ pub fn closest_points(a: &[Vec3], b: &[Vec3]) -> Result<[Vec3; 2], GjkError> {
 ///
 /// # Errors
 /// As [`intersects`].
-pub(crate) fn farther(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
+pub(crate) fn distance_exceeds(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
     check(a, Operand::A)?;
     check(b, Operand::B)?;
-    Ok(Scaled::new(a, b).farther(gap))
+    Ok(Scaled::new(a, b).distance_exceeds(gap))
 }
 
 #[cfg(test)]
@@ -202,9 +195,9 @@ mod tests {
                 let b = tetrahedron.map(|p| (place - p * 0.7) * scale);
                 let distance = distance(&a, &b).unwrap();
                 apart += u32::from(distance > 0.0);
-                assert_eq!(farther(&a, &b, 0.0), Ok(distance > 0.0));
-                assert_eq!(farther(&a, &b, distance * (1.0 - 1e-15)), Ok(distance > 0.0));
-                assert_eq!(farther(&a, &b, distance * (1.0 + 1e-15)), Ok(false));
+                assert_eq!(distance_exceeds(&a, &b, 0.0), Ok(distance > 0.0));
+                assert_eq!(distance_exceeds(&a, &b, distance * (1.0 - 1e-15)), Ok(distance > 0.0));
+                assert_eq!(distance_exceeds(&a, &b, distance * (1.0 + 1e-15)), Ok(false));
             }
         }
         assert!((900..1900).contains(&apart), "{apart}");

@@ -95,7 +95,7 @@ impl<'p> Scaled<'p> {
         self.exact().closest_points(corners.pairs())
     }
 
-    pub(super) fn farther(&self, gap: f64) -> bool {
+    pub(super) fn distance_exceeds(&self, gap: f64) -> bool {
         // The scale is a power of two: nothing is rounded, but what is left of a gap must not be nothing.
         let least = if gap > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
         let scaled = (gap * self.originals.scale).max(least);

@@ -4,16 +4,14 @@
 //! one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
 //! surface instead.) Voids are left out of every mesh.
 
-use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase};
+use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase, drop_lone_nodes};
 use super::conforming::{self, VolumeMesher};
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
-use super::phase_error::PhaseOff;
 use super::sides::FlatSides;
 use super::tet::TetMesh;
-use super::{
-    apart, clip, fidelity, interface, lattice, layer, narrow_gaps, own_volume, quality, sides, smeared, voxel,
-};
+use super::volumes::{self, PhaseOff};
+use super::{clip, fidelity, gaps, interface, lattice, layer, quality, sides, voxel};
 use crate::aggregate::{Aggregate, Kind};
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
@@ -44,9 +42,9 @@ pub fn build_watched(
     model: &Model,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
-    told: &dyn Fn(f64),
+    progress: &dyn Fn(f64),
 ) -> Result<Mesh, MeshError> {
-    assemble(&model.bodies(), &model.spec.specimen, options, gmsh, told)
+    assemble(&model.bodies(), &model.spec.specimen, options, gmsh, progress)
 }
 
 /// As [`build_watched`], and refuses a mesh in which a phase has more or less of its volume than `accepted` allows.
@@ -61,9 +59,9 @@ pub fn build_accepted(
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
     accepted: f64,
-    told: &dyn Fn(f64),
+    progress: &dyn Fn(f64),
 ) -> Result<(Mesh, Option<PhaseOff>), MeshError> {
-    let mesh = build_watched(model, options, gmsh, told)?;
+    let mesh = build_watched(model, options, gmsh, progress)?;
     let off = PhaseOff::of(&mesh, &model.bodies(), &model.spec.specimen, options);
     match off.filter(|off| off.error().abs() > accepted) {
         Some(off) => Err(off.refused(options)),
@@ -84,33 +82,33 @@ fn assemble(
     specimen: &Specimen,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
-    told: &dyn Fn(f64),
+    progress: &dyn Fn(f64),
 ) -> Result<Mesh, MeshError> {
     options.validate(specimen)?;
-    told(0.02);
+    progress(0.02);
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut bodies = images_near(aggregates, specimen, 0.0);
     bodies.sort_by(before);
     let bodies = bodies.as_slice();
-    told(0.05);
+    progress(0.05);
     let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
-    told(0.6);
+    progress(0.6);
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
         clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, bodies);
     fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
-    told(0.75);
+    progress(0.75);
     make_fit(&mut mesh, bodies, options);
-    told(0.85);
+    progress(0.85);
     if options.itz == ItzForm::Cohesive {
         interface::add_cohesive(&mut mesh);
         if mesh.periodic != [false; 3] {
             sides::complete(&mut mesh);
         }
     }
-    told(0.95);
-    quality::all_positive(&mesh)?;
+    progress(0.95);
+    quality::all_positive(mesh.by_aggregate())?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -120,21 +118,17 @@ fn assemble(
 /// Parts joined aggregates, restores volumes, splits narrow gaps and names the smeared ITZ, as far as each is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
-        let parted = apart::part(mesh, bodies, options.joined == Joined::Cut);
-        mesh.notes.parted_nodes = parted.nodes;
-        mesh.notes.parted_pairs = parted.pairs;
-        mesh.notes.parted_cells = parted.cells;
-        mesh.notes.parted_mm3 = parted.volume_mm3;
+        gaps::part(mesh, bodies, options.joined == Joined::Cut);
     }
     let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
-        own_volume::restore(mesh, bodies, options.element_size_mm);
+        volumes::restore(mesh, bodies, options.element_size_mm);
     }
     if options.narrow_gaps == NarrowGaps::Split {
-        mesh.notes.split_gap_edges = narrow_gaps::split(mesh);
+        mesh.notes.split_gap_edges = gaps::split_narrow(mesh);
     }
     if options.itz == ItzForm::Smeared {
-        smeared::name(mesh);
+        interface::smear_itz(mesh);
     }
 }
 
@@ -228,18 +222,5 @@ fn retain(mesh: &mut Mesh, cells: &[bool]) {
     mesh.phase.retain(|_| *kept.next().unwrap_or(&true));
     let mut kept = cells.iter();
     mesh.aggregate.retain(|_| *kept.next().unwrap_or(&true));
-    drop_lone_nodes(mesh);
-}
-
-/// Leaves out the nodes without cells and numbers the others anew, in their order.
-fn drop_lone_nodes(mesh: &mut Mesh) {
-    const LONE: u32 = u32::MAX;
-    let mut number = vec![LONE; mesh.points.len()];
-    mesh.cells.iter().for_each(|&node| number[node as usize] = 0);
-    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != LONE)) {
-        *number = count;
-    }
-    let mut old = number.iter();
-    mesh.points.retain(|_| *old.next().unwrap_or(&LONE) != LONE);
-    mesh.cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+    drop_lone_nodes(&mut mesh.points, &mut mesh.cells);
 }

@@ -166,13 +166,16 @@ pub struct Notes {
     pub shifted_itz_nodes: usize,
 }
 
-/// [`Mesh::aggregate`] of a cell that belongs to none.
-pub const NO_AGGREGATE: u32 = u32::MAX;
+/// Within the core, by a short name.
+pub(crate) const NO_AGGREGATE: u32 = Mesh::NO_AGGREGATE;
 
 /// The owner of a cell that lies in no body.
 pub(crate) const NO_BODY: u32 = NO_AGGREGATE;
 
 impl Mesh {
+    /// [`Mesh::aggregate`] of a cell that belongs to none.
+    pub const NO_AGGREGATE: u32 = u32::MAX;
+
     /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
     pub(crate) fn of(
         kind: CellKind,
@@ -207,18 +210,40 @@ impl Mesh {
         let mut cells = self.phase.iter().zip(&self.aggregate);
         cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
     }
+}
 
-    /// Nodes that cores of several aggregates share, and pairs of aggregates that share some: an elastic skeleton.
-    pub fn joined_aggregates(&self) -> (usize, usize) {
-        let joined = super::apart::joined(self);
-        (joined.chunk_by(|a, b| a.0 == b.0).count(), super::apart::pairs(&joined))
+/// Volume of a cell, mm3; negative where its nodes are out of order.
+pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 {
+    let p = |i: usize| points[cell[i] as usize];
+    let six = |a: usize, b: usize, c: usize, d: usize| (p(b) - p(a)).cross(&(p(c) - p(a))).dot(&(p(d) - p(a)));
+    match kind {
+        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => volume([p(0), p(1), p(2), p(3)]),
+        // Six tetrahedra around the diagonal 0-6: exact for the parallelepipeds that voxels are.
+        CellKind::Hexahedron => {
+            [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)].iter().map(|&(b, c)| six(0, b, c, 6)).sum::<f64>() / 6.0
+        }
     }
+}
 
-    /// Numbers of the aggregates' cells, ascending, that must become mortar so that no aggregate shares a node with another
-    /// one or with a fibre, few by their volume.
-    pub fn joining_cells(&self) -> Vec<usize> {
-        super::apart::joining_cells(self)
+/// The new number of a node that is dropped.
+pub(super) const DROPPED: u32 = u32::MAX;
+
+/// Takes the nodes without cells out, and numbers the others anew in their order; the new numbers, or [`DROPPED`].
+pub(super) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<u32> {
+    let mut number = vec![DROPPED; points.len()];
+    cells.iter().for_each(|&node| number[node as usize] = 0);
+    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != DROPPED)) {
+        *number = count;
     }
+    let mut old = number.iter();
+    points.retain(|_| old.next() != Some(&DROPPED));
+    cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+    number
+}
+
+/// Volume of a tetrahedron, mm3; negative where its corners are out of order.
+pub(super) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
+    (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
 }
 
 /// Cells before they have their aggregates' ids: each knows its body by the index in the list of bodies and their periodic
@@ -264,15 +289,31 @@ impl<'a> Cells<'a> {
     }
 }
 
+/// Cells looked at, or added up, together.
+const RUN: usize = 1 << 16;
+
 impl Mesh {
     /// The cells by their aggregates' ids.
     pub(crate) fn by_aggregate(&self) -> Cells<'_> {
         Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.aggregate }
     }
+
+    /// Volume of a cell, mm3.
+    pub(super) fn volume(&self, cell: usize) -> f64 {
+        let nodes = self.kind.nodes();
+        cell_volume(self.kind, &self.cells[cell * nodes..][..nodes], &self.points)
+    }
+
+    /// Applies `of_run` to runs of cells: the number of the first, all nodes, all phases. Runs have one length and their results are
+    /// in order, so that sums are the same on any number of threads.
+    pub(super) fn in_runs<T: Send>(&self, of_run: impl Fn(usize, &[u32], &[Phase]) -> T + Sync) -> Vec<T> {
+        let runs = self.cells.par_chunks(RUN * self.kind.nodes()).zip(self.phase.par_chunks(RUN)).enumerate();
+        runs.map(|(run, (cells, phases))| of_run(run * RUN, cells, phases)).collect()
+    }
 }
 
-/// The edges that carry nodes 5 to 10, by the numbers of their ends in the cell: the order of Abaqus and VTK.
-const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+/// A tetrahedron's edges by the numbers of their ends, in the order of their middles, nodes 5 to 10, in Abaqus and VTK.
+pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 
 impl Mesh {
     /// Makes first-order tetrahedra second-order ones; other meshes, and those with cohesive elements, stay as they are.

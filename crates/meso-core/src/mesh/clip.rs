@@ -5,7 +5,6 @@
 //! every voxel is sampled, and the ones with the largest shares inside are kept, as many as come closest to the volume.
 
 use super::cells::{CellKind, Mesh, NO_AGGREGATE};
-use super::quality::cell_volume;
 use crate::math::{Aabb, Vec3};
 use crate::packing::Container;
 use crate::stop;
@@ -25,7 +24,7 @@ pub(super) fn kept(mesh: &Mesh, container: &dyn Container) -> Vec<bool> {
         |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || container.contains(&centroid(&corners(mesh, cell)));
     let inside: Vec<bool> = cells().map(by_centroid).collect();
     // Voxels have one volume.
-    let voxel = mesh.cells().next().map_or(0.0, |cell| cell_volume(mesh.kind, cell, &mesh.points));
+    let voxel = if mesh.cell_count() == 0 { 0.0 } else { mesh.volume(0) };
     let wanted = container.volume() / voxel;
     let count = inside.iter().filter(|inside| **inside).count();
     if mesh.kind != CellKind::Hexahedron || (count as f64 - wanted).abs() <= CLOSE * wanted {

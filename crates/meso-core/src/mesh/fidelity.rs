@@ -5,12 +5,11 @@
 //! the specimen across which this does not repeat itself.
 
 use super::cells::Mesh;
-use super::interface::Owners;
+use super::interface::{Owners, pairs};
 use super::sides::FlatSides;
 use crate::aggregate::Aggregate;
-use crate::geometry::{Plane, nearest_on_triangle};
+use crate::geometry::ConvexSurface;
 use crate::gjk;
-use crate::math::Vec3;
 use crate::packing::{Specimen, images_near};
 use crate::stop;
 use rayon::prelude::*;
@@ -22,15 +21,12 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
     let on_side = |node: u32| sides.have(&mesh.points[node as usize]);
     let members = owners.bodies(|node| owners.are_several(node) || on_side(node));
     let bodies = ById::new(bodies);
-    let (mut pairs, mut at_sides) = (Vec::new(), Vec::new());
+    let (pairs, mut at_sides) = (pairs(&members), Vec::new());
     let notes = &mut mesh.notes;
     for meet in members.chunk_by(|a, b| a.0 == b.0) {
         let node = meet[0].0;
         if meet.len() > 1 {
             notes.closed_gaps += 1;
-        }
-        for (i, (_, higher)) in meet.iter().enumerate() {
-            pairs.extend(meet[..i].iter().map(|(_, lower)| (*lower, *higher)));
         }
         let x = &mesh.points[node as usize];
         if sides.have(x) {
@@ -38,8 +34,6 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
             at_sides.extend(meet.iter().map(|(_, id)| (*id, sides.across(x))));
         }
     }
-    pairs.par_sort_unstable();
-    pairs.dedup();
     notes.closed_gap_pairs = pairs.len();
     notes.widest_closed_gap_mm = bodies.widest(&pairs);
     at_sides.sort_unstable();
@@ -74,7 +68,7 @@ impl<'a> ById<'a> {
             let all =
                 || self.images(a).flat_map(|a| self.images(b).map(move |b| [a, b].map(|body| body.body.vertices())));
             // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
-            let is_wider = all().all(|[a, b]| gjk::farther(a, b, widest).unwrap_or(false));
+            let is_wider = all().all(|[a, b]| gjk::distance_exceeds(a, b, widest).unwrap_or(false));
             let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
             if is_wider { gap() } else { widest }
         };
@@ -115,13 +109,15 @@ const ROUNDING: f64 = 1e-9;
 impl InterfaceDistance {
     /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
-        let mut bodies: Vec<Body> = images_near(aggregates, specimen, 0.0).iter().map(Body::new).collect();
-        bodies.sort_by_key(|body| body.id);
+        let surface = |body: &Aggregate| (body.id, ConvexSurface::new(&body.body));
+        let mut bodies: Vec<(u32, ConvexSurface)> =
+            images_near(aggregates, specimen, 0.0).iter().map(surface).collect();
+        bodies.sort_by_key(|body| body.0);
         let distance = |&(node, id): &(u32, u32)| {
             stop::point();
-            let start = bodies.partition_point(|body| body.id < id);
-            let images = bodies[start..].iter().take_while(|body| body.id == id);
-            images.map(|body| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
+            let start = bodies.partition_point(|body| body.0 < id);
+            let images = bodies[start..].iter().take_while(|body| body.0 == id);
+            images.map(|(_, body)| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
         };
         let mut pairs = interface_nodes(mesh);
         let position = |node: u32| -> [u64; 3] { mesh.points[node as usize].map(f64::to_bits).into() };
@@ -168,117 +164,4 @@ fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
     let mut parted = vec![false; if mesh.cohesive.is_empty() { 0 } else { mesh.points.len() }];
     mesh.cohesive.iter().for_each(|&node| parted[node as usize] = true);
     owners.bodies(|node| owners.are_several(node) || parted.get(node as usize) == Some(&true))
-}
-
-/// A convex body by its surface.
-pub(crate) struct Body {
-    id: u32,
-    /// The triangles of its faces.
-    triangles: Vec<[Vec3; 3]>,
-    /// The plane of each triangle.
-    planes: Vec<Plane>,
-    /// Around each triangle: the ball's middle and radius, mm.
-    balls: Vec<(Vec3, f64)>,
-}
-
-impl Body {
-    pub(crate) fn new(aggregate: &Aggregate) -> Self {
-        let body = &aggregate.body;
-        let corners = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
-        let pieces =
-            body.faces().zip(body.planes()).flat_map(|(face, plane)| face.triangles().map(move |t| (t, plane)));
-        let (triangles, planes): (Vec<_>, Vec<_>) = pieces.map(|(t, plane)| (corners(t), plane)).unzip();
-        let balls = triangles.iter().map(ball_around).collect();
-        Self { id: aggregate.id, triangles, planes, balls }
-    }
-
-    /// From `x` to the surface, mm: inside, the nearest plane; outside, the nearest of the triangles that face `x`.
-    pub(crate) fn distance(&self, x: &Vec3) -> f64 {
-        self.distance_below(x, f64::INFINITY).unwrap_or(f64::INFINITY)
-    }
-
-    /// Above the highest face plane, mm: no more than the distance of an outer `x`, negative inside.
-    pub(crate) fn height(&self, x: &Vec3) -> f64 {
-        self.planes.iter().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// As [`Body::distance`]; `None` where a face plane shows that an outer `x` is no nearer than `limit`.
-    pub(crate) fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
-        let height = |plane: &Plane| plane.normal.dot(x) - plane.offset;
-        let (mut highest, mut most) = (0, f64::NEG_INFINITY);
-        for (triangle, plane) in self.planes.iter().enumerate() {
-            let above = height(plane);
-            if above > most {
-                (highest, most) = (triangle, above);
-            }
-        }
-        if most <= 0.0 {
-            return Some(-most);
-        }
-        if most * (1.0 - ROUNDING_OF_A_HEIGHT) >= limit {
-            return None;
-        }
-        let to = |triangle: usize| (nearest_on_triangle(&self.triangles[triangle], x) - x).norm();
-        let mut least = to(highest);
-        // Above the inside of the highest triangle, as most points are, nothing is nearer than it.
-        if least <= most * (1.0 + ROUNDING_OF_A_HEIGHT) {
-            return Some(least);
-        }
-        // A ball beyond the nearest point so far costs a third of what its triangle does, and most are.
-        let reaches =
-            |(middle, radius): &(Vec3, f64), least: f64| (middle - x).norm_squared() < (least + radius).powi(2);
-        for (triangle, plane) in self.planes.iter().enumerate() {
-            if (0.0..least).contains(&height(plane)) && reaches(&self.balls[triangle], least) {
-                least = least.min(to(triangle));
-            }
-        }
-        Some(least)
-    }
-}
-
-/// A share of a distance that its rounding does not reach.
-const ROUNDING_OF_A_HEIGHT: f64 = 1e-12;
-
-/// The middle of a triangle's corners, and a radius that holds them however it is rounded.
-fn ball_around(corners: &[Vec3; 3]) -> (Vec3, f64) {
-    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-    let radius = corners.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
-    (middle, radius * (1.0 + 1e-9))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::aggregate::Kind;
-    use crate::geometry::convex_hull;
-    use crate::gjk;
-
-    /// A body with faces of three, four and six corners, some at blunt angles.
-    fn body() -> Vec<Vec3> {
-        let (cos, sin) = (0.5, 0.75_f64.sqrt());
-        let ring = [(1.0, 0.0), (cos, sin), (-cos, sin), (-1.0, 0.0), (-cos, -sin), (cos, -sin)];
-        let layers = [(3.0, -2.0), (4.0, 0.0), (3.0, 1.0)];
-        let mut points: Vec<Vec3> =
-            layers.iter().flat_map(|(r, z)| ring.map(|(x, y)| Vec3::new(r * x + 7.0, r * y + 7.0, z + 7.0))).collect();
-        points.push(Vec3::new(7.5, 6.8, 8.6));
-        points
-    }
-
-    #[test]
-    fn distances_are_those_of_gjk_outside_and_of_the_planes_inside() {
-        let hull = convex_hull(&body()).unwrap();
-        let aggregate = Aggregate { id: 0, class: 0, itz_thickness_mm: 0.1, body: hull.clone(), kind: Kind::Aggregate };
-        let body = Body::new(&aggregate);
-        let (mut above, mut beside) = (0, 0);
-        for at in 0..17_usize.pow(3) {
-            let x = Vec3::new((at % 17) as f64, (at / 17 % 17) as f64, (at / 289) as f64) * 0.83;
-            let height = hull.planes().map(|p| p.normal.dot(&x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
-            let exact = gjk::distance(&[x], hull.vertices()).unwrap();
-            let expected = if height <= 0.0 { -height } else { exact };
-            assert!((body.distance(&x) - expected).abs() < 1e-12, "{x:?}");
-            above += usize::from(height > 0.0 && exact < height + 1e-12);
-            beside += usize::from(height > 0.0 && exact > height + 1e-12);
-        }
-        assert!(above > 500 && beside > 2000, "{above} {beside}");
-    }
 }

@@ -1,9 +1,10 @@
 //! The element faces where one owner meets mortar or another; and the nodes that owners get of their own there, for a layer or
 //! cohesive elements to go between.
 
-use super::cells::{Cells, Mesh, NO_BODY, Phase};
+use super::cells::{Cells, Mesh, NO_AGGREGATE, NO_BODY, Phase};
 use super::tet::TetMesh;
 use crate::math::Vec3;
+use crate::stop;
 use rayon::prelude::*;
 
 /// A face of a cell in a body, with another owner behind it.
@@ -29,8 +30,7 @@ impl InterfaceFace {
 /// All interface faces; where two bodies touch, the face is there once for each of them. By cell, then by face.
 pub(crate) fn faces(mesh: Cells) -> Vec<InterfaceFace> {
     let owners = Owners::of(mesh);
-    let mut sides: Vec<([u32; 4], u32, u8)> =
-        (0..mesh.owner.len()).into_par_iter().flat_map_iter(|cell| sides_of(mesh, cell, &owners)).collect();
+    let mut sides = by_nodes(mesh, |node| owners.are_several(node));
     sides.par_sort_unstable();
     let meets = |pair: &[([u32; 4], u32, u8)]| {
         pair.len() == 2 && mesh.owner[pair[0].1 as usize] != mesh.owner[pair[1].1 as usize]
@@ -46,9 +46,17 @@ pub(crate) fn faces(mesh: Cells) -> Vec<InterfaceFace> {
         .collect()
 }
 
+impl Mesh {
+    /// Whose cells meet at every node, of the cells alone whose numbers `counts` picks.
+    #[doc(hidden)]
+    pub fn owners(&self, counts: impl Fn(usize) -> bool) -> Owners {
+        Owners::among(self.by_aggregate(), counts)
+    }
+}
+
 /// Whose cells meet at every node.
-pub(crate) struct Owners {
-    /// One of them.
+pub struct Owners {
+    /// One of them, [`NO_BODY`] where no cell counts.
     one: Vec<u32>,
     /// Another, where there is another; else the same.
     other: Vec<u32>,
@@ -59,10 +67,18 @@ pub(crate) struct Owners {
 impl Owners {
     /// The owners of all nodes, but for those in the middle of edges.
     pub(crate) fn of(mesh: Cells) -> Self {
+        Self::among(mesh, |_| true)
+    }
+
+    /// The same where only the cells count whose numbers `counts` picks.
+    pub(crate) fn among(mesh: Cells, counts: impl Fn(usize) -> bool) -> Self {
         let corners = mesh.kind.corners();
         let owned = || {
-            let cells = mesh.iter().zip(mesh.owner);
-            cells.flat_map(|(cell, &owner)| cell[..corners].iter().map(move |&node| (node, owner)))
+            let cells = mesh.iter().zip(mesh.owner).enumerate().filter(|(cell, _)| counts(*cell));
+            cells.flat_map(|(_, (cell, &owner))| {
+                stop::point();
+                cell[..corners].iter().map(move |&node| (node, owner))
+            })
         };
         let mut one = vec![NO_BODY; mesh.points.len()];
         owned().for_each(|(node, owner)| one[node as usize] = owner);
@@ -81,8 +97,34 @@ impl Owners {
     }
 
     /// True where the cells are not all of one owner.
-    pub(crate) fn are_several(&self, node: u32) -> bool {
+    pub fn are_several(&self, node: u32) -> bool {
         self.one[node as usize] != self.other[node as usize]
+    }
+
+    /// The owner of the last cell around a node that counts.
+    pub fn last(&self, node: u32) -> u32 {
+        self.one[node as usize]
+    }
+
+    /// The body of a node that has cells of it and of the mortar, and no others.
+    pub(crate) fn beside_mortar(&self, node: u32) -> Option<u32> {
+        let has_further = || self.further.binary_search_by_key(&node, |(node, _)| *node).is_ok();
+        match [self.one[node as usize], self.other[node as usize]] {
+            [one, other] if one == other || has_further() => None,
+            [NO_BODY, body] | [body, NO_BODY] => Some(body),
+            _ => None,
+        }
+    }
+
+    /// The body of a node that has one alone; none for nodes that came after.
+    pub(crate) fn only(&self, node: u32) -> Option<u32> {
+        let one = *self.one.get(node as usize).filter(|one| **one != NO_BODY)?;
+        (!self.are_several(node)).then_some(one)
+    }
+
+    /// Pairs of bodies that share a node, each once, in order.
+    pub fn pairs(&self) -> Vec<(u32, u32)> {
+        pairs(&self.bodies(|node| self.are_several(node)))
     }
 
     /// Nodes with the bodies that own them, each pair once, in order; only the nodes that `asked` picks.
@@ -102,14 +144,28 @@ impl Owners {
     }
 }
 
-/// The faces of a cell that may be an interface, by their sorted nodes.
-fn sides_of<'a>(mesh: Cells<'a>, cell: usize, owners: &'a Owners) -> impl Iterator<Item = ([u32; 4], u32, u8)> + 'a {
-    (0..mesh.kind.faces().len() as u8).filter_map(move |face| {
-        let mut nodes = face_nodes(mesh, cell as u32, face);
-        let all = nodes.iter().all(|&node| node == NO_NODE || owners.are_several(node));
+/// The pairs of bodies at the same node of `members`, nodes with their bodies in order; each once, in order.
+pub(crate) fn pairs(members: &[(u32, u32)]) -> Vec<(u32, u32)> {
+    fn each(meet: &[(u32, u32)]) -> impl Iterator<Item = (u32, u32)> {
+        meet.iter().enumerate().flat_map(|(i, higher)| meet[..i].iter().map(move |lower| (lower.1, higher.1)))
+    }
+    let mut pairs: Vec<(u32, u32)> = members.chunk_by(|a, b| a.0 == b.0).flat_map(each).collect();
+    pairs.par_sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// The faces of all cells whose nodes `count`, by their sorted nodes, with the cell and the face's number in it.
+pub(super) fn by_nodes(mesh: Cells, counts: impl Fn(u32) -> bool + Sync) -> Vec<([u32; 4], u32, u8)> {
+    let face = |cell: u32, face: u8| {
+        let mut nodes = face_nodes(mesh, cell, face);
+        let all = nodes.iter().all(|&node| node == NO_NODE || counts(node));
         nodes.sort_unstable();
-        all.then_some((nodes, cell as u32, face))
-    })
+        all.then_some((nodes, cell, face))
+    };
+    let (face, faces) = (&face, mesh.kind.faces().len() as u8);
+    let of_cell = |cell: usize| (0..faces).filter_map(move |number| face(cell as u32, number));
+    (0..mesh.owner.len()).into_par_iter().flat_map_iter(of_cell).collect()
 }
 
 fn face_nodes(mesh: Cells, cell: u32, face: u8) -> [u32; 4] {
@@ -219,4 +275,15 @@ fn kept(mesh: &Mesh) -> Vec<bool> {
         cell.iter().for_each(|&node| kept[node as usize] = true);
     }
     kept
+}
+
+/// Smears the ITZ over the mortar's cells that share a face with an aggregate's: their phase is the ITZ, and they belong to
+/// no aggregate still.
+pub(super) fn smear_itz(mesh: &mut Mesh) {
+    for face in faces(mesh.by_aggregate()) {
+        let [inside, outside] = [face.cell, face.behind].map(|cell| cell as usize);
+        if mesh.phase[inside] == Phase::Aggregate && mesh.aggregate[outside] == NO_AGGREGATE {
+            mesh.phase[outside] = Phase::Itz;
+        }
+    }
 }

@@ -213,10 +213,10 @@ impl MeshOptions {
             return Err(MeshError::option("element_size_mm", self.element_size_mm, accepted));
         }
         match self.method {
-            Method::Voxel { subsamples, .. } => validate_subsamples(subsamples)?,
+            Method::Voxel { subsamples, .. } => validate_count("subsamples", subsamples, MAX_SUBSAMPLES)?,
             Method::Lattice { .. } | Method::Conforming { slabs: None, .. } => {}
             Method::Conforming { slabs: Some(slabs), .. } => {
-                validate_slabs(slabs)?;
+                validate_count("slabs", slabs, MAX_SLABS)?;
                 if slabs > 1 && matches!(specimen, Specimen::Sphere { .. }) {
                     return Err(MeshError::option("slabs", slabs, "a sphere takes 1"));
                 }
@@ -242,18 +242,11 @@ impl MeshOptions {
     }
 }
 
-fn validate_subsamples(subsamples: u32) -> Result<(), MeshError> {
-    if (1..=MAX_SUBSAMPLES).contains(&subsamples) {
+fn validate_count(key: &'static str, count: u32, most: u32) -> Result<(), MeshError> {
+    if (1..=most).contains(&count) {
         return Ok(());
     }
-    Err(MeshError::option("subsamples", subsamples, format!("it must be 1 to {MAX_SUBSAMPLES}")))
-}
-
-fn validate_slabs(slabs: u32) -> Result<(), MeshError> {
-    if (1..=MAX_SLABS).contains(&slabs) {
-        return Ok(());
-    }
-    Err(MeshError::option("slabs", slabs, format!("it must be 1 to {MAX_SLABS}")))
+    Err(MeshError::option(key, count, format!("it must be 1 to {most}")))
 }
 
 /// [`MeshOptions`] as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must
@@ -348,8 +341,8 @@ impl MeshTable {
     /// # Errors
     /// Names the option, its value and what is accepted.
     pub fn validate_ranges(&self) -> Result<(), MeshError> {
-        validate_subsamples(self.subsamples)?;
-        self.slabs.map_or(Ok(()), validate_slabs)
+        validate_count("subsamples", self.subsamples, MAX_SUBSAMPLES)?;
+        self.slabs.map_or(Ok(()), |slabs| validate_count("slabs", slabs, MAX_SLABS))
     }
 
     /// The same table with the form of the ITZ that its elements can show, where it names none.

@@ -1,17 +1,17 @@
-//! How good a mesh is: the angles and shapes of its cells, how much of the specimen each phase fills, and the report on it.
+//! How good a mesh is: the angles and shapes of its cells, and the report on it.
 //!
 //! The report looks at cells in runs, so that a mesh of tens of millions needs no list of all their measures.
+//!
+//! What explicit dynamics in steps of a given length cost: the mass that mass scaling adds, phase by phase. A cell whose own
+//! stable step is shorter by the factor k gets k^2 times its mass, as `*FIXED MASS SCALING, TYPE=BELOW MIN` does it; its own
+//! step is the bound of [`stable_length_mm`](CellQuality::stable_length_mm) over the wave speed.
 
-mod mass_scaling;
-
-pub use mass_scaling::{MassScaling, PhaseScaling};
-
-use super::cells::{CellKind, Mesh, Phase};
+use super::cells::{CellKind, Cells, Mesh, Phase, cell_volume};
 use super::error::MeshError;
 use super::fidelity::InterfaceDistance;
-use super::tet::{TetMesh, dihedral_cosines, face_vectors, shortest_altitude, volume};
-use crate::aggregate::{Aggregate, Kind};
-use crate::geometry::OffsetError;
+use super::tet::{dihedral_cosines, face_vectors, shortest_altitude, stable_length, volume};
+use super::volumes::PhaseVolumes;
+use crate::aggregate::Aggregate;
 use crate::materials::Materials;
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -59,15 +59,6 @@ fn measured(mesh: &Mesh, cell: &[u32]) -> CellQuality {
             CellQuality { stable_length_mm: quality.stable_length_mm / halves, ..quality }
         }
     }
-}
-
-/// The length L of a tetrahedron that bounds its stable time step: L / c is stable for dilatational waves of speed c.
-///
-/// With lumped masses m = rho V / 4 its highest frequency w has w^2 <= 4 c^2 sum |grad N|^2 (the trace bounds the largest
-/// eigenvalue, for Poisson's ratios of 0 or more), and central differences are stable up to 2 / w. So L = 1 / sqrt(sum
-/// |grad N|^2), where |grad N| is one over an altitude. The shortest altitude is up to twice as long, and no bound.
-pub(crate) fn stable_length(p: [Vec3; 4]) -> f64 {
-    6.0 * volume(p) / face_vectors(p).map(|n| n.norm_squared()).into_iter().sum::<f64>().sqrt()
 }
 
 /// Measures of the tetrahedron with these corners, mm.
@@ -169,9 +160,6 @@ impl QualityReport {
     }
 }
 
-/// Cells looked at, or added up, together.
-const RUN: usize = 1 << 16;
-
 /// The worst of some cells; each with the first cell that has it.
 struct Worst {
     min_dihedral: (f64, usize),
@@ -203,17 +191,15 @@ impl Worst {
     fn of(mesh: &Mesh, materials: &Materials) -> Self {
         let materials = materials.in_mesh(mesh);
         let speeds = |phase: Phase| materials.elastic(phase).wave_speed_mm_per_s();
-        let runs = mesh.cells.par_chunks(RUN * mesh.kind.nodes()).zip(mesh.phase.par_chunks(RUN)).enumerate();
-        let of_run = |(run, (cells, phases)): (usize, (&[u32], &[Phase]))| {
+        let of_run = |first: usize, cells: &[u32], phases: &[Phase]| {
             let mut worst = Self::none();
             let cells = cells.chunks_exact(mesh.kind.nodes()).map(|cell| measured(mesh, cell));
-            for ((index, quality), phase) in (run * RUN..).zip(cells).zip(phases) {
+            for ((index, quality), phase) in (first..).zip(cells).zip(phases) {
                 worst.see(index, &quality, speeds(*phase));
             }
             worst
         };
-        let runs: Vec<Self> = runs.map(of_run).collect();
-        runs.into_iter().fold(Self::none(), Self::and)
+        mesh.in_runs(of_run).into_iter().fold(Self::none(), Self::and)
     }
 
     fn see(&mut self, index: usize, cell: &CellQuality, wave_speed: f64) {
@@ -249,125 +235,135 @@ fn first_least(first: (f64, usize), second: (f64, usize)) -> (f64, usize) {
     if second.0.total_cmp(&first.0).is_lt() { second } else { first }
 }
 
-/// Volume of every phase, mm3.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct PhaseVolumes {
-    /// Aggregate cores.
-    pub aggregate: f64,
-    /// Shells.
-    pub itz: f64,
-    /// Everything else, but for voids.
-    pub mortar: f64,
-    /// Fibres.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub fibre: f64,
+/// The mass that a time step costs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MassScaling {
+    /// The step, s.
+    pub time_step_s: f64,
+    /// Mass of all elements with what is added, over their own.
+    pub factor: f64,
+    /// The phases that the mesh has; cohesive elements are the ITZ.
+    pub phases: Vec<PhaseScaling>,
 }
 
-fn is_zero(volume: &f64) -> bool {
-    *volume == 0.0
+/// One phase's share of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhaseScaling {
+    /// Name of the phase's element set.
+    pub phase: &'static str,
+    /// Number of elements.
+    pub elements: usize,
+    /// Share of them whose own step is shorter, 0 to 1.
+    pub scaled: f64,
+    /// Their mass with what is added, over their own.
+    pub factor: f64,
+    /// Shortest step of its elements, s.
+    pub shortest_step_s: f64,
+    /// Their mass before scaling, tonne.
+    pub mass_t: f64,
 }
 
-impl PhaseVolumes {
-    /// The phases' volumes in `mesh`.
-    pub fn of_mesh(mesh: &Mesh) -> Self {
+impl MassScaling {
+    /// Of `mesh` in steps of `time_step_s` seconds.
+    pub fn of(mesh: &Mesh, materials: &Materials, time_step_s: f64) -> Self {
+        let materials = materials.in_mesh(mesh);
+        let cells = Sums::of_cells(mesh, &materials, time_step_s);
+        let solid = Phase::ALL.map(|phase| cells[phase as usize].named(phase));
+        let joints = Sums::of_cohesive(mesh, &materials, time_step_s).named(Phase::Itz);
+        let phases: Vec<PhaseScaling> = solid.into_iter().chain([joints]).filter(|phase| phase.elements > 0).collect();
+        let mass = |with: fn(&PhaseScaling) -> f64| phases.iter().map(|phase| phase.mass_t * with(phase)).sum::<f64>();
+        Self { time_step_s, factor: mass(|phase| phase.factor) / mass(|_| 1.0), phases }
+    }
+
+    /// The mass that is added, % of the mesh's own.
+    pub fn added_percent(&self) -> f64 {
+        100.0 * (self.factor - 1.0)
+    }
+}
+
+/// Elements of one phase, added up.
+#[derive(Clone, Copy)]
+struct Sums {
+    elements: usize,
+    scaled: usize,
+    mass: f64,
+    scaled_mass: f64,
+    shortest: f64,
+}
+
+impl Sums {
+    const NONE: Self = Self { elements: 0, scaled: 0, mass: 0.0, scaled_mass: 0.0, shortest: f64::INFINITY };
+
+    /// By phase number.
+    fn of_cells(mesh: &Mesh, materials: &Materials, step: f64) -> [Self; 5] {
         let nodes = mesh.kind.nodes();
-        let of_run = |(cells, phases): (&[u32], &[Phase])| {
-            let mut sums = [0.0; 5];
+        let of_run = |_: usize, cells: &[u32], phases: &[Phase]| {
+            let mut sums = [Self::NONE; 5];
             for (cell, phase) in cells.chunks_exact(nodes).zip(phases) {
-                sums[*phase as usize] += cell_volume(mesh.kind, cell, &mesh.points);
+                let (quality, elastic) = (measured(mesh, cell), materials.elastic(*phase));
+                let own = quality.stable_length_mm / elastic.wave_speed_mm_per_s();
+                sums[*phase as usize].add(quality.volume_mm3 * elastic.density_t_per_mm3, own, step);
             }
             sums
         };
-        // Runs of one length, added in their order: the same on any number of threads.
-        let runs: Vec<[f64; 5]> =
-            mesh.cells.par_chunks(RUN * nodes).zip(mesh.phase.par_chunks(RUN)).map(of_run).collect();
-        let [mortar, itz, aggregate, _, fibre] = std::array::from_fn(|i| runs.iter().map(|sums| sums[i]).sum());
-        Self { aggregate, itz, mortar, fibre }
+        let runs = mesh.in_runs(of_run);
+        std::array::from_fn(|i| runs.iter().fold(Self::NONE, |all, run| all.and(&run[i])))
     }
 
-    /// That of one phase.
-    pub fn of(&self, phase: Phase) -> f64 {
-        match phase {
-            Phase::Mortar => self.mortar,
-            Phase::Itz => self.itz,
-            Phase::Aggregate => self.aggregate,
-            Phase::Fibre => self.fibre,
+    fn of_cohesive(mesh: &Mesh, materials: &Materials, step: f64) -> Self {
+        let per_area = materials.itz.density_t_per_mm3 * materials.cohesive_thickness_mm;
+        let own = materials.cohesive_time_step_s();
+        let mut sums = Self::NONE;
+        mesh.cohesive().for_each(|nodes| sums.add(area(mesh, &nodes[..nodes.len() / 2]) * per_area, own, step));
+        sums
+    }
+
+    fn add(&mut self, mass: f64, own_step: f64, step: f64) {
+        let times = (step / own_step).max(1.0);
+        self.elements += 1;
+        self.scaled += usize::from(times > 1.0);
+        self.mass += mass;
+        self.scaled_mass += mass * times * times;
+        self.shortest = self.shortest.min(own_step);
+    }
+
+    fn and(self, later: &Self) -> Self {
+        Self {
+            elements: self.elements + later.elements,
+            scaled: self.scaled + later.scaled,
+            mass: self.mass + later.mass,
+            scaled_mass: self.scaled_mass + later.scaled_mass,
+            shortest: self.shortest.min(later.shortest),
         }
     }
 
-    /// The exact volumes, from the polyhedra; `shell(aggregate)` is the thickness of its shell, mm.
-    ///
-    /// # Errors
-    /// Where an aggregate's core has no trustworthy volume.
-    pub fn exact(
-        aggregates: &[Aggregate],
-        specimen: &Specimen,
-        shell: impl Fn(&Aggregate) -> f64 + Sync,
-    ) -> Result<Self, OffsetError> {
-        let core = |aggregate: &Aggregate| {
-            let inner = if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 };
-            Ok(crate::geometry::inward_offset(&aggregate.body, inner)?.map_or(0.0, |body| body.volume()))
-        };
-        // Summed in the aggregates' order: the same on any number of threads.
-        let cores = aggregates.par_iter().map(core).collect::<Result<Vec<f64>, OffsetError>>()?;
-        let (mut all, mut outer, mut inside, mut fibre) = (0.0, 0.0, 0.0, 0.0);
-        for (aggregate, core) in aggregates.iter().zip(cores) {
-            let volume = aggregate.body.volume();
-            all += volume;
-            match aggregate.kind {
-                Kind::Aggregate => (outer, inside) = (outer + volume, inside + core),
-                Kind::Void => {}
-                Kind::Fibre => fibre += volume,
-            }
+    fn named(&self, phase: Phase) -> PhaseScaling {
+        PhaseScaling {
+            phase: phase.name(),
+            elements: self.elements,
+            scaled: self.scaled as f64 / self.elements as f64,
+            factor: self.scaled_mass / self.mass,
+            shortest_step_s: self.shortest,
+            mass_t: self.mass,
         }
-        Ok(Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre })
-    }
-
-    /// The exact volumes of the phases that `mesh` has: with the shells where its ITZ is solid; `None` where a core has no
-    /// trustworthy volume.
-    pub fn exact_for(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen) -> Option<Self> {
-        let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
-        let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
-        Self::exact(bodies, specimen, shell).ok()
-    }
-
-    /// Sum of the phases, mm3.
-    pub fn total(&self) -> f64 {
-        self.aggregate + self.itz + self.mortar + self.fibre
     }
 }
 
-/// Refuses a mesh with a cell of no positive volume: no solver takes it.
-pub(super) fn all_positive(mesh: &Mesh) -> Result<(), MeshError> {
-    let cells = mesh.cells.par_chunks_exact(mesh.kind.nodes());
-    let solid = |cell: &&[u32]| cell_volume(mesh.kind, cell, &mesh.points) > 0.0;
-    let flat: Vec<&[u32]> = cells.filter(|cell| !solid(cell)).collect();
+/// Area of a triangle or of a parallelogram, mm2.
+fn area(mesh: &Mesh, face: &[u32]) -> f64 {
+    let p = |i: usize| mesh.points[face[i] as usize];
+    let edges: [Vec3; 2] = [p(1) - p(0), p(face.len() - 1) - p(0)];
+    edges[0].cross(&edges[1]).norm() * if face.len() == 3 { 0.5 } else { 1.0 }
+}
+
+/// Refuses cells of which one has no positive volume: no solver takes them.
+pub(super) fn all_positive(cells: Cells) -> Result<(), MeshError> {
+    let all = cells.nodes.par_chunks_exact(cells.kind.nodes());
+    let is_solid = |cell: &[u32]| cell_volume(cells.kind, cell, cells.points) > 0.0;
+    let flat: Vec<&[u32]> = all.filter(|cell| !is_solid(cell)).collect();
     match flat.first() {
         None => Ok(()),
-        Some(first) => Err(MeshError::Flat { cells: flat.len(), at: mesh.points[first[0] as usize].into() }),
-    }
-}
-
-/// Refuses tetrahedra of which one has no positive volume.
-pub(super) fn all_tetrahedra_positive(mesh: &TetMesh) -> Result<(), MeshError> {
-    let is_positive = |cell: u32| mesh.volume(cell) > 0.0;
-    let flat: Vec<u32> = mesh.numbers().into_par_iter().filter(|&cell| !is_positive(cell)).collect();
-    match flat.first() {
-        None => Ok(()),
-        Some(&first) => Err(MeshError::Flat { cells: flat.len(), at: mesh.position(mesh.cell(first)[0]).into() }),
-    }
-}
-
-/// Volume of a cell, mm3; negative where its nodes are out of order.
-pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 {
-    let p = |i: usize| points[cell[i] as usize];
-    let six = |a: usize, b: usize, c: usize, d: usize| (p(b) - p(a)).cross(&(p(c) - p(a))).dot(&(p(d) - p(a)));
-    match kind {
-        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => volume([p(0), p(1), p(2), p(3)]),
-        // Six tetrahedra around the diagonal 0-6: exact for the parallelepipeds that voxels are.
-        CellKind::Hexahedron => {
-            [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)].iter().map(|&(b, c)| six(0, b, c, 6)).sum::<f64>() / 6.0
-        }
+        Some(first) => Err(MeshError::Flat { cells: flat.len(), at: cells.points[first[0] as usize].into() }),
     }
 }
 

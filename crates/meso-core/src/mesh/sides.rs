@@ -9,6 +9,7 @@
 //! cohesive element across the face needs there. Every node has cells or cohesive elements.
 
 use super::cells::{Cells, Mesh, NO_AGGREGATE, Phase};
+use super::interface::{NO_NODE, by_nodes};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Specimen;
 use rayon::prelude::*;
@@ -48,8 +49,13 @@ impl Sides {
 
     /// Those of cells that fill a box.
     pub(crate) fn in_planes(cells: Cells) -> Self {
-        let nodes = on_planes(cells.points);
-        Self { faces: in_planes(cells, &nodes), nodes }
+        let sides = Self::of_points(cells.points);
+        Self { faces: in_planes(cells, &sides.nodes), ..sides }
+    }
+
+    /// The bounding planes of `points` and which of these lie on them, without any faces.
+    pub(super) fn of_points(points: &[Vec3]) -> Self {
+        Self { nodes: on_planes(points), faces: Default::default() }
     }
 
     /// The sides that `node` lies on.
@@ -117,22 +123,14 @@ fn in_planes(mesh: Cells, nodes: &[u8]) -> [Vec<(u32, usize)>; 6] {
 
 /// The faces that only one cell has, by cell; cohesive elements join the faces at their two sides.
 fn outer_faces(mesh: Cells, cohesive: &[u32]) -> Vec<(u32, usize)> {
-    let per_cell = mesh.kind.nodes();
-    let sorted = |nodes: &[usize], cell: &[u32]| {
-        let mut corners = [u32::MAX; 4];
-        nodes.iter().zip(&mut corners).for_each(|(&i, corner)| *corner = cell[i]);
-        corners.sort_unstable();
-        corners
+    let mut faces = by_nodes(mesh, |_| true);
+    let joined = |face: &[u32]| {
+        let mut nodes = [NO_NODE; 4];
+        nodes[..face.len()].copy_from_slice(face);
+        nodes.sort_unstable();
+        (nodes, u32::MAX, 0)
     };
-    let cells = mesh.nodes.par_chunks_exact(per_cell).enumerate();
-    let mut faces: Vec<([u32; 4], u32, u8)> = cells
-        .flat_map_iter(|(number, cell)| {
-            (0..).zip(mesh.kind.faces()).map(move |(face, nodes)| (sorted(nodes, cell), number as u32, face))
-        })
-        .collect();
-    let corners = mesh.kind.faces()[0].len();
-    let joined = cohesive.chunks_exact(corners).map(|face| (sorted(&[0, 1, 2, 3][..corners], face), u32::MAX, 0));
-    faces.extend(joined);
+    faces.extend(cohesive.chunks_exact(mesh.kind.faces()[0].len()).map(joined));
     faces.par_sort_unstable();
     let lone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| &same[0]);
     let mut lone: Vec<(u32, usize)> = lone.map(|&(_, cell, face)| (cell, face as usize)).collect();

@@ -22,9 +22,10 @@ pub(super) fn figure(model: &Model, mesh: &Mesh, out: &mut impl Write) -> io::Re
     let is_shown = |corners: &[[f64; 2]]| {
         corners.iter().all(|[x, y]| 2.0 * (x - middle.x).abs() <= width && 2.0 * (y - middle.y).abs() <= height)
     };
+    let classes: BTreeMap<u32, u16> = model.aggregates.iter().map(|body| (body.id, body.class)).collect();
     let mut by_class: BTreeMap<String, Vec<&Vec<[f64; 2]>>> = BTreeMap::new();
     for (cell, corners) in all.iter().filter(|(_, corners)| share == 1.0 || is_shown(corners)) {
-        by_class.entry(class(model, mesh, *cell)).or_default().push(corners);
+        by_class.entry(class(&classes, mesh, *cell)).or_default().push(corners);
     }
     let scale = 1.2 * WIDTH / width.max(height);
     let (left, top) = (middle.x - width / 2.0, -middle.y - height / 2.0);
@@ -65,15 +66,15 @@ fn cut_cells(mesh: &Mesh, at: f64) -> Vec<(usize, Vec<[f64; 2]>)> {
     mesh.cells().enumerate().filter_map(cut).collect()
 }
 
-/// A body has the colour of its class, as in the sections.
-fn class(model: &Model, mesh: &Mesh, cell: usize) -> String {
+/// A body has the colour of its class, as in the sections; `classes` are the bodies' by their ids.
+fn class(classes: &BTreeMap<u32, u16>, mesh: &Mesh, cell: usize) -> String {
     match mesh.phase[cell] {
         Phase::Mortar => "m".to_owned(),
         Phase::Itz => "i".to_owned(),
         Phase::Fibre => "fi".to_owned(),
         Phase::Aggregate => {
-            let body = model.aggregates.get(mesh.aggregate[cell] as usize);
-            format!("c{}", body.map_or(0, |body| usize::from(body.class) % CLASSES.len()))
+            let class = classes.get(&mesh.aggregate[cell]).copied().unwrap_or_default();
+            format!("c{}", usize::from(class) % CLASSES.len())
         }
     }
 }

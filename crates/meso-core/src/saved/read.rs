@@ -95,6 +95,9 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     } else {
         Cow::Borrowed(bytes)
     };
+    if let Some(other) = other_kind(&text) {
+        return Err(ReadError::NotAModel(other.to_owned()));
+    }
     let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
     drop(text);
     accept_version(&file.mesocrete)?;
@@ -111,6 +114,24 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     };
     Ok(Model { spec, aggregates, inclusions, report })
 }
+
+/// What a file that does not begin like a model seems to be, and the way out.
+fn other_kind(text: &[u8]) -> Option<&'static str> {
+    let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.find(|line| !line.is_empty() && line[0] != b'#').unwrap_or_default();
+    match first {
+        [b'{', ..] => None,
+        [] => Some("it is empty"),
+        [b'*', ..] => Some("it is a deck, which holds a mesh; name the .json that it was made from"),
+        [b'<', ..] => Some("it is XML or a page; name the .json that it was made from"),
+        [b'[', second, ..] if second.is_ascii_alphabetic() || *second == b'[' => Some(A_SPEC),
+        line if line[0].is_ascii_alphabetic() && line.contains(&b'=') => Some(A_SPEC),
+        _ => Some("it does not begin with {; name a .json or .json.gz that a packing was saved to"),
+    }
+}
+
+/// Said of TOML.
+const A_SPEC: &str = "it is TOML, as a spec is; pack it first, and save the packing as .json";
 
 /// The same major and minor version, or an older minor one.
 fn accept_version(found: &str) -> Result<(), ReadError> {

@@ -1,9 +1,16 @@
 //! Changes laid over a spec's tree of values.
 
+use super::Spec;
 use serde_json::Value;
 
-/// Lays `changes` over `base`, section by section.
-pub fn overlay(base: &mut Value, changes: Value) {
+impl Spec {
+    /// Lays `changes` over `base`, a spec's values or a part of them, section by section.
+    pub fn overlay(base: &mut Value, changes: Value) {
+        overlay(base, changes);
+    }
+}
+
+fn overlay(base: &mut Value, changes: Value) {
     match (base, changes) {
         (Value::Object(base), Value::Object(changes)) => {
             // A section that names another variant (specimen.kind, a law) replaces the old one, whose keys do not fit.

@@ -122,6 +122,11 @@ fn unknown_key(name: &str, known: &[&str], path: &[String]) -> String {
     if let Some(near) = nearest(name, known) {
         return format!("is not a known key; did you mean {near}?");
     }
+    // `size` for `element_size_mm`.
+    let wider: Vec<&str> = known.iter().copied().filter(|key| key.split('_').any(|word| word == name)).collect();
+    if !wider.is_empty() {
+        return format!("is not a known key; did you mean {}?", wider.join(" or "));
+    }
     match home_of(name) {
         Some(home) if home != path => {
             let table = if home.is_empty() {

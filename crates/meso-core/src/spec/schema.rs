@@ -10,9 +10,9 @@ impl Spec {
     /// The schema of a SPEC.toml, JSON Schema 2020-12: of [`Spec`], and of what stands for parts of it (`[mix]` for `fraction`, a
     /// `file` for a sieve table or a specimen, a `library` of grains).
     pub fn schema() -> Value {
-        let mut schema = of_options::<Self>();
+        let mut schema = Self::schema_of::<Self>();
         schema["title"] = "mesocrete SPEC.toml".into();
-        let mut mix = of_options::<MixDesign>();
+        let mut mix = Self::schema_of::<MixDesign>();
         drop(take(&mut mix, "$schema"));
         schema["properties"]["mix"] = mix;
         // What a file holds need not stand in the spec.
@@ -25,14 +25,14 @@ impl Spec {
         from_file(&mut schema["$defs"]["Curve"], "sieves", "A CSV file that lies beside the spec: sieve_mm,passing.");
         schema
     }
-}
 
-/// The schema of any options.
-pub fn of_options<T: JsonSchema>() -> Value {
-    // Options are read: what has a default may be left out.
-    let settings = SchemaSettings::draft2020_12().for_deserialize();
-    let schema: Schema = settings.into_generator().into_root_schema_for::<T>();
-    schema.to_value()
+    /// The schema of any options.
+    pub fn schema_of<T: JsonSchema>() -> Value {
+        // Options are read: what has a default may be left out.
+        let settings = SchemaSettings::draft2020_12().for_deserialize();
+        let schema: Schema = settings.into_generator().into_root_schema_for::<T>();
+        schema.to_value()
+    }
 }
 
 fn take(value: &mut Value, key: &str) -> Option<Value> {

@@ -65,6 +65,15 @@ impl Node {
 /// Reads TOML text, a leading byte order mark allowed.
 pub(super) fn parse_toml(text: &str) -> Result<Node, SpecError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim_start().starts_with('{') {
+        let message = "this is JSON, not TOML; a saved model is packed already, and its spec stands in it under spec";
+        return Err(SpecError {
+            key: String::new(),
+            message: message.to_owned(),
+            line: Some(1),
+            kind: SpecErrorKind::Syntax,
+        });
+    }
     let lines = Lines::of(text);
     let document = DeTable::parse(text).map_err(|error| lines.syntax_error(&error))?;
     let entries = lines.table(document.get_ref())?;

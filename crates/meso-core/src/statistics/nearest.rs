@@ -55,8 +55,9 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
         candidates.sort_by(|x, y| x.0.total_cmp(&y.0));
         let mut best = f64::INFINITY;
         for (at_least, b) in candidates {
-            if at_least < best {
-                let [a, b] = [a, b].map(|i| aggregates[i as usize].body.vertices());
+            let [a, b] = [a, b].map(|i| aggregates[i as usize].body.vertices());
+            // Most that are farther are told at a fraction of a distance's cost, which is correctly rounded.
+            if at_least < best && !(best.is_finite() && gjk::distance_exceeds(a, b, best)?) {
                 best = best.min(gjk::distance(a, b)?);
             }
         }

@@ -5,7 +5,7 @@
 
 use super::Distribution;
 use crate::aggregate::Aggregate;
-use crate::geometry::{principal_axes, sieve_size};
+use crate::geometry::principal_axes;
 use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -85,7 +85,7 @@ fn measure(aggregate: &Aggregate) -> Measured {
     extents.sort_by(|x, y| y.total_cmp(x));
     let six_volumes = libm::cbrt(6.0 * body.volume());
     let wadell = libm::cbrt(std::f64::consts::PI) * six_volumes * six_volumes / body.area();
-    Measured { extents, wadell, sieve: sieve_size(body) }
+    Measured { extents, wadell, sieve: body.sieve_size() }
 }
 
 fn zingg(all: &[Measured]) -> Zingg {

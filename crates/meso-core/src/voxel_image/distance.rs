@@ -4,10 +4,9 @@
 //! distances from it change by no more than the way from the tile's centre.
 
 use crate::aggregate::Aggregate;
-use crate::geometry::BoxTree;
+use crate::geometry::{BoxTree, ConvexSurface};
+use crate::location::{Label, PointGrid, Scan};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::fidelity::Body;
-use crate::mesh::location::{Label, PointGrid, Scan};
 use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -19,7 +18,7 @@ const FAR: f64 = 4.0;
 
 /// The bodies by their surfaces, and a tree of their boxes.
 pub(super) struct Surfaces {
-    bodies: Vec<Body>,
+    bodies: Vec<ConvexSurface>,
     boxes: Vec<Aabb>,
     tree: BoxTree,
 }
@@ -27,7 +26,11 @@ pub(super) struct Surfaces {
 impl Surfaces {
     pub(super) fn new(aggregates: &[Aggregate]) -> Self {
         let boxes: Vec<Aabb> = aggregates.iter().map(|aggregate| aggregate.body.aabb()).collect();
-        Self { bodies: aggregates.par_iter().map(Body::new).collect(), tree: BoxTree::new(&boxes), boxes }
+        Self {
+            bodies: aggregates.par_iter().map(|aggregate| ConvexSurface::new(&aggregate.body)).collect(),
+            tree: BoxTree::new(&boxes),
+            boxes,
+        }
     }
 
     /// Distances of the voxels of layer `k`, mm, negative inside a body. The bodies of `scan` are these, in their order.
@@ -162,7 +165,7 @@ mod tests {
         let bodies = model.bodies();
         for (h, counts) in [(2.1, [9, 11, 2]), (0.4, [19, 17, 3]), (3.0, [1, 8, 7]), (6.0, [4, 4, 1])] {
             let grid = PointGrid { origin: Vec3::new(0.3, 0.2, 9.1), spacing: Vec3::repeat(h), counts };
-            let scan = Scan::new(grid, crate::mesh::location::Facets::all(&bodies, |_| 0.0));
+            let scan = Scan::new(grid, crate::location::Facets::all(&bodies, |_| 0.0));
             let (surfaces, mut outside) = (Surfaces::new(&bodies), 0);
             for k in 0..counts[2] {
                 let mut layer = vec![0.0; grid.layer_len()];

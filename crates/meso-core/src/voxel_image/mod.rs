@@ -16,9 +16,9 @@ use crate::aggregate::Aggregate;
 use crate::export::appearance::phase;
 pub use crate::export::raster::{Frame, ValueKind, Values};
 
+use crate::location::{Facets, PointGrid, Scan};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Phase;
-use crate::mesh::location::{Facets, PointGrid, Scan};
 use crate::model::Model;
 use crate::packing::{Container, images_near};
 use distance::Surfaces;
@@ -104,12 +104,12 @@ impl VoxelImage {
     }
 
     /// As [`VoxelImage::slabs`], and reports the share that is made, 0 to 1.
-    pub fn slabs_watched<'a>(&'a self, told: &'a dyn Fn(f64)) -> impl Iterator<Item = Values> + 'a {
+    pub fn slabs_watched<'a>(&'a self, progress: &'a dyn Fn(f64)) -> impl Iterator<Item = Values> + 'a {
         let layers = self.grid.counts[2];
         let step = (AT_ONCE / self.grid.layer_len()).clamp(1, layers.max(1));
         (0..layers).step_by(step).map(move |from| {
             let made = self.layers(from..layers.min(from + step));
-            told((from + step).min(layers) as f64 / layers as f64);
+            progress((from + step).min(layers) as f64 / layers as f64);
             made
         })
     }

@@ -1,7 +1,7 @@
 //! What is asked of an image.
 
+use crate::location::PointGrid;
 use crate::math::Vec3;
-use crate::mesh::location::PointGrid;
 use crate::packing::Specimen;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Which voxels have their centres outside the specimen.
 
+use crate::location::PointGrid;
 use crate::math::Vec3;
-use crate::mesh::location::PointGrid;
 use crate::packing::Container;
 
 /// Gives `value` to the voxels of layer `k` that lie outside.

@@ -8,8 +8,8 @@
 use super::options::ShareOf;
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
+use crate::location::PointGrid;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::location::PointGrid;
 use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;

@@ -6,7 +6,6 @@ use crate::arrays;
 use crate::tree::type_name;
 use meso_core::Model;
 use meso_core::aggregate::Aggregate;
-use meso_core::geometry::sieve_size;
 use meso_core::math::longest_distance;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
@@ -69,7 +68,7 @@ impl PyAggregates {
     /// Sides of the smallest square holes that they pass, mm.
     #[getter]
     fn sieve_size<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.column(py, |aggregate| sieve_size(&aggregate.body))
+        self.column(py, |aggregate| aggregate.body.sieve_size())
     }
 
     /// Thicknesses of the ITZ shells, mm.

@@ -5,8 +5,8 @@ use super::damage::{self, Band, Row};
 use super::geometry::present;
 use super::limits::{self, DeckError};
 use super::lines::{Lines, real};
-use crate::materials::{Elastic, Materials, Strength};
-use crate::mesh::{Mesh, Phase, PhaseVolumes, characteristic_mm, width_mm};
+use crate::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
+use crate::mesh::{Mesh, Phase, PhaseVolumes};
 use std::io::{self, Write};
 
 /// Material and section of every phase the mesh has, and of the cohesive elements.

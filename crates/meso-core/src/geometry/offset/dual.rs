@@ -5,6 +5,7 @@ use crate::geometry::double_double::{Dd, Dd3, cross, dot};
 use crate::geometry::hull::Facets;
 use crate::geometry::{Polyhedron, convex_hull, integer};
 use crate::math::Vec3;
+use crate::simd::{Wide, widest};
 
 /// Vertices closer than this many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
@@ -30,10 +31,7 @@ impl Dual {
     pub(super) fn of(points: &[Vec3]) -> Result<Self, OffsetError> {
         let scaled = normalised(points)?;
         let facets = Facets::of(&scaled.points)?;
-        let mut vertices = Vec::with_capacity(2 * points.len());
-        for facet in facets.iter() {
-            vertices.push(vertex(&scaled.points, facet).ok_or_else(flat)?);
-        }
+        let vertices = widest(Vertices { points: &scaled.points, facets: &facets }).ok_or_else(flat)?;
         Ok(Self { vertices, faces: loops_around(&facets, points.len()), scale: scaled.scale })
     }
 
@@ -84,28 +82,83 @@ fn normalised(points: &[Vec3]) -> Result<Scaled, OffsetError> {
         return Err(ill_conditioned("a plane is too far or too near to be resolved"));
     }
     let scale = libm::scalbn(1.0, libm::ilogb(largest));
-    let negligible = smallest / scale * 1e-25;
-    let scaled = |x: f64| if (x / scale).abs() < negligible { 0.0 } else { x / scale };
+    // A power of two as well: products with it are quotients by the other, to the last bit.
+    let inverse = 1.0 / scale;
+    let negligible = smallest * inverse * 1e-25;
+    let scaled = |x: f64| if (x * inverse).abs() < negligible { 0.0 } else { x * inverse };
     Ok(Scaled { points: points.iter().map(|p| p.map(scaled)).collect(), scale })
 }
 
-/// The point z with y . z = 1 for all points y of the facet: m / (m . y) for the facet's normal m.
-fn vertex(points: &[Vec3], facet: &[u32]) -> Option<Vec3> {
-    let at = |i: u32| points[i as usize];
-    let spread = |k: &usize| (at(facet[*k]) - at(facet[0])).cross(&(at(facet[k + 1]) - at(facet[0]))).norm_squared();
-    let widest = (1..facet.len() - 1).max_by(|j, k| spread(j).total_cmp(&spread(k)))?;
-    let [a, b, c] = [facet[0], facet[widest], facet[widest + 1]].map(at);
-    let (u, v) = (b - a, c - a);
-    let normal = u.cross(&v);
-    let height = normal.dot(&a);
-    let normal_error = 4.0 * ROUNDING * u.norm() * v.norm();
-    let height_error = normal_error * a.norm() + 4.0 * ROUNDING * normal.norm() * a.norm();
-    // Relative to |z| = |m| / height.
-    let error = normal_error / normal.norm() + height_error / height;
-    if height > 0.0 && error < 256.0 * ROUNDING {
-        return Some(normal / height);
+/// Facets looked at together.
+const LANES: usize = 8;
+
+/// For every facet the point z with y . z = 1 for all its points y: m / (m . y) for its normal m.
+struct Vertices<'a> {
+    points: &'a [Vec3],
+    facets: &'a Facets,
+}
+
+impl Wide for Vertices<'_> {
+    type Output = Option<Vec<Vec3>>;
+
+    #[inline(always)]
+    fn run(self) -> Option<Vec<Vec3>> {
+        let Self { points, facets } = self;
+        let mut vertices = Vec::with_capacity(facets.len());
+        // By corner, axis and lane.
+        let mut eight = [[[0.0; LANES]; 3]; 3];
+        let mut corners = [[Vec3::zeros(); 3]; LANES];
+        for first in (0..facets.len()).step_by(LANES) {
+            let count = LANES.min(facets.len() - first);
+            for lane in 0..count {
+                corners[lane] = widest_triangle(points, facets.facet(first + lane));
+                for corner in 0..3 {
+                    (0..3).for_each(|axis| eight[corner][axis][lane] = corners[lane][corner][axis]);
+                }
+            }
+            let (found, certain) = float_vertices(&eight);
+            for lane in 0..count {
+                let [a, b, c] = &corners[lane];
+                vertices.push(match certain[lane] {
+                    1 => Vec3::new(found[0][lane], found[1][lane], found[2][lane]),
+                    _ => double_double_vertex(a, b, c).or_else(|| exact_vertex(&corners[lane]))?,
+                });
+            }
+        }
+        Some(vertices)
     }
-    double_double_vertex(&a, &b, &c).or_else(|| exact_vertex(&[a, b, c]))
+}
+
+/// Of the fan of a facet's triangles.
+#[inline(always)]
+fn widest_triangle(points: &[Vec3], facet: &[u32]) -> [Vec3; 3] {
+    let at = |i: u32| points[i as usize];
+    if let &[a, b, c] = facet {
+        return [a, b, c].map(at);
+    }
+    let spread = |k: &usize| (at(facet[*k]) - at(facet[0])).cross(&(at(facet[k + 1]) - at(facet[0]))).norm_squared();
+    let widest = (1..facet.len() - 1).max_by(|j, k| spread(j).total_cmp(&spread(k))).unwrap_or(1);
+    [facet[0], facet[widest], facet[widest + 1]].map(at)
+}
+
+/// The points by axis, and 1 for each that is certain.
+#[inline(always)]
+fn float_vertices([a, b, c]: &[[[f64; LANES]; 3]; 3]) -> ([[f64; LANES]; 3], [u64; LANES]) {
+    let (mut points, mut certain) = ([[0.0; LANES]; 3], [0; LANES]);
+    let at = |corner: &[[f64; LANES]; 3], lane: usize| Vec3::new(corner[0][lane], corner[1][lane], corner[2][lane]);
+    for lane in 0..LANES {
+        let (a, b, c) = (at(a, lane), at(b, lane), at(c, lane));
+        let (u, v) = (b - a, c - a);
+        let normal = u.cross(&v);
+        let height = normal.dot(&a);
+        let normal_error = 4.0 * ROUNDING * u.norm() * v.norm();
+        let height_error = normal_error * a.norm() + 4.0 * ROUNDING * normal.norm() * a.norm();
+        // Relative to |z| = |m| / height.
+        let error = normal_error / normal.norm() + height_error / height;
+        [points[0][lane], points[1][lane], points[2][lane]] = (normal / height).into();
+        certain[lane] = u64::from((height > 0.0) & (error < 256.0 * ROUNDING));
+    }
+    (points, certain)
 }
 
 fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
@@ -128,40 +181,63 @@ fn exact_vertex(corners: &[Vec3; 3]) -> Option<Vec3> {
     inside.then(|| Vec3::from(normal.map(|n| integer::quotient(&n, &height, -unit))))
 }
 
-/// For every dual point the loop of facets around it, counter-clockwise from outside; none for points inside.
+/// A facet at one of its points, and the points before and after that one.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    before: u32,
+    after: u32,
+    facet: u32,
+}
+
+/// For every dual point the loop of facets around it, counter-clockwise from outside, from the one with the smallest point
+/// after it on; none for points inside.
 fn loops_around(facets: &Facets, points: usize) -> Loops {
+    let (starts, around) = corners_by_point(facets, points);
+    let mut loops = Loops::default();
+    loops.corners.reserve(around.len());
+    loops.ends.reserve(points);
+    // By the point after: of the corners around one point, no two have the same.
+    let mut fan = vec![Corner::default(); points];
+    for p in (0..points).filter(|&p| starts[p] < starts[p + 1]) {
+        let around = &around[starts[p] as usize..starts[p + 1] as usize];
+        around.iter().for_each(|corner| fan[corner.after as usize] = *corner);
+        let mut after = around.iter().map(|corner| corner.after).min().expect("not empty");
+        for _ in around {
+            let corner = fan[after as usize];
+            loops.corners.push(corner.facet);
+            // The next facet starts where this one ends.
+            after = corner.before;
+        }
+        loops.ends.push(loops.corners.len() as u32);
+    }
+    loops
+}
+
+/// Where the corners at each point begin in the list of all.
+fn corners_by_point(facets: &Facets, points: usize) -> (Vec<u32>, Vec<Corner>) {
     let mut starts = vec![0_u32; points + 1];
     facets.iter().flatten().for_each(|&p| starts[p as usize + 1] += 1);
     for p in 0..points {
         starts[p + 1] += starts[p];
     }
     let mut next = starts.clone();
-    // Successor and predecessor of the point in a facet, and the facet.
-    let mut around = vec![(0, 0, 0); starts[points] as usize];
-    for (f, facet) in (0..).zip(facets.iter()) {
-        for (k, &p) in facet.iter().enumerate() {
-            let (before, after) = (facet[(k + facet.len() - 1) % facet.len()], facet[(k + 1) % facet.len()]);
-            around[next[p as usize] as usize] = (after, before, f);
-            next[p as usize] += 1;
+    let mut around = vec![Corner::default(); starts[points] as usize];
+    for (facet, corners) in (0..).zip(facets.iter()) {
+        let mut before = corners[corners.len() - 2];
+        for (point, after) in pairs(corners) {
+            let slot = &mut next[point as usize];
+            around[*slot as usize] = Corner { before, after, facet };
+            *slot += 1;
+            before = point;
         }
     }
-    let mut loops = Loops::default();
-    for p in (0..points).filter(|&p| starts[p] < starts[p + 1]) {
-        push_loop(&mut loops, &mut around[starts[p] as usize..starts[p + 1] as usize]);
-    }
-    loops
+    (starts, around)
 }
 
-/// Around a point, the facet after this one starts where this one ends: its successor is this one's predecessor.
-fn push_loop(loops: &mut Loops, around: &mut [(u32, u32, u32)]) {
-    around.sort_unstable();
-    let mut current = 0;
-    for _ in 0..around.len() {
-        let (_, before, facet) = around[current];
-        loops.corners.push(facet);
-        current = around.partition_point(|corner| corner.0 < before);
-    }
-    loops.ends.push(loops.corners.len() as u32);
+/// Every corner of a loop with the one after it, from the last one on.
+fn pairs(around: &[u32]) -> impl Iterator<Item = (u32, u32)> {
+    let mut last = around.last().copied().unwrap_or_default();
+    around.iter().map(move |&corner| (std::mem::replace(&mut last, corner), corner))
 }
 
 impl Loops {
@@ -169,7 +245,7 @@ impl Loops {
     fn is_surface(&self) -> bool {
         let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.corners.len());
         for face in self.iter() {
-            edges.extend((0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]));
+            edges.extend(pairs(face).map(|(a, b)| [a, b]));
         }
         edges.sort_unstable();
         let once = edges.windows(2).all(|pair| pair[0] != pair[1]);
@@ -194,25 +270,24 @@ impl Dual {
     /// Joins neighbouring vertices that rounding alone keeps apart; `None` where there are none.
     fn joined(&self) -> Option<Joined> {
         let Self { vertices, faces, .. } = self;
-        let extent = vertices.iter().map(Vec3::norm).fold(0.0, f64::max);
-        let mut same: Vec<u32> = (0..vertices.len() as u32).collect();
-        let mut any = false;
-        for face in faces.iter() {
-            for (k, &v) in face.iter().enumerate() {
-                let w = face[(k + 1) % face.len()];
-                if (vertices[v as usize] - vertices[w as usize]).norm() <= MERGED * ROUNDING * extent {
-                    let (v, w) = (root(&same, v), root(&same, w));
-                    same[v.max(w) as usize] = v.min(w);
-                    any = true;
-                }
-            }
+        let reach = MERGED * ROUNDING * extent(vertices);
+        let squared = |&(v, w): &(u32, u32)| (vertices[v as usize] - vertices[w as usize]).norm_squared();
+        // Each edge belongs to two faces. The root of what may be near enough is worth taking.
+        let is_near = |square: f64| square <= 1.01 * reach * reach && square.sqrt() <= reach;
+        let edges = faces.iter().flat_map(pairs).filter(|(v, w)| v < w);
+        let near: Vec<(u32, u32)> = edges.filter(|edge| is_near(squared(edge))).collect();
+        if near.is_empty() {
+            return None;
         }
-        any.then(|| {
-            let went = |v: usize| (vertices[v] - vertices[root(&same, v as u32) as usize]).norm();
-            let moved = (0..vertices.len()).map(went).fold(0.0, f64::max);
-            let (vertices, faces) = without_doubles(vertices, faces, &same);
-            Joined { vertices, faces, moved }
-        })
+        let mut same: Vec<u32> = (0..vertices.len() as u32).collect();
+        for (v, w) in near {
+            let (v, w) = (root(&same, v), root(&same, w));
+            same[v.max(w) as usize] = v.min(w);
+        }
+        let went = |v: usize| (vertices[v] - vertices[root(&same, v as u32) as usize]).norm();
+        let moved = (0..vertices.len()).map(went).fold(0.0, f64::max);
+        let (vertices, faces) = without_doubles(vertices, faces, &same);
+        Some(Joined { vertices, faces, moved })
     }
 }
 
@@ -251,7 +326,15 @@ fn root(same: &[u32], mut v: u32) -> u32 {
 /// The certificate: planes displaced by a few roundings of the extent change the volume by no more than that times
 /// area over volume. Rounding the vertices about the centre costs as much again, and so do vertices that were `moved`.
 fn is_accurate(local: &Polyhedron, moved: f64) -> bool {
-    let extent = local.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+    let extent = extent(local.vertices());
+    let displaced = (4.0 * ROUNDING * extent).max(moved);
+    // A convex body has less area than a sphere around it, which spares most bodies the sum; rounding is given a half.
+    let most = 1.5 * 4.0 * std::f64::consts::PI * extent * extent;
     // False for NaN, too.
-    (4.0 * ROUNDING * extent).max(moved) * local.area() / local.volume() < ACCURACY
+    displaced * most / local.volume() < ACCURACY || displaced * local.area() / local.volume() < ACCURACY
+}
+
+/// The farthest vertex's distance from the origin.
+fn extent(vertices: &[Vec3]) -> f64 {
+    vertices.iter().map(Vec3::norm_squared).fold(0.0, f64::max).sqrt()
 }

@@ -3,39 +3,89 @@
 use crate::geometry::double_double::{DD_EPSILON, Dd, Dd3, cross, dot};
 use crate::geometry::integer;
 use crate::math::Vec3;
+use crate::simd::{Wide, widest};
+
+/// Planes looked at together.
+const LANES: usize = 8;
 
 /// The dual points n / (n . (a - center) - thickness |n|) of the planes through three `corners` each, in 1/mm, or
 /// `None` where the centre is not certainly inside all planes.
 pub(super) fn dual_points(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64) -> Option<Vec<Vec3>> {
-    if !center.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let point = |triangle| {
-        double_double_point(triangle, center, thickness).or_else(|| exact_point(triangle, center, thickness))
-    };
-    let mut points = Vec::with_capacity(corners.len());
-    for triangle in corners {
-        points.push(point(triangle)?);
-    }
-    Some(points)
+    let is_finite = center.iter().all(|x| x.is_finite());
+    is_finite.then(|| widest(DualPoints { corners, center: *center, thickness })).flatten()
 }
 
-/// `None` where double-double cannot promise the point's every bit but the last.
-fn double_double_point([a, b, c]: &[Vec3; 3], center: &Vec3, thickness: f64) -> Option<Vec3> {
-    let difference = |p: &Vec3, q: &Vec3| -> Dd3 { [0, 1, 2].map(|k| Dd::difference(p[k], q[k])) };
-    let (u, v, arm) = (difference(b, a), difference(c, a), difference(a, center));
+/// Those points, eight at a time in double-double, and in integers where that cannot promise every bit but the last.
+struct DualPoints<'a> {
+    corners: &'a [[Vec3; 3]],
+    center: Vec3,
+    thickness: f64,
+}
+
+impl Wide for DualPoints<'_> {
+    type Output = Option<Vec<Vec3>>;
+
+    #[inline(always)]
+    fn run(self) -> Option<Vec<Vec3>> {
+        let Self { corners, center, thickness } = self;
+        let mut points = Vec::with_capacity(corners.len());
+        // By corner, axis and lane.
+        let mut eight = [[[0.0; LANES]; 3]; 3];
+        for some in corners.chunks(LANES) {
+            for (lane, triangle) in some.iter().enumerate() {
+                for (corner, point) in triangle.iter().enumerate() {
+                    (0..3).for_each(|axis| eight[corner][axis][lane] = point[axis]);
+                }
+            }
+            let (found, certain) = double_double_points(&eight, &center, thickness);
+            for (lane, triangle) in some.iter().enumerate() {
+                points.push(match certain[lane] {
+                    1 => Vec3::new(found[0][lane], found[1][lane], found[2][lane]),
+                    _ => exact_point(triangle, &center, thickness)?,
+                });
+            }
+        }
+        Some(points)
+    }
+}
+
+/// The points by axis, and 1 for each that is certain.
+#[inline(always)]
+fn double_double_points(
+    [a, b, c]: &[[[f64; LANES]; 3]; 3],
+    center: &Vec3,
+    thickness: f64,
+) -> ([[f64; LANES]; 3], [u64; LANES]) {
+    let (mut points, mut certain) = ([[0.0; LANES]; 3], [0; LANES]);
+    let at = |corner: &[[f64; LANES]; 3], lane: usize| Vec3::new(corner[0][lane], corner[1][lane], corner[2][lane]);
+    for lane in 0..LANES {
+        let (point, is_certain) = double_double_point([at(a, lane), at(b, lane), at(c, lane)], center, thickness);
+        [points[0][lane], points[1][lane], points[2][lane]] = point;
+        certain[lane] = u64::from(is_certain);
+    }
+    (points, certain)
+}
+
+/// The point, and whether double-double promises its every bit but the last. Without a branch.
+#[inline(always)]
+fn double_double_point([a, b, c]: [Vec3; 3], center: &Vec3, thickness: f64) -> ([f64; 3], bool) {
+    let difference =
+        |p: &Vec3, q: &Vec3| -> Dd3 { [Dd::difference(p.x, q.x), Dd::difference(p.y, q.y), Dd::difference(p.z, q.z)] };
+    let (u, v, arm) = (difference(&b, &a), difference(&c, &a), difference(&a, center));
     let normal = cross(&u, &v);
     let squared = dot(&normal, &normal);
     let height = dot(&normal, &arm) - squared.sqrt() * thickness;
     let (u, v, arm) = ((b - a).norm(), (c - a).norm(), (a - center).norm());
     // Each component of the normal errs by a few parts of |u| |v|, and with it height and norm.
     let error = 32.0 * DD_EPSILON * u * v * (arm + thickness);
-    let certain = error < f64::EPSILON / 8.0 * height.value()
-        && 32.0 * DD_EPSILON * u * v < f64::EPSILON / 8.0 * squared.sqrt().value();
+    let certain = (error < f64::EPSILON / 8.0 * height.value())
+        & (32.0 * DD_EPSILON * u * v < f64::EPSILON / 8.0 * squared.sqrt().value());
     // Beyond these magnitudes the low parts could underflow.
-    let in_range = (1e-200..1e200).contains(&squared.value()) && (1e-200..1e200).contains(&height.value());
+    let in_range = |x: f64| (1e-200..1e200).contains(&x);
+    let certain = certain & in_range(squared.value()) & in_range(height.value());
     let inverse = height.recip();
-    (certain && in_range).then(|| Vec3::from(normal.map(|n| (n * inverse).value())))
+    let [x, y, z] = normal;
+    ([(x * inverse).value(), (y * inverse).value(), (z * inverse).value()], certain)
 }
 
 /// The same in integers; `None` where the height is not positive, or indistinguishable from 0 within 2^-128 of its

@@ -4,7 +4,7 @@ use super::super::ellipsoid::SLACK;
 use super::super::pair_query::PairQuery;
 use super::pending::Pending;
 use super::vectors::{Vectors, first_lanes};
-use crate::simd::{Lanes, MOST_LANES, Simd, Vectorized, for_each_lane};
+use crate::simd::{Lanes, MOST_LANES, Simd, Vectorized};
 
 /// Answers what the bounds tell: true where a pair is not more than `gap` apart; the rest goes to `pending`, which is empty.
 ///
@@ -85,7 +85,7 @@ fn push<L: Lanes<T = f64>>(pending: &mut Pending, mask: u32, first: usize, v: Ve
     v.y.front(mask).store(y, end);
     v.z.front(mask).store(z, end);
     closeness.front(mask).store(close, end);
-    for_each_lane(mask, |l| pending.add((first + l) as u32));
+    pending.add(mask, first, L::LANES);
 }
 
 /// along > sqrt(q_a) + sqrt(q_b) + gap |n|, certainly, where along is positive.

@@ -51,18 +51,19 @@ impl Vectorized for Search<'_, '_> {
         }
         let mut queue = Queue::new();
         let mut ranks = [Rank::idle(simd), Rank::idle(simd)];
+        let mut notes = Notes::new();
         let mut fresh = self.chosen.chunks(narrow_lanes::<S>());
         loop {
             while queue.len < RANKS * narrow_lanes::<S>()
                 && let Some(entries) = fresh.next()
             {
-                queue.admit(simd, &mut self, entries);
+                queue.admit(simd, &mut self, entries, &mut notes);
             }
             let mut busy = false;
             for rank in &mut ranks {
                 rank.refill(simd, &mut queue);
                 if rank.live != 0 {
-                    rank.step(simd, &mut self);
+                    rank.step(simd, &mut self, &mut notes);
                     busy = true;
                 }
             }
@@ -70,7 +71,58 @@ impl Vectorized for Search<'_, '_> {
                 break;
             }
         }
+        notes.enter(&mut self);
         self.resume(simd);
+    }
+}
+
+/// Entries that were answered, on their way to where the answers belong.
+///
+/// Noted a register at a time: nobody could foretell a branch for each.
+struct Notes {
+    apart: Column,
+    overlap: Column,
+}
+
+/// Entries, as bits.
+struct Column {
+    entries: [f32; NOTES],
+    len: usize,
+}
+
+/// Room for entries.
+const NOTES: usize = 8 * MOST_LANES;
+
+impl Notes {
+    fn new() -> Self {
+        let empty = || Column { entries: [0.0; NOTES], len: 0 };
+        Self { apart: empty(), overlap: empty() }
+    }
+
+    /// Notes the entries of the lanes of either mask.
+    #[inline(always)]
+    fn take<L: Lanes<T = f32>>(&mut self, entries: L, apart: u32, overlap: u32, search: &mut Search<'_, '_>) {
+        self.apart.add(entries, apart);
+        self.overlap.add(entries, overlap);
+        if self.apart.len.max(self.overlap.len) > NOTES - MOST_LANES {
+            self.enter(search);
+        }
+    }
+
+    /// Gives the answers.
+    fn enter(&mut self, search: &mut Search<'_, '_>) {
+        for (column, overlap) in [(&mut self.apart, false), (&mut self.overlap, true)] {
+            column.entries[..column.len].iter().for_each(|entry| search.answer(entry.to_bits(), overlap));
+            column.len = 0;
+        }
+    }
+}
+
+impl Column {
+    #[inline(always)]
+    fn add<L: Lanes<T = f32>>(&mut self, entries: L, mask: u32) {
+        entries.front(mask).store(&mut self.entries, self.len);
+        self.len += mask.count_ones() as usize;
     }
 }
 
@@ -180,21 +232,21 @@ impl Queue {
 
     /// The first support of up to a register of pairs: those that it leaves open queue up.
     #[inline(always)]
-    fn admit<S: Simd>(&mut self, simd: S, search: &mut Search<'_, '_>, entries: &[u32]) {
+    fn admit<S: Simd>(&mut self, simd: S, search: &mut Search<'_, '_>, entries: &[u32], notes: &mut Notes) {
         let Fresh { groups, direction, v0, reach, fit } = Fresh::new(search, entries);
         let (direction, v0) = (Vectors::load(simd, &direction), Vectors::load(simd, &v0));
         let reach = S::F32::load(simd, &reach, 0);
         let supports = Supports::new(simd, &groups, fit, direction, v0);
         let (apart, leaves) = supports.apart(simd, direction, reach, search.gap as f32);
-        for_each_lane(apart & fit, |l| search.answer(entries[l], false));
-        let open = first_lanes(entries.len()) & (!fit | leaves & !apart);
-        for_each_lane(open, |l| search.undecided.push(Undecided { entry: entries[l], portal: None }));
-        let (w, slots) = supports.points(simd, &groups, v0);
         let mut index = [0.0; MOST_LANES];
         for (index, &entry) in index.iter_mut().zip(entries) {
             *index = f32::from_bits(entry);
         }
         let entry = S::F32::load(simd, &index, 0);
+        notes.take(entry, apart & fit, 0, search);
+        let open = first_lanes(entries.len()) & (!fit | leaves & !apart);
+        for_each_lane(open, |l| search.undecided.push(Undecided { entry: entries[l], portal: None }));
+        let (w, slots) = supports.points(simd, &groups, v0);
         self.push(fit & !leaves, [turned_away(simd, direction, w), v0, w], [reach, slots, entry]);
     }
 
@@ -286,7 +338,7 @@ impl<S: Simd> Rank<S> {
 
     /// One support for everybody, and what follows from it.
     #[inline(always)]
-    fn step(&mut self, simd: S, search: &mut Search<'_, '_>) {
+    fn step(&mut self, simd: S, search: &mut Search<'_, '_>, notes: &mut Notes) {
         let mut index = [0.0; MOST_LANES];
         self.entry.store(&mut index, 0);
         let groups = self.groups(search, &index);
@@ -300,7 +352,7 @@ impl<S: Simd> Rank<S> {
         let (inside, enclosed) = self.encloses_origin(simd);
         let overlap = enclosed & self.live & !leaves;
         let decided = (apart | overlap) & self.live;
-        for_each_lane(decided, |l| search.answer(index[l].to_bits(), overlap >> l & 1 == 1));
+        notes.take(self.entry, apart & self.live, overlap, search);
         self.steps = self.steps + S::F32::all(simd, 1.0);
         let over = leaves | inside | stuck | self.steps.above(S::F32::all(simd, MAX_STEPS as f32));
         self.report(self.live & over & !decided, &index, search);

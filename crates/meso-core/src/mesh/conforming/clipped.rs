@@ -48,7 +48,7 @@ pub(super) struct Piece {
     /// How many periods the image is away.
     pub(super) steps: [i32; 3],
     pub(super) points: Vec<Vec3>,
-    /// What is left of the body's own facets, counter-clockwise from outside.
+    /// The remaining parts of the body's own facets, counter-clockwise from outside.
     pub(super) facets: Vec<Vec<u32>>,
     /// Where faces of the box cut it, counter-clockwise from outside: axis, whether it is the upper face, corners.
     pub(super) caps: Vec<(usize, bool, Vec<u32>)>,
@@ -67,17 +67,25 @@ impl Piece {
     }
 }
 
-/// All pieces of the `placed` bodies, by slab and body.
+/// The bodies to cut, and the planes that cut them.
+#[derive(Clone, Copy)]
+pub(super) struct Cuts<'a> {
+    pub(super) placed: &'a [Aggregate],
+    pub(super) bodies: &'a BodyIndex,
+    /// How the specimen repeats itself, and its box.
+    pub(super) period: &'a Period,
+    pub(super) domain: &'a Aabb,
+    pub(super) slabs: &'a Slabs,
+    /// Of the elements, mm.
+    pub(super) size: f64,
+}
+
+/// All pieces of the placed bodies, by slab and body.
 ///
 /// # Errors
 /// Where a face, an edge or a corner of the box, or a plane between slabs, grazes a body.
-pub(super) fn pieces(
-    placed: &[Aggregate],
-    period: &Period,
-    domain: &Aabb,
-    slabs: &Slabs,
-    bodies: &BodyIndex,
-) -> Result<Vec<Vec<Piece>>, MeshError> {
+pub(super) fn pieces(cuts: Cuts) -> Result<Vec<Vec<Piece>>, MeshError> {
+    let Cuts { placed, bodies, period, domain, slabs, .. } = cuts;
     let open = period.mixed(domain, &Aabb::everywhere());
     let of_body = |(index, aggregate): (usize, &Aggregate)| -> Result<Vec<(usize, Piece)>, MeshError> {
         let shifts = period.shifts(&aggregate.body.aabb(), &open);
@@ -119,7 +127,7 @@ fn sound(piece: Piece, aggregate: &Aggregate) -> Result<Piece, MeshError> {
     }
 }
 
-/// What a polygon of a cut body is: a facet, or the cut at a face of the box.
+/// The kind of a polygon of a cut body: a facet, or the cut at a face of the box.
 type Side = Option<(usize, bool)>;
 
 /// A body by its convex polygons; in slabs it may be any.
@@ -232,7 +240,7 @@ impl Cut<'_> {
         self.points[point as usize][self.axis] >= self.position
     }
 
-    /// What is left of a polygon, and the edge along which the plane cuts it, in the cap's direction.
+    /// The rest of a polygon, and the edge along which the plane cuts it, in the cap's direction.
     fn polygon(&mut self, corners: &[u32]) -> (Vec<u32>, Option<(u32, u32)>) {
         let (mut kept, mut out, mut back) = (Vec::with_capacity(corners.len() + 1), None, None);
         for (k, &corner) in corners.iter().enumerate() {

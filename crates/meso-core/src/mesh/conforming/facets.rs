@@ -35,13 +35,22 @@ impl Nodes {
     /// The number of the node at `position`, a new one where there is none.
     pub(super) fn at(&mut self, position: Vec3) -> u32 {
         stop::point();
-        // -0 and 0 are one position.
-        let key: [u64; 3] = position.map(|x| (x + 0.0).to_bits()).into();
-        *self.numbers.entry(key).or_insert_with(|| {
+        *self.numbers.entry(key(&position)).or_insert_with(|| {
             self.points.push(position);
             self.points.len() as u32 - 1
         })
     }
+
+    /// The triangles of a surface on these nodes.
+    pub(super) fn triangles(&mut self, surface: &Triangles) -> Vec<[u32; 3]> {
+        let number: Vec<u32> = surface.points.iter().map(|point| self.at(*point)).collect();
+        surface.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])).collect()
+    }
+}
+
+/// A position as what can be looked up: -0 and 0 are one.
+pub(super) fn key(position: &Vec3) -> [u64; 3] {
+    position.map(|x| (x + 0.0).to_bits()).into()
 }
 
 /// The facets of `body` with edges of about `size` mm.
@@ -68,9 +77,7 @@ pub(super) fn facets(
         if !frame.is_plane() {
             return Err(MeshError::triangulation("a facet has no area", &corners[0]));
         }
-        let facet = region(frame, &[corners], limit)?;
-        let numbers: Vec<u32> = facet.points.iter().map(|point| nodes.at(*point)).collect();
-        triangles.extend(facet.triangles.iter().map(|triangle| triangle.map(|node| numbers[node as usize])));
+        triangles.extend(nodes.triangles(&region(frame, &[corners], limit)?));
     }
     Ok(Triangles { points: nodes.points, triangles })
 }

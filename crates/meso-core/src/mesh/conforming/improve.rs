@@ -8,7 +8,7 @@ use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::tet::{
     Constraint, Improver, NEW, ON_MM, Star, TetMesh, Topology, are_coplanar, ascending, best_position, contraction,
-    cos2_of, directions, improve, insertion, smoothed, swapped,
+    cos2_of, directions, edges, improve, insertion, smoothed, swapped,
 };
 use crate::stop;
 use rayon::prelude::*;
@@ -70,14 +70,13 @@ fn better(topology: &mut Topology, cell: u32) -> bool {
     if swapped(topology, cell) {
         return true;
     }
-    let nodes @ [a, b, c, d] = topology.cell(cell);
+    let nodes = topology.cell(cell);
     let classes = nodes.map(|node| (node, VertexClass::of(topology, node)));
     if classes.iter().any(|(node, class)| contract(topology, *node, &nodes, class)) {
         return true;
     }
     let moved = classes.iter().filter(|(node, class)| smooth(topology, *node, class)).count();
-    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
-    moved > 0 || edges.into_iter().any(|[a, b]| insert(topology, a, b))
+    moved > 0 || edges(nodes).into_iter().any(|[a, b]| insert(topology, a, b))
 }
 
 /// Contracts `node` onto one of `others` where that leaves no angle as small as the smallest around it and no altitude shorter;
@@ -175,7 +174,7 @@ impl VertexClass {
         let normal = largest / largest.norm();
         let is_off = |other: &u32| normal.dot(&(topology.point(*other) - at)).abs() > ON_MM;
         let beyond: Vec<[u32; 2]> = sides.iter().copied().filter(|side| side.iter().any(is_off)).collect();
-        let around = neighbours(&sides);
+        let around = ascending(sides.as_flattened().iter().copied());
         let Some(second) = self::largest(beyond.iter().map(cross)) else { return Self::Facet(normal, around) };
         let second = second / second.norm();
         let is_off_second = |other: &u32| second.dot(&(topology.point(*other) - at)).abs() > ON_MM;
@@ -207,6 +206,16 @@ impl VertexClass {
         }
     }
 
+    /// Whether the node may be contracted onto its neighbour `into`.
+    fn may_contract(&self, into: u32) -> bool {
+        match self {
+            Self::Free => true,
+            Self::Facet(_, around) => around.contains(&into),
+            Self::Edge(_, ends) => ends.contains(&into),
+            Self::Fixed => false,
+        }
+    }
+
     /// Where a node on the edge from a to b with the cells `around` may go; `None` on the outside of the mesh, or where these are
     /// not known.
     pub(super) fn on_edge(topology: &Topology, around: &[u32], a: u32, b: u32) -> Option<Self> {
@@ -234,15 +243,6 @@ impl Constraint for VertexClass {
     fn reachable(&self, x: &Vec3, step: f64) -> Vec<Vec3> {
         self.directions().into_iter().map(|direction| x + direction * step).collect()
     }
-
-    fn may_contract(&self, into: u32) -> bool {
-        match self {
-            Self::Free => true,
-            Self::Facet(_, around) => around.contains(&into),
-            Self::Edge(_, ends) => ends.contains(&into),
-            Self::Fixed => false,
-        }
-    }
 }
 
 /// The other two nodes of every triangle that a node has between two materials; `None` where it is on the outside of the mesh
@@ -252,8 +252,7 @@ fn sides(topology: &Topology, node: u32) -> Option<Vec<[u32; 2]>> {
     let mut faces = Vec::with_capacity(3 * star.len());
     for &cell in star {
         let (nodes, owner) = (topology.cell(cell), topology.owner(cell));
-        let edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]].map(|[i, j]: [usize; 2]| [nodes[i], nodes[j]]);
-        let beside = edges.into_iter().filter(|edge| !edge.contains(&node));
+        let beside = edges(nodes).into_iter().filter(|edge| !edge.contains(&node));
         faces.extend(beside.map(|[a, b]| ([a.min(b), a.max(b)], owner)));
     }
     if star.is_empty() { None } else { between_materials(faces) }
@@ -275,13 +274,6 @@ fn between_materials<T: Copy + Ord>(mut triangles: Vec<(T, u32)>) -> Option<Vec<
 
 fn largest(normals: impl Iterator<Item = Vec3>) -> Option<Vec3> {
     normals.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
-}
-
-fn neighbours(sides: &[[u32; 2]]) -> Vec<u32> {
-    let mut nodes = sides.as_flattened().to_vec();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
 }
 
 /// The eight octants between points on the axes and `centre`, node 6, with the owners of those where x, y and z are

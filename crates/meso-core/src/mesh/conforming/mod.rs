@@ -24,12 +24,12 @@ mod stitch;
 
 use super::cells::NO_BODY;
 use super::error::MeshError;
-use super::quality::all_tetrahedra_positive;
+use super::quality::all_positive;
 use super::tet::{TetMesh, oriented};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
 use crate::packing::{Container, Period, Specimen};
-use clipped::BodyIndex;
+use clipped::{BodyIndex, Cuts};
 use plane::Triangles;
 use plc::{Filled, Shells};
 use rayon::prelude::*;
@@ -73,7 +73,7 @@ pub(super) fn mesh(
         let mut division = Division::new(aggregates, images, specimen, share * element_size_mm, slabs)?;
         division.runs[0].again = share != TRIES[0];
         let mesh = division.mesh(gmsh)?;
-        all_tetrahedra_positive(&mesh).map(|()| mesh)
+        all_positive(mesh.by_body()).map(|()| mesh)
     };
     // The error reported is that of the size asked for.
     let mut first = None;
@@ -86,7 +86,7 @@ pub(super) fn mesh(
     Err(first.unwrap_or(MeshError::NeedsGmsh))
 }
 
-/// What is asked of gmsh.
+/// The input of all runs of gmsh.
 struct Division {
     /// By slab.
     runs: Vec<Surfaces>,
@@ -120,12 +120,11 @@ impl Division {
             Specimen::Sphere { .. } => Slabs::one(),
             _ => Slabs::new(images, corners, &domain, size, slabs),
         };
+        let cuts = Cuts { placed: aggregates, bodies: &bodies, period: &period, domain: &domain, slabs: &slabs, size };
         let shells = match walls {
-            _ if period.is_none() && slabs.positions.is_empty() => {
-                vec![walled(aggregates, specimen, &*container, &bodies, size)?]
-            }
-            Some(walls) => sections::of_walls(aggregates, walls, &period, &domain, &slabs, &bodies, size)?,
-            None => sections::of_box(aggregates, &period, &domain, &slabs, &bodies, size)?,
+            _ if period.is_none() && slabs.positions.is_empty() => vec![walled(cuts, specimen, &*container)?],
+            Some(walls) => sections::of_walls(cuts, walls)?,
+            None => sections::of_box(cuts)?,
         };
         let runs = shells.into_iter().map(|shells| Surfaces { shells, size, again: false }).collect();
         Ok(Self { runs, slabs, period, domain })
@@ -200,18 +199,13 @@ impl Surfaces {
 ///
 /// # Errors
 /// As [`facets::facets`].
-fn walled(
-    aggregates: &[Aggregate],
-    specimen: &Specimen,
-    container: &dyn Container,
-    bodies: &BodyIndex,
-    size: f64,
-) -> Result<Shells, MeshError> {
+fn walled(cuts: Cuts, specimen: &Specimen, container: &dyn Container) -> Result<Shells, MeshError> {
+    let Cuts { placed, bodies, size, .. } = cuts;
     let surfaces: Vec<Triangles> =
-        aggregates.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, MeshError>>()?;
+        placed.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, MeshError>>()?;
     let mut shells = Shells::default();
     let mut holes = Vec::new();
-    for (aggregate, surface) in aggregates.iter().zip(&surfaces) {
+    for (aggregate, surface) in placed.iter().zip(&surfaces) {
         let shell = shells.closed(surface);
         holes.push(shell);
         if aggregate.kind != Kind::Void {

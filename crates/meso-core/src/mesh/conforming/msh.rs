@@ -97,7 +97,7 @@ pub(super) fn read(file: &[u8]) -> Result<Tagged, String> {
     Ok(read)
 }
 
-/// What stands between `$name` and the end; the sections that are read know their own length.
+/// The text from `$name` to the end; the sections that are read know their own length.
 fn section<'a>(file: &'a [u8], name: &str) -> Result<&'a [u8], String> {
     let head = format!("${name}\n");
     let start = file.windows(head.len()).position(|window| window == head.as_bytes());

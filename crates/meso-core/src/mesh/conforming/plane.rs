@@ -216,13 +216,13 @@ pub(super) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Tr
     for rim in rims {
         plane.within(rim[0][0], rim[0][1])?.into_iter().for_each(|triangle| is_within[triangle] = true);
     }
-    // What rounding leaves between a side and the nodes on it is not within.
+    // Slivers that rounding leaves between a side and the nodes on it are not within.
     let within = plane.triangles().filter(|(number, _)| is_within[*number]);
     let triangles = within.map(|(_, nodes)| nodes).collect();
     Ok(Triangles { points: plane.points, triangles })
 }
 
-/// What is refined, rims kept.
+/// The parameters of the refinement; rims are kept.
 fn refinement(limit: f64) -> RefinementParameters<f64> {
     // Of an equilateral triangle.
     let largest = 3.0_f64.sqrt() / 4.0 * limit * limit;

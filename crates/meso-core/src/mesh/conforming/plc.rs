@@ -14,7 +14,7 @@ use crate::mesh::error::MeshError;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// What `pieces` and the sides that `add` puts around them enclose; edges are at most `limit` mm long.
+/// The shells of `pieces` and of the sides that `add` puts around them; edges are at most `limit` mm long.
 ///
 /// # Errors
 /// Says what cannot be cut into triangles, or does not close.
@@ -41,7 +41,7 @@ pub(super) fn surface(piece: &Piece, limit: f64) -> Result<Triangles, MeshError>
 /// The upper face of a slab: the lower one of what is above it, moved.
 pub(super) struct Upper<'a> {
     pub(super) face: &'a Face,
-    /// What is above it.
+    /// The pieces above it.
     pub(super) pieces: &'a [Piece],
     pub(super) axis: usize,
     pub(super) position: f64,
@@ -73,17 +73,13 @@ pub(super) struct Sheets {
 
 impl Sheets {
     fn new(pieces: &[Piece], facets: &[Triangles], nodes: &mut Nodes) -> Self {
-        let own = |surface: &Triangles| {
-            let number: Vec<u32> = surface.points.iter().map(|point| nodes.at(*point)).collect();
-            surface.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])).collect()
-        };
-        Self { facets: facets.iter().map(own).collect(), caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
+        let facets = facets.iter().map(|surface| nodes.triangles(surface)).collect();
+        Self { facets, caps: vec![Vec::new(); pieces.len()], rest: Vec::new() }
     }
 
     /// Adds the part of the specimen's own surface that bounds mortar.
     pub(super) fn add_walls(&mut self, walls: &Triangles, nodes: &mut Nodes) {
-        let number: Vec<u32> = walls.points.iter().map(|point| nodes.at(*point)).collect();
-        self.rest.extend(walls.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])));
+        self.rest.extend(nodes.triangles(walls));
     }
 
     /// Adds a slab's own lower face.
@@ -138,7 +134,7 @@ impl Sheets {
         let mut holes = vec![Vec::new(); parts.len()];
         for (index, piece) in pieces.iter().enumerate() {
             let (solid, whole) = (aggregates[piece.placed].kind != Kind::Void, !is_cut(&index));
-            // What is cut off a void has no elements on either side.
+            // The cap of a void has no elements on either side.
             if solid || whole {
                 let sheet = if whole { &mut self.facets } else { &mut self.caps };
                 own[index].push(shells.surface(std::mem::take(&mut sheet[index])));
@@ -212,7 +208,7 @@ impl Shells {
             });
         }
         let mut own = vec![Vec::new(); self.surfaces.len()];
-        // What is cut off a void has no surface at the box's faces, and its nodes there have none.
+        // The cap of a void has no surface at the box's faces, and its nodes there have none.
         (0..)
             .zip(owner)
             .filter_map(|(node, owner)| Some((node, owner?)))

@@ -7,12 +7,10 @@
 //! The specimen's own surface is made of triangles ([`walls`]). The nodes lie on a curved surface, and no point of a triangle
 //! is farther than [`CHORD_MM`] from it.
 
-use super::clipped::{self, BodyIndex, Piece, pieces};
+use super::clipped::{self, Cuts, Piece, pieces};
 use super::facets::{Face, LONGEST, Nodes, facets, refined};
 use super::plane::{Frame, Plane, Triangles, halved, region};
 use super::plc::{Shells, Upper, shells, surface};
-use super::slabs::Slabs;
-use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::error::MeshError;
 use crate::packing::{Container, Period, Specimen, Surface};
@@ -22,20 +20,14 @@ use std::collections::BTreeMap;
 /// Nodes this near to a face are on it, mm.
 const ON_FACE_MM: f64 = 1e-7;
 
-/// The surfaces of `aggregates` and all their images in the box `domain`, with edges of about `size` mm, slab by slab.
+/// The surfaces of the placed bodies and all their images in the box, slab by slab.
 ///
 /// # Errors
 /// Where a face of the box grazes an aggregate.
-pub(super) fn of_box(
-    aggregates: &[Aggregate],
-    period: &Period,
-    domain: &Aabb,
-    slabs: &Slabs,
-    bodies: &BodyIndex,
-    size: f64,
-) -> Result<Vec<Shells>, MeshError> {
+pub(super) fn of_box(cuts: Cuts) -> Result<Vec<Shells>, MeshError> {
+    let Cuts { placed, domain, slabs, size, .. } = cuts;
     let limit = LONGEST * size;
-    let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
+    let pieces = pieces(cuts)?;
     let lower = |(pieces, aabb): (&Vec<Piece>, &Aabb)| {
         let faces = (0..3).into_par_iter().map(|axis| lower_face(axis, aabb, pieces, limit));
         faces.collect::<Result<Vec<Face>, MeshError>>()
@@ -43,7 +35,7 @@ pub(super) fn of_box(
     let boxes = slabs.boxes(domain);
     let faces: Vec<Vec<Face>> = pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, MeshError>>()?;
     let of_slab = |slab: usize| {
-        shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+        shells(&pieces[slab], placed, limit, |sheets, nodes| {
             for (axis, lower) in faces[slab].iter().enumerate() {
                 // Above the last slab the first one comes again.
                 let above = if axis == slabs.axis { (slab + 1) % boxes.len() } else { slab };
@@ -79,30 +71,22 @@ pub(super) fn all_matched(points: &[Vec3], period: &Period, domain: &Aabb) -> Re
     Ok(())
 }
 
-/// The surfaces of `aggregates` within the specimen's own, `walls`, with edges of about `size` mm, slab by slab; there is no
-/// `period`.
+/// The surfaces of the placed bodies within the specimen's own, `walls`, slab by slab; there is no period.
 ///
 /// # Errors
 /// Where a plane between slabs grazes an aggregate.
-pub(super) fn of_walls(
-    aggregates: &[Aggregate],
-    walls: Surface,
-    period: &Period,
-    domain: &Aabb,
-    slabs: &Slabs,
-    bodies: &BodyIndex,
-    size: f64,
-) -> Result<Vec<Shells>, MeshError> {
+pub(super) fn of_walls(cuts: Cuts, walls: Surface) -> Result<Vec<Shells>, MeshError> {
+    let Cuts { placed, slabs, size, .. } = cuts;
     let limit = LONGEST * size;
-    let pieces = pieces(aggregates, period, domain, slabs, bodies)?;
-    let walls = clipped::walls(walls, slabs, period);
+    let pieces = pieces(cuts)?;
+    let walls = clipped::walls(walls, slabs, cuts.period);
     let of_plane =
         |(above, position): (usize, &f64)| section(slabs.axis, *position, &walls[above], &pieces[above], limit);
     let planes = (1..walls.len()).into_par_iter().zip(&slabs.positions).map(of_plane);
     let planes: Vec<Face> = planes.collect::<Result<_, MeshError>>()?;
     let of_slab = |slab: usize| {
         let walls = surface(&walls[slab], limit)?;
-        shells(&pieces[slab], aggregates, limit, |sheets, nodes| {
+        shells(&pieces[slab], placed, limit, |sheets, nodes| {
             sheets.add_walls(&walls, nodes);
             if slab > 0 {
                 sheets.add_lower(&planes[slab - 1], nodes);
@@ -132,9 +116,7 @@ fn section(axis: usize, position: f64, walls: &Piece, pieces: &[Piece], limit: f
     }
     let (mut nodes, mut triangles) = (Nodes::default(), Vec::new());
     for (piece, region) in regions {
-        let number: Vec<u32> = region.points.iter().map(|point| nodes.at(*point)).collect();
-        let own = region.triangles.iter().map(|triangle| (triangle.map(|node| number[node as usize]), piece));
-        triangles.extend(own);
+        triangles.extend(nodes.triangles(&region).into_iter().map(|triangle| (triangle, piece)));
     }
     Ok(Face { points: nodes.points, triangles })
 }
@@ -181,7 +163,7 @@ impl Sides<'_> {
     /// The rims of `caps` and the face's four sides, as nodes in a row.
     fn rims(&self, caps: &[(usize, Vec<Vec3>)], limit: f64) -> Vec<Vec<Vec3>> {
         let of_caps = caps.iter().flat_map(|(_, corners)| edges(corners));
-        // What bodies have of the sides is among their parts.
+        // The edges of bodies on the sides are among the parts of these.
         let of_caps = of_caps.filter(|(from, to)| !self.is_on_a_side(from, to));
         self.sides(caps).into_iter().chain(of_caps).map(|(from, to)| halved(from, to, limit)).collect()
     }

@@ -8,11 +8,11 @@
 //!    face: one is an edge of the surface, the other was Delaunay's. A node at their crossing splits every cell around both
 //!    and removes the flat one; the opposite face gets the same node.
 
-use super::facets::Nodes;
+use super::facets::{Nodes, key};
 use super::slabs::Slabs;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::error::MeshError;
-use crate::mesh::tet::TetMesh;
+use crate::mesh::tet::{TetMesh, ascending};
 use crate::packing::Period;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -243,17 +243,14 @@ impl<'a> Seam<'a> {
     }
 }
 
-/// What is in the first of two ascending lists alone.
+/// The entries of the first of two ascending lists that the second lacks.
 fn without(list: &[Corners], other: &[Corners]) -> Vec<Corners> {
     list.iter().filter(|entry| other.binary_search(entry).is_err()).copied().collect()
 }
 
 /// The nodes of triangles, ascending.
 fn nodes(triangles: &[Corners]) -> Vec<u32> {
-    let mut nodes = triangles.as_flattened().to_vec();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes
+    ascending(triangles.as_flattened().iter().copied())
 }
 
 /// The edges of triangles, ascending.
@@ -353,9 +350,7 @@ impl<'a> Opened<'a> {
         self.mesh.points.push(middle);
         self.nodes.insert(key(&middle), new);
         self.cells.insert(new, Vec::new());
-        let mut around = [&self.cells[&a][..], &self.cells[&c][..]].concat();
-        around.sort_unstable();
-        around.dedup();
+        let around = ascending([&self.cells[&a][..], &self.cells[&c][..]].concat());
         for number in around.into_iter().filter(|number| !self.mesh.is_removed(*number)).collect::<Vec<_>>() {
             let (cell, owner) = self.mesh.owned(number);
             let has = |p: u32, q: u32| cell.contains(&p) && cell.contains(&q);
@@ -379,11 +374,6 @@ impl<'a> Opened<'a> {
             }
         });
     }
-}
-
-/// A position as what can be looked up: -0 and 0 are one.
-fn key(position: &Vec3) -> [u64; 3] {
-    [0, 1, 2].map(|axis| (position[axis] + 0.0).to_bits())
 }
 
 /// Twice the area of the triangle from a over b to c, seen along `axis`.

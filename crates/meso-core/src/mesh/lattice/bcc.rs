@@ -41,7 +41,7 @@ impl Bcc {
         }
     }
 
-    /// What it fills.
+    /// The box that it fills.
     pub(super) fn domain(&self) -> &Aabb {
         &self.domain
     }

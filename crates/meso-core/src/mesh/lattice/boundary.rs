@@ -226,7 +226,7 @@ pub(super) struct BoundaryTrack {
 impl BoundaryTrack {
     pub(super) fn of(star: &Star, hold: Hold) -> Self {
         let free = Self { axes: hold.axes, outwards: None };
-        // What all of the star's tetrahedra gain by a move is what the specimen gains.
+        // The specimen gains by a move as much as all of the star's tetrahedra together.
         let outwards = free.allowed(&star.gain(|_| 1.0)).try_normalize(0.0).filter(|_| hold.outer);
         Self { outwards, ..free }
     }

@@ -12,7 +12,6 @@
 mod bcc;
 mod boundary;
 mod nodes;
-mod remeshing;
 mod repair;
 mod reprojection;
 mod smoothing;
@@ -22,10 +21,10 @@ mod sweeps;
 mod warp;
 
 use super::cells::{CellKind, Draft, NO_BODY, Notes, Phase};
-use super::location::{Facets, Locator};
 use super::options::MeshOptions;
 use super::tet::{TetMesh, oriented};
 use crate::aggregate::Aggregate;
+use crate::location::{Facets, Locator};
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
 use crate::stop;

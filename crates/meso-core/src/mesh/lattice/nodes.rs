@@ -6,9 +6,11 @@
 
 use super::boundary::{Boundary, Hold};
 use super::surface::Surface;
+use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
-use crate::mesh::location::Locator;
+use crate::mesh::interface::Owners;
+use crate::mesh::sides::{Sides, image_classes};
 use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
 use crate::stop;
 use rayon::prelude::*;
@@ -61,6 +63,11 @@ impl Nodes<'_> {
         self.pairs.class(node).flat_map(|(node, _)| self.cells(node)).copied()
     }
 
+    /// The owners of the cells of a node itself, ascending.
+    pub(super) fn owners(&self, node: u32) -> Vec<u32> {
+        ascending(self.cells(node).iter().map(|&cell| self.mesh.owner[cell as usize]))
+    }
+
     /// The nodes of `cells`, ascending.
     pub(super) fn of_cells(&self, cells: &[u32]) -> Vec<u32> {
         ascending(cells.iter().flat_map(|&cell| self.mesh.cell(cell)))
@@ -77,11 +84,6 @@ impl Nodes<'_> {
     }
 }
 
-/// Images are this close to where they should be, in sizes of the box.
-const SLACK: f64 = 1e-9;
-/// Along this direction, to which no face or lattice line is square, few nodes are as far as another.
-const ALONG: Vec3 = Vec3::new(1.0, 1.414, 1.731);
-
 /// The periodic images of all nodes.
 #[derive(Default)]
 pub(super) struct PeriodicPairs {
@@ -90,30 +92,24 @@ pub(super) struct PeriodicPairs {
 }
 
 impl PeriodicPairs {
-    /// Those of the nodes that lie on faces of `domain` across which it `repeats` itself.
+    /// Those of the nodes that lie on faces of `domain`, which they fill, across which it `repeats` itself.
     pub(super) fn of(points: &[Vec3], domain: &Aabb, repeats: [bool; 3]) -> Self {
-        let slack = SLACK * domain.size().max();
-        let upper = |p: &Vec3| [0, 1, 2].map(|axis| repeats[axis] && p[axis] >= domain.max[axis]);
-        let lower = |p: &Vec3| [0, 1, 2].map(|axis| repeats[axis] && p[axis] <= domain.min[axis]);
-        // Where a node's image on no upper face is.
-        let home = |p: &Vec3| {
-            let upper = upper(p);
-            Vec3::from_fn(|axis, _| if upper[axis] { domain.min[axis] } else { p[axis] })
-        };
-        let on_face = (0..).zip(points).filter(|(_, p)| lower(p).contains(&true) || upper(p).contains(&true));
-        let mut nodes: Vec<(f64, Vec3, u32)> = on_face.map(|(node, p)| (home(p).dot(&ALONG), home(p), node)).collect();
-        nodes.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
-        let shift = |from: u32, to: u32| {
-            let (from, to) = (upper(&points[from as usize]), upper(&points[to as usize]));
-            let steps = |axis: usize| f64::from(u8::from(to[axis])) - f64::from(u8::from(from[axis]));
+        if repeats == [false; 3] {
+            return Self::default();
+        }
+        let classes = image_classes(points, repeats, &Sides::of_points(points));
+        let mut images: Vec<(u32, u32, u8)> =
+            (0..).zip(classes).filter_map(|(node, at)| at.map(|(class, along)| (class, node, along))).collect();
+        images.sort_unstable();
+        let shift = |from: u8, to: u8| {
+            let steps = |axis: usize| f64::from(to >> axis & 1) - f64::from(from >> axis & 1);
             Vec3::from_fn(|axis, _| steps(axis) * domain.size()[axis])
         };
         let mut pairs = Vec::new();
-        for (at, (along, position, node)) in nodes.iter().enumerate() {
-            let near = nodes[at + 1..].iter().take_while(|(other, ..)| *other <= along + slack * ALONG.sum());
-            for (.., other) in near.filter(|(_, other, _)| (other - position).amax() <= slack) {
-                pairs.push((*node, *other, shift(*node, *other)));
-                pairs.push((*other, *node, shift(*other, *node)));
+        for same in images.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, node, from) in same {
+                let others = same.iter().filter(|image| image.1 != node);
+                pairs.extend(others.map(|&(_, image, to)| (node, image, shift(from, to))));
             }
         }
         pairs.sort_by_key(|pair| (pair.0, pair.1));
@@ -158,59 +154,32 @@ pub(super) enum Role {
 ///
 /// Nodes on sides that have to match opposite ones stay where they are, those on other flat sides slide in these.
 pub(super) fn roles(mesh: &TetMesh, domain: &Aabb, boundary: &Boundary) -> Vec<Role> {
-    let wall = |p: &Vec3| [0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]);
-    let role = |(node, (point, around)): (usize, (&Vec3, &Around))| match around {
-        _ if let Some(hold) = boundary.hold(node, wall(point)) => {
-            if boundary.fixes(hold) {
-                Role::Fixed
-            } else {
-                Role::Boundary(hold)
-            }
-        }
-        Around::Unseen | Around::One(_) => Role::Free,
-        Around::Two(NO_BODY, body) | Around::Two(body, NO_BODY) => Role::Surface(*body),
-        Around::Two(..) | Around::Many => Role::Contact,
+    let owners = Owners::of(mesh.by_body());
+    let role = |node: u32| match boundary.hold(node as usize, on_sides(domain, &mesh.position(node))) {
+        Some(hold) if boundary.fixes(hold) => Role::Fixed,
+        Some(hold) => Role::Boundary(hold),
+        None if !owners.are_several(node) => Role::Free,
+        None => owners.beside_mortar(node).map_or(Role::Contact, Role::Surface),
     };
-    mesh.points.par_iter().zip(&around(mesh)).enumerate().map(role).collect()
+    (0..mesh.points.len() as u32).into_par_iter().map(role).collect()
+}
+
+/// The axes across which `p` lies on a side of `domain`.
+fn on_sides(domain: &Aabb, p: &Vec3) -> [bool; 3] {
+    [0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i])
 }
 
 /// Gives the tetrahedra whose nodes all lie between materials the body of their centroid: no interface moves, but
 /// the mortar gets gaps back that were closed, and a body what lies under its faces.
 pub(super) fn relabel(mesh: &mut TetMesh, locator: &Locator) {
-    let around = around(mesh);
-    let between = |node: &u32| matches!(around[*node as usize], Around::Two(..) | Around::Many);
+    let owners = Owners::of(mesh.by_body());
+    let between = |node: &u32| owners.are_several(*node);
     let TetMesh { points, cells, owner } = mesh;
     cells.par_iter().zip(owner).panic_fuse().filter(|(cell, _)| cell.iter().all(between)).for_each(|(cell, owner)| {
         stop::point();
         let centroid = cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0;
         *owner = locator.find(&centroid).map_or(NO_BODY, |(found, _)| found as u32);
     });
-}
-
-/// The materials of the tetrahedra around a node.
-#[derive(Clone, Copy)]
-enum Around {
-    Unseen,
-    One(u32),
-    Two(u32, u32),
-    Many,
-}
-
-fn around(mesh: &TetMesh) -> Vec<Around> {
-    let mut all = vec![Around::Unseen; mesh.points.len()];
-    for (cell, &body) in mesh.cells.iter().zip(&mesh.owner) {
-        stop::point();
-        for &node in cell {
-            let around = &mut all[node as usize];
-            *around = match *around {
-                Around::Unseen => Around::One(body),
-                Around::One(a) if a != body => Around::Two(a, body),
-                Around::Two(a, b) if a != body && b != body => Around::Many,
-                same => same,
-            };
-        }
-    }
-    all
 }
 
 /// Nodes on a surface, free ones that share a tetrahedron with them, and all on faces across which a box repeats itself.
@@ -233,14 +202,13 @@ pub(super) fn near_surface(mesh: &TetMesh, roles: &[Role]) -> Vec<bool> {
 /// Lets nodes that stayed where they are, and have images, move with these.
 pub(super) fn release(roles: &mut [Role], mesh: &TetMesh, pairs: &PeriodicPairs, domain: &Aabb) {
     for node in pairs.nodes() {
-        let p = &mesh.position(node);
-        roles[node as usize] = Role::Paired([0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]));
+        roles[node as usize] = Role::Paired(on_sides(domain, &mesh.position(node)));
     }
 }
 
 /// The bodies whose cells `node` has, and whether it has cells of several materials.
 fn bodies_of(nodes: &Nodes, node: u32) -> (Vec<u32>, bool) {
-    let mut owners = ascending(nodes.cells(node).iter().map(|&cell| nodes.mesh.owner[cell as usize]));
+    let mut owners = nodes.owners(node);
     let several = owners.len() > 1;
     owners.retain(|owner| *owner != NO_BODY);
     (owners, several)
@@ -298,17 +266,12 @@ pub(super) fn count_off(mesh: &TetMesh, surfaces: &[Surface], domain: &Aabb, bou
     if boundary.repeats == [false; 3] {
         return 0;
     }
-    let axes = |p: &Vec3| [0, 1, 2].map(|i| p[i] <= domain.min[i] || p[i] >= domain.max[i]);
-    let counts = |p: &Vec3| axes(p).contains(&true) && !boundary.ends(axes(p));
-    let mut owned: Vec<(u32, u32)> = Vec::new();
-    for (cell, &owner) in mesh.cells.iter().zip(&mesh.owner) {
-        owned.extend(cell.iter().filter(|&&node| counts(&mesh.position(node))).map(|&node| (node, owner)));
-    }
-    owned.sort_unstable();
-    owned.dedup();
-    let is_off = |around: &&[(u32, u32)]| {
-        let on = |&(node, owner): &(u32, u32)| owner != NO_BODY && surfaces[owner as usize].has(&mesh.position(node));
-        around.len() > 1 && !around.iter().any(on)
+    let owners = Owners::of(mesh.by_body());
+    let counts = |node: u32| {
+        let axes = on_sides(domain, &mesh.position(node));
+        owners.are_several(node) && axes.contains(&true) && !boundary.ends(axes)
     };
-    owned.chunk_by(|a, b| a.0 == b.0).filter(is_off).count()
+    let is_on = |&(node, body): &(u32, u32)| surfaces[body as usize].has(&mesh.position(node));
+    let at_nodes = owners.bodies(counts);
+    at_nodes.chunk_by(|a, b| a.0 == b.0).filter(|bodies| !bodies.iter().any(is_on)).count()
 }

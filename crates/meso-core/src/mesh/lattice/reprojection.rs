@@ -199,11 +199,11 @@ pub(super) fn relabelled(nodes: &Nodes, node: u32) -> Option<Relabelled> {
     if !lies_between(node) {
         return None;
     }
-    owners(nodes, node, &[], NO_BODY).into_iter().rev().find_map(|owner| {
+    nodes.owners(node).into_iter().rev().find_map(|owner| {
         let all = nodes.cells(node).iter().copied();
         let cells: Vec<u32> = all.filter(|&cell| nodes.mesh.owner[cell as usize] != owner).collect();
         let role = |&other: &u32| {
-            let (now, then) = (owners(nodes, other, &[], owner), owners(nodes, other, &cells, owner));
+            let (now, then) = (nodes.owners(other), owners(nodes, other, &cells, owner));
             let fine = !lies_off(nodes, other, &then) || other != node && lies_off(nodes, other, &now);
             (lies_between(other) && fine).then_some((other, role_between(&then)))
         };

@@ -6,10 +6,10 @@
 //! order, so the three diagonals around a prism never form a cycle, which would have no tetrahedra.
 
 use super::warp::{Field, OUTSIDE, alpha};
+use crate::location::Locator;
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::location::Locator;
-use crate::mesh::tet::{DROPPED, TetMesh, oriented};
+use crate::mesh::cells::{DROPPED, NO_BODY};
+use crate::mesh::tet::{TetMesh, oriented};
 use crate::stop;
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -24,7 +24,7 @@ pub(super) struct Cutter<'a> {
     points: Vec<Vec3>,
 }
 
-/// What a node is to the body being cut out.
+/// The side of the body being cut out that a node lies on.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
     In,

@@ -13,8 +13,8 @@ use super::nodes::{Exact, PeriodicPairs, Role, near_surface, relabel, release, r
 use super::repair::repair;
 use super::smoothing::{is_poor, smoothed, snapped};
 use super::surface::{Surface, volume_deficits};
+use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::location::Locator;
 use crate::mesh::tet::{Incidence, Star, TetMesh};
 use crate::stop;
 use rayon::prelude::*;
@@ -108,7 +108,7 @@ impl Sweeps {
     }
 }
 
-/// What comes of a patch's turn.
+/// The results of a patch's turn.
 struct Done {
     /// Of the patch's own nodes.
     points: Vec<Vec3>,

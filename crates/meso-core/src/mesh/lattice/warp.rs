@@ -5,9 +5,9 @@
 
 use super::bcc::{Bcc, EdgeKind};
 use super::boundary::BoundarySurface;
+use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
-use crate::mesh::location::{Facets, Label, PointGrid, Scan};
 use crate::stop;
 use rayon::prelude::*;
 

@@ -5,22 +5,19 @@
 //! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
 //! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
 //! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
-//! rails that collapse ([`collapse`]), and the layer's volume made right again ([`improve`](mod@improve)).
+//! rails that collapse, and the layer's volume made right again ([`improve`](mod@improve)).
 //!
 //! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
 //! stay in these, and images of each other move by the same displacement ([`periodic`]).
 
-mod collapse;
 mod improve;
 mod offset;
 mod periodic;
 mod prisms;
 
 use super::cells::NO_BODY;
-use super::interface::{self, separate};
-use super::tet::TetMesh;
+use super::interface::{self, Owners, separate};
 use crate::aggregate::Aggregate;
-use crate::geometry::inward_offset;
 use crate::math::Aabb;
 pub(super) use improve::improve;
 use offset::RadialOffsets;
@@ -40,7 +37,9 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let mut faces = interface::faces(mesh.by_body());
     faces.retain(|face| thickness(mesh.owner[face.cell as usize]) > 0.0);
     let copies = separate(mesh, &faces);
-    let owner = owners(mesh);
+    // Nodes of the mortar, and of interfaces, have none.
+    let owners = Owners::among(mesh.by_body(), |cell| mesh.owner[cell] != NO_BODY);
+    let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
     let mut ties = Ties::new(mesh, *periodic, &bodies, &owner, copies.first());
     ties.align(&mut mesh.points);
     let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut ties, *periodic);
@@ -67,20 +66,11 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, loose, exact_mm3 }
 }
 
-/// The body whose cells a node has, [`NO_BODY`] for nodes of the mortar and of interfaces.
-fn owners(mesh: &TetMesh) -> Vec<u32> {
-    let mut owners = vec![NO_BODY; mesh.points.len()];
-    for (cell, &owner) in mesh.cells.iter().zip(&mesh.owner).filter(|(_, owner)| **owner != NO_BODY) {
-        cell.iter().for_each(|&node| owners[node as usize] = owner);
-    }
-    owners
-}
-
 /// The exact volume of all layers, mm3, those of a body and its images once.
 fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
     let shell = |body: u32| {
         let whole = &bodies.get(body).body;
-        let core = inward_offset(whole, thickness(body)).ok()?.map_or(0.0, |core| core.volume());
+        let core = whole.inward_offset(thickness(body)).ok()?.map_or(0.0, |core| core.volume());
         Some(whole.volume() - core)
     };
     let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();

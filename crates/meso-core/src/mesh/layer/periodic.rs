@@ -10,8 +10,7 @@
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
-use crate::mesh::sides::Sides;
-use crate::mesh::sides::image_classes;
+use crate::mesh::sides::{Sides, image_classes};
 use crate::mesh::tet::{TetMesh, ascending};
 
 /// Which nodes move together.

@@ -73,7 +73,7 @@ pub(super) fn append(layered: &mut Layered, layer: &[LayerCell], copies: &Copies
     rails
 }
 
-/// What the layer is like.
+/// The layer as it was made.
 pub(in crate::mesh) struct Layer {
     /// Aggregates too small for their thickness.
     pub(in crate::mesh) thinned_aggregates: usize,

@@ -6,18 +6,17 @@
 
 mod improve;
 mod operators;
-mod star;
 mod tetrahedra;
 mod topology;
 
-pub(super) use improve::{Constraint, Improver, ascending, best_position, directions, improve, smoothed};
-pub(super) use operators::{ON_MM, are_coplanar, contraction, insertion, swapped};
+pub(super) use super::cells::volume;
+pub(super) use improve::{Constraint, Improver, Star, ascending, best_position, directions, improve, smoothed};
+pub(super) use operators::{ON_MM, are_coplanar, contraction, edges, insertion, swapped};
 #[cfg(test)]
 pub(super) use operators::{edge_removal, face_swap};
-pub(super) use star::Star;
 pub(super) use tetrahedra::{
-    DROPPED, INVERTED, TetMesh, cos2_of, dihedral_cosines, face_vectors, min_dihedral_cos2, oriented,
-    shortest_altitude, volume,
+    INVERTED, TetMesh, cos2_of, dihedral_cosines, face_vectors, min_dihedral_cos2, oriented, shortest_altitude,
+    stable_length,
 };
 #[cfg(test)]
 pub(super) use topology::Replacement;

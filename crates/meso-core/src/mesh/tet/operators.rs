@@ -16,13 +16,17 @@ const LONGEST_RING: usize = 7;
 
 /// Applies the first swap found that enlarges the smallest angle around `cell`; whether there was one.
 pub(in crate::mesh) fn swapped(topology: &mut Topology, cell: u32) -> bool {
-    let nodes @ [a, b, c, d] = topology.cell(cell);
-    let edges = [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]];
+    let nodes = topology.cell(cell);
     let apply = |proposed: Option<Replacement>, topology: &mut Topology| {
         proposed.is_some_and(|proposed| topology.replace_thicker(&proposed))
     };
-    edges.into_iter().any(|[a, b]| apply(edge_removal(topology, a, b), topology))
+    edges(nodes).into_iter().any(|[a, b]| apply(edge_removal(topology, a, b), topology))
         || nodes.into_iter().any(|apex| apply(face_swap(topology, cell, apex), topology))
+}
+
+/// The edges of a cell.
+pub(in crate::mesh) fn edges([a, b, c, d]: [u32; 4]) -> [[u32; 2]; 6] {
+    [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]]
 }
 
 /// The cells around the edge from a to b without that edge, where that leaves no angle as small as the smallest there. The cells

@@ -3,10 +3,10 @@
 //! A row of grid points parallel to x meets a convex body in one interval, cut out by the body's planes: nx x <= d -
 //! ny y - nz z. So a body costs its planes times its rows, and no point is ever tested against a body.
 
-use super::cells::{NO_BODY, Phase};
 use crate::aggregate::Aggregate;
 use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
+use crate::mesh::cells::{NO_BODY, Phase};
 use crate::stop;
 use rayon::prelude::*;
 use std::borrow::Cow;
