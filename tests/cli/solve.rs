@@ -76,8 +76,11 @@ fn the_page_of_a_test_is_whole_in_itself() {
     assert_eq!(solve(&folder, &["small.json", "-q"]).code, 0);
     let page = String::from_utf8(folder.read("out/result.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    // Pictures in base64 may have any three letters.
+    let words = page.split_inclusive(|c: char| !(c.is_ascii_alphanumeric() || "+/=".contains(c)));
+    let text: String = words.filter(|word| word.len() < 100).collect();
     for foreign in ["http", "@import", "NaN", "Infinity", "<link", "src=\"/"] {
-        assert!(!page.contains(foreign), "the page has {foreign:?}");
+        assert!(!text.contains(foreign), "the page has {foreign:?}");
     }
     assert_eq!(page.matches("src=\"data:image/png;base64,").count(), 3);
     assert_eq!((page.matches("<svg").count(), page.matches("</svg>").count()), (3, 3));

@@ -17,6 +17,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::packing::Specimen;
+use crate::stop;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -119,16 +120,24 @@ impl Voxels {
             if i == self.counts[axis] { self.max[axis] } else { self.min[axis] + i as f64 * self.spacing[axis] }
         };
         let [nx, ny, nz] = self.counts.map(|c| c + 1);
-        let point = |p: usize| Vec3::new(at(0, p % nx), at(1, p / nx % ny), at(2, p / (nx * ny)));
-        (0..nx * ny * nz).into_par_iter().map(point).collect()
+        let point = |p: usize| {
+            if p.is_multiple_of(nx) {
+                stop::point();
+            }
+            Vec3::new(at(0, p % nx), at(1, p / nx % ny), at(2, p / (nx * ny)))
+        };
+        (0..nx * ny * nz).into_par_iter().panic_fuse().map(point).collect()
     }
 
     fn cells(&self) -> Vec<u32> {
         let [nx, ny, nz] = self.counts;
         let (row, layer) = (nx as u32 + 1, (nx as u32 + 1) * (ny as u32 + 1));
         let mut cells = vec![0; 8 * nx * ny * nz];
-        cells.par_chunks_exact_mut(8).enumerate().for_each(|(c, cell)| {
+        cells.par_chunks_exact_mut(8).enumerate().panic_fuse().for_each(|(c, cell)| {
             let (i, j, k) = ((c % nx) as u32, (c / nx % ny) as u32, (c / (nx * ny)) as u32);
+            if i == 0 {
+                stop::point();
+            }
             let a = k * layer + j * row + i;
             let bottom = [a, a + 1, a + 1 + row, a + row];
             cell[..4].copy_from_slice(&bottom);

@@ -503,7 +503,7 @@ class SolveOptions(TypedDict, total=False):
     law: Literal["elastic", "cdp", "cdpm2"]
     """The law of mortar and ITZ."""
     ramp: float
-    """Share of the time in which the plate gains its speed."""
+    """Share of the time in which the plates gain their speed."""
     rows: int
     """Rows of the curve, at most."""
     strain: float | None
