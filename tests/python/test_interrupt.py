@@ -70,8 +70,8 @@ def test_other_threads_run_while_it_packs():
     stop.set()
     thread.join(timeout=30)
     assert not thread.is_alive()
-    # Two workers may leave this thread a third of two cores; a held GIL would leave it nothing.
-    assert beside > 0.15 * alone
+    # Two workers and a busy machine leave this thread a part of a core; a held GIL would leave it nothing.
+    assert beside > 0.05 * alone
 
 
 def test_progress_is_told_fraction_and_target(small_spec):
@@ -182,7 +182,8 @@ def test_ctrl_c_while_a_file_is_written_leaves_none_behind(name, tmp_path):
 
 @pytest.mark.skipif(os.name == "nt", reason="sends POSIX signals")
 def test_ctrl_c_is_heard_while_a_meshs_quality_is_measured(tmp_path):
-    seconds, _ = seconds_to_end("mesh.quality()", tmp_path)
+    # Again and again: a fast machine is done with one before it is told to end.
+    seconds, _ = seconds_to_end("while True: mesh.quality()", tmp_path)
     assert seconds < 0.5
 
 
