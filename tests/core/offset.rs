@@ -307,6 +307,21 @@ fn an_octahedron_keeps_its_six_vertices() {
 }
 
 #[test]
+fn an_octahedron_is_right_when_1e30ths_of_it_are_left() {
+    // |x| + |y| + |z| <= p, moved inwards by q: by Pell's equation, p^2 - 3 q^2 = 1, p - sqrt(3) q = 1 / (p + sqrt(3) q) is left.
+    let (mut p, mut q) = (2_u64, 1_u64);
+    while p < 1 << 51 {
+        let reach = p as f64;
+        let corners: Vec<Vec3> = (0..3).flat_map(|i| [reach, -reach].map(|x| Vec3::ith(i, x))).collect();
+        let core = convex_hull(&corners).unwrap().inward_offset(q as f64).unwrap().expect("something is left");
+        let left = 1.0 / (reach + 3_f64.sqrt() * q as f64);
+        assert!((core.volume() / (4.0 / 3.0 * left.powi(3)) - 1.0).abs() < 1e-14, "{p}: {:e}", core.volume());
+        assert_eq!((core.vertices().len(), core.faces().len()), (6, 8));
+        (p, q) = (2 * p + 3 * q, p + 2 * q);
+    }
+}
+
+#[test]
 fn a_shrunk_cube_is_a_cube() {
     let body = convex_hull(&block([1.0; 3])).unwrap();
     for thickness in [0.0, 0.1, 0.25, 0.9, 0.999] {
