@@ -6,8 +6,8 @@
     python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel
 
 On two cores the tiers take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built. Each needs
-the standard library alone, and reports at the end which tests were skipped and why. The exit code is 0 when every
-stage passed.
+the standard library alone, and reports at the end which tests failed, and which were skipped and why. The exit code is 0
+when every stage passed.
 """
 
 import argparse
@@ -16,14 +16,13 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
-import threading
 import time
 import venv
-from contextlib import nullcontext
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from stage import ROOT, Ended, run, told_again
+
 VENV = ROOT / ".venv"
 # Programs that some Rust tests compare with; without them those tests skip. pytest names its own skips.
 PEERS = {
@@ -70,16 +69,18 @@ def main() -> int:
     started = time.monotonic()
     check_tools()
     if args.quick:
-        return summarise([(name, run(name, command)) for name, command in quick_stages()], time.monotonic() - started)
+        return summarise(in_turn(quick_stages()), time.monotonic() - started)
     python = make_venv()
     # Packages come over the network while the compiler works.
-    with Background("cargo build of the tests", [*CARGO_TEST, "--no-run", "--quiet"]) if not args.slow else nullcontext():
+    with ThreadPoolExecutor() as beside:
+        if not args.slow:
+            beside.submit(run, "cargo build of the tests", [*CARGO_TEST, "--no-run", "--quiet"], live=False)
         install_packages(python)
     install_wheel(python)
-    results = [(name, run(name, command)) for name, command in supply_chain()]
+    results = in_turn(supply_chain())
     if args.slow:
-        results += [(name, run(name, command)) for name, command in [*rust_stages(slow=True), *python_stages(python, slow=True)]]
-        results += [(name, run(name, command)) for name, command in [*bench_stages(python), *watched_stages(python)]]
+        results += in_turn([*rust_stages(slow=True), *python_stages(python, slow=True)])
+        results += in_turn([*bench_stages(python), *watched_stages(python)])
     else:
         results += side_by_side(rust_stages(slow=False), python_stages(python, slow=False))
     return summarise(results, time.monotonic() - started)
@@ -126,10 +127,10 @@ def install_packages(python: Path) -> None:
     """Install what the tests need."""
     needed, optional = (str(ROOT / "tests" / f"requirements{which}.txt") for which in ("", "-optional"))
     # All in one go; one by one only where something cannot be had.
-    if run(f"everything into {VENV.name}", [*pip(python), "-r", needed, "-r", optional]) != 0:
+    if run(f"everything into {VENV.name}", [*pip(python), "-r", needed, "-r", optional]).code != 0:
         must(f"requirements into {VENV.name}", [*pip(python), "-r", needed])
         for package in read_requirements(Path(optional)):
-            if run(package, [*pip(python), package]) != 0:
+            if run(package, [*pip(python), package]).code != 0:
                 print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
 
 
@@ -245,75 +246,34 @@ def has_gmsh() -> bool:
     return shutil.which("gmsh") is not None
 
 
-class Background:
-    """A command beside others; what it prints is shown when it has ended."""
-
-    def __init__(self, name: str, command: list[str]) -> None:
-        """Start the command."""
-        self.name = name
-        self.started = time.monotonic()
-        print(f"== {name}, in the background: {' '.join(command)}", flush=True)
-        self.output = tempfile.TemporaryFile()  # noqa: SIM115
-        self.process = subprocess.Popen(command, cwd=ROOT, stdout=self.output, stderr=subprocess.STDOUT)
-
-    def __enter__(self) -> "Background":
-        """Let it run."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Wait for its end."""
-        self.code = self.process.wait()
-        self.output.seek(0)
-        print(self.output.read().decode(errors="replace"), end="")
-        self.output.close()
-        print(f"== {self.name}: {told(self.code)} in {time.monotonic() - self.started:.0f} s", flush=True)
+def in_turn(stages: list[Stage], *, live: bool = True) -> list[Ended]:
+    """Run stages one after another."""
+    return [run(name, command, live=live) for name, command in stages]
 
 
-def side_by_side(own: list[Stage], others: list[Stage]) -> list[tuple[str, int]]:
+def side_by_side(own: list[Stage], others: list[Stage]) -> list[Ended]:
     """Run two lists of stages at the same time: alone, each leaves a core idle behind its longest tests."""
-    found: list[tuple[str, int]] = []
-
-    def run_others() -> None:
-        for name, command in others:
-            with Background(name, command) as stage:
-                pass
-            found.append((name, stage.code))
-
-    thread = threading.Thread(target=run_others)
-    thread.start()
-    results = [(name, run(name, command)) for name, command in own]
-    thread.join()
-    return results + found
+    with ThreadPoolExecutor() as beside:
+        found = beside.submit(in_turn, others, live=False)
+        return in_turn(own) + found.result()
 
 
 def must(what: str, command: list[str]) -> None:
     """Run a step of the set-up; the tests mean nothing without it."""
-    if run(what, command) != 0:
+    if run(what, command).code != 0:
         sys.exit(f"the set-up failed at: {what}")
 
 
-def run(name: str, command: list[str]) -> int:
-    """Run one command from the project's root and say how long it took."""
-    print(f"== {name}: {' '.join(command)}", flush=True)
-    started = time.monotonic()
-    code = subprocess.run(command, cwd=ROOT, check=False).returncode
-    print(f"== {name}: {told(code)} in {time.monotonic() - started:.0f} s", flush=True)
-    return code
-
-
-def told(code: int) -> str:
-    """Say how a command ended."""
-    return "ok" if code == 0 else f"FAILED ({code})"
-
-
-def summarise(results: list[tuple[str, int]], seconds: float) -> int:
+def summarise(stages: list[Ended], seconds: float) -> int:
     """Print the closing lines; 1 where a stage failed."""
     for program, what in PEERS.items():
         if shutil.which(program) is None:
             print(f"skipped, for want of {program}: {what}")
-    failed = [name for name, code in results if code != 0]
-    for name, code in results:
-        print(f"{'ok    ' if code == 0 else 'FAILED'} {name}")
+    failed = [stage.name for stage in stages if stage.code != 0]
+    for stage in stages:
+        print(f"{'ok    ' if stage.code == 0 else 'FAILED'} {stage.name}: {stage.times}")
+    # Last, since a log is often cut to its end.
+    print(*told_again(stages), sep="\n", end="\n" if failed else "")
     print(f"all stages in {seconds:.0f} s; {'failed: ' + ', '.join(failed) if failed else 'everything passed'}")
     return 1 if failed else 0
 

@@ -35,7 +35,7 @@ impl Facets {
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.
     pub(crate) fn height(&self, x: &Vec3) -> f64 {
-        self.planes.iter().map(|p| p.normal.dot(x) - p.offset).fold(f64::NEG_INFINITY, f64::max)
+        Plane::height_over(&self.planes, x)
     }
 
     /// The part of the segment from `inside` to `outside` that lies within the body, 0 to 1.

@@ -2,6 +2,7 @@
 
 use crate::frame::Frame;
 use crate::observer::{Observer, Progress, Wish};
+use crate::plates::Plates;
 use crate::response::{Ended, Response};
 use crate::run::Run;
 use meso_core::math::Vec3;
@@ -64,7 +65,7 @@ impl Run<'_> {
 
     /// Kinetic energy of the whole specimen at the speed of a plate, mJ.
     fn plate_energy(&self) -> f64 {
-        0.5 * self.outline.masses[1] * (0.5 * self.plates.speed(f64::INFINITY)).powi(2)
+        0.5 * self.outline.masses[1] * Plates::share(self.plates.speed(f64::INFINITY)).powi(2)
     }
 
     /// The cell whose nodes are fastest, in words.

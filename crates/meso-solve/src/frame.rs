@@ -4,6 +4,7 @@ use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
 use crate::matter::LawTask;
+use crate::plates::Plates;
 use crate::run::Run;
 use meso_core::mesh::{Mesh, Phase};
 use rayon::prelude::*;
@@ -68,7 +69,7 @@ impl<'a> Frame<'a> {
 
     /// Displacements of the mesh's nodes, mm; the lower plate rests.
     pub fn displacement(&self) -> Vec<[f32; 3]> {
-        let lower = -0.5 * self.run.state.travel;
+        let lower = -Plates::share(self.run.state.travel);
         let mut moved = vec![[0.0; 3]; self.run.order.len()];
         for (u, &node) in self.run.nodes.displacement.iter().zip(&self.run.order) {
             moved[node as usize] = [u[0], u[1], u[2] - lower].map(|x| x as f32);

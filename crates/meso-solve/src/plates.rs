@@ -93,6 +93,11 @@ impl Plates {
         self.speed * s * s * (3.0 - 2.0 * s)
     }
 
+    /// What each plate does of a way or a speed between the two.
+    pub(crate) fn share(between: f64) -> f64 {
+        0.5 * between
+    }
+
     /// The contacts of nodes from `first` to before `end`.
     pub(crate) fn among(&self, first: usize, end: usize) -> &[Contact] {
         let at = |node: usize| self.contacts.partition_point(|contact| (contact.node as usize) < node);

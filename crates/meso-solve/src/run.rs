@@ -139,7 +139,7 @@ impl<'a> Run<'a> {
         let speed = self.plates.speed(state.time + 0.5 * dt);
         let before = if state.step == 0 { 0.0 } else { self.plates.speed(state.time - 0.5 * dt) };
         let travel = state.travel + speed * dt;
-        let motion = Motion { dt, travel: 0.5 * travel, mean_speed: 0.25 * (speed + before) };
+        let motion = Motion { dt, travel: Plates::share(travel), mean_speed: Plates::share(0.5 * (speed + before)) };
         let sums = self.nodes.advance(&self.forces, &self.plates, &motion);
         for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
             *sum += x;

@@ -30,15 +30,14 @@ impl ConvexSurface {
 
     /// Above the highest face plane, mm: no more than the distance of an outer `x`, negative inside.
     pub(crate) fn height(&self, x: &Vec3) -> f64 {
-        self.planes.iter().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
+        Plane::height_over(&self.planes, x)
     }
 
     /// As [`ConvexSurface::distance`]; `None` where a face plane shows that an outer `x` is no nearer than `limit`.
     pub(crate) fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
-        let height = |plane: &Plane| plane.normal.dot(x) - plane.offset;
         let (mut highest, mut most) = (0, f64::NEG_INFINITY);
         for (triangle, plane) in self.planes.iter().enumerate() {
-            let above = height(plane);
+            let above = plane.height(x);
             if above > most {
                 (highest, most) = (triangle, above);
             }
@@ -59,7 +58,7 @@ impl ConvexSurface {
         let reaches =
             |(middle, radius): &(Vec3, f64), least: f64| (middle - x).norm_squared() < (least + radius).powi(2);
         for (triangle, plane) in self.planes.iter().enumerate() {
-            if (0.0..least).contains(&height(plane)) && reaches(&self.balls[triangle], least) {
+            if (0.0..least).contains(&plane.height(x)) && reaches(&self.balls[triangle], least) {
                 least = least.min(to(triangle));
             }
         }
@@ -132,7 +131,7 @@ mod tests {
         let (mut above, mut beside) = (0, 0);
         for at in 0..17_usize.pow(3) {
             let x = Vec3::new((at % 17) as f64, (at / 17 % 17) as f64, (at / 289) as f64) * 0.83;
-            let height = hull.planes().map(|p| p.normal.dot(&x) - p.offset).fold(f64::NEG_INFINITY, f64::max);
+            let height = Plane::height_over(hull.planes(), &x);
             let exact = gjk::distance(&[x], hull.vertices()).unwrap();
             let expected = if height <= 0.0 { -height } else { exact };
             assert!((body.distance(&x) - expected).abs() < 1e-12, "{x:?}");

@@ -19,6 +19,7 @@ use super::fidelity::ById;
 use super::interface::{Owners, pairs};
 use super::sides::Sides;
 use crate::aggregate::Aggregate;
+use crate::geometry::Plane;
 use crate::math::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -146,9 +147,7 @@ fn left(mesh: &Mesh, bodies: &ById, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
 
 /// How far `x` lies beyond the outermost plane of body `id` or of its nearest image, mm; negative inside.
 fn beyond(bodies: &ById, id: u32, x: &Vec3) -> f64 {
-    let beyond = |body: &Aggregate| {
-        body.body.planes().map(|plane| plane.normal.dot(x) - plane.offset).fold(f64::NEG_INFINITY, f64::max)
-    };
+    let beyond = |body: &Aggregate| Plane::height_over(body.body.planes(), x);
     bodies.images(id).map(beyond).fold(f64::INFINITY, f64::min)
 }
 

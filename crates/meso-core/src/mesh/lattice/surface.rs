@@ -122,7 +122,7 @@ impl Surface {
     /// Calls `visit` with the feet of the perpendiculars from `x` to the faces, as far as these are within `reach`.
     pub(super) fn feet_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
         for plane in &self.planes {
-            let height = plane.normal.dot(x) - plane.offset;
+            let height = plane.height(x);
             let foot = x - plane.normal * height;
             if height.abs() < reach && self.holds(&foot) {
                 visit(foot);
@@ -141,7 +141,7 @@ impl Surface {
     }
 
     fn is_on(&self, plane: &Plane, x: &Vec3) -> bool {
-        (plane.normal.dot(x) - plane.offset).abs() <= self.slack
+        plane.height(x).abs() <= self.slack
     }
 }
 

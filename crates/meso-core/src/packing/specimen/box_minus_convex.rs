@@ -51,8 +51,7 @@ impl Cutout {
 
     /// Distance to `point`, or a number that is at least `enough`; negative inside.
     fn distance(&self, point: &Vec3, enough: f64) -> f64 {
-        let heights = self.planes.iter().map(|plane| plane.normal.dot(point) - plane.offset);
-        let height = heights.fold(f64::NEG_INFINITY, f64::max);
+        let height = Plane::height_over(&self.planes, point);
         if height < 0.0 || height >= enough {
             return height;
         }
