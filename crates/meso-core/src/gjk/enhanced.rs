@@ -135,7 +135,7 @@ mod tests {
     fn a_line_is_reduced_to_what_of_it_is_nearest_the_origin_and_the_search_goes_from_there() {
         let mut ends = 0;
         for k in 0..500 {
-            let x = |i: i32| f64::from(k * 31 + i * 17).sin();
+            let x = |i: i32| (f64::from(k * 31 + i * i * 7) * 1.7).sin();
             let vertex = |i: i32| Vertex { w: Vec3::new(x(i), x(i + 1), x(i + 2)), of: (i as u32, 0) };
             let (b, a) = (vertex(0), vertex(3));
             let mut simplex = Simplex::point(b);
