@@ -31,16 +31,15 @@ PEERS = {
 }
 
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
-CARGO_TEST = ["cargo", "test", "--workspace", "--exclude", "meso-bench"]
+TESTED = ["--workspace", "--exclude", "meso-bench"]
+# The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
+WATCHED = ["--workspace", "--config", "profile.dev.package.meso-core.debug-assertions=true"]
 
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
 
 # Benches of conforming meshes.
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
-
-# Benches under criterion, in a package of their own.
-CRITERION_BENCHES = {"solve", "variants"}
 
 # Benches of the Python module; the solvers' leaves out what is not installed.
 PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "solvers.py", "stopping.py"]
@@ -73,16 +72,13 @@ def main() -> int:
     python = make_venv()
     # Packages come over the network while the compiler works.
     with ThreadPoolExecutor() as beside:
-        if not args.slow:
-            beside.submit(run, "cargo build of the tests", [*CARGO_TEST, "--no-run", "--quiet"], live=False)
+        beside.submit(run, "cargo build of the tests", [*cargo_test(slow=args.slow), "--no-run", "--quiet"], live=False)
         install_packages(python)
-    install_wheel(python)
+    install_wheel(python, "release" if args.slow else "dev")
     results = in_turn(supply_chain())
+    results += side_by_side(rust_stages(slow=args.slow), python_stages(python, slow=args.slow))
     if args.slow:
-        results += in_turn([*rust_stages(slow=True), *python_stages(python, slow=True)])
         results += in_turn([*bench_stages(python), *watched_stages(python)])
-    else:
-        results += side_by_side(rust_stages(slow=False), python_stages(python, slow=False))
     return summarise(results, time.monotonic() - started)
 
 
@@ -134,10 +130,10 @@ def install_packages(python: Path) -> None:
                 print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
 
 
-def install_wheel(python: Path) -> None:
+def install_wheel(python: Path, profile: str) -> None:
     """Install mesocrete as a user gets it."""
-    # The tests' own profile: with debug assertions, and compiled once for Rust and Python.
-    os.environ["MATURIN_PEP517_ARGS"] = "--profile dev"
+    # The dev profile is that of the tests, compiled once for Rust and Python; the release profile that of published wheels.
+    os.environ["MATURIN_PEP517_ARGS"] = f"--profile {profile}"
     # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
     must("the wheel", [*pip(python), "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)])
 
@@ -156,7 +152,7 @@ def quick_stages() -> list[Stage]:
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
-        ("quick cargo test", [*CARGO_TEST, "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
+        ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
 
@@ -181,9 +177,12 @@ def supply_chain() -> list[Stage]:
 
 def rust_stages(*, slow: bool) -> list[Stage]:
     """Name the commands of Rust's tests, in order."""
-    tier = ["--", "--include-ignored"] if slow else []
-    checks = ["--config", "profile.dev.package.meso-core.debug-assertions=true"] if slow else []
-    return [("cargo test", [*CARGO_TEST, "--no-fail-fast", *checks, *tier])]
+    return [("cargo test", [*cargo_test(slow=slow), "--no-fail-fast", *(["--", "--include-ignored"] if slow else [])])]
+
+
+def cargo_test(*, slow: bool) -> list[str]:
+    """Begin the command of Rust's tests."""
+    return ["cargo", "test", *(WATCHED if slow else TESTED)]
 
 
 def python_stages(python: Path, *, slow: bool) -> list[Stage]:
@@ -196,7 +195,7 @@ def python_stages(python: Path, *, slow: bool) -> list[Stage]:
 
 def watched_stages(python: Path) -> list[Stage]:
     """Name what runs under a sanitizer: the fuzz targets, and the tests that pass through `unsafe`."""
-    fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60"])
+    fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60", "--look"])
     if "nightly" not in toolchains():
         print("skipped, for want of nightly Rust (rustup toolchain install nightly): `unsafe` under AddressSanitizer")
         return [fuzzing]
@@ -230,15 +229,11 @@ def toolchains() -> str:
 def bench_stages(python: Path) -> list[Stage]:
     """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
     benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
-    rust = [["cargo", "bench", "--quiet", *package(name.stem), "--bench", name.stem, "--", "--quick"] for name in benches]
+    # In the profile of the tests: whether they run is asked, not how fast, and nothing is compiled again.
+    rust = [["cargo", "bench", "--quiet", "--profile", "dev", *WATCHED, "--bench", name.stem, "--", "--quick"] for name in benches]
     scripts = [[str(python), str(ROOT / "benches" / name), "--quick"] for name in PYTHON_BENCHES]
     named = [(f"bench {name.stem}", command) for name, command in zip(benches, rust, strict=True)]
     return named + [(f"bench {Path(c[1]).stem}", c) for c in scripts]
-
-
-def package(bench: str) -> list[str]:
-    """Name the package of a bench that no plain `cargo bench` finds."""
-    return ["-p", "meso-bench"] if bench in CRITERION_BENCHES else []
 
 
 def has_gmsh() -> bool:

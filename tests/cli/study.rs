@@ -162,7 +162,6 @@ fn wrong_studies_are_refused_before_the_work() {
 }
 
 #[test]
-#[ignore = "slow tier: six tests of a cylinder"]
 fn tests_of_a_study_are_in_the_table() {
     let study = "recipe = 'paper-compression'\n".to_owned()
         + "[solve]\nelement-size-mm = 6\nframes = 1\nstrain = 0.001\n\

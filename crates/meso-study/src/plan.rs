@@ -64,9 +64,10 @@ impl Plan {
         let count = count.filter(|count| *count <= MOST_CASES).ok_or_else(|| {
             PlanError::TooMany(axes.iter().fold(1, |count, axis| count.saturating_mul(axis.values.len())))
         })?;
+        let base = with_specimen(base, axes);
         let mut cases = Vec::with_capacity(count);
         for number in 0..count {
-            cases.push(case(base, &combination(axes, number), task, files)?);
+            cases.push(case(&base, &combination(axes, number), task, files)?);
         }
         distinct(&cases)?;
         Ok(Self { keys: axes.iter().map(|axis| axis.key.clone()).collect(), cases })
@@ -103,6 +104,17 @@ fn combination(axes: &[Axis], mut number: usize) -> Vec<(&str, &Value)> {
     }
     values.reverse();
     values
+}
+
+/// `base` with the usual specimen where it has none and axes change a part of it, which alone is no specimen.
+fn with_specimen(base: &Value, axes: &[Axis]) -> Value {
+    let mut tree = base.clone();
+    if let (Value::Object(sections), Ok(usual)) = (&mut tree, serde_json::to_value(Spec::default().specimen))
+        && axes.iter().any(|axis| is_part(&axis.key, "specimen"))
+    {
+        sections.entry("specimen").or_insert(usual);
+    }
+    tree
 }
 
 fn case(base: &Value, values: &[(&str, &Value)], task: &Value, files: &mut dyn Files) -> Result<Case, PlanError> {
