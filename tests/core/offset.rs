@@ -308,7 +308,8 @@ fn an_octahedron_keeps_its_six_vertices() {
 
 #[test]
 fn an_octahedron_is_right_when_1e30ths_of_it_are_left() {
-    // |x| + |y| + |z| <= p, moved inwards by q: by Pell's equation, p^2 - 3 q^2 = 1, p - sqrt(3) q = 1 / (p + sqrt(3) q) is left.
+    // |x| + |y| + |z| <= p, moved inwards by q. By Pell's equation, p^2 - 3 q^2 = 1, what is left of p is
+    // p - sqrt(3) q = 1 / (p + sqrt(3) q).
     let (mut p, mut q) = (2_u64, 1_u64);
     while p < 1 << 51 {
         let reach = p as f64;
