@@ -42,7 +42,7 @@ Stage = tuple[str, list[str]]
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
 
 # Benches of the Python module; the solvers' leaves out what is not installed.
-PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "solvers.py", "stopping.py"]
+PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "overheads.py", "solvers.py", "stopping.py"]
 
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [
@@ -78,10 +78,10 @@ def main() -> int:
         must(*wheel(python, "dev"))
     # The release wheel is linked on one core for minutes, so beside the tests.
     first = [wheel(python, "release")] if args.slow else []
-    results = in_turn(supply_chain())
+    results = in_turn([*supply_chain(), *packaging()])
     results += side_by_side(rust_stages(slow=args.slow), [*first, *python_stages(python, slow=args.slow)])
     if args.slow:
-        results += in_turn([*bench_stages(python), *watched_stages(python)])
+        results += in_turn([*bench_stages(python), *watched_stages(python), *shipping(python)])
     return summarise(results, time.monotonic() - started)
 
 
@@ -176,6 +176,42 @@ def supply_chain() -> list[Stage]:
     else:
         print(f"skipped, for want of Rust {oldest} (rustup toolchain install {oldest}): the oldest compiler promised")
     return found
+
+
+def packaging() -> list[Stage]:
+    """Name the checks of what is published: the crates' archives, and the workflows as far as their linter is to be had."""
+    workspace = ["--workspace", "--exclude", "meso-py", "--exclude", "meso-bench"]
+    found = [("cargo package", ["cargo", "package", "--quiet", "--no-verify", "--allow-dirty", *workspace])]
+    lint = ["actionlint"] if shutil.which("actionlint") else ["go", "run", ACTIONLINT]
+    if shutil.which(lint[0]) and subprocess.run([*lint, "-version"], check=False, capture_output=True).returncode == 0:
+        found.append(("actionlint", lint))
+    else:
+        print("skipped, for want of actionlint, or of Go and its modules to build it: the workflows themselves")
+    return found
+
+
+# Built by Go where the program itself is not installed.
+ACTIONLINT = "github.com/rhysd/actionlint/cmd/actionlint@v1.7.12"
+
+
+def shipping(python: Path) -> list[Stage]:
+    """Name the commands that build the release's wheel and source archive, check them, and install the wheel afresh."""
+    built, clean = ROOT / "target" / "shipped", ROOT / "target" / "clean"
+    shutil.rmtree(built, ignore_errors=True)
+    programs = clean / ("Scripts" if os.name == "nt" else "bin")
+    pip = [str(programs / "python"), "-m", "pip", "--disable-pip-version-check", "install", "--only-binary", ":all:"]
+    stages = [
+        ("release wheel", ["maturin", "build", "--release", "--sdist", "--out", str(built)]),
+        ("an empty environment", [str(python), "-m", "venv", "--clear", str(clean)]),
+        ("install from the wheel", [*pip, "--find-links", str(built), "mesocrete"]),
+        ("the installed command", [str(programs / "mesocrete"), "recipes"]),
+    ]
+    if subprocess.run([str(python), "-c", "import twine"], check=False, capture_output=True).returncode == 0:
+        check = "import glob, sys, twine.__main__ as t; sys.argv = ['twine', 'check', '--strict', *glob.glob(sys.argv[1])]; sys.exit(t.main())"
+        stages.insert(1, ("twine check", [str(python), "-c", check, str(built / "*")]))
+    else:
+        print("skipped, for want of twine: the metadata of wheel and source archive")
+    return stages
 
 
 def rust_stages(*, slow: bool) -> list[Stage]:

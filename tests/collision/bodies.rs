@@ -83,7 +83,7 @@ fn a_body_that_does_not_hold_its_frames_origin_is_not_taken_to() {
         corners.map(|p| p - Vec3::repeat(0.5) + at * Vec3::x()).collect()
     };
     let (left, right, middle) = (Body::new(&cube(-5.0)), Body::new(&cube(5.0)), cube(0.0));
-    let middle = Body::new(&middle).with_inside_of(convex_hull(&middle).unwrap().facets());
+    let middle = Body::new(&middle).with_inside_of(&convex_hull(&middle).unwrap());
     assert_eq!((left.inradius(), middle.inradius() > 0.4), (0.0, true));
     let zero = Vec3::zeros();
     for (a, b) in [(&left, &right), (&right, &middle), (&middle, &left)] {

@@ -265,7 +265,7 @@ fn is_said(file: &Value, part: &str) -> bool {
 fn a_report_that_is_gone_is_named_as_such() {
     let mut file = honest();
     drop_key(&mut file, "report");
-    assert!(is_said(&file, "the file has none"));
+    assert!(is_said(&file, "the file has no report"));
 }
 
 #[test]

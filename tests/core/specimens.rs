@@ -307,7 +307,7 @@ fn a_class_that_fits_into_no_component_of_a_surface_is_named_before_the_work() {
         assert!(error.message.contains(class) && error.message.contains("fits into the specimen"), "{error}");
         // Cubes hold no ball wider than they are, nor a line longer than their diagonal.
         assert!(error.message.contains(&format!("longer than {:.2}", edge * 3f64.sqrt() + 0.005)), "{error}");
-        assert!(spec.doubts()[0].contains("more than this strategy was measured to reach"), "{:?}", spec.doubts());
+        assert!(spec.doubts()[0].contains("more than this strategy reached in tests"), "{:?}", spec.doubts());
     }
 }
 

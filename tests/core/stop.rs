@@ -115,7 +115,7 @@ fn surfaces_for_gmsh_end_when_they_are_told_to() {
     let model = model(60.0);
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm: 0.25, ..MeshOptions::default() };
     let none = |_: &Surfaces| Err(MeshError::NeedsGmsh);
-    ends_soon("conforming", &MOMENTS, || mesh::build_with(&model, &options, &none).is_ok());
+    ends_soon("conforming", &MOMENTS, || mesh::build_with(&model, &options, &none, &|_| {}).is_ok());
 }
 
 #[test]

@@ -70,7 +70,7 @@ impl Plates {
         for (plate, (bit, z)) in [(4, aabb.min.z), (5, aabb.max.z)].into_iter().enumerate() {
             if sides.faces()[bit].is_empty() {
                 let side = ["lower", "upper"][plate];
-                let why = format!("no face looks to its {side} plate; take a specimen with faces across z");
+                let why = format!("no face points to its {side} plate; take a specimen with plane faces across z");
                 return Err(SolveError::mesh(why));
             }
             let contact = |node: u32| {

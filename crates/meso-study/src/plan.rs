@@ -42,13 +42,13 @@ pub enum PlanError {
     #[error("over.{0:?} is not an option; write its path in a SPEC.toml, e.g. \"grading.d_max_mm\"")]
     Key(String),
     /// Too many combinations.
-    #[error("over has {0} combinations; at most {MOST_CASES} cases are a study")]
+    #[error("over has {0} combinations; a study has at most {MOST_CASES} cases")]
     TooMany(usize),
     /// A combination whose spec cannot be.
     #[error("case {0}: {1}")]
     Spec(String, SpecError),
     /// Two combinations that are the same.
-    #[error("cases {0} and {1} are the same: some value stands twice in over, or the spec does not depend on it")]
+    #[error("cases {0} and {1} are the same: a value occurs twice in over, or the spec does not depend on it")]
     Twice(String, String),
 }
 

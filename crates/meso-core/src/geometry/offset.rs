@@ -36,7 +36,7 @@ pub enum OffsetError {
     /// The result cannot be given to the promised accuracy.
     #[error("the offset is ill-conditioned: {reason}")]
     IllConditioned {
-        /// What was met.
+        /// The obstacle.
         reason: String,
     },
 }

@@ -403,7 +403,7 @@ mod tests {
         fn body(&mut self) -> Body {
             let axes = Vec3::from_fn(|_, _| 1.0 + 0.4 * self.roll());
             let points: Vec<Vec3> = (0..24).map(|_| self.vector().normalize().component_mul(&axes)).collect();
-            Body::new(&points).with_inside_of(convex_hull(&points).unwrap().facets())
+            Body::new(&points).with_inside_of(&convex_hull(&points).unwrap())
         }
     }
 
