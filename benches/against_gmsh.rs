@@ -72,7 +72,7 @@ fn case(slabs: Option<u32>, side_mm: f64, element_size_mm: f64) {
         ..Default::default()
     };
     let before = cpu_seconds();
-    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh")).expect("a mesh");
+    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh"), &|_| {}).expect("a mesh");
     let [own, gmsh] = [0, 1].map(|i| cpu_seconds()[i] - before[i]);
     let cells = quality::CellQuality::of_cells(&mesh);
     let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);

@@ -34,7 +34,7 @@ fn main() {
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     let model = pack(&spec, &Silent).expect("the spec is valid");
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm, ..MeshOptions::default() };
-    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh")).expect("a mesh");
+    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh"), &|_| {}).expect("a mesh");
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).expect("cores");
     let volume = 100.0 * (PhaseVolumes::of_mesh(&mesh).itz / exact.itz - 1.0);
     let layer = LayerErrors::of(&mesh, &model);

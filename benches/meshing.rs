@@ -169,7 +169,7 @@ fn build(model: &Model, method: &str, element_size_mm: f64) -> (Mesh, Option<(f6
         *outside = Some((seconds + start.elapsed().as_secs_f64(), peak.max(peak_before)));
         output
     };
-    let mesh = mesh::build_with(model, &options, &gmsh).expect("the specimen can be meshed");
+    let mesh = mesh::build_with(model, &options, &gmsh, &|_| {}).expect("the specimen can be meshed");
     (mesh, outside.into_inner().expect("no run has panicked"))
 }
 

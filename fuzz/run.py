@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs every fuzz target in turn, and keeps a small corpus of each.
+"""Runs every fuzz target, two at a time, and keeps a small corpus of each.
 
     python3 fuzz/run.py --seconds 60          # all targets, a minute each
     python3 fuzz/run.py --seconds 600 hull    # one of them
@@ -9,10 +9,12 @@ Needs cargo-fuzz and the nightly toolchain; without them it says so and ends wit
 """
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 FUZZ = Path(__file__).resolve().parent
@@ -23,9 +25,10 @@ LONGEST = {"saved-model": 30_000}
 
 
 def main() -> int:
-    """Build all targets, then run them one after another."""
+    """Build all targets, then run them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=int, default=60, help="for each target")
+    parser.add_argument("--look", action="store_true", help="leave the corpora as they are: new cases go to fuzz/target/new")
     parser.add_argument("targets", nargs="*", help="all when absent")
     args = parser.parse_args()
     if missing := what_is_missing():
@@ -34,7 +37,11 @@ def main() -> int:
     listed = re.findall(r'^\[\[bin\]\]\nname = "(.*)"', (FUZZ / "Cargo.toml").read_text(encoding="utf-8"), re.MULTILINE)
     if fuzz("build") != 0:
         return 1
-    failed = [name for name in args.targets or listed if not lasts(name, args.seconds)]
+    names = args.targets or listed
+    # Each takes one core.
+    with ThreadPoolExecutor(max_workers=min(2, os.cpu_count() or 1)) as pool:
+        held = list(pool.map(lambda name: lasts(name, args.seconds, args.look), names))
+    failed = [name for name, lasted in zip(names, held, strict=True) if not lasted]
     print(f"failed: {', '.join(failed)}" if failed else "every target held")
     return 1 if failed else 0
 
@@ -53,13 +60,17 @@ def fuzz(verb: str, *words: str) -> int:
     return subprocess.run(command, cwd=FUZZ.parent, check=False).returncode
 
 
-def lasts(name: str, seconds: int) -> bool:
-    """Fuzz one target and trim its corpus; whether it held."""
-    corpus = FUZZ / "corpus" / name
-    corpus.mkdir(parents=True, exist_ok=True)
+def lasts(name: str, seconds: int, look: bool) -> bool:
+    """Fuzz one target and, unless it is a look only, trim its corpus; whether it held."""
+    corpus, new = FUZZ / "corpus" / name, FUZZ / "target" / "new" / name
+    # The first folder gets new cases, the other is read.
+    folders = [new, corpus] if look else [corpus]
+    for folder in folders:
+        folder.mkdir(parents=True, exist_ok=True)
     limits = [f"-max_total_time={seconds}", f"-max_len={LONGEST.get(name, 8000)}", "-timeout=60", "-rss_limit_mb=4096"]
-    held = fuzz("run", name, str(corpus), "--", *limits, "-print_final_stats=1") == 0
-    trim(corpus)
+    held = fuzz("run", name, *map(str, folders), "--", *limits, "-print_final_stats=1") == 0
+    if not look:
+        trim(corpus)
     return held
 
 

@@ -346,7 +346,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[placement]\nmin_gap_mm = 1\n[specimen]\nkind = 'box'\nsize_mm = [150, 150, 31]\nperiodic = ['z']\n[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30",
         "fibres.length_mm",
-        "repeats itself after 30",
+        "is periodic after 30",
     ),
     (
         "[fibres]\nfraction = 0.1\ndiameter_mm = 0.5\nlength_mm = 30",
@@ -361,7 +361,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     (
         "[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30\norientation = { direction = [0, 0, 0], within_degrees = 9 }",
         "fibres.orientation.direction",
-        "it must point somewhere",
+        "it must have a length",
     ),
     (
         "[fibres]\nfraction = 0.01\ndiameter_mm = 0.5\nlength_mm = 30\norientation = { direction = [0, 0, nan], within_degrees = 9 }",

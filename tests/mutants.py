@@ -3,6 +3,7 @@
 
     python3 tests/mutants.py                 # all of them
     python3 tests/mutants.py check hull      # some rooms
+    python3 tests/mutants.py 4 22            # some faults
 
 A fault is an expression in place of the right one where the variable MUTANT of the environment has its number. So all of
 them take one build, of a copy in target/mutants. Each is run against the tests of its room alone, those that
@@ -40,6 +41,7 @@ TESTS = {
     "grading": [("meso-core", "core", ["grading::", "sieve::", "spec::"])],
     "specimens": [("meso-core", "lib", ["packing::specimen"]), ("meso-core", "core", ["specimens::"])],
     "check": [("meso-core", "lib", ["check::"]), ("meso-core", "core", ["check::", "lies::", "inclusions::"])],
+    "solver": [("meso-solve", "lib", []), ("meso-solve", "solve", ["elastic::", "softening::"])],
     "laws": [("meso-solve", "lib", ["law::"]), ("meso-solve", "laws", ["cdp::"])],
 }
 # A run that takes so many times as long as without a fault, and so many seconds more, does not end.
@@ -83,11 +85,11 @@ class Mutant:
 def main() -> int:
     """Build, run, print and enter."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("rooms", nargs="*", help="all when absent")
+    parser.add_argument("rooms", nargs="*", help="or numbers of faults; all when absent")
     args = parser.parse_args()
     mutants = read(ROOT / "tests" / "mutants.txt")
     plant(mutants)
-    chosen = [m for m in mutants if not args.rooms or m.room in args.rooms]
+    chosen = [m for m in mutants if not args.rooms or m.room in args.rooms or str(m.number) in args.rooms]
     binaries = build(chosen)
     usual = {tests: right(tests, binaries) for tests in dict.fromkeys(m.tests for m in chosen)}
     outcomes = entered()

@@ -3,10 +3,10 @@
 
     python3 tests/run.py --quick    the quick tier: formatting, clippy, docs, and the Rust tests of a second or less
     python3 tests/run.py            set up .venv, build the wheel, cargo test, pytest
-    python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel
+    python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel, sanitizers
 
-On two cores the tiers take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built. Each needs
-the standard library alone, and reports at the end which tests failed, and which were skipped and why. The exit code is 0
+On two cores the tiers are meant to take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built.
+Each needs the standard library alone, and reports at the end which tests failed, and which were skipped and why. The exit code is 0
 when every stage passed.
 """
 
@@ -31,7 +31,9 @@ PEERS = {
 }
 
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
-CARGO_TEST = ["cargo", "test", "--workspace", "--exclude", "meso-bench"]
+TESTED = ["--workspace", "--exclude", "meso-bench"]
+# The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
+WATCHED = ["--workspace", "--config", "profile.dev.package.meso-core.debug-assertions=true"]
 
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
@@ -39,11 +41,8 @@ Stage = tuple[str, list[str]]
 # Benches of conforming meshes.
 GMSH_BENCHES = {"against_gmsh", "itz_layer"}
 
-# Benches under criterion, in a package of their own.
-CRITERION_BENCHES = {"solve", "variants"}
-
 # Benches of the Python module; the solvers' leaves out what is not installed.
-PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "solvers.py", "stopping.py"]
+PYTHON_BENCHES = ["images.py", "long_run.py", "mesh_write.py", "overheads.py", "solvers.py", "stopping.py"]
 
 # Subjects of the Rust tests that pack, mesh or solve for more than a second each; the quick tier leaves them out.
 SLOW_SUBJECTS = [
@@ -73,16 +72,16 @@ def main() -> int:
     python = make_venv()
     # Packages come over the network while the compiler works.
     with ThreadPoolExecutor() as beside:
-        if not args.slow:
-            beside.submit(run, "cargo build of the tests", [*CARGO_TEST, "--no-run", "--quiet"], live=False)
+        beside.submit(run, "cargo build of the tests", [*cargo_test(slow=args.slow), "--no-run", "--quiet"], live=False)
         install_packages(python)
-    install_wheel(python)
-    results = in_turn(supply_chain())
+    if not args.slow:
+        must(*wheel(python, "dev"))
+    # The release wheel is linked on one core for minutes, so beside the tests.
+    first = [wheel(python, "release")] if args.slow else []
+    results = in_turn([*supply_chain(), *packaging()])
+    results += side_by_side(rust_stages(slow=args.slow), [*first, *python_stages(python, slow=args.slow)])
     if args.slow:
-        results += in_turn([*rust_stages(slow=True), *python_stages(python, slow=True)])
-        results += in_turn([*bench_stages(python), *watched_stages(python)])
-    else:
-        results += side_by_side(rust_stages(slow=False), python_stages(python, slow=False))
+        results += in_turn([*bench_stages(python), *watched_stages(python), *shipping(python)])
     return summarise(results, time.monotonic() - started)
 
 
@@ -134,12 +133,12 @@ def install_packages(python: Path) -> None:
                 print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
 
 
-def install_wheel(python: Path) -> None:
-    """Install mesocrete as a user gets it."""
-    # The tests' own profile: with debug assertions, and compiled once for Rust and Python.
-    os.environ["MATURIN_PEP517_ARGS"] = "--profile dev"
+def wheel(python: Path, profile: str) -> Stage:
+    """Name the command that installs mesocrete as a user gets it."""
+    # The dev profile is that of the tests, compiled once for Rust and Python; the release profile that of published wheels.
+    os.environ["MATURIN_PEP517_ARGS"] = f"--profile {profile}"
     # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
-    must("the wheel", [*pip(python), "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)])
+    return "the wheel", [*pip(python), "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)]
 
 
 def read_requirements(path: Path) -> list[str]:
@@ -156,7 +155,7 @@ def quick_stages() -> list[Stage]:
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
-        ("quick cargo test", [*CARGO_TEST, "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
+        ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
 
@@ -179,11 +178,50 @@ def supply_chain() -> list[Stage]:
     return found
 
 
+def packaging() -> list[Stage]:
+    """Name the checks of what is published: the crates' archives, and the workflows as far as their linter is to be had."""
+    workspace = ["--workspace", "--exclude", "meso-py", "--exclude", "meso-bench"]
+    found = [("cargo package", ["cargo", "package", "--quiet", "--no-verify", "--allow-dirty", *workspace])]
+    lint = ["actionlint"] if shutil.which("actionlint") else ["go", "run", ACTIONLINT]
+    if shutil.which(lint[0]) and subprocess.run([*lint, "-version"], check=False, capture_output=True).returncode == 0:
+        found.append(("actionlint", lint))
+    else:
+        print("skipped, for want of actionlint, or of Go and its modules to build it: the workflows themselves")
+    return found
+
+
+# Built by Go where the program itself is not installed.
+ACTIONLINT = "github.com/rhysd/actionlint/cmd/actionlint@v1.7.12"
+
+
+def shipping(python: Path) -> list[Stage]:
+    """Name the commands that build the release's wheel and source archive, check them, and install the wheel afresh."""
+    built, clean = ROOT / "target" / "shipped", ROOT / "target" / "clean"
+    shutil.rmtree(built, ignore_errors=True)
+    programs = clean / ("Scripts" if os.name == "nt" else "bin")
+    pip = [str(programs / "python"), "-m", "pip", "--disable-pip-version-check", "install", "--only-binary", ":all:"]
+    stages = [
+        ("release wheel", ["maturin", "build", "--release", "--sdist", "--out", str(built)]),
+        ("an empty environment", [str(python), "-m", "venv", "--clear", str(clean)]),
+        ("install from the wheel", [*pip, "--find-links", str(built), "mesocrete"]),
+        ("the installed command", [str(programs / "mesocrete"), "recipes"]),
+    ]
+    if subprocess.run([str(python), "-c", "import twine"], check=False, capture_output=True).returncode == 0:
+        check = "import glob, sys, twine.__main__ as t; sys.argv = ['twine', 'check', '--strict', *glob.glob(sys.argv[1])]; sys.exit(t.main())"
+        stages.insert(1, ("twine check", [str(python), "-c", check, str(built / "*")]))
+    else:
+        print("skipped, for want of twine: the metadata of wheel and source archive")
+    return stages
+
+
 def rust_stages(*, slow: bool) -> list[Stage]:
     """Name the commands of Rust's tests, in order."""
-    tier = ["--", "--include-ignored"] if slow else []
-    checks = ["--config", "profile.dev.package.meso-core.debug-assertions=true"] if slow else []
-    return [("cargo test", [*CARGO_TEST, "--no-fail-fast", *checks, *tier])]
+    return [("cargo test", [*cargo_test(slow=slow), "--no-fail-fast", *(["--", "--include-ignored"] if slow else [])])]
+
+
+def cargo_test(*, slow: bool) -> list[str]:
+    """Begin the command of Rust's tests."""
+    return ["cargo", "test", *(WATCHED if slow else TESTED)]
 
 
 def python_stages(python: Path, *, slow: bool) -> list[Stage]:
@@ -196,7 +234,7 @@ def python_stages(python: Path, *, slow: bool) -> list[Stage]:
 
 def watched_stages(python: Path) -> list[Stage]:
     """Name what runs under a sanitizer: the fuzz targets, and the tests that pass through `unsafe`."""
-    fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60"])
+    fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60", "--look"])
     if "nightly" not in toolchains():
         print("skipped, for want of nightly Rust (rustup toolchain install nightly): `unsafe` under AddressSanitizer")
         return [fuzzing]
@@ -230,15 +268,11 @@ def toolchains() -> str:
 def bench_stages(python: Path) -> list[Stage]:
     """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
     benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
-    rust = [["cargo", "bench", "--quiet", *package(name.stem), "--bench", name.stem, "--", "--quick"] for name in benches]
+    # In the profile of the tests: whether they run is asked, not how fast, and nothing is compiled again.
+    rust = [["cargo", "bench", "--quiet", "--profile", "dev", *WATCHED, "--bench", name.stem, "--", "--quick"] for name in benches]
     scripts = [[str(python), str(ROOT / "benches" / name), "--quick"] for name in PYTHON_BENCHES]
     named = [(f"bench {name.stem}", command) for name, command in zip(benches, rust, strict=True)]
     return named + [(f"bench {Path(c[1]).stem}", c) for c in scripts]
-
-
-def package(bench: str) -> list[str]:
-    """Name the package of a bench that no plain `cargo bench` finds."""
-    return ["-p", "meso-bench"] if bench in CRITERION_BENCHES else []
 
 
 def has_gmsh() -> bool:

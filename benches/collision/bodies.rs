@@ -79,7 +79,7 @@ impl Grain {
 
     fn new(points: Vec<Vec3>, semi_axes: &Vec3, turn: &Mat3) -> Self {
         let hull: Polyhedron = convex_hull(&points).expect("a solid");
-        let body = Body::on_ellipsoid(&points, semi_axes, turn).with_inside_of(hull.facets());
+        let body = Body::on_ellipsoid(&points, semi_axes, turn).with_inside_of(&hull);
         let corners: Vec<Point<f64>> = points.iter().map(|p| Point::new(p.x, p.y, p.z)).collect();
         let parry = ConvexPolyhedron::from_convex_hull(&corners).expect("a solid");
         let radius = points.iter().map(Vec3::norm).fold(0.0, f64::max);

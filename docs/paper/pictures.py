@@ -24,9 +24,10 @@ def draw(done: list[tuple], out: Path) -> None:
         draw_curves([(case, folder) for case, folder in done if case.group == group], out / f"{group}.png")
     for case, folder in done:
         if case.group == "friction":
-            describe(case.name, folder)
+            frames = read_frames(folder)
+            describe(case.name, frames)
             if case.seed == 1:
-                draw_sections(case.label, folder, out / f"damage-{case.label}.png")
+                draw_sections(case.label, frames, out / f"damage-{case.label}.png")
 
 
 def read_curve(folder: Path) -> tuple[list[float], list[float]]:
@@ -63,6 +64,15 @@ def frames_at_points(folder: Path) -> dict[str, str]:
     return {p: min(frames, key=lambda frame: abs(frame["strain"] - x))["file"] for p, x in wanted.items()}
 
 
+def read_frames(folder: Path) -> dict:
+    """Read the frames at the points A to E, by their points; a frame at two points is read once."""
+    import pyvista
+
+    files = frames_at_points(folder)
+    meshes = {file: pyvista.read(folder / file) for file in dict.fromkeys(files.values())}
+    return {point: meshes[file] for point, file in files.items()}
+
+
 def index_at(stress: list[float], peak: int, share: float, side: str) -> int:
     """Where the curve first reaches a share of its peak on that side; the end where it never falls so far."""
     if side == "before":
@@ -70,14 +80,12 @@ def index_at(stress: list[float], peak: int, share: float, side: str) -> int:
     return next((i for i in range(peak, len(stress)) if stress[i] <= share * stress[peak]), len(stress) - 1)
 
 
-def draw_sections(label: str, folder: Path, path: Path) -> None:
+def draw_sections(label: str, frames: dict, path: Path) -> None:
     """Damage at half depth at the points A to E, and the least principal stress of the aggregates at D and E."""
-    import pyvista
-
     figure, axes = pyplot.subplots(1, len(POINTS) + len(STRESSED), figsize=(19, 3.1), layout="constrained")
     stressed = iter(axes[len(POINTS) :])
-    for axis, (point, file) in zip(axes, frames_at_points(folder).items(), strict=False):
-        cut = pyvista.read(folder / file).slice(normal="y").triangulate()
+    for axis, (point, mesh) in zip(axes, frames.items(), strict=False):
+        cut = mesh.slice(normal="y").triangulate()
         aggregate = cut["phase"] == AGGREGATE
         paint(axis, cut, np.where(aggregate, np.nan, cut["damage"]), cmap="inferno_r", vmin=0, vmax=1)
         axis.set(title=point)
@@ -107,13 +115,10 @@ def least_principal(tensors: Iterable) -> np.ndarray:
     return np.linalg.eigvalsh(np.stack(rows, -2))[:, 0]
 
 
-def describe(name: str, folder: Path) -> None:
+def describe(name: str, frames: dict) -> None:
     """Print how much is damaged near the plates and between at the end, and what stress the aggregates carry."""
-    import pyvista
-
-    frames = frames_at_points(folder)
     for point in "CDE":
-        mesh = pyvista.read(folder / frames[point])
+        mesh = frames[point]
         least = least_principal(mesh["stress_mpa"][mesh["phase"] == AGGREGATE])
         percentiles = ", ".join(f"{np.percentile(least, p):.0f}" for p in (1, 50, 99))
         print(f"{name}: least principal stress in the aggregates at {point}, percentiles 1, 50, 99: {percentiles} MPa")

@@ -66,7 +66,7 @@ fn every_wrong_flag_exits_with_2_and_names_the_flag() {
         (&["pack", "-o", "a.json", "-o", "./a.json"], "asked for twice"),
         (&["pack", "a.toml", "b.toml"], "b.toml"),
         (&["pack", "rve-60"], "rve-60 is a recipe and no file; write it first: mesocrete init rve-60"),
-        (&["pack", "small.json"], "small.json: line 1: this is JSON, not TOML; a saved model is packed already"),
+        (&["pack", "small.json"], "small.json: line 1: this is JSON, not TOML; a saved model needs no packing"),
         (&["pack", "."], ". is a directory; name a file, or - for standard input"),
         (&["mesh"], "--output"),
         (&["mesh", "small.json", "-o", "small.stl"], "small.stl: unknown mesh format"),
@@ -166,7 +166,7 @@ fn a_pipe_that_a_spec_names_is_not_waited_for() {
     folder.write("pipe.toml", "specimen = { kind = 'mesh', file = 'pipe.stl' }");
     let run = folder.run(&["pack", "pipe.toml"]);
     let names = ["pipe.stl".into(), "pipe.toml".into()];
-    assert_refused(&folder, &names, &run, 2, "pipe.stl is no regular file", "a FIFO that a spec names");
+    assert_refused(&folder, &names, &run, 2, "pipe.stl is not a regular file", "a FIFO that a spec names");
 }
 
 #[test]

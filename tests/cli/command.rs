@@ -12,6 +12,17 @@ pub(crate) const SMALL: &str = "fraction = 0.3\nspecimen = { kind = 'cube', side
 /// An empty folder, and the command in it.
 pub(crate) struct Folder(TempDir);
 
+/// Refuses a page that loads anything or shows a value that is not finite. Pictures and the block to turn are left out: their
+/// data may have any letters.
+pub(crate) fn assert_whole(page: &str) {
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    let words = page.split_inclusive(|c: char| !(c.is_ascii_alphanumeric() || "+/=".contains(c)));
+    let text: String = words.filter(|word| word.len() < 100).collect();
+    for foreign in ["http", "@import", "<link", "src=\"/", "NaN", "inf\"", "Infinity"] {
+        assert!(!text.contains(foreign), "the page has {foreign:?}");
+    }
+}
+
 /// What a run left behind.
 pub(crate) struct Run {
     pub(crate) code: i32,

@@ -40,7 +40,7 @@ pub(crate) fn with_options(model: &Model, options: MeshOptions) -> Option<Mesh> 
         conforming @ Method::Conforming { .. } => conforming,
         _ => Method::CONFORMING,
     };
-    Some(mesh::build_with(model, &MeshOptions { method, ..options }, &Gmsh::program("gmsh")).unwrap())
+    Some(mesh::build_with(model, &MeshOptions { method, ..options }, &Gmsh::program("gmsh"), &|_| {}).unwrap())
 }
 
 #[test]
@@ -142,8 +142,9 @@ fn assert_coarse_elements_end(side_mm: f64) {
 #[test]
 fn aggregates_that_nearly_touch_are_named_at_once_with_the_remedy() {
     let (model, options) = (packed(0.0), MeshOptions { method: Method::CONFORMING, ..Default::default() });
-    let error =
-        mesh::build_with(&model, &options, &|_: &Surfaces| panic!("gmsh must not be asked")).unwrap_err().to_string();
+    let error = mesh::build_with(&model, &options, &|_: &Surfaces| panic!("gmsh must not be asked"), &|_| {})
+        .unwrap_err()
+        .to_string();
     assert!(error.starts_with("aggregate ") && error.contains("too close for a conforming mesh"), "{error}");
     assert!(error.contains("min_gap_mm = 0.05 and wall_gap_mm = 0.05 or more under [placement]"), "{error}");
 }

@@ -34,6 +34,23 @@ fn one_command_gives_a_compression_deck_of_a_lattice_that_packing_and_meshing_in
 }
 
 #[test]
+fn the_element_size_is_found_under_its_usual_names() {
+    let folder = Folder::with_model();
+    for (i, flag) in ["--element-size-mm", "--element-size", "--mesh-size", "--size", "--h"].into_iter().enumerate() {
+        let name = format!("{i}.inp");
+        let run = folder.run(&["mesh", "small.json", "-o", &name, flag, "4", "--itz", "none"]);
+        assert_eq!(run.code, 0, "{flag}: {}", run.stderr);
+        assert!(folder.read(&name) == folder.read("0.inp"), "{flag}");
+    }
+    for (i, flag) in ["--voxel-size-mm", "--voxel-size", "--size", "--h"].into_iter().enumerate() {
+        let name = format!("{i}.npy");
+        let run = folder.run(&["image", "small.json", "-o", &name, flag, "4"]);
+        assert_eq!(run.code, 0, "{flag}: {}", run.stderr);
+        assert!(folder.read(&name) == folder.read("0.npy"), "{flag}");
+    }
+}
+
+#[test]
 fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
     let folder = Folder::with_spec();
     let flags = ["--analysis", "compression", "--element-size-mm", "2", "--summary-json", "s.json"];
@@ -183,7 +200,7 @@ fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
     assert_eq!(said.len(), 2, "{}", run.stderr);
     assert_eq!(said[0], "warning: --analysis has no effect: no .inp is written");
     let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp"][..], &flags].concat());
-    let said = "warning: --analysis is only for decks that hold more than geometry, and does nothing here\n";
+    let said = "warning: --analysis is only for decks that hold more than geometry, and has no effect here\n";
     assert_eq!((run.code, run.stderr.as_str()), (0, said));
 }
 
@@ -227,7 +244,7 @@ fn flags_of_other_methods_and_analyses_are_missed_aloud() {
         (&["--frames", "9", "--analysis", "elastic"], "--frames is only for --analysis compression and tension"),
     ] {
         let run = folder.run(&[&mesh[..], flags].concat());
-        assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and does nothing here\n")), "{flags:?}");
+        assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and has no effect here\n")), "{flags:?}");
     }
     let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
     let mesh =

@@ -15,7 +15,7 @@ fn refused(run: &Run) {
         "error: the ITZ takes ",
         " of the specimen in the mesh and ",
         " %, where 10 % are accepted; take a smaller element_size_mm, the method lattice or conforming, or itz none; \
-         --accept-phase-error goes on with it\n",
+         --accept-phase-error accepts it\n",
     ];
     said.into_iter().for_each(|part| assert!(run.stderr.contains(part), "{}", run.stderr));
 }

@@ -144,10 +144,7 @@ fn wrong_studies_are_refused_before_the_work() {
         ("recipe = 'rve-61'\n", "STUDY.toml: there is no recipe \"rve-61\""),
         ("[over]\nmesh.itz = ['none']\n", "over.mesh.itz changes [mesh], which is not there"),
         ("[mesh]\nitz = 'none'\n", "STUDY.toml: [mesh] the following required arguments were not provided"),
-        (
-            "[mesh]\noutput = 'a.inp'\nelement-size = 3\n",
-            "STUDY.toml: [mesh] unexpected argument '--element-size' found",
-        ),
+        ("[mesh]\noutput = 'a.inp'\nelements = 3\n", "STUDY.toml: [mesh] unexpected argument '--elements' found"),
         ("[mesh]\noutput = '../a.inp'\n", "[mesh] output has \"../a.inp\"; it must be the name of a file"),
         ("[solve]\nresume = true\n", "[solve] resume is set by the study; remove it"),
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
@@ -162,7 +159,6 @@ fn wrong_studies_are_refused_before_the_work() {
 }
 
 #[test]
-#[ignore = "slow tier: six tests of a cylinder"]
 fn tests_of_a_study_are_in_the_table() {
     let study = "recipe = 'paper-compression'\n".to_owned()
         + "[solve]\nelement-size-mm = 6\nframes = 1\nstrain = 0.001\n\

@@ -2,7 +2,7 @@
 
 use super::families::{self, Dice};
 use super::reference;
-use meso_core::gjk::{self, Method};
+use meso_core::gjk::{self, Method, Verdict};
 use meso_core::math::Vec3;
 
 #[test]
@@ -17,6 +17,20 @@ fn every_answer_is_the_exact_one_in_every_family() {
                 assert_eq!(answer, truth, "{name}, seed {seed}, {method:?}\na = {a:?}\nb = {b:?}");
             }
         }
+    }
+}
+
+#[test]
+fn every_search_proves_its_answers_about_ordinary_pairs_itself() {
+    for method in [Method::Enhanced, Method::Classical, Method::SignedVolumes] {
+        let is_left_open = |seed: &u64| {
+            let (a, b) = families::random_bodies(&mut Dice::new(*seed));
+            let (Verdict::Separated { is_exact, .. } | Verdict::Intersecting { is_exact, .. }) =
+                method.verdict(&a, &b).unwrap();
+            is_exact
+        };
+        let open: Vec<u64> = (0..3000).filter(is_left_open).collect();
+        assert_eq!(open, [0; 0], "{method:?}");
     }
 }
 

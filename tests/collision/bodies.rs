@@ -39,6 +39,23 @@ fn bodies_overlap_as_their_points_do_and_the_hit_rate_is_fair() {
 }
 
 #[test]
+fn bodies_nearer_than_the_gap_or_beyond_it_need_no_exact_arithmetic() {
+    let (mut counters, mut nearer) = (Counters::default(), 0);
+    for seed in 0..1000 {
+        let ([a, b], x) = pair(&mut Dice::new(seed));
+        let distance = gjk::distance(&a, &placed(&b, &x)).unwrap();
+        let (a, b) = (Body::new(&a), Body::new(&b));
+        for gap in [0.5 * distance, 1.5 * distance, distance + 1.0] {
+            let axis = counters.apart(&a, &b, &x, gap, None);
+            assert_eq!(axis.is_some(), gap < distance, "seed {seed}");
+            nearer += u32::from(axis.is_none() && distance > 0.0);
+        }
+    }
+    assert_eq!(counters.exact_calls, 0);
+    assert!(nearer > 500, "{nearer}");
+}
+
+#[test]
 fn an_axis_is_found_exactly_when_the_distance_exceeds_the_gap() {
     for seed in 0..500 {
         let ([a, b], x) = pair(&mut Dice::new(seed));
@@ -66,7 +83,7 @@ fn a_body_that_does_not_hold_its_frames_origin_is_not_taken_to() {
         corners.map(|p| p - Vec3::repeat(0.5) + at * Vec3::x()).collect()
     };
     let (left, right, middle) = (Body::new(&cube(-5.0)), Body::new(&cube(5.0)), cube(0.0));
-    let middle = Body::new(&middle).with_inside_of(convex_hull(&middle).unwrap().facets());
+    let middle = Body::new(&middle).with_inside_of(&convex_hull(&middle).unwrap());
     assert_eq!((left.inradius(), middle.inradius() > 0.4), (0.0, true));
     let zero = Vec3::zeros();
     for (a, b) in [(&left, &right), (&right, &middle), (&middle, &left)] {

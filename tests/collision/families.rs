@@ -86,7 +86,7 @@ fn moved(points: &[Vec3], by: &Vec3) -> Vec<Vec3> {
     points.iter().map(|p| p + by).collect()
 }
 
-fn random_bodies(dice: &mut Dice) -> Pair {
+pub(super) fn random_bodies(dice: &mut Dice) -> Pair {
     let n = 4 + dice.below(27) as usize;
     let (a, b) = (dice.body(n, 1.0), dice.body(24, 1.0));
     let x = dice.direction() * (2.2 * dice.unit());

@@ -2,7 +2,7 @@
 
 use super::families::{self, Dice};
 use super::reference;
-use meso_core::gjk::{self, GjkError, Method, Operand, Proof, Verdict};
+use meso_core::gjk::{self, GjkError, Method, Operand, Verdict};
 use meso_core::math::Vec3;
 
 type Map = fn(&[Vec3]) -> Vec<Vec3>;
@@ -51,13 +51,13 @@ fn a_separating_direction_separates_and_overlap_points_belong_to_the_bodies() {
         for seed in 0..40 {
             let (a, b) = family(&mut Dice::new(3000 + seed));
             match Method::default().verdict(&a, &b).unwrap() {
-                Verdict::Separated { direction, proof: Proof::Margin } => {
+                Verdict::Separated { direction, is_exact: false } => {
                     let height = |p: &Vec3| (p - a[0]).dot(&direction);
                     let top = a.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
                     let bottom = b.iter().map(height).fold(f64::INFINITY, f64::min);
                     assert!(top < bottom, "{name}, seed {seed}: {top:e} {bottom:e}");
                 }
-                Verdict::Separated { direction, proof: Proof::Exact } => assert!(direction.norm() > 0.0),
+                Verdict::Separated { direction, is_exact: true } => assert!(direction.norm() > 0.0),
                 Verdict::Intersecting { points, .. } => {
                     let pairs: (Vec<Vec3>, Vec<Vec3>) = points.iter().map(|&(i, j)| (a[i], b[j])).unzip();
                     assert!(!pairs.0.is_empty() && gjk::intersects(&pairs.0, &pairs.1).unwrap(), "{name}, seed {seed}");

@@ -92,6 +92,15 @@ fn a_body_too_near_its_own_image_is_found() {
 }
 
 #[test]
+fn a_body_that_is_farther_from_a_periodic_box_than_half_its_length_is_found() {
+    for (x, is_found) in [(-4.0, false), (-4.1, true), (73.0, false), (150.0, false), (150.1, true), (298.0, true)] {
+        let mut model = sound(vec![cube(x, 20.0, 20.0)]);
+        model.spec.specimen = Specimen::Cube { side_mm: 150.0, periodic: Periodic([true, false, false]) };
+        assert_eq!(findings(&model) == [Finding::Outside { aggregate: 0 }], is_found, "{x}: {:?}", findings(&model));
+    }
+}
+
+#[test]
 fn one_ulp_outside_the_specimen_is_found() {
     let model = sound(vec![cube(0.0, 0.0, 146.0), box_body([50.0; 3], [53.0, 54.0, 150f64.next_up()])]);
     assert!(findings(&model).contains(&Finding::Outside { aggregate: 1 }));

@@ -25,7 +25,7 @@ fn packed(axes: [bool; 3]) -> Model {
 /// `None` without gmsh.
 fn meshed(model: &Model, options: MeshOptions) -> Option<Mesh> {
     let no_gmsh = |error: MeshError| eprintln!("skipped: no `gmsh` here (Debian: gmsh): {error}");
-    mesh::build_with(model, &options, &gmsh).map_err(no_gmsh).ok()
+    mesh::build_with(model, &options, &gmsh, &|_| {}).map_err(no_gmsh).ok()
 }
 
 fn conforming(model: &Model, itz: ItzForm, element_size_mm: f64) -> Option<Mesh> {

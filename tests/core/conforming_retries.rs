@@ -18,7 +18,7 @@ fn asked(error: impl Fn() -> MeshError + Sync) -> (MeshError, Vec<f64>) {
         Err(error())
     };
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm: 5.0, ..Default::default() };
-    let error = mesh::build_with(&model, &options, &gmsh).unwrap_err();
+    let error = mesh::build_with(&model, &options, &gmsh, &|_| {}).unwrap_err();
     (error, sizes.into_inner().unwrap())
 }
 

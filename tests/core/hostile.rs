@@ -140,10 +140,10 @@ fn mutated_files_and_bodies_break_nothing() {
 }
 
 #[test]
-#[ignore = "slow: half a minute for each target"]
-fn slow_mutated_files_and_bodies_break_nothing_for_half_a_minute() {
+#[ignore = "slow: ten seconds for each target; the fuzz targets get a minute"]
+fn slow_mutated_files_and_bodies_break_nothing_for_ten_seconds() {
     for target in TARGETS {
         let start = Instant::now();
-        feed(target, |_| start.elapsed() > Duration::from_secs(30));
+        feed(target, |_| start.elapsed() > Duration::from_secs(10));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
 use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
-use meso_core::geometry::{Face, HullError, Polyhedron, convex_hull};
+use meso_core::geometry::{Face, HullError, Plane, Polyhedron, convex_hull};
 use meso_core::math::Vec3;
 use meso_core::testing::HullBuilder;
 use num_bigint::BigInt;
@@ -231,15 +231,17 @@ fn planes_and_areas_are_those_of_the_faces_one_by_one() {
     let mut source = Source::new(12);
     for vertices in [4, 7, 24, 30, 300] {
         let hull = convex_hull(&source.grain(vertices)).unwrap();
-        let facets = hull.facets();
-        assert_eq!(facets.len(), hull.faces().len());
-        for (facet, face) in facets.iter().zip(hull.faces()) {
+        let planes: Vec<Plane> = hull.planes().collect();
+        assert_eq!(planes.len(), hull.faces().len());
+        let mut area = 0.0;
+        for (plane, face) in planes.iter().zip(hull.faces()) {
             let [a, b, c] = [0, 1, 2].map(|k| hull.vertices()[face.vertex(k) as usize]);
             let normal = (b - a).cross(&(c - a));
-            assert!((facet.area - normal.norm() / 2.0).abs() <= 1e-14 * facet.area);
-            assert!((facet.plane.normal - normal.normalize()).norm() < 1e-14);
-            assert!([a, b, c].iter().all(|corner| facet.plane.normal.dot(corner) <= facet.plane.offset));
+            area += normal.norm() / 2.0;
+            assert!((plane.normal - normal.normalize()).norm() < 1e-14);
+            assert!([a, b, c].iter().all(|corner| plane.normal.dot(corner) <= plane.offset));
         }
+        assert!((hull.area() - area).abs() <= 1e-13 * area);
     }
 }
 

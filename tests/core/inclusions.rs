@@ -5,7 +5,8 @@ use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::check::{Finding, check};
 use meso_core::export::abaqus;
 use meso_core::formats::{Format, Surfaces};
-use meso_core::math::longest_distance;
+use meso_core::geometry::Polyhedron;
+use meso_core::math::{Vec3, longest_distance};
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes};
 use meso_core::packing::{Images, StopReason};
 use meso_core::statistics::{Options, Statistics};
@@ -223,6 +224,20 @@ fn a_file_without_a_report_gets_the_figures_of_its_phases() {
     assert_eq!(saved::read(tree.to_string().as_bytes()).unwrap().report.phases, model.report.phases);
 }
 
+/// A fibre of a share of its thickness and as much longer as it takes to keep its diagonals.
+fn slimmer(fibre: &Polyhedron, share: f64) -> Polyhedron {
+    let middle = fibre.mass_properties().centroid;
+    let arms = || fibre.vertices().iter().map(|v| v - middle);
+    let longest = arms().max_by(|p, q| p.norm().total_cmp(&q.norm())).unwrap();
+    let axis = arms().map(|arm| arm * arm.dot(&longest).signum()).sum::<Vec3>().normalize();
+    let (along, across) = (longest.dot(&axis), (longest - axis * longest.dot(&axis)).norm());
+    let stretch = (along * along + across * across * (1.0 - share * share)).sqrt() / along;
+    fibre.mapped(|v| {
+        let (arm, part) = (v - middle, axis * axis.dot(&(v - middle)));
+        middle + part * stretch + (arm - part) * share
+    })
+}
+
 #[test]
 fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
     let good = both();
@@ -253,6 +268,8 @@ fn the_check_finds_what_is_wrong_with_a_void_or_a_fibre() {
     });
     let id = good.inclusions[void].id;
     assert!(swollen.iter().any(|f| matches!(f, Finding::Shape { body, .. } if *body == id)), "{swollen:?}");
+    let slimmer = found(&|m| m.inclusions[fibre].body = slimmer(&m.inclusions[fibre].body, 0.9));
+    assert!(slimmer.iter().any(shape), "{slimmer:?}");
     let fewer = found(&|m| drop(m.inclusions.pop()));
     let report = |finding: &Finding| matches!(finding, Finding::Report { .. });
     assert!(fewer.iter().all(report) && fewer.iter().any(|f| f.to_string().contains("fibres lack")), "{fewer:?}");

@@ -1,6 +1,6 @@
 //! Lies in a saved model: each is refused by the reader or found by the check.
 
-use meso_core::check::check;
+use meso_core::check::{Finding, check};
 use meso_core::spec::Spec;
 use meso_core::{Silent, pack, saved};
 use serde_json::{Value, json};
@@ -265,7 +265,33 @@ fn is_said(file: &Value, part: &str) -> bool {
 fn a_report_that_is_gone_is_named_as_such() {
     let mut file = honest();
     drop_key(&mut file, "report");
-    assert!(is_said(&file, "the file has none"));
+    assert!(is_said(&file, "the file has no report"));
+}
+
+#[test]
+fn a_body_larger_by_a_millionth_is_no_grain_of_the_spec() {
+    let mut file = honest();
+    let vertices = file["aggregates"][0]["vertices"].as_array_mut().unwrap();
+    let middle = [0, 1, 2]
+        .map(|k| vertices.iter().map(|vertex| vertex[k].as_f64().unwrap()).sum::<f64>() / vertices.len() as f64);
+    for vertex in vertices {
+        for (k, middle) in middle.iter().enumerate() {
+            vertex[k] = json!(middle + (vertex[k].as_f64().unwrap() - middle) * (1.0 + 1e-6));
+        }
+    }
+    assert!(is_said(&file, "body 0 is none of the grains") && !is_said(&file, "body 1 is none of the grains"));
+}
+
+#[test]
+fn a_grain_that_lies_in_two_places_was_taken_once() {
+    let mut model = saved::read(honest().to_string().as_bytes()).unwrap();
+    model.inclusions.clear();
+    let mut copy = model.aggregates[0].clone();
+    copy.id = model.aggregates.len() as u32;
+    let twice = Finding::NotTaken { body: copy.id };
+    assert!(!check(&model).findings.contains(&twice));
+    model.aggregates.push(copy);
+    assert!(check(&model).findings.contains(&twice));
 }
 
 #[test]

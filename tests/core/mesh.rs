@@ -1,7 +1,6 @@
 //! Voxel meshes and what decks say of them.
 
 use meso_core::aggregate::{Aggregate, Kind};
-use meso_core::export::vtk::Encoding;
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::{Plane, Polyhedron};
 use meso_core::math::{Rotation, Vec3};
@@ -179,7 +178,7 @@ fn a_geometry_only_deck_has_no_material() {
 fn a_vtu_declares_where_every_array_starts() {
     let mesh = two_voxels();
     let mut out = Vec::new();
-    vtu_mesh::write(&mesh, Encoding::Raw, &mut out).unwrap();
+    vtu_mesh::write(&mesh, false, &mut out).unwrap();
     let start = 1 + out.windows(2).position(|w| w == b"\n_").unwrap() + 1;
     let head = String::from_utf8_lossy(&out[..start]).into_owned();
     let offsets: Vec<usize> =

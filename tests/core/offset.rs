@@ -307,6 +307,47 @@ fn an_octahedron_keeps_its_six_vertices() {
 }
 
 #[test]
+fn an_octahedron_is_right_when_1e30ths_of_it_are_left() {
+    // |x| + |y| + |z| <= p, moved inwards by q. By Pell's equation, p^2 - 3 q^2 = 1, what is left of p is
+    // p - sqrt(3) q = 1 / (p + sqrt(3) q).
+    let (mut p, mut q) = (2_u64, 1_u64);
+    while p < 1 << 51 {
+        let reach = p as f64;
+        let corners: Vec<Vec3> = (0..3).flat_map(|i| [reach, -reach].map(|x| Vec3::ith(i, x))).collect();
+        let core = convex_hull(&corners).unwrap().inward_offset(q as f64).unwrap().expect("something is left");
+        let left = 1.0 / (reach + 3_f64.sqrt() * q as f64);
+        assert!((core.volume() / (4.0 / 3.0 * left.powi(3)) - 1.0).abs() < 1e-14, "{p}: {:e}", core.volume());
+        assert_eq!((core.vertices().len(), core.faces().len()), (6, 8));
+        (p, q) = (2 * p + 3 * q, p + 2 * q);
+    }
+}
+
+#[test]
+fn what_is_left_far_from_the_origin_is_shown_by_its_vertices_or_refused() {
+    let turn = Source::new(37).rotation();
+    let corners = (0..3).flat_map(|i| [1.0, -1.0].map(|x| turn * Vec3::ith(i, x) + Vec3::repeat(1e6)));
+    let body = convex_hull(&corners.collect::<Vec<_>>()).unwrap();
+    let radius = body.inscribed_ball().radius;
+    let (mut shown, mut refused) = (0, 0);
+    for left in (8..50).map(|power| 0.75 * 0.5_f64.powi(power)) {
+        match body.inward_offset(radius * (1.0 - left)) {
+            Ok(Some(core)) => {
+                let at = |i: u32| core.vertices()[i as usize] - core.vertices()[0];
+                let six: f64 = core.triangles().map(|[a, b, c]| at(a).dot(&at(b).cross(&at(c)))).sum();
+                assert!((six / 6.0 / core.volume() - 1.0).abs() < 1e-2, "{left:e}: {six:e} / 6, {:e}", core.volume());
+                shown += 1;
+            }
+            Ok(None) => {}
+            Err(error) => {
+                assert!(matches!(error, OffsetError::IllConditioned { .. }), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(shown > 5 && refused > 5, "{shown} shown, {refused} refused");
+}
+
+#[test]
 fn a_shrunk_cube_is_a_cube() {
     let body = convex_hull(&block([1.0; 3])).unwrap();
     for thickness in [0.0, 0.1, 0.25, 0.9, 0.999] {

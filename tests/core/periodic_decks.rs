@@ -2,7 +2,7 @@
 
 use crate::calculix::{hashin_shtrikman, warnings};
 use crate::mesh::{aggregate, block, deck};
-use meso_core::aggregate::Grading;
+use meso_core::aggregate::{Aggregate, Grading, Kind};
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::{Aabb, Vec3};
@@ -258,6 +258,34 @@ fn one_material_has_its_own_modulus_and_the_strain_is_the_same_all_over() {
     for (p, u) in mesh.points.iter().zip(solved.displacement.values()) {
         let exact = (p - corner).component_mul(&Vec3::new(lateral, lateral, -STRAIN));
         assert!((u - exact).norm() < 1e-6 * STRAIN * SIDE_MM, "{u} at {p}, not {exact}");
+    }
+}
+
+/// A cube of voxels with a void of a third of its edge, whose lower corner lies there.
+fn with_a_void(corner: [f64; 3]) -> Mesh {
+    let body = block(corner, corner.map(|x| x + SIDE_MM / 3.0));
+    let void = Aggregate { kind: Kind::Void, ..aggregate(0, body, 0.0) };
+    let specimen = Specimen::Cube { side_mm: SIDE_MM, periodic: Periodic::ALL };
+    let options = MeshOptions { element_size_mm: SIDE_MM / 6.0, itz: ItzForm::None, ..Default::default() };
+    mesh::build_parts(&[void], &specimen, &options).unwrap()
+}
+
+#[test]
+fn a_box_is_as_stiff_where_its_void_ends_at_faces_edges_and_a_corner_as_with_the_void_in_the_middle() {
+    let middle = with_a_void([8.0; 3]);
+    assert_eq!(middle.cell_count(), 216 - 8);
+    let middle = solve(&middle, Materials::default()).map(|solved| modulus(&solved));
+    // Elsewhere some nodes have none opposite to them, and in a corner no image of a node lies on the lower faces alone.
+    for corner in [[16.0, 8.0, 8.0], [0.0, 8.0, 8.0], [16.0, 0.0, 8.0], [0.0; 3], [16.0; 3]] {
+        let mesh = with_a_void(corner);
+        assert_eq!(mesh.cell_count(), 216 - 8);
+        let equations = equations(&deck(&mesh, &tied(Analysis::Elastic)));
+        let eliminated: BTreeSet<_> = equations.iter().map(|terms| (terms[0].0, terms[0].1)).collect();
+        assert_eq!(eliminated.len(), equations.len(), "{corner:?}");
+        let modulus = solve(&mesh, Materials::default()).map(|solved| modulus(&solved));
+        if let (Some(modulus), Some(middle)) = (modulus, middle) {
+            assert!((modulus / middle - 1.0).abs() < 2e-6, "{corner:?}: {modulus} {middle}");
+        }
     }
 }
 

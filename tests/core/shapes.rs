@@ -132,7 +132,7 @@ fn what_is_no_convex_grain_is_rejected_by_name() {
     let open = dented.replacen("facet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "outer loop\nvertex 0 0 1\n", 1);
     let beyond = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,1,9]]}]";
     for (name, bytes, part) in [
-        ("dented.stl", dented.as_bytes(), "dented.stl: it is not convex: its surface holds 50.0 % of its hull"),
+        ("dented.stl", dented.as_bytes(), "dented.stl: it is not convex: it fills 50.0 % of its hull"),
         ("open.stl", open.as_bytes(), "open.stl: its surface is open"),
         ("short.stl", &cube[..600], "short.stl: this is not an STL file"),
         ("empty.stl", b"solid empty\nendsolid empty\n", "empty.stl: it has no triangles"),

@@ -1,7 +1,7 @@
 //! What a SPEC.toml may say, and what is answered where it may not.
 
 use crate::bad_specs::REJECTED;
-use meso_core::spec::{Spec, SpecErrorKind};
+use meso_core::spec::Spec;
 use meso_core::{Silent, pack};
 
 #[test]
@@ -50,12 +50,9 @@ fn errors_name_the_line() {
 
 #[test]
 fn wrong_types_and_wrong_values_are_told_apart() {
-    let kind = |text| Spec::from_toml(text).unwrap_err().kind;
-    assert_eq!(kind("fraction = 'x'"), SpecErrorKind::WrongType);
-    assert_eq!(kind("fraction = 2"), SpecErrorKind::Value);
-    assert_eq!(kind("seed = -1"), SpecErrorKind::Value);
-    assert_eq!(kind("sed = 1"), SpecErrorKind::UnknownKey);
-    assert_eq!(kind("seed 1"), SpecErrorKind::Syntax);
+    let is_wrong_type = |text| Spec::from_toml(text).unwrap_err().is_wrong_type;
+    assert!(is_wrong_type("fraction = 'x'"));
+    assert!(["fraction = 2", "seed = -1", "sed = 1", "seed 1"].into_iter().all(|text| !is_wrong_type(text)));
 }
 
 #[test]
@@ -121,8 +118,8 @@ fn a_target_beyond_reach_is_doubted_before_the_work() {
     assert_eq!(doubt(0.50, paper, "min_gap_mm = 0.5"), None);
     assert_eq!(doubt(0.72, "kind = 'cube', side_mm = 60, periodic = ['x', 'y', 'z']", ""), None);
     for (fraction, specimen, placement, part) in [
-        (0.85, paper, "", "0.85 is more than this strategy was measured to reach, 0.70"),
-        (0.65, "kind = 'cube', side_mm = 40", "", "0.65 is more than this strategy was measured to reach, 0.61"),
+        (0.85, paper, "", "0.85 is more than this strategy reached in tests, 0.70"),
+        (0.65, "kind = 'cube', side_mm = 40", "", "0.65 is more than this strategy reached in tests, 0.61"),
         (0.60, paper, "min_gap_mm = 1", "0.6 with its gaps is as dense as 0.89 without"),
         (0.45, paper, "attempts = 100", "give more attempts, or take the strategy rearrange"),
         (0.45, paper, "strategy = 'rearrange'\nattempts = 100", "attempts count for the strategy take-and-place alone"),

@@ -26,7 +26,7 @@ fn packed(spec: &str) -> Model {
 
 fn image(model: &Model, options: ImageOptions) -> (VoxelImage, Values) {
     let image = VoxelImage::new(model, &options).unwrap();
-    let layers = image.frame().counts[2];
+    let layers = image.counts()[2];
     let values = image.layers(0..layers);
     (image, values)
 }
@@ -37,10 +37,9 @@ fn height(body: &Aggregate, x: &Vec3) -> f64 {
 }
 
 /// Every voxel's centre, in the order of the array.
-fn centres(image: &VoxelImage) -> Vec<Vec3> {
-    let frame = image.frame();
-    let [nx, ny, nz] = frame.counts;
-    let at = |i: usize, axis: usize| frame.corner_mm[axis] + (i as f64 + 0.5) * frame.voxel_size_mm;
+fn centres(image: &VoxelImage, h: f64) -> Vec<Vec3> {
+    let [nx, ny, nz] = image.counts();
+    let at = |i: usize, axis: usize| image.corner_mm()[axis] + (i as f64 + 0.5) * h;
     let voxels = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (i, j, k))));
     voxels.map(|(i, j, k)| Vec3::new(at(i, 0), at(j, 1), at(k, 2))).collect()
 }
@@ -78,7 +77,7 @@ fn every_voxel_has_the_phase_and_the_grain_of_the_half_spaces_around_its_centre(
         let (_, Values::Id(grains)) = image(&model, ImageOptions { quantity: Quantity::Grain, ..options }) else {
             panic!("grains are ids")
         };
-        for (number, centre) in centres(&frame).iter().enumerate() {
+        for (number, centre) in centres(&frame, options.voxel_size_mm).iter().enumerate() {
             let expected = look(&*container, &shown, centre);
             assert_eq!((phases[number], grains[number]), expected, "at {centre} of {spec}");
         }
@@ -116,7 +115,7 @@ fn distances_are_those_of_the_nearest_body_and_negative_inside() {
         let (frame, Values::Real(distances)) = image(&model, options) else { panic!("distances are reals") };
         let (period, container) = (model.spec.specimen.period(), model.spec.specimen.container());
         let mut inside = 0;
-        for (centre, distance) in centres(&frame).iter().zip(distances) {
+        for (centre, distance) in centres(&frame, options.voxel_size_mm).iter().zip(distances) {
             if !container.contains(centre) {
                 assert!(distance.is_nan());
                 continue;
@@ -147,13 +146,13 @@ fn a_box_and_a_section_are_parts_of_the_whole() {
     let (boxed, Values::Label(values)) = image(&model, ImageOptions { region: part, ..options }) else {
         panic!("phases are labels")
     };
-    assert_eq!(boxed.frame().counts, [5, 12, 10]);
+    assert_eq!(boxed.counts(), [5, 12, 10]);
     let at = |i: usize, j: usize, k: usize| whole[(k * 30 + j) * 30 + i];
     assert!((0..600).all(|n| values[n] == at(4 + n % 5, 7 + n / 5 % 12, 10 + n / 60)));
     for axis in 0..3 {
         let section = ImageOptions { region: Region::Section { axis, at: 12.5 }, ..options };
         let (shown, Values::Label(values)) = image(&model, section) else { panic!("phases are labels") };
-        assert_eq!(shown.frame().shape(), [30, 30]);
+        assert_eq!(shown.shape(), [30, 30]);
         let expected = |n: usize| {
             let mut place = [n % 30, n / 30, 0];
             place = [[12, place[0], place[1]], [place[0], 12, place[1]], [place[0], place[1], 12]][axis];
@@ -169,7 +168,7 @@ fn an_image_is_the_same_in_slabs_and_on_any_number_of_threads() {
     for quantity in [Quantity::Phase, Quantity::Share] {
         let options = ImageOptions { quantity, ..ImageOptions::default() };
         let (image, whole) = image(&model, options);
-        let layers = image.frame().counts[2];
+        let layers = image.counts()[2];
         let single: Vec<u8> = (0..layers).flat_map(|k| image.layers(k..k + 1).bytes().into_owned()).collect();
         assert_eq!(*whole.bytes(), single[..]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();

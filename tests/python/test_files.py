@@ -22,6 +22,13 @@ def test_every_format_is_written_by_its_extension(packing, tmp_path, extension):
     assert len(os.listdir(tmp_path)) == 2, "no temporary file is left"
 
 
+def test_a_page_is_the_one_of_the_command(packing, tmp_path, run):
+    packing.write(tmp_path / "model.json")
+    packing.write(tmp_path / "python.html")
+    assert run("report", "model.json", "-o", "command.html").returncode == 0
+    assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
+
+
 def test_a_saved_model_comes_back_bit_for_bit(packing, tmp_path):
     packing.write(tmp_path / "model.json")
     again = mc.load(tmp_path / "model.json")
@@ -46,6 +53,8 @@ def test_an_unknown_extension_is_a_value_error_that_lists_the_known(packing, tmp
     for name in ("model.docx", "model", ".json"):
         with pytest.raises(ValueError, match=r"\.json.*\.vtu"):
             packing.write(tmp_path / name)
+    with pytest.raises(ValueError, match=r"an image: voxelize, section, or mesocrete image"):
+        packing.write(tmp_path / "model.tif")
     with pytest.raises(ValueError, match=r"\.inp.*\.vtu"):
         packing.mesh(element_size=3.0).write(tmp_path / "mesh.json")
     assert os.listdir(tmp_path) == []

@@ -111,6 +111,7 @@ def test_sections_and_boxes_are_parts_of_the_whole(packing):
         (lambda p: p.voxelize(1, "colour"), ValueError, 'what is "colour"; it must be one of "phase"'),
         (lambda p: p.voxelize(1, of="itz"), ValueError, 'only for what="share"'),
         (lambda p: p.voxelize(1, box=[[0, 0, 0], [61, 1, 1]]), ValueError, "box is"),
+        (lambda p: p.voxelize(1, box=[0, 0, 0, 9, 9, 9]), TypeError, "it must be a pair of corners in mm"),
         (lambda p: p.section("w", 1), ValueError, 'axis is "w"; it must be one of "x", "y", "z"'),
         (lambda p: p.section("z", 61), ValueError, "section is 61; it must lie within 0 and 60 mm"),
         (lambda p: p.section("z", 1, px=-1), ValueError, "px is -1; it must be 1 or more"),

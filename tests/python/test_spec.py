@@ -17,11 +17,13 @@ def test_default_is_the_papers_specimen():
     assert spec.shape["vertices"] == [20, 30]
     assert spec.itz == {"thickness_mm": [0.1, 0.5]}
     assert spec.placement["strategy"] == "auto"
+    assert spec.voids is None and spec.fibres is None
 
 
 def test_sections_are_laid_over_the_defaults():
     spec = mc.Spec(seed=3, placement={"attempts": 100})
     assert spec.seed == 3
+    assert mc.Spec(voids={"fraction": 0.01, "diameter_mm": [1.0, 2.0]}).voids == {"fraction": 0.01, "diameter_mm": [1.0, 2.0]}
     assert spec.placement["attempts"] == 100
     assert spec.placement["surplus"] == mc.Spec().placement["surplus"]
 

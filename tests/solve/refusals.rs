@@ -77,7 +77,7 @@ fn meshes_that_cannot_be_tested_are_refused() {
         mesh.phase.truncate(1);
         mesh.aggregate.truncate(1);
     });
-    assert!(spike.contains("no face looks to its upper plate"), "{spike}");
+    assert!(spike.contains("no face points to its upper plate"), "{spike}");
 }
 
 #[test]

@@ -1,8 +1,11 @@
 //! Every combination, once, with a hash of its complete spec.
 
 use crate::plan;
-use meso_study::{PlanError, digest};
+use meso_core::packing::Specimen;
+use meso_files::Beside;
+use meso_study::{Axis, Plan, PlanError, digest};
 use serde_json::json;
+use std::path::Path;
 
 #[test]
 fn every_combination_is_a_case_and_the_last_axis_runs_fastest() {
@@ -33,6 +36,13 @@ fn sections_are_axes_and_another_kind_replaces_them() {
     assert_eq!(plan.cases[0].spec.specimen.kind(), "sphere");
     assert!((plan.cases[1].spec.specimen.volume() - 64e3).abs() < 1e-6);
     assert!(plan.cases[0].folder.starts_with("specimen-sphere_"));
+}
+
+#[test]
+fn a_part_of_the_specimen_changes_the_usual_one_where_the_base_has_none() {
+    let axis = Axis { key: "specimen.side_mm".to_owned(), values: vec![json!(40)] };
+    let plan = Plan::new(&json!({ "fraction": 0.2 }), &[axis], &json!({}), &mut Beside(Path::new(""))).unwrap();
+    assert_eq!(plan.cases[0].spec.specimen, Specimen::cube(40.0));
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
-use meso_core::recipes::Recipe;
 use meso_core::{Model, Spec, SpecError, saved};
-use meso_files::Beside;
+use meso_files::{Beside, missing_recipe};
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -21,8 +20,7 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    if let Some(recipe) = path.to_str().and_then(Recipe::find).filter(|_| !path.exists()) {
-        let name = recipe.name;
+    if let Some(name) = missing_recipe(path) {
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
     toml(path, |text| Spec::from_toml_with(text, &mut Beside(folder)))

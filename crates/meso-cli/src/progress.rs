@@ -37,7 +37,7 @@ pub(crate) struct Watch {
     polling: Option<interrupt::Polling>,
 }
 
-/// What a user sees of it.
+/// Form in which the user sees it.
 enum Shown {
     Nothing,
     Bar(ProgressBar),

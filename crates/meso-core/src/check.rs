@@ -34,11 +34,11 @@ pub struct Check {
     pub fraction: f64,
     /// Everything that is not as promised; empty for a sound model.
     pub findings: Vec<Finding>,
-    /// What was not looked at, in words.
+    /// Promises that were not checked, in words.
     pub not_checked: Vec<&'static str>,
 }
 
-/// What no check of the file alone can tell.
+/// Promises that no check of the file alone can prove.
 const NOT_CHECKED: [&str; 3] = [
     "that this seed puts the bodies where they are: pack the spec again and compare",
     "the counters in work",
@@ -47,7 +47,7 @@ const NOT_CHECKED: [&str; 3] = [
 /// Where a time limit or the user ended the run.
 const NOT_CHECKED_IF_STOPPED: &str = "how many grains were made and discarded before the stop";
 /// Where the spec makes far more grains than the file accounts for.
-const NOT_CHECKED_IF_TOO_MANY: &str = "that the bodies are those of the seed: it makes too many to make them again";
+const NOT_CHECKED_IF_TOO_MANY: &str = "that the bodies are those of the seed: they are too many to generate again";
 
 /// One thing that is not as promised.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -78,14 +78,14 @@ pub enum Finding {
     NotConvex {
         /// Id.
         aggregate: u32,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// The ITZ leaves no core inside the aggregate.
     Itz {
         /// Id.
         aggregate: u32,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// The size is outside its class.
@@ -104,12 +104,12 @@ pub enum Finding {
     Shape {
         /// Id.
         body: u32,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// The report contradicts the aggregates.
     Report {
-        /// What differs.
+        /// The difference.
         reason: String,
     },
 }
@@ -120,14 +120,17 @@ impl fmt::Display for Finding {
             Self::Overlap { a, b } => write!(f, "aggregates {a} and {b} share a point"),
             Self::Gap { a, b, distance_mm } => write!(f, "aggregates {a} and {b} are only {distance_mm} mm apart"),
             Self::Outside { aggregate } => {
-                write!(f, "aggregate {aggregate} reaches out of the specimen or into the wall's gap")
+                write!(f, "aggregate {aggregate} extends outside the specimen, or into the gap at its walls")
             }
             Self::NotConvex { aggregate, reason } => write!(f, "aggregate {aggregate} is not a convex solid: {reason}"),
             Self::Itz { aggregate, reason } => write!(f, "aggregate {aggregate} has no sound ITZ: {reason}"),
             Self::NotTaken { body } => {
-                write!(f, "body {body} is none of the grains that this spec and seed give: class, ITZ or volume differ")
+                write!(
+                    f,
+                    "body {body} is not one of the grains of this spec and seed: its class, ITZ or volume differs"
+                )
             }
-            Self::Shape { body, reason } => write!(f, "body {body} is not what the spec asks for: {reason}"),
+            Self::Shape { body, reason } => write!(f, "body {body} does not match the spec: {reason}"),
             Self::Size { aggregate, size_mm } => {
                 write!(f, "aggregate {aggregate} has the size {size_mm} mm, outside its class")
             }
@@ -219,7 +222,7 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
     placed
 }
 
-/// What concerns one aggregate alone.
+/// Checks of one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
     stop::point();
     let id = aggregate.id;
@@ -275,14 +278,14 @@ fn itz(aggregate: &Aggregate) -> Option<Finding> {
     Some(Finding::Itz { aggregate: aggregate.id, reason })
 }
 
-/// What is wrong with the shell between a body and its core.
+/// Finds a fault of the shell between a body and its core.
 fn too_thin(body: &Polyhedron, core: &Polyhedron, thickness: f64) -> Option<String> {
     let thinnest = solid::thinnest_shell(body, core);
     let reason = || format!("its shell is {thinnest} mm thin where it should be {thickness}");
     (thinnest < thickness - SHELL_ROUNDING).then(reason)
 }
 
-/// What a length loses at most to the single precision in which a body keeps its vertices about its centre (half of
+/// Bound on the length that is lost to the single precision in which a body keeps its vertices about its centre (half of
 /// this), and to being turned, by far less than 1e-6 mm.
 fn rounding(length_mm: f64) -> f64 {
     1e-6 + f64::from(f32::EPSILON) * length_mm

@@ -1,4 +1,4 @@
-//! What a packing and a mesh can be written as: the file's extension names the format.
+//! Formats of packings, meshes and images; the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Values, npy, png, tif, vti};
@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::packing::{Images, Specimen, Surface};
 use crate::page;
 use crate::saved;
-use crate::voxel_image::{ImageError, ImageOptions, Quantity, Region, VoxelImage};
+use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
 use std::borrow::Cow;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
@@ -18,10 +18,10 @@ use std::path::{Path, PathBuf};
 /// How the aggregates' surfaces are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surfaces {
-    /// What is shown of aggregates that cross a face of a periodic specimen.
+    /// Treatment of aggregates that cross a face of a periodic specimen.
     pub images: Images,
-    /// Of a `.vtu` and a `.vtp`.
-    pub encoding: Encoding,
+    /// Whether the data of a `.vtu` and a `.vtp` are compressed (zlib).
+    pub compress: bool,
     /// An `.stl` as text, each body a solid with its name.
     pub named_solids: bool,
     /// A `.step` with the mortar as a solid with cavities.
@@ -84,7 +84,7 @@ impl Format {
         }
     }
 
-    /// What it holds, in a few words.
+    /// Its content, in a few words.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Json => "the saved model, bit for bit; every other command reads it",
@@ -123,8 +123,8 @@ impl Format {
         match self {
             Self::Json => saved::write(model, out),
             Self::JsonGz => saved::write_compressed(model, out),
-            Self::Vtu => vtu::write(&shown(), surfaces.encoding, out),
-            Self::Vtp => vtu::write_polygons(&shown(), surfaces.encoding, out),
+            Self::Vtu => vtu::write(&shown(), Encoding::compressed(surfaces.compress), out),
+            Self::Vtp => vtu::write_polygons(&shown(), Encoding::compressed(surfaces.compress), out),
             Self::Stl if surfaces.named_solids => stl::write_solids(&shown(), out),
             Self::Stl => stl::write(&shown(), out),
             Self::Step => {
@@ -139,7 +139,7 @@ impl Format {
     }
 }
 
-/// What bounds the mortar.
+/// Surface that bounds the mortar.
 fn block(specimen: &Specimen) -> io::Result<Block> {
     if !specimen.period().is_none() {
         let message = "a periodic specimen has no mortar that is one solid: aggregates cross its faces; write the \
@@ -193,6 +193,7 @@ impl MeshFormat {
 
     /// The files that `mesh` is written as where `path` is asked for: it alone, or what goes beside it and then it. A deck
     /// with a curve has the script that writes this down.
+    #[doc(hidden)]
     pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
@@ -215,6 +216,7 @@ impl MeshFormat {
 }
 
 /// One of the files that a mesh is written as.
+#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
     /// Where.
@@ -232,16 +234,16 @@ enum Content {
 }
 
 impl MeshFile {
-    /// Writes this file of `mesh` to `out`; `deck` counts for decks, `encoding` for `.vtu`.
+    /// Writes this file of `mesh` to `out`; `deck` counts for decks, `compress` for `.vtu`.
     ///
     /// # Errors
     /// Those of `out`; what a deck cannot hold.
-    pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, encoding: Encoding, out: impl Write) -> io::Result<()> {
+    pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, out: impl Write) -> io::Result<()> {
         match &self.content {
             Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
             Content::Whole(MeshFormat::Msh) => msh::write(mesh, out),
-            Content::Whole(_) => vtu_mesh::write(mesh, encoding, out),
-            Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), encoding, out),
+            Content::Whole(_) => vtu_mesh::write(mesh, compress, out),
+            Content::Piece(index) => vtu_mesh::write(&pvtu::piece(mesh, *index), compress, out),
             Content::Index(names) => pvtu::write(mesh, names, out),
             Content::Script(name) => abaqus::write_curve(mesh, deck, name, out),
         }
@@ -288,22 +290,18 @@ impl ImageFormat {
     /// Refuses what the format cannot show.
     ///
     /// # Errors
-    /// Names the way out.
-    pub fn check(self, options: &ImageOptions) -> Result<(), ImageError> {
-        let refuse = |accepted: &str| {
-            let value = format!("to be written as .{}", self.extension());
-            Err(ImageError { key: "the image", value, accepted: accepted.to_owned() })
-        };
+    /// The way out.
+    pub fn check(self, options: &ImageOptions) -> Result<(), &'static str> {
         let is_section = matches!(options.region, Region::Section { .. });
         match (self, options.quantity) {
             (Self::Png | Self::Svg, _) if !is_section => {
-                refuse("that shows one section: name it, as in z=75, or take .npy, .tif or .vti")
+                Err("it shows one section; name one, as in z=75, or take .npy, .tif or .vti")
             }
             (Self::Png, Quantity::Grain | Quantity::Distance) => {
-                refuse("that shows phases or shares; take .npy, .tif or .vti")
+                Err("it shows phases or shares; take .npy, .tif or .vti")
             }
             (Self::Svg, Quantity::Grain | Quantity::Distance | Quantity::Share) => {
-                refuse("that shows phases; take .npy, .tif, .vti or .png")
+                Err("it shows phases; take .npy, .tif, .vti or .png")
             }
             _ => Ok(()),
         }

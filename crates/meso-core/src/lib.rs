@@ -66,7 +66,7 @@ pub mod stop;
 #[cfg(feature = "concrete")]
 pub mod voxel_image;
 
-/// What the tests and benches of this workspace look into; no promise covers it.
+/// Internals for the tests and benches of this workspace; no promise covers them.
 #[doc(hidden)]
 pub mod testing {
     pub use crate::geometry::hull::HullBuilder;

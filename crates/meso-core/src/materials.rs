@@ -51,7 +51,7 @@ pub struct Elastic {
     pub density_t_per_mm3: f64,
 }
 
-/// What the uniaxial curves are made of.
+/// Parameters of the uniaxial curves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// What was asked.
+    /// The spec.
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
@@ -70,7 +70,7 @@ pub(crate) fn taken(spec: &Spec) -> Result<Vec<Grain>, SpecError> {
     Ok(take_grains(spec, &Silent, 0.0)?.0)
 }
 
-/// What a packing of `spec` is to reach.
+/// Target of a packing of `spec`.
 pub(crate) fn target(spec: &Spec) -> Target<'_> {
     let Spec { specimen, fraction, grading, seed, .. } = spec;
     Target { specimen, fraction: *fraction, grading, inclusions: spec.inclusions(), seed: *seed }

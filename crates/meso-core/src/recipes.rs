@@ -3,7 +3,7 @@
 /// A commented SPEC.toml and its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipe {
-    /// What `init` calls it.
+    /// Its name in `mesocrete init NAME`.
     pub name: &'static str,
     /// The spec; its first line is a comment that describes it.
     pub text: &'static str,
@@ -36,12 +36,21 @@ impl Recipe {
         Self { name: "mix-design", text: include_str!("recipes/mix-design.toml") },
     ];
 
-    /// The recipe of this name.
+    /// The recipe of this name, if there is one.
     pub fn find(name: &str) -> Option<&'static Self> {
         Self::ALL.iter().find(|recipe| recipe.name == name)
     }
 
-    /// What it is, in a line.
+    /// The recipe of this name.
+    ///
+    /// # Errors
+    /// A sentence with all names.
+    pub fn named(name: &str) -> Result<&'static Self, String> {
+        let known = || Self::ALL.iter().map(|recipe| recipe.name).collect::<Vec<_>>().join(", ");
+        Self::find(name).ok_or_else(|| format!("there is no recipe {name:?}; the recipes are {}", known()))
+    }
+
+    /// Its specimen in a line.
     pub fn title(&self) -> &'static str {
         self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
     }

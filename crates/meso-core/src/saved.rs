@@ -92,7 +92,7 @@ fn threads() -> usize {
     rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads())
 }
 
-/// What `make` makes of every chunk, on all [`threads`].
+/// Maps every chunk by `make`, on all [`threads`].
 fn in_chunks<T: Sync>(
     values: &[T],
     size: usize,

@@ -19,7 +19,7 @@ mod slender;
 mod surface;
 mod tree;
 
-pub use error::{SpecError, SpecErrorKind};
+pub use error::SpecError;
 pub use files::Files;
 use files::NoFiles;
 pub(crate) use limits::MAX_LENGTH_MM;
@@ -38,7 +38,7 @@ pub struct Spec {
     pub seed: u64,
     /// Volume of the aggregates over the specimen's, 0 to 1.
     pub fraction: f64,
-    /// What is filled.
+    /// Specimen to fill.
     pub specimen: Specimen,
     /// Sizes.
     pub grading: Grading,

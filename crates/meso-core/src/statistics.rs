@@ -1,4 +1,4 @@
-//! What a packing looks like in numbers: grading, shape, orientation, walls, gaps and correlation functions.
+//! Statistics of a packing: grading, shape, orientation, walls, gaps and correlation functions.
 //!
 //! None of it is computed unless it is asked for. Samples are drawn from portable streams in fixed batches and summed
 //! in batch order: the figures are the same on any number of threads.
@@ -159,7 +159,7 @@ impl Images {
     }
 }
 
-/// What sampling needs.
+/// Data that sampling needs.
 #[derive(Clone, Copy)]
 struct Sample<'a> {
     container: &'a dyn Container,

@@ -12,7 +12,7 @@ thread_local! {
     static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// What the work unwinds with. No panic hook is run, and nothing is printed.
+/// Payload with which stopped work unwinds. No panic hook is run, and nothing is printed.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopped;
 

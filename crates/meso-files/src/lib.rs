@@ -3,6 +3,7 @@
 
 pub mod whole;
 
+use meso_core::recipes::Recipe;
 use meso_core::spec::Files;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -10,6 +11,12 @@ use std::path::Path;
 
 /// Longest file a spec may name, bytes.
 const LONGEST_INPUT: u64 = 256 << 20;
+
+/// The recipe that `path` names, where no such file exists: the user meant the recipe.
+pub fn missing_recipe(path: &Path) -> Option<&'static str> {
+    let recipe = path.to_str().and_then(Recipe::find)?;
+    (!path.exists()).then_some(recipe.name)
+}
 
 /// The files in and below a folder, for a spec that lies in it.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +29,7 @@ impl Files for Beside<'_> {
         let kind = fs::metadata(&path).map_err(fail)?;
         // A pipe that a spec names and nobody fills would be waited for without end.
         if !kind.is_file() {
-            let what = if kind.is_dir() { "a directory" } else { "no regular file" };
+            let what = if kind.is_dir() { "a directory" } else { "not a regular file" };
             return Err(io::Error::other(format!("{} is {what}; name a file", path.display())));
         }
         let mut bytes = Vec::new();

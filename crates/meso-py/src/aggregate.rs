@@ -25,7 +25,7 @@ impl PyAggregate {
         self.0.id
     }
 
-    /// What it is: "aggregate", "void" or "fibre".
+    /// Its kind: "aggregate", "void" or "fibre".
     #[getter]
     fn phase(&self) -> &'static str {
         self.0.kind.name()

@@ -110,7 +110,7 @@ fn check_integers(name: &str, array: &Bound<'_, PyAny>, points: &[Vec3]) -> PyRe
     let beyond = |p: &Vec3| p.iter().any(|x| x.abs() >= FIRST_DOUBTFUL_INTEGER);
     match points.iter().position(beyond) {
         Some(row) if kind != "f" => Err(PyValueError::new_err(format!(
-            "{name}[{row}] holds an integer of 2^53 or more, which float64 cannot tell from its neighbours"
+            "{name}[{row}] holds an integer of 2^53 or more, which float64 cannot represent exactly"
         ))),
         _ => Ok(()),
     }

@@ -1,4 +1,4 @@
-//! What crosses from Rust to Python: only exceptions that `except Exception` catches.
+//! The boundary of Rust and Python: only exceptions that `except Exception` catches cross it.
 
 use meso_core::mesh::MeshError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
@@ -43,9 +43,7 @@ pub(crate) fn mesh_error(error: MeshError) -> PyErr {
         MeshError::MissingGmsh { .. } => {
             PyRuntimeError::new_err(format!("{error} for this Python or on the PATH, or mesh with method=\"lattice\""))
         }
-        MeshError::PhaseError { .. } => {
-            PyValueError::new_err(format!("{error}; accept_phase_error=True goes on with it"))
-        }
+        MeshError::PhaseError { .. } => PyValueError::new_err(format!("{error}; accept_phase_error=True accepts it")),
         MeshError::Gmsh(_) | MeshError::Seam { .. } | MeshError::Stopped | MeshError::Flat { .. } => {
             PyRuntimeError::new_err(error.to_string())
         }

@@ -3,10 +3,10 @@
 use crate::boundary::{file_error, mesh_error};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::export::vtk::Encoding;
-use meso_core::formats::{Format, MeshFormat, Surfaces};
+use meso_core::formats::{Format, ImageFormat, MeshFormat, Surfaces};
 use meso_core::mesh::{self, Mesh, MeshError, MeshOptions, MeshTable, PhaseOff};
-use meso_core::{Model, saved};
+use meso_core::statistics::{Options, Statistics};
+use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
 use pyo3::exceptions::{PyFileExistsError, PyValueError};
@@ -69,9 +69,23 @@ pub(crate) fn write_model(
         let no_gmsh = |_: &mesh::conforming::Surfaces| Err(MeshError::NeedsGmsh);
         let built = mesh::build_accepted(model, &options, &no_gmsh, PhaseOff::ACCEPTED, &|_| {});
         let (mesh, _) = built.map_err(mesh_error)?;
-        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.encoding, watch);
+        return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.compress, watch);
     }
-    Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp"]].concat()))
+    if is_page(path) {
+        return write_page(model, path, overwrite, watch);
+    }
+    Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp", "html"]].concat()))
+}
+
+fn is_page(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"))
+}
+
+/// Writes the page that `mesocrete report` writes.
+fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyResult<()> {
+    let figures =
+        Statistics::of(model, &Options::default()).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    write_together(&[path], overwrite, watch, |_, out| page::write(model, &figures, None, out))
 }
 
 /// Writes a mesh in the format that the extension of `path` names; `deck` counts for decks.
@@ -84,7 +98,7 @@ pub(crate) fn write_mesh(
     deck: &DeckOptions,
     path: &Path,
     overwrite: bool,
-    encoding: Encoding,
+    compress: bool,
     watch: &Watch,
 ) -> PyResult<()> {
     let format = MeshFormat::from_path(path);
@@ -100,12 +114,13 @@ pub(crate) fn write_mesh(
         return Err(unknown_format(path, &MeshFormat::ALL.map(MeshFormat::extension)));
     };
     let paths: Vec<&Path> = files.iter().map(|file| file.path.as_path()).collect();
-    write_together(&paths, overwrite, watch, |i, out| files[i].write(mesh, deck, encoding, out))
+    write_together(&paths, overwrite, watch, |i, out| files[i].write(mesh, deck, compress, out))
 }
 
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
     let known = known.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
-    PyValueError::new_err(format!("{}: unknown format; the extension must be one of {known}", path.display()))
+    let image = ImageFormat::from_path(path).map_or("", |_| " (an image: voxelize, section, or mesocrete image)");
+    PyValueError::new_err(format!("{}: unknown format; the extension must be one of {known}{image}", path.display()))
 }
 
 /// Writes the files of a test's results into `folder`, which is made where it is not there.

@@ -99,7 +99,7 @@ pub(crate) fn closest_points<'py>(
 /// A unit vector, shape (3,).
 type Direction<'py> = Bound<'py, PyArray1<f64>>;
 
-/// What `mesocrete.gjk.penetration` names: depth, at_least, direction.
+/// The fields of `mesocrete.gjk.penetration`: depth, at_least, direction.
 #[pyfunction]
 pub(crate) fn penetration<'py>(
     py: Python<'py>,
@@ -113,7 +113,7 @@ pub(crate) fn penetration<'py>(
     })
 }
 
-/// What `mesocrete.gjk.time_of_impact` names: not_before, by, direction.
+/// The fields of `mesocrete.gjk.time_of_impact`: not_before, by, direction.
 #[pyfunction]
 pub(crate) fn time_of_impact<'py>(
     py: Python<'py>,

@@ -5,7 +5,7 @@ use crate::run::beside_python;
 use meso_core::Model;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::{PyKeyboardInterrupt, PyValueError};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
@@ -26,6 +26,18 @@ pub(crate) fn options(h: f64, what: &str, of: &str, region: Region) -> PyResult<
         return Err(PyValueError::new_err(format!("of is {of:?}; it is only for what=\"share\"")));
     }
     Ok(ImageOptions { voxel_size_mm: h, quantity, of: share, region })
+}
+
+/// The part of the specimen between two corners.
+///
+/// # Errors
+/// `TypeError` for anything but a pair of triples.
+pub(crate) fn region(corners: &Bound<'_, PyAny>) -> PyResult<Region> {
+    let pair: PyResult<[[f64; 3]; 2]> = corners.extract();
+    pair.map(|[min, max]| Region::Box { min, max }).map_err(|_| {
+        let message = format!("box is {corners}; it must be a pair of corners in mm, as in [[0, 0, 0], [50, 50, 50]]");
+        PyTypeError::new_err(message)
+    })
 }
 
 /// One of the names that serde knows.
@@ -60,7 +72,7 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
         let made = beside_python(py, None, move |watch| -> PyResult<(Values, Vec<usize>)> {
             watch.stops_soon();
             let image = VoxelImage::new(&model, &options).map_err(|error| PyValueError::new_err(error.to_string()))?;
-            let shape = image.frame().shape();
+            let shape = image.shape();
             let voxels: usize = shape.iter().product();
             if voxels > MOST {
                 return Err(PyValueError::new_err(format!(

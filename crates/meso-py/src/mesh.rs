@@ -9,7 +9,6 @@ use crate::spec::options;
 use crate::tree::plain;
 use crate::views::{call_view, cell_type};
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::export::vtk::Encoding;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
     self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes,
@@ -129,7 +128,7 @@ impl PyMesh {
         arrays::from_indices(py, self.0.cohesive.iter().copied(), 2 * self.0.kind.faces()[0].len())
     }
 
-    /// What the builder had to decide, and how often: gaps closed, ITZ thinned; a dict.
+    /// Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict.
     #[getter]
     fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         plain(py, &self.0.notes)
@@ -228,9 +227,8 @@ impl PyMesh {
             for doubt in deck.doubts(&mesh, exact.as_ref()) {
                 PyErr::warn(slf.py(), &slf.py().get_type::<PyUserWarning>(), &CString::new(doubt)?, 1)?;
             }
-            let encoding = Encoding::compressed(compress);
             beside_python(slf.py(), None, move |watch| {
-                files::write_mesh(&mesh, &deck, &path, overwrite, encoding, watch)
+                files::write_mesh(&mesh, &deck, &path, overwrite, compress, watch)
             })?
         })
     }

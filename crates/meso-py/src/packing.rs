@@ -14,7 +14,6 @@ use crate::tree::plain;
 use crate::views::call_view;
 use crate::{arrays, files, image, table};
 use meso_core::check::Check;
-use meso_core::export::vtk::Encoding;
 use meso_core::formats::Surfaces;
 use meso_core::packing::{Images, Stage};
 use meso_core::statistics::{Options, Statistics};
@@ -78,7 +77,7 @@ impl PyPacking {
         self.0.spec.seed
     }
 
-    /// What was asked.
+    /// The spec.
     #[getter]
     fn spec(&self) -> PySpec {
         PySpec(self.0.spec.clone())
@@ -110,7 +109,7 @@ impl PyPacking {
         Ok(report)
     }
 
-    /// What the result cost: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
+    /// Cost of the result: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
     /// new dict.
     #[getter]
     fn work<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -131,8 +130,8 @@ impl PyPacking {
     /// Writes the packing, whole or not at all; the extension names the format.
     ///
     /// `.json` is the saved model and `.json.gz` the same, compressed; `.step` has an editable solid per aggregate; `.vtu`,
-    /// `.vtp`, `.stl`, `.ply`, `.obj` and `.glb` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus deck of
-    /// the default mesh (`mesh()` has the options).
+    /// `.vtp`, `.stl`, `.ply`, `.obj` and `.glb` hold the surfaces, `.csv` one row per aggregate, `.html` the page of
+    /// `mesocrete report`, `.inp` an Abaqus deck of the default mesh (`mesh()` has the options).
     ///
     /// Parameters
     /// ----------
@@ -169,8 +168,7 @@ impl PyPacking {
         named_solids: bool,
     ) -> PyResult<()> {
         let model = Arc::clone(&self.0);
-        let encoding = Encoding::compressed(compress);
-        let surfaces = Surfaces { encoding, images: named_images(images)?, mortar, named_solids };
+        let surfaces = Surfaces { compress, images: named_images(images)?, mortar, named_solids };
         guard(|| beside_python(py, None, move |watch| files::write_model(&model, &path, overwrite, surfaces, watch))?)
     }
 
@@ -273,10 +271,10 @@ impl PyPacking {
         py: Python<'py>,
         h: f64,
         what: &str,
-        r#box: Option<[[f64; 3]; 2]>,
+        r#box: Option<&Bound<'py, PyAny>>,
         of: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let region = r#box.map_or(Region::Whole, |[min, max]| Region::Box { min, max });
+        let region = r#box.map_or(Ok(Region::Whole), image::region)?;
         image::make(py, &self.0, image::options(h, what, of, region)?)
     }
 
@@ -324,7 +322,7 @@ impl PyPacking {
     /// Parameters
     /// ----------
     /// method : str, optional
-    ///     How the specimen is divided; "voxel" is the default.
+    ///     Method of meshing; "voxel" is the default.
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
     /// accept_phase_error : bool, optional

@@ -54,7 +54,7 @@ pub(crate) struct PyResponse(Arc<Tested>);
 #[pyclass(name = "Frame", module = "mesocrete", frozen)]
 pub(crate) struct PyFrame(Arc<Mesh>, Arc<Snapshot>);
 
-/// What stands in the keywords of [`solve`].
+/// Keywords of [`solve`].
 pub(crate) struct Asked {
     test: Test,
     materials: Materials,
@@ -121,7 +121,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(&watching);
-    // What a run that diverged holds now are no numbers.
+    // A run that diverged holds no numbers now.
     let diverged = matches!(response.result.ended, Ended::Diverged(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;

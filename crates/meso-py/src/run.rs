@@ -21,7 +21,7 @@ const SOON_GRACE: u64 = 400;
 /// The same where files are being written, which the work removes itself: the caller may be about to end the process.
 const FILES_GRACE: u64 = 3000;
 
-/// What the worker and the waiting thread share.
+/// State that the worker and the waiting thread share.
 pub(crate) struct Watch {
     go_on: AtomicBool,
     /// Nobody waits for the result any more.

@@ -3,7 +3,7 @@
 use crate::boundary::{file_error, guard};
 use crate::tree;
 use meso_core::recipes;
-use meso_core::spec::{self, Spec, SpecError, SpecErrorKind};
+use meso_core::spec::{self, Spec, SpecError};
 use meso_files::Beside;
 use pyo3::exceptions::{PyFileNotFoundError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// ----------
 /// **options
 ///     `seed`, `fraction`, and the sections of a SPEC.toml as dicts: `specimen`, `grading`, `shape`, `itz`,
-///     `placement`.
+///     `placement`, `voids`, `fibres`, and `mix` in place of `fraction`.
 ///
 /// Raises
 /// ------
@@ -37,9 +37,9 @@ fn from_value(value: &Value) -> PyResult<Spec> {
 
 /// The exception of a spec that cannot be.
 pub(crate) fn spec_error(error: &SpecError) -> PyErr {
-    match error.kind {
-        SpecErrorKind::WrongType => PyTypeError::new_err(error.to_string()),
-        _ => PyValueError::new_err(error.to_string()),
+    match error.is_wrong_type {
+        true => PyTypeError::new_err(error.to_string()),
+        false => PyValueError::new_err(error.to_string()),
     }
 }
 
@@ -50,8 +50,7 @@ pub(crate) fn options<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>)
 }
 
 fn read(path: &Path) -> PyResult<Spec> {
-    if let Some(recipe) = path.to_str().and_then(recipes::Recipe::find).filter(|_| !path.exists()) {
-        let name = recipe.name;
+    if let Some(name) = meso_files::missing_recipe(path) {
         return Err(PyFileNotFoundError::new_err(format!("{name} is a recipe and no file: Spec.recipe({name:?})")));
     }
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
@@ -81,7 +80,7 @@ pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, Pat
     Ok((tree, path.parent().unwrap_or(Path::new("")).to_owned()))
 }
 
-/// What `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].
+/// Reads what `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].
 pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
     let Some(object) = object else { return Ok(Spec::default()) };
     if let Ok(spec) = object.cast::<PySpec>() {
@@ -156,10 +155,7 @@ impl PySpec {
     #[staticmethod]
     fn recipe(name: &str) -> PyResult<Self> {
         guard(|| {
-            let recipe = recipes::Recipe::find(name).ok_or_else(|| {
-                let known: Vec<_> = recipes::Recipe::ALL.iter().map(|recipe| recipe.name).collect();
-                PyValueError::new_err(format!("there is no recipe {name:?}; the recipes are {}", known.join(", ")))
-            })?;
+            let recipe = recipes::Recipe::named(name).map_err(PyValueError::new_err)?;
             Spec::from_toml(recipe.text).map(Self).map_err(|error| spec_error(&error))
         })
     }
@@ -176,7 +172,7 @@ impl PySpec {
         self.0.fraction
     }
 
-    /// What is filled; a copy.
+    /// Specimen to fill; a copy.
     #[getter]
     fn specimen<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.section(py, "specimen")
@@ -204,6 +200,18 @@ impl PySpec {
     #[getter]
     fn placement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.section(py, "placement")
+    }
+
+    /// Spherical voids, None where there are none; a copy.
+    #[getter]
+    fn voids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "voids")
+    }
+
+    /// Straight fibres, None where there are none; a copy.
+    #[getter]
+    fn fibres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.section(py, "fibres")
     }
 
     /// Everything as a dict that `Spec(**it)` takes back.

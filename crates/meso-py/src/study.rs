@@ -1,4 +1,4 @@
-//! What `mesocrete.study` takes from Rust: cases with hashes and folder names, their state, records and tables.
+//! The Rust part of `mesocrete.study`: cases with hashes and folder names, their state, records and tables.
 
 use crate::boundary::{file_error, guard};
 use crate::packing::PyPacking;
@@ -192,7 +192,7 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
     Ok(dict)
 }
 
-/// What a study notes of a packing where nothing else is done with it.
+/// Results that a study records of a packing, where nothing else is done with it.
 #[pyfunction(name = "_study_results")]
 pub(crate) fn study_results<'py>(py: Python<'py>, packing: &PyPacking) -> PyResult<Bound<'py, PyAny>> {
     plain(py, &of_packing(&packing.0.report))

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// What a body measures.
+/// Measures of a body.
 struct Row {
     size: f64,
     sieve_size: f64,

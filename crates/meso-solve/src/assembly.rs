@@ -32,7 +32,7 @@ pub(crate) struct Assembly {
     pub(crate) widest_mm: [f64; 5],
 }
 
-/// What an assembly is made of.
+/// Parts of an assembly.
 pub(crate) struct Parts<'a> {
     pub(crate) sample: &'a Sample<'a>,
     pub(crate) phases: &'a [Phase],

@@ -49,7 +49,7 @@ pub(crate) struct Group {
     pub(crate) phase: Phase,
     /// In eights.
     pub(crate) cells: Cells,
-    /// What they remember, one run of registers per eight elements.
+    /// State of their law, one run of registers per eight elements.
     pub(crate) memory: Vec<Eight>,
     /// The mesh's number of the cell in every lane, or [`EMPTY`]; cohesive faces have their own numbers.
     pub(crate) numbers: Vec<u32>,
@@ -109,7 +109,7 @@ impl Scratch {
     }
 }
 
-/// What elements have in common.
+/// Data that all elements share.
 #[derive(Clone, Debug)]
 pub(crate) struct Common {
     /// By phase, as a number.
@@ -285,7 +285,7 @@ impl LawTask for HexTask<'_> {
         let remembered = self.memory.len() / self.cells.len().max(1);
         let (k, width) = (L::splat(self.stiffness), L::splat(self.common.band_mm));
         let shape = &self.common.shape;
-        // What does not soften has no bound.
+        // A law without softening has no bound.
         let bound = L::splat(if remembered == 0 { 0.0 } else { per_bound(shape.edge()) });
         let [mut spent, mut stored, mut lost] = [L::splat(0.0); 3];
         for (i, cells) in self.cells.iter().enumerate() {

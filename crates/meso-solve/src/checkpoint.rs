@@ -56,7 +56,7 @@ impl Run<'_> {
         read(from, &mut mark)?;
         let [version, fingerprint] = [word(from)?, word(from)?];
         if mark != MARK || version != VERSION {
-            return Err(SolveError::Resume("it is none, or one of another version".to_owned()));
+            return Err(SolveError::Resume("it is no checkpoint, or one of another version".to_owned()));
         }
         if fingerprint != self.fingerprint() {
             let why = "it belongs to another mesh, other materials or another test; resume with the same ones";
@@ -78,7 +78,7 @@ impl Run<'_> {
             group.take_in(from)?;
         }
         let is_whole = word(from)? == self.fingerprint();
-        if is_whole { Ok(()) } else { Err(SolveError::Resume("its end is not its own".to_owned())) }
+        if is_whole { Ok(()) } else { Err(SolveError::Resume("the file is cut off or damaged".to_owned())) }
     }
 
     /// Back to the state before the first step.

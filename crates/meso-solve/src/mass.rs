@@ -68,6 +68,35 @@ mod tests {
     use meso_core::materials::Elastic;
 
     #[test]
+    fn no_eigenvalue_is_above_its_bound_which_two_equal_ones_meet() {
+        for k in 0..200 {
+            let x = |i: usize| (f64::from(k) * 0.7 + i as f64 * 1.3).sin();
+            let a = Mat3::from_fn(|i, j| x(i * 3 + j));
+            let (a, largest) = (a * a.transpose(), (a * a.transpose()).symmetric_eigenvalues().max());
+            assert!(largest_eigenvalue(&a) >= largest * (1.0 - 1e-12), "{k}: {} {largest}", largest_eigenvalue(&a));
+            let n = Vec3::new(x(1), x(2), x(3));
+            let long = Mat3::identity() + n * n.transpose();
+            assert!((largest_eigenvalue(&long) - 1.0 - n.norm_squared()).abs() < 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn with_the_mass_that_it_needs_an_element_is_stable_at_the_step_asked_for() {
+        let of = |density: f64, dt: f64| {
+            let elastic = Elastic { youngs_modulus_mpa: 3e4, poisson_ratio: 0.2, density_t_per_mm3: density };
+            let corners = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.2], [0.1, 2.0, 0.0], [0.5, 0.3, 0.7]].map(Vec3::from);
+            let (metric, volume) = tet_metric(&corners);
+            Need::of(&Matter::of(elastic, Behaviour::Elastic), &metric, 4, volume.abs(), dt)
+        };
+        for dt in [1e-8, 1e-7, 1e-6] {
+            let need = of(2e-9, dt);
+            let heavier = of(2e-9 * need.needed / need.mass, dt);
+            assert!((SAFETY * heavier.stable_s / dt - 1.0).abs() < 1e-12, "{need:?} {heavier:?}");
+            assert_eq!(need.added() > 0.0, dt > SAFETY * need.stable_s);
+        }
+    }
+
+    #[test]
     fn the_step_of_a_regular_tetrahedron_is_that_of_its_breathing() {
         let elastic = Elastic { youngs_modulus_mpa: 3e4, poisson_ratio: 0.2, density_t_per_mm3: 2e-9 };
         let matter = Matter::of(elastic, Behaviour::Elastic);

@@ -1,4 +1,4 @@
-//! What a phase is made of: its elasticity, its density, and its law.
+//! Material of a phase: its elasticity, its density, and its law.
 
 use crate::element::hex::{BoxShape, hourglass_stiffness};
 use crate::error::{SolveError, require};

@@ -1,4 +1,4 @@
-//! What every cell is made of in a test: joined aggregates are parted, and the ITZ is smeared where the mesh has none.
+//! Phase of every cell in a test: joined aggregates are parted, and the ITZ is smeared where the mesh has none.
 
 use crate::test::{Itz, Joined};
 use meso_core::mesh::{Mesh, Phase};

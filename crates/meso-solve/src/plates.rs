@@ -70,7 +70,7 @@ impl Plates {
         for (plate, (bit, z)) in [(4, aabb.min.z), (5, aabb.max.z)].into_iter().enumerate() {
             if sides.faces()[bit].is_empty() {
                 let side = ["lower", "upper"][plate];
-                let why = format!("no face looks to its {side} plate; take a specimen with faces across z");
+                let why = format!("no face points to its {side} plate; take a specimen with plane faces across z");
                 return Err(SolveError::mesh(why));
             }
             let contact = |node: u32| {
@@ -143,5 +143,56 @@ impl Plates {
         let kept = if sliding <= most { 0.0 } else { 1.0 - most / sliding };
         v[0] *= kept;
         v[1] *= kept;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UPPER: Contact = Contact { node: 0, plate: 1, gap: 0.0 };
+    const MASS: f64 = 2.0;
+
+    fn plates(friction: f64) -> Plates {
+        Plates { contacts: Vec::new(), kind: Kind::Compression, friction, speed: -8.0, ramp_s: 0.5 }
+    }
+
+    /// A node under the upper plate, which goes down by 0.01 mm in 0.001 s: its velocity `v` after the step, and the plate's
+    /// action.
+    fn pressed(friction: f64, mut v: [f64; 3]) -> ([f64; 3], Impact) {
+        let (motion, before) = (Motion { dt: 1e-3, travel: -0.01, mean_speed: -10.0 }, v);
+        let impact = plates(friction).meet(&UPPER, &motion, MASS, &[0.0; 3], &before, &mut v);
+        (v, impact)
+    }
+
+    fn near(a: f64, b: f64) -> bool {
+        (a - b).abs() < 1e-12 * (1.0 + b.abs())
+    }
+
+    #[test]
+    fn a_plate_pushes_and_never_pulls() {
+        let faster = [0.3, -0.2, -10.5];
+        let (v, impact) = pressed(0.5, faster);
+        assert_eq!((v, impact.force, impact.work, impact.friction), (faster, 0.0, 0.0, 0.0));
+        let (v, impact) = pressed(0.0, [0.3, -0.2, -4.0]);
+        assert!(v[..2] == [0.3, -0.2] && near(v[2], -10.0), "{v:?}");
+        // The change of momentum, and the work along the plate's own path.
+        assert!(near(impact.force * 1e-3, MASS * -6.0) && near(impact.work, MASS * 60.0), "{impact:?}");
+    }
+
+    #[test]
+    fn friction_takes_coulombs_share_of_the_push_or_all_sliding_and_spends_its_energy() {
+        for (friction, left) in [(0.0, 1.0), (0.1, 1.0 - 0.6 / 5.0), (0.5, 0.4), (0.9, 0.0), (5.0, 0.0)] {
+            let (v, impact) = pressed(friction, [3.0, 4.0, -4.0]);
+            assert!(near(v[0], 3.0 * left) && near(v[1], 4.0 * left) && near(v[2], -10.0), "{friction}: {v:?}");
+            assert!(near(impact.friction, 0.5 * MASS * 25.0 * (1.0 - left * left)), "{friction}: {impact:?}");
+        }
+    }
+
+    #[test]
+    fn the_ramp_begins_and_ends_without_a_jerk() {
+        let speed = |t: f64| plates(0.0).speed(t);
+        assert!([speed(0.0), speed(0.25), speed(0.5), speed(7.0)] == [0.0, -4.0, -8.0, -8.0]);
+        assert!(speed(0.005) > -8.0 * 3e-4 && speed(0.495) < -8.0 * (1.0 - 3e-4));
     }
 }

@@ -31,7 +31,7 @@ pub struct Sample {
 
 /// Curve of a point that follows `strains` along x, one sample each, in a crack band `width_mm` wide.
 ///
-/// What is held is first raised from 0 while x is strained to the first of `strains`, in as many steps as there are
+/// The held stress is first raised from 0 while x is strained to the first of `strains`, in as many steps as there are
 /// samples in twenty.
 pub fn curve<R: Real + Into<f64>, L: Law<R>>(law: &L, width_mm: f64, held: Held, strains: &[f64]) -> Vec<Sample> {
     let Some(&first) = strains.first() else { return Vec::new() };

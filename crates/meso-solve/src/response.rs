@@ -1,4 +1,4 @@
-//! What a test gave.
+//! Response of a specimen to a test.
 
 use crate::curve::{Figures, Row};
 use crate::run::Run;
@@ -24,12 +24,12 @@ pub struct Response {
     /// The curve, row by row.
     #[serde(skip)]
     pub curve: Vec<Row>,
-    /// What `result.json` holds.
+    /// Content of `result.json`.
     #[serde(flatten)]
     pub result: Summary,
 }
 
-/// What `result.json` holds, but for seconds.
+/// Content of `result.json`, without seconds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Compression or tension.
@@ -67,11 +67,11 @@ pub struct Summary {
     pub joined_pairs: usize,
     /// Cells of these aggregates that became mortar, in the mesh and in the test.
     pub joined_cells: usize,
-    /// What the test's phases were.
+    /// Phases of the test.
     pub phases: Vec<PhaseResult>,
     /// How the test ended.
     pub ended: Ended,
-    /// What was wrong, in sentences.
+    /// Warnings, in sentences.
     pub warnings: Vec<String>,
     /// Why the curve is not to be trusted, in sentences.
     pub errors: Vec<String>,
@@ -192,7 +192,7 @@ impl Summary {
         let kinetic = self.kinetic_over_internal_max;
         if kinetic > SLOW {
             let text = format!(
-                "the kinetic energy reached {:.1} % of the internal one after the ramp; lengthen test.duration_s",
+                "the kinetic energy reached {:.1} % of the internal energy after the ramp; lengthen test.duration_s",
                 100.0 * kinetic
             );
             if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
@@ -204,7 +204,8 @@ impl Summary {
         }
         if self.energy_balance_error > BALANCE {
             let share = 100.0 * self.energy_balance_error;
-            self.errors.push(format!("the energies are {share:.2} % of the work off; shorten test.time_step_s"));
+            self.errors
+                .push(format!("the energy balance is off by {share:.2} % of the work; shorten test.time_step_s"));
         }
     }
 
@@ -225,7 +226,7 @@ impl Summary {
         }
         self.warn_of_the_volume();
         if run.sample.mesh.periodic != [false; 3] {
-            self.warnings.push("the specimen repeats itself, but its sides are free in this test".to_owned());
+            self.warnings.push("the specimen is periodic, but its sides are free in this test".to_owned());
         }
     }
 

@@ -41,7 +41,7 @@ pub struct Run<'a> {
     pub(crate) state: State,
 }
 
-/// What was decided before the first step.
+/// Decisions before the first step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outline {
     pub(crate) height_mm: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Outline {
     pub(crate) widest_mm: [f64; 5],
 }
 
-/// What changes from step to step, but for blocks and nodes.
+/// State that changes from step to step, without that of blocks and nodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct State {
     pub(crate) step: u64,
@@ -223,7 +223,7 @@ fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
     Materials { itz, ..materials.clone() }
 }
 
-/// What all elements share.
+/// Data that all elements share.
 fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common, SolveError> {
     let shape = box_shape(sample.mesh)?;
     let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(materials, test)).transpose()?;

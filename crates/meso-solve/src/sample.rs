@@ -1,4 +1,4 @@
-//! What is tested: a mesh, and what the mesh does not know of its specimen.
+//! The sample of a test: a mesh, and the facts about its specimen that the mesh does not hold.
 
 use crate::error::SolveError;
 use meso_core::materials::band_factor;

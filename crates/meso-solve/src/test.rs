@@ -1,4 +1,4 @@
-//! What is done to a specimen: the serde view of `mesocrete solve` and `mesh.solve(...)`.
+//! Options of a test: the serde view of `mesocrete solve` and `mesh.solve(...)`.
 
 use crate::error::{SolveError, require};
 use crate::lanes::InstructionSet;
@@ -27,9 +27,9 @@ pub struct Test {
     pub frames: u32,
     /// The law of mortar and ITZ.
     pub law: LawName,
-    /// What a mesh without an ITZ has at the aggregates.
+    /// Treatment of mortar at the aggregates of a mesh without an ITZ.
     pub itz: Itz,
-    /// What becomes of aggregates that share nodes.
+    /// Treatment of aggregates that share nodes.
     pub joined: Joined,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra alone).
     pub hourglass: f64,
@@ -63,7 +63,7 @@ pub enum LawName {
     Cdpm2,
 }
 
-/// What a mesh without an ITZ has at the aggregates.
+/// Treatment of mortar at the aggregates of a mesh without an ITZ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -74,7 +74,7 @@ pub enum Itz {
     None,
 }
 
-/// What becomes of aggregates that share nodes: elastic, they would form a skeleton that never breaks.
+/// Treatment of aggregates that share nodes: elastic, they would form a skeleton that never breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -85,7 +85,7 @@ pub enum Joined {
     Keep,
 }
 
-/// What cohesive faces between aggregates and mortar have beside `[materials]`, and a deck cannot have.
+/// Properties of cohesive faces beside `[materials]`, which a deck cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

@@ -20,7 +20,7 @@ pub struct Case {
     pub values: Vec<(String, Value)>,
     /// The complete spec.
     pub spec: Spec,
-    /// What is done with the packing.
+    /// The steps after the packing.
     pub task: Value,
 }
 

@@ -1,4 +1,4 @@
-//! What repetitions say together: mean and scatter of every figure, and how many are needed to know the mean.
+//! Ensemble statistics of repetitions: mean and scatter of every figure, and how many are needed to know the mean.
 //!
 //! The mean is *known to 1 %* where the half-width of its 95 % confidence interval, `t s / sqrt(n)` with Student's t of
 //! n - 1 degrees of freedom, is at most 1 % of it. `s` is the sample's standard deviation.

@@ -42,13 +42,13 @@ pub enum PlanError {
     #[error("over.{0:?} is not an option; write its path in a SPEC.toml, e.g. \"grading.d_max_mm\"")]
     Key(String),
     /// Too many combinations.
-    #[error("over has {0} combinations; at most {MOST_CASES} cases are a study")]
+    #[error("over has {0} combinations; a study has at most {MOST_CASES} cases")]
     TooMany(usize),
     /// A combination whose spec cannot be.
     #[error("case {0}: {1}")]
     Spec(String, SpecError),
     /// Two combinations that are the same.
-    #[error("cases {0} and {1} are the same: some value stands twice in over, or the spec does not depend on it")]
+    #[error("cases {0} and {1} are the same: a value occurs twice in over, or the spec does not depend on it")]
     Twice(String, String),
 }
 
@@ -64,9 +64,10 @@ impl Plan {
         let count = count.filter(|count| *count <= MOST_CASES).ok_or_else(|| {
             PlanError::TooMany(axes.iter().fold(1, |count, axis| count.saturating_mul(axis.values.len())))
         })?;
+        let base = with_specimen(base, axes);
         let mut cases = Vec::with_capacity(count);
         for number in 0..count {
-            cases.push(case(base, &combination(axes, number), task, files)?);
+            cases.push(case(&base, &combination(axes, number), task, files)?);
         }
         distinct(&cases)?;
         Ok(Self { keys: axes.iter().map(|axis| axis.key.clone()).collect(), cases })
@@ -103,6 +104,17 @@ fn combination(axes: &[Axis], mut number: usize) -> Vec<(&str, &Value)> {
     }
     values.reverse();
     values
+}
+
+/// `base` with the usual specimen where it has none and axes change a part of it, which alone is no specimen.
+fn with_specimen(base: &Value, axes: &[Axis]) -> Value {
+    let mut tree = base.clone();
+    if let (Value::Object(sections), Ok(usual)) = (&mut tree, serde_json::to_value(Spec::default().specimen))
+        && axes.iter().any(|axis| is_part(&axis.key, "specimen"))
+    {
+        sections.entry("specimen").or_insert(usual);
+    }
+    tree
 }
 
 fn case(base: &Value, values: &[(&str, &Value)], task: &Value, files: &mut dyn Files) -> Result<Case, PlanError> {

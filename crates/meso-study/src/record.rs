@@ -1,4 +1,4 @@
-//! What a case leaves in its folder: `case.json`, written last and as a whole.
+//! The record of a case in its folder: `case.json`, written last and as a whole.
 
 use crate::case::Case;
 use meso_files::whole::{Keeper, Output, UNFINISHED, Unit};
@@ -22,7 +22,7 @@ pub struct Record {
     pub case: String,
     /// Hash of the complete spec and task.
     pub hash: String,
-    /// What was done with the packing beyond the task, e.g. the fingerprint of a Python function; empty for nothing.
+    /// Work on the packing beyond the task, e.g. the fingerprint of a Python function; empty for none.
     pub then: String,
     /// The axes' values.
     pub values: Map<String, Value>,
@@ -31,7 +31,7 @@ pub struct Record {
     /// Why it failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// What it found.
+    /// Its results.
     pub results: Map<String, Value>,
     /// Every other file of the folder and its length, bytes.
     pub files: BTreeMap<String, u64>,
@@ -50,7 +50,7 @@ pub enum Status {
 /// An error of a case, as its record keeps it.
 pub type Failed = String;
 
-/// What a folder says about a case.
+/// State of a case according to its folder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State {
     /// Nothing is there, or what a killed run left.

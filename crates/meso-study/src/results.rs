@@ -1,4 +1,4 @@
-//! What a study notes of a packing, a mesh and a test.
+//! Results that a study records of a packing, a mesh and a test.
 
 use meso_core::packing::Report;
 use serde_json::{Map, Value, json};

@@ -56,7 +56,7 @@ fn json(check: &Check, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)
 }
 
-/// What is counted, and which findings count.
+/// Figures of the table, and the findings that count among them.
 type Row = (&'static str, fn(&Finding) -> bool);
 
 fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {

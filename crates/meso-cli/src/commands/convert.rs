@@ -6,7 +6,6 @@ use crate::failure::Failure;
 use crate::inputs;
 use crate::outputs::{self, Target, Unit};
 use crate::stderr;
-use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, Surfaces};
 use meso_core::packing::Images;
 use std::path::{Path, PathBuf};
@@ -52,12 +51,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
     args.validate()?;
     let model = inputs::model(&args.model)?;
-    let surfaces = Surfaces {
-        encoding: Encoding::compressed(args.compress),
-        images: args.images,
-        mortar: args.mortar,
-        named_solids: args.named_solids,
-    };
+    let surfaces =
+        Surfaces { compress: args.compress, images: args.images, mortar: args.mortar, named_solids: args.named_solids };
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.writing.force, |out| format.write(&model, surfaces, out))?;

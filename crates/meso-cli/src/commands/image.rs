@@ -6,10 +6,10 @@ use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr};
-use meso_core::Progress;
 use meso_core::formats::ImageFormat;
 use meso_core::packing::Stage;
-use meso_core::voxel_image::{ImageError, ImageOptions, Quantity, Region, ShareOf, VoxelImage};
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
+use meso_core::{Progress, SpecError};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -20,9 +20,9 @@ pub(crate) struct Args {
     /// .npy to standard output. May be repeated
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<PathBuf>,
-    /// Edge of a voxel; along periodic axes it must divide the specimen's length
+    /// Edge of a voxel, mm; along periodic axes it must divide the specimen's length
     #[arg(long, value_name = "H", default_value_t = ImageOptions::default().voxel_size_mm, value_parser = values::number)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_negative_numbers = true, aliases = ["voxel-size", "size", "h"])]
     voxel_size_mm: f64,
     #[arg(long, default_value = "phase", value_parser = names::parse::<Quantity>)]
     #[arg(help = format!("Quantity at the voxels: {}", names::list::<Quantity>()))]
@@ -88,7 +88,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     unit.commit()?;
     watch.finish();
     if !args.writing.quiet {
-        let shape: Vec<String> = image.frame().shape().iter().map(usize::to_string).collect();
+        let shape: Vec<String> = image.shape().iter().map(usize::to_string).collect();
         let (what, shape) = (options.quantity.name(), shape.join(" x "));
         stderr::line(format!("{what} of {shape} voxels of {} mm", options.voxel_size_mm));
         let files = plan.iter().filter_map(|(target, _)| target.file());
@@ -130,11 +130,11 @@ fn format(path: &Path, options: &ImageOptions) -> Result<ImageFormat, Failure> {
         let known = ImageFormat::ALL.map(|format| format!(".{}", format.extension())).join(", ");
         Failure::Usage(format!("{}: unknown image format; the extension must be one of {known}", path.display()))
     })?;
-    format.check(options).map_err(|error| Failure::Usage(format!("{}: {}", path.display(), error.accepted)))?;
+    format.check(options).map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;
     Ok(format)
 }
 
 /// The core speaks of `voxel_size_mm`, the user typed `--voxel-size-mm`.
-fn wrong(error: &ImageError) -> Failure {
-    Failure::Usage(format!("--{} is {}; {}", error.key.replace('_', "-"), error.value, error.accepted))
+fn wrong(error: &SpecError) -> Failure {
+    Failure::Usage(format!("--{} {}", error.key.replace('_', "-"), error.message))
 }

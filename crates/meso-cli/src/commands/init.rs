@@ -20,7 +20,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    let recipe = Recipe::find(&args.recipe).ok_or_else(|| unknown(&args.recipe))?;
+    let recipe = Recipe::named(&args.recipe).map_err(Failure::Usage)?;
     let target = Target::new(&args.output, args.writing.force)?;
     let mut unit = Unit::default();
     unit.fill(&target, args.writing.force, |out| out.write_all(recipe.text.as_bytes()))?;
@@ -30,9 +30,4 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         stderr::line(format!("wrote {path}; edit it, then: mesocrete pack {path}"));
     }
     Ok(0)
-}
-
-fn unknown(name: &str) -> Failure {
-    let known: Vec<_> = Recipe::ALL.iter().map(|recipe| recipe.name).collect();
-    Failure::Usage(format!("there is no recipe {name:?}; the recipes are {}", known.join(", ")))
 }

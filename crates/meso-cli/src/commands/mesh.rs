@@ -9,7 +9,6 @@ use crate::progress::Watch;
 use crate::{inputs, stderr};
 use meso_core::Spec;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::export::vtk::Encoding;
 use meso_core::formats::MeshFormat;
 use meso_core::mesh::{Mesh, PhaseOff};
 use meso_core::packing::Stage;
@@ -77,12 +76,11 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     if writes_deck {
         deck.validate(&mesh).map_err(|error| wrong_deck(&error))?;
     }
-    let encoding = Encoding::compressed(args.compress);
     let mut unit = Unit::default();
     let fill_all = || {
         let mut outputs = plan.iter();
         outputs.try_for_each(|(target, format)| {
-            fill(&mut unit, target, args.writing.force, *format, &mesh, &deck, encoding)
+            fill(&mut unit, target, args.writing.force, *format, &mesh, &deck, args.compress)
         })
     };
     let options = args.meshing.options()?;
@@ -168,11 +166,11 @@ pub(super) fn fill(
     format: MeshFormat,
     mesh: &Mesh,
     deck: &DeckOptions,
-    encoding: Encoding,
+    compress: bool,
 ) -> Result<(), Failure> {
     let path = target.file().unwrap_or(Path::new("-"));
     for file in format.files(path, mesh, deck) {
-        let write = |out: &mut dyn Write| file.write(mesh, deck, encoding, out);
+        let write = |out: &mut dyn Write| file.write(mesh, deck, compress, out);
         match file.path == path {
             true => unit.fill(target, force, write)?,
             // Nothing lies beside a stream.

@@ -152,7 +152,7 @@ impl MeshReport {
         }
     }
 
-    /// What explicit steps of the length asked for cost.
+    /// Cost of explicit steps of the length asked for.
     fn scaled(&self) {
         let scaling = &self.mass_scaling;
         let phases: Vec<String> = scaling.phases.iter().map(times).collect();

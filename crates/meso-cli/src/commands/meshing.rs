@@ -19,33 +19,36 @@ use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+/// Names that other programs give `--element-size-mm`, and that clap would take for `--itz` and `--help`.
+pub(super) const SIZE: [&str; 4] = ["element-size", "size", "mesh-size", "h"];
+
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Meshes and decks")]
 pub(super) struct Meshing {
     #[arg(long, value_parser = names::parse::<MethodName>)]
-    #[arg(help = format!("How the specimen is divided: {} [default: voxel; with an analysis lattice]", names::list::<MethodName>()))]
+    #[arg(help = format!("Method of meshing: {} [default: voxel; with an analysis lattice]", names::list::<MethodName>()))]
     method: Option<MethodName>,
     /// Edge length of the elements, mm
     #[arg(long, value_name = "H", default_value_t = MeshOptions::default().element_size_mm, value_parser = values::number)]
-    #[arg(allow_negative_numbers = true)]
+    #[arg(allow_negative_numbers = true, aliases = SIZE)]
     element_size_mm: f64,
     #[arg(long, value_parser = names::parse::<ItzForm>)]
-    #[arg(help = format!("How the interfacial transition zone enters the mesh: {} [default: solid, or none where the elements are thicker than it; with an analysis smeared]", names::list::<ItzForm>()))]
+    #[arg(help = format!("Interfacial transition zone in the mesh: {} [default: solid, or none where the elements are thicker than it; with an analysis smeared]", names::list::<ItzForm>()))]
     itz: Option<ItzForm>,
     /// The thickness that the spec gives it.
     #[arg(skip)]
     thickness: OnceLock<Itz>,
     #[arg(long, value_parser = names::parse::<Joined>)]
-    #[arg(help = format!("How aggregates that would share nodes are treated: {} [default: keep; with an analysis cut]", names::list::<Joined>()))]
+    #[arg(help = format!("Treatment of aggregates that would share nodes: {} [default: keep; with an analysis cut]", names::list::<Joined>()))]
     joined: Option<Joined>,
     #[arg(long, value_parser = names::parse::<Volumes>)]
     #[arg(help = format!("Volume of the aggregates in a fitted lattice: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
     volumes: Option<Volumes>,
     #[arg(long, value_name = "GAPS", value_parser = names::parse::<NarrowGaps>)]
-    #[arg(help = format!("Tetrahedra between two aggregates, one at least or two: {} [default: keep; with an analysis split]", names::list::<NarrowGaps>()))]
+    #[arg(help = format!("Gaps one tetrahedron wide between aggregates: {} [default: keep; with an analysis split]", names::list::<NarrowGaps>()))]
     narrow_gaps: Option<NarrowGaps>,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
-    #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
+    #[arg(help = format!("Fit of a lattice to the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
     /// 2 puts a node in the middle of every edge of a tetrahedron (C3D10); lattice and conforming
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
@@ -58,7 +61,7 @@ pub(super) struct Meshing {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
     subsamples: u32,
-    /// Go on where a phase is more than 10 % off its exact volume, which is refused otherwise
+    /// Accept a phase more than 10 % off its exact volume, which is an error otherwise
     #[arg(long)]
     accept_phase_error: bool,
     /// Hexahedra with reduced integration (C3D8R)
@@ -71,7 +74,7 @@ pub(super) struct Meshing {
     #[arg(long)]
     periodic_equations: bool,
     #[arg(long, default_value = "none", value_parser = names::parse::<Analysis>)]
-    #[arg(help = format!("What a deck computes: {}", names::list::<Analysis>()))]
+    #[arg(help = format!("Analysis of the deck: {}", names::list::<Analysis>()))]
     analysis: Analysis,
     /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
     #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
@@ -84,10 +87,9 @@ pub(super) struct Meshing {
     #[arg(long, value_name = "S", default_value_t = Loading::default().duration_s, value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
     duration: f64,
-    /// Time increment that mass scaling keeps in compression and tension, s
-    #[arg(long, value_name = "S", default_value_t = Loading::default().time_increment_s, value_parser = values::number)]
-    #[arg(allow_negative_numbers = true)]
-    time_increment: f64,
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Time increment that mass scaling keeps in compression and tension, s [default: {:e}]", Loading::default().time_increment_s))]
+    time_increment: Option<f64>,
     /// Frames of field output in compression and tension
     #[arg(long, value_name = "N", default_value_t = Loading::default().frames, value_parser = values::count)]
     #[arg(allow_negative_numbers = true)]
@@ -107,7 +109,7 @@ pub(super) struct Meshing {
 }
 
 impl Meshing {
-    /// What was typed, whatever method it belongs to.
+    /// The options as typed, those of other methods included.
     fn table(&self) -> MeshTable {
         MeshTable {
             method: self.method(),
@@ -188,7 +190,7 @@ impl Meshing {
         Loading {
             friction: self.friction,
             duration_s: self.duration,
-            time_increment_s: self.time_increment,
+            time_increment_s: self.time_increment.unwrap_or(Loading::default().time_increment_s),
             frames: self.frames,
         }
     }
@@ -239,6 +241,7 @@ impl Meshing {
             ),
             ("--frames", self.frames != usual.frames, explicit, "--analysis compression and tension"),
             ("--duration", self.duration != usual.duration_s, explicit, "--analysis compression and tension"),
+            ("--time-increment", self.time_increment.is_some(), explicit, "--analysis compression and tension"),
             (
                 "--with-damage",
                 self.with_damage,
@@ -359,7 +362,7 @@ pub(super) fn build(
 ) -> Result<Mesh, Failure> {
     let progress = |share| watch.stage(Stage::Mesh, share);
     let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
-    mesh::build_watched(model, options, &gmsh, &progress).map_err(|error| wrong_mesh(&error))
+    mesh::build_with(model, options, &gmsh, &progress).map_err(|error| wrong_mesh(&error))
 }
 
 /// gmsh, whose second attempts the user hears of.
@@ -371,20 +374,20 @@ struct Announced {
 impl VolumeMesher for Announced {
     fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
         if let Some(size) = surfaces.again_mm().filter(|_| !self.quiet) {
-            stderr::line(format!("gmsh's mesh cannot be used; asking it again, for elements of {size:.3} mm"));
+            stderr::line(format!("gmsh's mesh cannot be used; running it again with elements of {size:.3} mm"));
         }
         self.gmsh.fill(surfaces)
     }
 }
 
-/// What cannot be asked of a mesh is wrong usage.
+/// Turns an error of meshing into a failure; wrong options are wrong usage.
 pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
     match error {
         MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
         MeshError::MissingGmsh { .. } => {
             Failure::Run(format!("{error} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
-        MeshError::PhaseError { .. } => Failure::Run(format!("{error}; --accept-phase-error goes on with it")),
+        MeshError::PhaseError { .. } => Failure::Run(format!("{error}; --accept-phase-error accepts it")),
         MeshError::NearTouching { .. } => {
             Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
         }
@@ -428,7 +431,7 @@ fn name(value: impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// What a deck cannot hold is wrong usage.
+/// Turns an error of a deck into wrong usage.
 pub(super) fn wrong_deck(error: &DeckError) -> Failure {
     Failure::Usage(format!("{} {}", flag(error.key()), error.fault()))
 }
@@ -443,7 +446,7 @@ fn flag(key: &str) -> String {
 }
 
 fn does_nothing(flag: &str, of: &str) {
-    stderr::line(format!("warning: {flag} is only for {of}, and does nothing here"));
+    stderr::line(format!("warning: {flag} is only for {of}, and has no effect here"));
 }
 
 /// A file that holds material values.

@@ -9,7 +9,6 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::{PACK, Watch};
 use crate::{inputs, stderr};
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::export::vtk::Encoding;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
 use meso_core::mesh::Mesh;
 use meso_core::packing::{Images, Placement, Report, Seconds, Stage, StopReason, Strategy};
@@ -20,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// What to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
+    /// Spec to pack (TOML, see `mesocrete init`); `-` is standard input; absent: a 150 mm cube, Fuller 5 to 20 mm, 50 %
     spec: Option<PathBuf>,
     /// File to write, its format by the extension: .json, .json.gz, .vtu, .vtp, .stl, .step, .glb, .ply, .obj, .csv; a
     /// page: .html; meshes: .inp, .msh, .pvtu; `-` writes the .json to standard output. May be repeated; absent: model.json, model.vtu, model.inp, model.html
@@ -33,7 +32,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
     fraction: Option<f64>,
     #[arg(long, value_parser = names::parse::<Strategy>)]
-    #[arg(help = format!("How aggregates are placed: {}", names::list::<Strategy>()))]
+    #[arg(help = format!("Strategy of placement: {}", names::list::<Strategy>()))]
     strategy: Option<Strategy>,
     /// Random positions tried per aggregate
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
@@ -174,8 +173,7 @@ impl Args {
         let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
-        let encoding = Encoding::compressed(self.compress);
-        let surfaces = Surfaces { encoding, images: self.images, ..Surfaces::default() };
+        let surfaces = Surfaces { compress: self.compress, images: self.images, ..Surfaces::default() };
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.writing.force, surfaces })
     }
 }
@@ -239,7 +237,7 @@ impl Plan {
                 }
                 (Content::Mesh(format), Some(mesh)) => {
                     deck.validate(mesh).map_err(|error| wrong_deck(&error))?;
-                    mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.encoding)?;
+                    mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.compress)?;
                 }
                 (Content::Mesh(_), None) => {}
                 (Content::Page, _) => self.fill_page(&mut unit, target, model, mesh, watch)?,

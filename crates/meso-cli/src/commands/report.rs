@@ -54,7 +54,7 @@ impl Args {
     }
 }
 
-/// What the output's name asks for.
+/// Content that the output's name asks for.
 #[derive(Clone, Copy)]
 enum Content {
     Page,

@@ -154,7 +154,7 @@ impl Args {
         }
         for (flag, given) in [("--seed", self.seed.is_some()), ("--fraction", self.fraction.is_some())] {
             if given {
-                let message = format!("{flag} is for a packing that is made here; the saved model is packed already");
+                let message = format!("{flag} has no effect on a saved model; leave it out, or give a SPEC.toml");
                 return Err(Failure::Usage(message));
             }
         }
@@ -195,7 +195,7 @@ impl Args {
         Ok((!interrupt::asked()).then_some((model, options)))
     }
 
-    /// What is packed: a SPEC.toml, or the paper's specimen, with what the flags change.
+    /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.
     fn spec(&self) -> Result<Spec, Failure> {
         let mut spec = self.model.as_deref().map_or_else(|| Ok(paper()), inputs::spec)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
@@ -268,7 +268,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     if *ended == Ended::Stopped && args.checkpoint.is_some() {
         folder.keep(run)?;
     }
-    // What a run that diverged holds now are no numbers.
+    // A run that diverged holds no numbers now.
     let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
     let seconds = Seconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let frames = folder.frames().to_vec();
@@ -295,7 +295,7 @@ fn tell(response: &Response, quiet: bool) {
             figures.peak_mpa, figures.peak_strain, figures.modulus_mpa, figures.stress_at_end_mpa
         ));
         stderr::line(format!(
-            "kinetic over internal energy {:.2} %, energies off by {:.4} % of the work, {:.1} % of mass added",
+            "kinetic over internal energy {:.2} %, energy balance off by {:.4} % of the work, {:.1} % of mass added",
             100.0 * result.kinetic_over_internal_max,
             100.0 * result.energy_balance_error,
             result.added_mass_percent
@@ -309,7 +309,7 @@ fn tell(response: &Response, quiet: bool) {
     }
 }
 
-/// What cannot be tested is wrong usage.
+/// Turns an error of the engine into wrong usage.
 fn wrong(error: &SolveError) -> Failure {
     Failure::Usage(with_flags(&error.to_string()))
 }

@@ -18,8 +18,8 @@ use steps::Steps;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
-    /// What to vary (TOML): `spec`, a file or a table; `[over]`, the options to vary; `outputs`, `[mesh]` and `[solve]`, what
-    /// to do with each packing; see docs/studies.md
+    /// Study (TOML): `spec`, a file or a table; `[over]`, the options to vary; `outputs`, `[mesh]` and `[solve]`,
+    /// the work on each packing; see docs/studies.md
     study: PathBuf,
     /// Folder of the study: a folder for each case, table.csv, table.parquet and ensemble.csv
     #[arg(short, long, value_name = "DIR", default_value = "study")]
@@ -178,7 +178,7 @@ impl<'a> Study<'a> {
                 "{done} of {} cases done ({} before), {failed} failed{}",
                 self.cases.len(),
                 self.found,
-                if failed > 0 { "; --retry-failed does them again" } else { "" }
+                if failed > 0 { "; --retry-failed runs them again" } else { "" }
             ));
             TABLES.iter().for_each(|name| stderr::line(format!("wrote {}", out.join(name).display())));
         }

@@ -8,7 +8,7 @@ pub use standards::Standard;
 
 use serde::{Deserialize, Serialize};
 
-/// What is asked of the aggregate sizes.
+/// Sizes of the aggregates: limits, curve and classes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

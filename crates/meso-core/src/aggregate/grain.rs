@@ -6,7 +6,7 @@ use crate::math::{Mat3, Rotation, Vec3};
 use crate::simd::{Wide, widest};
 use serde::{Deserialize, Serialize};
 
-/// What a placed body is.
+/// Kind of a placed body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -45,7 +45,7 @@ impl Kind {
 /// A grain has a shape and an orientation, but no position yet.
 #[derive(Clone, Debug)]
 pub struct Grain {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,

@@ -27,7 +27,7 @@ use crate::geometry::{OffsetError, Polyhedron};
 pub struct Aggregate {
     /// Position in the model's list, from 0; voids and fibres count on from the last aggregate.
     pub id: u32,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,

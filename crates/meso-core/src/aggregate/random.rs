@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
-/// What a stream is for; streams of different purposes never share numbers.
+/// Purpose of a stream; streams of different purposes never share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {

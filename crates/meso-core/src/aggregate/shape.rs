@@ -8,7 +8,7 @@ use crate::math::{Aabb, Vec3, longest_distance};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
-/// What is asked of the aggregates' shape.
+/// Shape of the aggregates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]

@@ -15,7 +15,7 @@ pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
             let diameter = libm::cbrt(volume * 6.0 / PI);
             let rounding = rounding(diameter);
             let fits = diameter >= low - rounding && diameter <= high + rounding;
-            (!fits).then(|| format!("its sphere is {diameter} mm across, not {low} to {high}"))
+            (!fits).then(|| format!("its sphere has a diameter of {diameter} mm, not {low} to {high} mm"))
         }
         (Kind::Fibre, _, Some(fibres)) => {
             let longest = longest_distance(body.body.vertices());
@@ -24,9 +24,9 @@ pub(super) fn size(asked: &Inclusions, body: &Aggregate) -> Option<Finding> {
             let rounding = rounding(longest);
             let fits =
                 (longest - fibres.longest()).abs() <= rounding && (diameter - fibres.diameter_mm).abs() <= rounding;
-            (!fits).then(|| format!("its diagonal is {longest} mm and its cylinder {diameter} mm across"))
+            (!fits).then(|| format!("its diagonal is {longest} mm and its cylinder's diameter {diameter} mm"))
         }
-        _ => Some(format!("there are to be no {}", body.kind.plural())),
+        _ => Some(format!("the spec asks for no {}", body.kind.plural())),
     };
     Some(Finding::Shape { body: body.id, reason: reason? })
 }

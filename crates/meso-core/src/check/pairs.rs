@@ -42,7 +42,7 @@ fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f
 
 fn verdict(a: &Placed, b: &Placed, gap: f64) -> Option<Finding> {
     let (p, q) = (&*a.vertices, &*b.vertices);
-    // What cannot be asked (coordinates beyond the accepted magnitudes) is not proved apart.
+    // Bodies whose coordinates exceed the accepted magnitudes are not proved apart.
     if gjk::intersects(p, q).unwrap_or(true) {
         return Some(Finding::Overlap { a: a.body, b: b.body });
     }

@@ -14,7 +14,7 @@ const SUMMED: f64 = 1e-12;
 pub(super) fn check(model: &Model, taken: Option<&Taken>) -> Vec<Finding> {
     let report = &model.report;
     if !report.is_recorded() {
-        return vec![wrong("the file has none, so that nothing says what was asked and what was reached".to_owned())];
+        return vec![wrong("the file has no report, so target and result are unknown".to_owned())];
     }
     let mut reasons = Vec::new();
     if !is_known(&report.version) {
@@ -45,7 +45,7 @@ fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
     Report { strategy, stop_detail, discarded: said.discarded, ..right }
 }
 
-/// What can be said of a run that was stopped.
+/// Checks the report of a run that was stopped.
 fn stopped(model: &Model, taken: &Taken, right: &Report) -> Vec<String> {
     let said = &model.report;
     if !was_stopped(model) {
@@ -76,7 +76,7 @@ fn is_known(version: &str) -> bool {
 }
 
 fn plain(report: &Report) -> Value {
-    serde_json::to_value(report).expect("a report has string keys alone")
+    serde_json::to_value(report).expect("the keys of a report are strings")
 }
 
 /// Names every leaf of the trees that differs.

@@ -13,13 +13,13 @@ const MOST_MADE: f64 = 20.0;
 /// And so many more, which take seconds.
 const FEW: f64 = 100_000.0;
 
-/// What a run of the model's spec takes, and how it ended if the report is right.
+/// Grains that the take of the model's spec gives, and the end of the run according to the report.
 pub(super) struct Taken {
     pub(super) tally: Tally,
     pub(super) outcome: Outcome,
 }
 
-/// What the spec takes, and what is found in the bodies.
+/// Grains that the spec gives, and those found among the bodies.
 ///
 /// Nothing taken where making the grains would take far longer than the file is long.
 pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Taken>, Vec<Finding>) {
@@ -76,7 +76,7 @@ fn as_reported(model: &Model, grains: &[Grain]) -> Taken {
     Taken { tally, outcome }
 }
 
-/// What is known of a grain wherever it lies.
+/// Properties of a grain that do not depend on its pose.
 struct Draft {
     class: u16,
     itz_bits: u64,

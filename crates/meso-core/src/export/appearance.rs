@@ -1,4 +1,4 @@
-//! What a body is called in every file that names bodies, and which colour it has there: the one table of colours, which
+//! Name and colour of a body in every file that holds them: the one table of colours, which
 //! pages, pictures and Python's plots read, too.
 //!
 //! A body is `aggregate_12_class_1`, `void_40` or `fibre_41`: its phase, its id, and an aggregate's size class. Its

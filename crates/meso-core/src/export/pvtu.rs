@@ -54,7 +54,7 @@ pub(crate) fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::R
     writeln!(out, "</PUnstructuredGrid>\n</VTKFile>")
 }
 
-/// What a file's name may hold and XML may not.
+/// Escapes the characters of a file's name that XML does not allow.
 fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

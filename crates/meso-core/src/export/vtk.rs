@@ -11,7 +11,7 @@ use std::io::{self, BufWriter, Write};
 
 /// How the arrays' bytes are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
+pub(crate) enum Encoding {
     /// As they are.
     #[default]
     Raw,
@@ -21,7 +21,7 @@ pub enum Encoding {
 
 impl Encoding {
     /// Compressed or not.
-    pub fn compressed(yes: bool) -> Self {
+    pub(crate) fn compressed(yes: bool) -> Self {
         if yes { Self::Compressed } else { Self::Raw }
     }
 }

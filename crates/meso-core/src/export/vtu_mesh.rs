@@ -7,11 +7,11 @@ use super::vtk::{Array, Encoding, Grid, Layout};
 use crate::mesh::{CellKind, Mesh, Phase, quality};
 use std::io::{self, Write};
 
-/// Writes `mesh` with its phases and quality to `out`.
+/// Writes `mesh` with its phases and quality to `out`; `compress` is by zlib.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()> {
+pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
     let quality = match mesh.kind {
         CellKind::Hexahedron => Vec::new(),
         _ => quality::CellQuality::of_cells(mesh),
@@ -27,7 +27,7 @@ pub fn write(mesh: &Mesh, encoding: Encoding, out: impl Write) -> io::Result<()>
         cell_data.push(measure("radius_ratio", |q| q.radius_ratio));
         cell_data.push(measure("min_dihedral_deg", |q| q.min_dihedral_deg));
     }
-    grid(mesh, cell_data).write(encoding, out)
+    grid(mesh, cell_data).write(Encoding::compressed(compress), out)
 }
 
 /// Values at the points or in the cells of a mesh.
@@ -41,7 +41,7 @@ pub struct Field<'a> {
     pub values: &'a [f32],
 }
 
-/// Writes `mesh` with fields at its points and in its cells, which have `phases`; the first of `cells` is what a viewer shows.
+/// Writes `mesh` with fields at its points and in its cells, which have `phases`, compressed; the first of `cells` is what a viewer shows.
 ///
 /// # Errors
 /// Those of `out`.
@@ -50,11 +50,11 @@ pub fn write_fields(
     phases: &[Phase],
     points: &[Field],
     cells: &[Field],
-    encoding: Encoding,
     out: impl Write,
 ) -> io::Result<()> {
     let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, phases)).collect();
-    Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }.write(encoding, out)
+    Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }
+        .write(Encoding::Compressed, out)
 }
 
 impl<'a> Field<'a> {

@@ -8,7 +8,7 @@ use crate::math::{Aabb, Vec3};
 
 /// Items of a leaf: to look at four boxes takes no longer than to walk two more nodes.
 const LEAF: usize = 4;
-/// What rounding may add to the distance of a box, as a share: far more than three squares and a root do.
+/// Bound on the rounding error of a box's distance, as a share: far above that of three squares and a root.
 const ROUNDING: f64 = 1e-12;
 
 /// The tree of the boxes it was made from, which it does not keep.

@@ -45,7 +45,7 @@ impl Polyhedron {
     }
 }
 
-/// What is left of an eroded body.
+/// Remainder of an eroded body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Erosion {
     /// Nothing, or a set without volume.

@@ -13,7 +13,7 @@ mod planes;
 
 use super::inradius::{Erosion, erosion, plane_corners};
 use super::{HullError, Polyhedron};
-use crate::math::Vec3;
+use crate::math::{Aabb, Vec3};
 use dual::Dual;
 use frame::Frame;
 use planes::dual_points;
@@ -36,7 +36,7 @@ pub enum OffsetError {
     /// The result cannot be given to the promised accuracy.
     #[error("the offset is ill-conditioned: {reason}")]
     IllConditioned {
-        /// What was met.
+        /// The obstacle.
         reason: String,
     },
 }
@@ -109,22 +109,27 @@ fn placed(
 ) -> Result<Polyhedron, OffsetError> {
     let length = dual.unit();
     let volume = body.volume() * length * length * length * frame_volume;
-    let body = body.mapped_to_volume(|v| center + to_world(&(v * length)), volume);
-    if is_shown(&body, 1e-3 * volume) { Ok(body) } else { Err(lost()) }
+    let arm = |v: &Vec3| to_world(&(v * length));
+    if !is_shown(&body, arm, center, 1e-3 * volume) {
+        return Err(lost());
+    }
+    Ok(body.mapped_to_volume(|v| center + arm(v), volume))
 }
 
 /// True where the volume between faces whose corners err by half an ulp of the largest coordinates is below a limit: along
-/// each axis, that times the faces seen along it.
-fn is_shown(body: &Polyhedron, limit: f64) -> bool {
-    let aabb = body.aabb();
-    let (largest, size) = (aabb.min.abs().sup(&aabb.max.abs()), aabb.size());
+/// each axis, that times the faces seen along it. `arm` takes a vertex to its place about the centre: where coordinates are
+/// rounded, a small body may have lost its faces.
+fn is_shown(body: &Polyhedron, arm: impl Fn(&Vec3) -> Vec3, center: &Vec3, limit: f64) -> bool {
+    let mut aabb = Aabb::empty();
+    body.vertices().iter().for_each(|v| aabb.include(&arm(v)));
+    let (largest, size) = ((center + aabb.min).abs().sup(&(center + aabb.max).abs()), aabb.size());
     // Along an axis one sees no more of a convex body than of its box, from either side: enough for most; rounding is given
     // a half.
     let sides = Vec3::new(size.y * size.z, size.z * size.x, size.x * size.y);
     if 1.5 * ROUNDING * largest.dot(&(sides * 2.0)) < limit {
         return true;
     }
-    let at = |i: u32| body.vertices()[i as usize];
+    let at = |i: u32| arm(&body.vertices()[i as usize]);
     let seen: Vec3 = body.triangles().map(|[a, b, c]| (at(b) - at(a)).cross(&(at(c) - at(a))).abs() / 2.0).sum();
     ROUNDING * largest.dot(&seen) < limit
 }

@@ -29,11 +29,11 @@ impl Plane {
 
 /// A face as a part of its plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Facet {
+pub(crate) struct Facet {
     /// Where it lies.
-    pub plane: Plane,
+    pub(crate) plane: Plane,
     /// mm2.
-    pub area: f64,
+    pub(crate) area: f64,
     /// Number of its corners.
-    pub corners: usize,
+    pub(crate) corners: usize,
 }

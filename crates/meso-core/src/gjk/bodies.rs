@@ -48,7 +48,7 @@ impl Placed {
         };
         let centre = hull.centroid();
         let local = hull.translated(&-centre);
-        let body = Body::new(local.vertices()).with_inside_of(local.facets());
+        let body = Body::new(local.vertices()).with_facets(local.facets());
         Self { body, centre, aabb, points: hull.into_vertices().into(), ordinary }
     }
 }
@@ -230,7 +230,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
-/// What lockstep leaves open.
+/// Pairs that lockstep leaves undecided.
 struct Open<'a> {
     asks: &'a [Ask<'a>],
     gap: f64,

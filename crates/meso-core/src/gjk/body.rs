@@ -2,7 +2,7 @@
 
 use super::ellipsoid::Ellipsoids;
 use super::support::Support;
-use crate::geometry::{CompactPolyhedron, Facet};
+use crate::geometry::{CompactPolyhedron, Facet, Polyhedron};
 use crate::math::{Mat3, Vec3};
 use crate::prefetch::prefetch;
 use crate::simd::{Wide, widest};
@@ -43,7 +43,7 @@ pub struct Body {
     first: Group,
 }
 
-/// What lets most pairs be decided without a look at their points, in one cache line: for bodies that are made only when
+/// Bounds that decide most pairs without their points, in one cache line: for bodies that are made only when
 /// they are needed.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds(pub(crate) Ellipsoids);
@@ -131,11 +131,16 @@ impl Body {
         Self::bounded(points, Ellipsoids::around(points, &(rotation * squares * rotation.transpose())))
     }
 
-    /// Adds what the facets of the solid whose vertices this body has ([`Polyhedron::facets`](crate::geometry::Polyhedron::facets)) prove about its inside.
+    /// Adds what the faces of `solid`, whose vertices this body has, prove about its inside.
     ///
     /// Pairs that overlap deeply are then decided without looking at a vertex.
     #[must_use]
-    pub fn with_inside_of(mut self, facets: impl IntoIterator<Item = Facet>) -> Self {
+    pub fn with_inside_of(self, solid: &Polyhedron) -> Self {
+        self.with_facets(solid.facets())
+    }
+
+    /// As [`with_inside_of`](Self::with_inside_of), from the solid's facets.
+    pub(crate) fn with_facets(mut self, facets: impl IntoIterator<Item = Facet>) -> Self {
         self.bounds.measure_inside(facets);
         self
     }

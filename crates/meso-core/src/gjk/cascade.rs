@@ -380,3 +380,54 @@ impl Vectorized for Wide<'_> {
 fn or_x(v: &Vec3) -> Vec3 {
     if *v == Vec3::zeros() { Vec3::x() } else { *v }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::convex_hull;
+
+    /// From -1 to 1 (D. E. Knuth's MMIX generator).
+    struct Dice(u64);
+
+    impl Dice {
+        fn roll(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn vector(&mut self) -> Vec3 {
+            Vec3::from_fn(|_, _| self.roll())
+        }
+
+        /// A solid of 24 points about its frame's origin, which it is known to hold.
+        fn body(&mut self) -> Body {
+            let axes = Vec3::from_fn(|_, _| 1.0 + 0.4 * self.roll());
+            let points: Vec<Vec3> = (0..24).map(|_| self.vector().normalize().component_mul(&axes)).collect();
+            Body::new(&points).with_inside_of(&convex_hull(&points).unwrap())
+        }
+    }
+
+    #[test]
+    fn portals_settle_ordinary_pairs_in_either_precision_whatever_triangle_they_begin_with() {
+        let (mut dice, mut overlaps, mut narrow, mut wide) = (Dice(1), 0, 0, 0);
+        for _ in 0..500 {
+            let (a, b, x) = (dice.body(), dice.body(), dice.vector() * 2.0);
+            assert!(a.holds_origin() && b.holds_origin());
+            let query = Query { a: &a, b: &b, x, gap: 0.0 };
+            let truth = query.decide(&[], &mut Counters::default()).is_some();
+            let found = query.search_narrow(&x).answer();
+            assert!(found.is_none_or(|apart| apart == truth));
+            narrow += u32::from(found.is_none());
+            let slot = |dice: &mut Dice| (12.0 + 12.0 * dice.roll()) as u32;
+            let portal: Portal = [0; 3].map(|_| (slot(&mut dice), slot(&mut dice)));
+            for portal in [None, Some(portal)] {
+                let found = dispatch(Wide { pair: query.pair(), v: x, gap: 0.0, portal }).answer();
+                assert!(found.is_none_or(|apart| apart == truth));
+                wide += u32::from(found.is_none());
+            }
+            overlaps += u32::from(!truth);
+        }
+        assert!((100..400).contains(&overlaps), "{overlaps}");
+        assert!(narrow < 5 && wide == 0, "{narrow} and {wide} were left open");
+    }
+}

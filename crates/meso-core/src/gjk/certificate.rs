@@ -145,6 +145,21 @@ mod tests {
     }
 
     #[test]
+    fn a_shift_against_the_direction_separates_nothing_however_its_terms_cancel() {
+        let (mut numbers, origin) = (Numbers(3), [Vec3::zeros()]);
+        for _ in 0..10_000 {
+            let (mut v, [x, y, _]) = (numbers.point(), numbers.point());
+            v.sort_unstable();
+            // Two terms of up to 2^105, and a third that leaves a last digit or less of their sum.
+            let (x, y) = (x / 2, y / 2);
+            let z = (x * v[0] + y * v[1]).div_euclid(v[2]) + 1;
+            let shift = [x, y, -z];
+            assert!((-v[2]..0).contains(&dot(&shift, &v)));
+            assert!(!separates(&origin[..], &origin[..], &float(&shift), &float(&v)), "{shift:?} along {v:?}");
+        }
+    }
+
+    #[test]
     fn heights_that_vanish_by_underflow_separate_nothing() {
         // Products of 0.48 and 0.6 of the least subnormal number: 0 and 1 of it.
         let least = 2f64.powi(-537);

@@ -126,3 +126,32 @@ fn tetrahedron(simplex: &mut Simplex, d: Vertex, c: Vertex, b: Vertex, a: Vertex
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_reduced_to_what_of_it_is_nearest_the_origin_and_the_search_goes_from_there() {
+        let mut ends = 0;
+        for k in 0..500 {
+            let x = |i: i32| (f64::from(k * 31 + i * i * 7) * 1.7).sin();
+            let vertex = |i: i32| Vertex { w: Vec3::new(x(i), x(i + 1), x(i + 2)), of: (i as u32, 0) };
+            let (b, a) = (vertex(0), vertex(3));
+            let mut simplex = Simplex::point(b);
+            simplex.add(a);
+            let direction = update(&mut simplex).unwrap();
+            // The best of many points of the line from the newest on; B comes first in a search, so it is never the nearest.
+            let point = |i: u32| a.w.lerp(&b.w, f64::from(i) / 1e4);
+            let (at, nearest) =
+                (0..=10_000).map(|i| (i, point(i))).min_by(|p, q| p.1.norm().total_cmp(&q.1.norm())).unwrap();
+            if at == 10_000 {
+                continue;
+            }
+            assert_eq!(simplex.vertices().len(), if at == 0 { 1 } else { 2 }, "{k}");
+            assert!(direction.normalize().dot(&nearest.normalize()) < -0.99, "{k}: {direction} from {nearest}");
+            ends += u32::from(at == 0);
+        }
+        assert!((50..450).contains(&ends), "{ends}");
+    }
+}

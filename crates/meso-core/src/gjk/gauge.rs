@@ -70,7 +70,7 @@ impl Solid {
     /// # Panics
     /// Without vertices.
     pub(crate) fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
-        let body = Body::new(vertices).with_inside_of(facets.iter().copied());
+        let body = Body::new(vertices).with_facets(facets.iter().copied());
         Self { gauge: Gauge::new(facets, body.circumradius()), body }
     }
 

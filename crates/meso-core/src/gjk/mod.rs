@@ -69,6 +69,6 @@ pub use method::Method;
 pub use pair_query::PairQuery;
 pub use penetration::Penetration;
 pub(crate) use points::distance_exceeds;
-pub use points::{Proof, Verdict, closest_points, distance, intersects};
+pub use points::{Verdict, closest_points, distance, intersects};
 #[doc(hidden)]
 pub use support::Support;

@@ -17,7 +17,7 @@ use crate::simd::{Simd, Vectorized, dispatch};
 
 /// Unit roundoff.
 const U: f64 = f64::EPSILON / 2.0;
-/// What rounding may move a point of A - B by: coordinates of magnitude 1, shifted once and subtracted once.
+/// Bound on the rounding error of a point of A - B: coordinates of magnitude 1, shifted once and subtracted once.
 const MOVED: f64 = 16.0 * U;
 /// Components too small for the hull's predicates.
 const NEGLIGIBLE: f64 = 1e-40;
@@ -94,7 +94,7 @@ fn of_boxes(a: &Aabb, b: &Aabb) -> Penetration {
 struct Search<'a> {
     pair: Pair<'a>,
     points: Vec<Vec3>,
-    /// What each point is the difference of.
+    /// The pair of points whose difference each point is.
     of: Vec<(u32, u32)>,
     depth: f64,
     direction: Vec3,

@@ -7,15 +7,6 @@ use super::pair::Found;
 use super::scaled::Scaled;
 use crate::math::{Aabb, Vec3};
 
-/// How an answer was proved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Proof {
-    /// The witness, in doubles, with a margin that survives rounding.
-    Margin,
-    /// Exact arithmetic; the witness direction may be a rounded one.
-    Exact,
-}
-
 /// An answer with its witness.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
@@ -23,17 +14,17 @@ pub enum Verdict {
     Separated {
         /// Separates them: every point of A lies lower along it than every point of B.
         ///
-        /// Under [`Proof::Exact`] the exact direction does; this one is it, rounded.
+        /// Where `is_exact`, the exact direction does; this one is it, rounded.
         direction: Vec3,
-        /// How that is known.
-        proof: Proof,
+        /// Whether exact arithmetic proved it. Otherwise this witness did, with a margin that survives rounding.
+        is_exact: bool,
     },
     /// The bodies share at least one point.
     Intersecting {
         /// One to four pairs of points, of A and of B: the hull of their differences holds the origin.
         points: Vec<(usize, usize)>,
-        /// How that is known.
-        proof: Proof,
+        /// Whether exact arithmetic proved it. Otherwise this witness did, with a margin that survives rounding.
+        is_exact: bool,
     },
 }
 
@@ -115,17 +106,17 @@ impl Method {
 
 fn proved(pair: &Scaled<'_>, method: Method) -> Verdict {
     match pair.search(method) {
-        Found::Apart(direction) => Verdict::Separated { direction, proof: Proof::Margin },
-        Found::Overlap(corners) => intersecting(corners.pairs(), Proof::Margin),
+        Found::Apart(direction) => Verdict::Separated { direction, is_exact: false },
+        Found::Overlap(corners) => intersecting(corners.pairs(), false),
         Found::Undecided(corners) => match pair.exact().decide(corners.pairs()) {
-            Decision::Overlap(pairs) => intersecting(&pairs, Proof::Exact),
-            Decision::Apart(v) => Verdict::Separated { direction: v.direction(), proof: Proof::Exact },
+            Decision::Overlap(pairs) => intersecting(&pairs, true),
+            Decision::Apart(v) => Verdict::Separated { direction: v.direction(), is_exact: true },
         },
     }
 }
 
-fn intersecting(pairs: &[(u32, u32)], proof: Proof) -> Verdict {
-    Verdict::Intersecting { points: pairs.iter().map(|&(a, b)| (a as usize, b as usize)).collect(), proof }
+fn intersecting(pairs: &[(u32, u32)], is_exact: bool) -> Verdict {
+    Verdict::Intersecting { points: pairs.iter().map(|&(a, b)| (a as usize, b as usize)).collect(), is_exact }
 }
 
 /// Distance of the hulls of `a` and `b`, in the unit of the points: 0 exactly when they share a point.

@@ -22,7 +22,7 @@ pub(crate) enum StlError {
     Vertex {
         /// From 1.
         line: usize,
-        /// What stands there.
+        /// The text found there.
         found: String,
     },
     /// No facets.

@@ -26,19 +26,12 @@ pub fn build(model: &Model, options: &MeshOptions) -> Result<Mesh, MeshError> {
     build_parts(&model.bodies(), &model.spec.specimen, options)
 }
 
-/// Meshes a packed specimen; `gmsh` is asked where the method is conforming.
+/// Meshes a packed specimen; `gmsh` is asked where the method is conforming, `progress` hears now and then which share of the
+/// work is done, 0 to 1.
 ///
 /// # Errors
 /// As [`build`], and those of `gmsh`.
-pub fn build_with(model: &Model, options: &MeshOptions, gmsh: &dyn VolumeMesher) -> Result<Mesh, MeshError> {
-    build_watched(model, options, gmsh, &|_| {})
-}
-
-/// As [`build_with`], and reports now and then which share of the work is done, 0 to 1.
-///
-/// # Errors
-/// As [`build_with`].
-pub fn build_watched(
+pub fn build_with(
     model: &Model,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
@@ -47,13 +40,13 @@ pub fn build_watched(
     assemble(&model.bodies(), &model.spec.specimen, options, gmsh, progress)
 }
 
-/// As [`build_watched`], and refuses a mesh in which a phase has more or less of its volume than `accepted` allows.
+/// As [`build_with`], and refuses a mesh in which a phase has more or less of its volume than `accepted` allows.
 ///
 /// `accepted` is a share of the exact volume: [`PhaseOff::ACCEPTED`], unless a coarse mesh is wanted. Beside the mesh comes
 /// the phase that is farthest off; none where a core has no trustworthy volume.
 ///
 /// # Errors
-/// As [`build_watched`], and [`MeshError::PhaseError`].
+/// As [`build_with`], and [`MeshError::PhaseError`].
 pub fn build_accepted(
     model: &Model,
     options: &MeshOptions,
@@ -61,7 +54,7 @@ pub fn build_accepted(
     accepted: f64,
     progress: &dyn Fn(f64),
 ) -> Result<(Mesh, Option<PhaseOff>), MeshError> {
-    let mesh = build_watched(model, options, gmsh, progress)?;
+    let mesh = build_with(model, options, gmsh, progress)?;
     let off = PhaseOff::of(&mesh, &model.bodies(), &model.spec.specimen, options);
     match off.filter(|off| off.error().abs() > accepted) {
         Some(off) => Err(off.refused(options)),

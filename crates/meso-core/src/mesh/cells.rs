@@ -26,7 +26,7 @@ impl Phase {
     /// All phases, in the order decks list them.
     pub const ALL: [Self; 4] = [Self::Aggregate, Self::Itz, Self::Mortar, Self::Fibre];
 
-    /// What a body has inside its ITZ; cells of voids are left out before anyone sees them.
+    /// The body inside its ITZ; cells of voids are left out before a mesh is returned.
     pub(crate) fn inside(kind: Kind) -> Self {
         match kind {
             Kind::Aggregate | Kind::Void => Self::Aggregate,
@@ -34,7 +34,7 @@ impl Phase {
         }
     }
 
-    /// What messages call it.
+    /// Its name in messages.
     pub(crate) fn in_words(self) -> &'static str {
         match self {
             Self::Mortar => "mortar",
@@ -124,11 +124,11 @@ pub struct Mesh {
     pub cohesive_aggregate: Vec<u32>,
     /// The directions in which the specimen repeats itself.
     pub periodic: [bool; 3],
-    /// What the builder had to decide.
+    /// Decisions of the builder.
     pub notes: Notes,
 }
 
-/// What a builder had to decide, and how often: nothing is bridged or thinned in silence.
+/// Decisions of the builder, and how often it took each: every bridged gap and thinned ITZ is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Notes {
     /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.

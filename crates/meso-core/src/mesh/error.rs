@@ -15,9 +15,9 @@ pub enum MeshError {
     Option {
         /// The option's name.
         key: &'static str,
-        /// What was given.
+        /// The value given.
         value: String,
-        /// What is accepted.
+        /// The accepted range.
         accepted: String,
     },
     /// Cells came out flat or turned over: there the aggregates' gaps and corners are too fine for the elements.
@@ -45,7 +45,7 @@ pub enum MeshError {
         meshed: f64,
         /// That of its bodies.
         exact: f64,
-        /// What keeps it.
+        /// The body or surface in the way.
         ways: String,
     },
     /// A conforming mesh was asked for where gmsh cannot run.
@@ -56,7 +56,7 @@ pub enum MeshError {
         "{program} {why}; conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: pip install gmsh)"
     )]
     MissingGmsh {
-        /// What was to be run.
+        /// The program to be run.
         program: String,
         /// Why it cannot be.
         why: String,
@@ -72,14 +72,14 @@ pub enum MeshError {
     Files {
         /// Where they are.
         folder: PathBuf,
-        /// What the system said.
+        /// The system's message.
         #[source]
         error: io::Error,
     },
     /// A facet, a face of the box or a plane between slabs cannot be triangulated.
     #[error("{what} at {:.6}, {:.6}, {:.6} mm", at[0], at[1], at[2])]
     Triangulation {
-        /// What is wrong.
+        /// The fault.
         what: &'static str,
         /// Where, mm.
         at: [f64; 3],
@@ -109,8 +109,7 @@ pub enum MeshError {
     },
     /// gmsh put a node on a face of a periodic box that the opposite face does not have.
     #[error(
-        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box, and none on the opposite one, with somewhat \
-         smaller elements, too; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the method lattice",
+        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box without one on the opposite face, also with slightly smaller elements; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the method lattice",
         at[0], at[1], at[2]
     )]
     Unmatched {

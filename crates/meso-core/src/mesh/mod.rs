@@ -22,7 +22,7 @@ mod voxel;
 
 pub use build::{build, build_with};
 #[doc(hidden)]
-pub use build::{build_accepted, build_parts, build_watched};
+pub use build::{build_accepted, build_parts};
 pub use cells::{CellKind, Mesh, Notes, Phase};
 pub use conforming::VolumeMesher;
 pub use error::MeshError;

@@ -1,4 +1,4 @@
-//! What is asked of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
+//! Options of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
 
 use super::error::MeshError;
 use crate::aggregate::{Aggregate, Itz};
@@ -15,7 +15,7 @@ pub struct MeshOptions {
     pub element_size_mm: f64,
     /// How the interfacial transition zone enters the mesh.
     pub itz: ItzForm,
-    /// What becomes of aggregates that would share nodes.
+    /// Treatment of aggregates that would share nodes.
     pub joined: Joined,
     /// Which volume the aggregates of a fitted mesh have.
     pub volumes: Volumes,
@@ -37,7 +37,7 @@ pub enum Method {
     },
     /// Body-centred cubic tetrahedra.
     Lattice {
-        /// What the lattice does at the aggregates' surfaces.
+        /// How the lattice follows the aggregates' surfaces.
         fit: Fit,
         /// Nodes of a tetrahedron.
         order: Order,
@@ -92,7 +92,7 @@ pub enum MethodName {
     Conforming,
 }
 
-/// What a lattice does at the aggregates' surfaces.
+/// How a lattice follows the aggregates' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -139,7 +139,7 @@ impl ItzForm {
     }
 }
 
-/// What becomes of aggregates that share nodes, since the elements cannot show the gap between them.
+/// Treatment of aggregates that share nodes, since the elements cannot show the gap between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]

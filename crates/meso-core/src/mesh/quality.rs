@@ -2,7 +2,7 @@
 //!
 //! The report looks at cells in runs, so that a mesh of tens of millions needs no list of all their measures.
 //!
-//! What explicit dynamics in steps of a given length cost: the mass that mass scaling adds, phase by phase. A cell whose own
+//! Cost of explicit dynamics in steps of a given length: the mass that mass scaling adds, phase by phase. A cell whose own
 //! stable step is shorter by the factor k gets k^2 times its mass, as `*FIXED MASS SCALING, TYPE=BELOW MIN` does it; its own
 //! step is the bound of [`stable_length_mm`](CellQuality::stable_length_mm) over the wave speed.
 

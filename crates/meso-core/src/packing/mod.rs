@@ -82,7 +82,7 @@ impl Default for Placement {
     }
 }
 
-/// What a packing is to reach; the report compares the result with it.
+/// Target of a packing; the report compares the result with it.
 #[derive(Clone, Copy)]
 pub(crate) struct Target<'a> {
     /// The specimen to fill.
@@ -100,7 +100,7 @@ pub(crate) struct Target<'a> {
 /// The grains to place, and how.
 #[derive(Clone, Copy)]
 pub(crate) struct Request<'a> {
-    /// What to reach.
+    /// The target.
     pub target: Target<'a>,
     /// Upper bounds on a body in the specimen, its distance to the walls kept.
     pub largest: Largest,

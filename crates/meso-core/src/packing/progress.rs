@@ -88,7 +88,7 @@ impl Measure {
         self.latest.fetch_max(place, Ordering::Relaxed);
     }
 
-    /// What is done of all stages.
+    /// Share of all stages that is done.
     pub fn share(&self) -> f64 {
         f64::from_bits(self.most.load(Ordering::Relaxed))
     }

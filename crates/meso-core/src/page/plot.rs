@@ -6,9 +6,9 @@ use std::io::{self, Write};
 pub struct Plot {
     /// Above the axes.
     pub title: &'static str,
-    /// What the x axis shows, with its unit.
+    /// Label of the x axis, with its unit.
     pub x: &'static str,
-    /// What the y axis shows.
+    /// Label of the y axis.
     pub y: &'static str,
     /// Whether the x axis is logarithmic.
     pub log_x: bool,

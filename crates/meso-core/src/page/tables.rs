@@ -9,7 +9,7 @@ use std::io::{self, Write};
 /// Target and result by class.
 pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let report = &model.report;
-    writeln!(out, "<p>Asked for {}: {}.</p>", report.target_fraction, escape(&report.stop_detail))?;
+    writeln!(out, "<p>Target {}: {}.</p>", report.target_fraction, escape(&report.stop_detail))?;
     let row = "<tr><th>class, mm<th>asked<th>reached<th>deviation<th>aggregates";
     writeln!(out, "<table>{row}")?;
     for class in &report.classes {
@@ -35,7 +35,7 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,
         "<p class=\"note\">Fractions are exact volumes of the polyhedra, ITZ included, over the specimen ({}, {volume} mm\u{b3}). \
-         Placed by {}; {} aggregates found no place.</p>",
+         Placed by {}; {} aggregates were left out.</p>",
         escape(&report.specimen.kind),
         escape(&report.strategy),
         report.discarded
@@ -86,7 +86,7 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
     writeln!(
         out,
         "</table>\n<p>Zingg: {} equant, {} disc, {} rod, {} blade. Eigenvalues of the orientation tensor of the longest \
-         axes: {low:.4}, {middle:.4}, {high:.4} (all 1/3 where no direction is preferred). Specific surface {:.4} \
+         axes: {low:.4}, {middle:.4}, {high:.4} (all 1/3 without a preferred direction). Specific surface {:.4} \
          mm\u{207b}\u{b9}, mean chord {:.3} mm.</p>",
         zingg.equant,
         zingg.disc,
@@ -110,7 +110,7 @@ fn further(figures: &PhaseFigures, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, ".</p>")
 }
 
-/// What was asked, to the letter.
+/// The spec, to the letter.
 pub(super) fn spec(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let text = serde_json::to_string_pretty(&model.spec)?;
     writeln!(out, "<details><summary>The spec</summary><pre>{}</pre></details>", escape(&text))

@@ -38,7 +38,7 @@ pub enum ReadError {
     Inclusion {
         /// Position in the file, counted from the first aggregate.
         index: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
     /// An aggregate whose surface is not closed.
@@ -46,7 +46,7 @@ pub enum ReadError {
     Aggregate {
         /// Position in the file, from 0.
         index: usize,
-        /// What is wrong.
+        /// The fault.
         reason: String,
     },
 }
@@ -115,7 +115,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     Ok(Model { spec, aggregates, inclusions, report })
 }
 
-/// What a file that does not begin like a model seems to be, and the way out.
+/// Guesses the kind of a file that does not begin like a model, and names the way out.
 fn other_kind(text: &[u8]) -> Option<&'static str> {
     let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.find(|line| !line.is_empty() && line[0] != b'#').unwrap_or_default();
@@ -126,7 +126,7 @@ fn other_kind(text: &[u8]) -> Option<&'static str> {
         [b'<', ..] => Some("it is XML or a page; name the .json that it was made from"),
         [b'[', second, ..] if second.is_ascii_alphabetic() || *second == b'[' => Some(A_SPEC),
         line if line[0].is_ascii_alphabetic() && line.contains(&b'=') => Some(A_SPEC),
-        _ => Some("it does not begin with {; name a .json or .json.gz that a packing was saved to"),
+        _ => Some("it does not begin with {; name the .json or .json.gz of a saved packing"),
     }
 }
 

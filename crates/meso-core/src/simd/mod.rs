@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// A set of vector instructions, the narrowest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Isa {
-    /// What every machine of the target has: SSE2 on x86-64, NEON on arm64.
+    /// Instructions of every machine of the target: SSE2 on x86-64, NEON on arm64.
     Scalar,
     /// AVX2 and FMA.
     Avx2,
@@ -33,7 +33,7 @@ impl Isa {
         ["scalar", "avx2", "avx512"][self as usize]
     }
 
-    /// What the machine has.
+    /// The widest set that the machine has.
     fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
@@ -47,7 +47,7 @@ impl Isa {
     }
 }
 
-/// What [`dispatch`] uses, and 1 more; 0 before it is known. Never more than the machine has.
+/// Number of the set that [`dispatch`] uses, plus 1; 0 before it is known. Never more than the machine has.
 static CHOSEN: AtomicU8 = AtomicU8::new(0);
 
 /// The instructions in use.
@@ -73,7 +73,7 @@ pub fn choose(isa: Isa) -> Isa {
 
 /// Work written with the vector types of an instruction set.
 pub(crate) trait Vectorized {
-    /// What comes of it.
+    /// The result.
     type Output;
     /// Does the work; must be `#[inline(always)]`, with all it calls, to be compiled for the instructions of `simd`.
     fn run<S: Simd>(self, simd: S) -> Self::Output;
@@ -95,7 +95,7 @@ pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
 /// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one that must
 /// be inlined, and what is not inlined is compiled for narrow registers.
 pub(crate) trait Wide {
-    /// What comes of it.
+    /// The result.
     type Output;
     /// Does the work. Give it `#[inline(always)]`, and all that it calls.
     fn run(self) -> Self::Output;
@@ -159,7 +159,7 @@ pub(crate) trait Lanes:
 {
     /// f32 or f64.
     type T: Copy;
-    /// What proves that the machine has the instructions.
+    /// Proof that the machine has the instructions.
     type Token: Copy;
     /// Number of lanes, at most [`MOST_LANES`].
     const LANES: usize;
@@ -192,7 +192,7 @@ pub(crate) trait Lanes:
     fn largest(self) -> Self::T;
 }
 
-/// What only a search in lockstep asks for.
+/// Operations that only a search in lockstep needs.
 pub(crate) trait Lockstep: Lanes<T = f32> {
     /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are lanes.
     fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self;

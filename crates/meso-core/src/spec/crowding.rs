@@ -38,7 +38,7 @@ impl Spec {
         self.placement.reach() * full(self) / full(&Self::default())
     }
 
-    /// What the user should hear before the work: that so dense a packing was never seen, that a class is too small
+    /// Warnings before the work starts: that so dense a packing was never seen, that a class is too small
     /// for a single aggregate, that an option counts for nothing.
     pub fn doubts(&self) -> Vec<String> {
         self.beyond_reach().into_iter().chain(self.empty_class()).chain(self.unused_attempts()).collect()
@@ -79,8 +79,7 @@ impl Spec {
             format!("{} is", number(asked))
         };
         Some(format!(
-            "{asked} more than this strategy was measured to reach, {reach:.2} in a specimen of this size; it may end short \
-             of it: {way_out}"
+            "{asked} more than this strategy reached in tests, {reach:.2} in a specimen of this size; the packing may fall short: {way_out}"
         ))
     }
 

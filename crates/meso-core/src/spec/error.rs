@@ -2,19 +2,6 @@
 
 use super::tree::Node;
 
-/// What is wrong with a spec.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SpecErrorKind {
-    /// The text is not TOML.
-    Syntax,
-    /// No option has this name.
-    UnknownKey,
-    /// A text where a number belongs, and the like.
-    WrongType,
-    /// A value outside the accepted range, or one that contradicts another.
-    Value,
-}
-
 /// A spec that cannot be; displayed as `line 4: grading.d_min_mm is 25, ...`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{key}{}{message}", line.map(|n| format!("line {n}: ")).unwrap_or_default(), if key.is_empty() { "" } else { " " })]
@@ -25,14 +12,14 @@ pub struct SpecError {
     pub message: String,
     /// Where in the SPEC.toml, from 1.
     pub line: Option<usize>,
-    /// What is wrong.
-    pub kind: SpecErrorKind,
+    /// Whether the value has the wrong type: a text where a number belongs, and the like.
+    pub is_wrong_type: bool,
 }
 
 impl SpecError {
     /// A value that cannot be; `message` continues the sentence that `key` begins.
     pub fn value(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { key: key.into(), message: message.into(), line: None, kind: SpecErrorKind::Value }
+        Self { key: key.into(), message: message.into(), line: None, is_wrong_type: false }
     }
 
     /// The same error with the line its key stands on in `tree`, where it is there.

@@ -1,8 +1,8 @@
 //! Grain libraries from STL and JSON files, put into the spec as if their vertices had been written there.
 
+use super::SpecError;
 use super::files::Files;
 use super::tree::{Node, Value};
-use super::{SpecError, SpecErrorKind};
 use crate::geometry::{TriangleMesh, convex_hull};
 use crate::import::stl;
 use crate::math::Vec3;
@@ -20,7 +20,7 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     let Some((_, Node { value, line })) = shape.take("library") else { return Ok(()) };
     let Value::Text(name) = value else {
         let message = "must be the name of a folder, an STL or a JSON file in quotes";
-        return Err(SpecError { kind: SpecErrorKind::WrongType, line, ..SpecError::value(KEY, message) });
+        return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(KEY, message) });
     };
     let grains = grains(&name, files)
         .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
@@ -132,7 +132,7 @@ fn convex(surface: TriangleMesh) -> Result<Vec<Vec3>, String> {
     let share = surface.volume() / hull.volume();
     if share < CONVEX {
         let percent = 100.0 * share;
-        return Err(format!("it is not convex: its surface holds {percent:.1} % of its hull; take its hull instead"));
+        return Err(format!("it is not convex: it fills {percent:.1} % of its hull; take its hull instead"));
     }
     Ok(hull.vertices().to_vec())
 }

@@ -39,13 +39,13 @@ impl Spec {
         inclusions::check(self)
     }
 
-    /// What is wrong with an aggregate `longest` mm long in a specimen that repeats itself: it would meet its own
+    /// Finds the fault of an aggregate `longest` mm long in a periodic specimen: it would meet its own
     /// image.
     pub(crate) fn meets_own_image(&self, longest: f64) -> Option<SpecError> {
         let (period, gap) = (self.specimen.period(), self.placement.min_gap_mm);
         let length = (0..3).filter_map(|axis| period.along(axis)).find(|length| longest + gap >= *length)?;
         let message = format!(
-            "makes aggregates up to {} long, and the specimen repeats itself after {}: they would meet their own images; \
+            "makes aggregates up to {} long, and the specimen is periodic after {}: they would meet their own images; \
              take smaller aggregates or a larger specimen",
             number((longest * 1e3).ceil() / 1e3),
             number(length)

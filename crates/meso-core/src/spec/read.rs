@@ -2,7 +2,7 @@
 
 use super::messages::{found, list_of, nearest, plain_words, quoted};
 use super::tree::{Node, Value};
-use super::{Spec, SpecError, SpecErrorKind};
+use super::{Spec, SpecError};
 use serde::de::value::SeqDeserializer;
 use serde::de::{self, Deserialize, DeserializeSeed, Error, Expected, IntoDeserializer, Unexpected, Visitor};
 use std::fmt::{self, Display};
@@ -12,7 +12,7 @@ pub(super) fn read<'de, T: Deserialize<'de>>(tree: &'de Node) -> Result<T, SpecE
     T::deserialize(tree).map_err(|fault| fault.into_error(tree))
 }
 
-/// What serde found wrong, while the path to it is still being collected from the inside out.
+/// A fault that serde found, while the path to it is still being collected from the inside out.
 #[derive(Debug)]
 pub(super) struct Fault {
     path: Vec<String>,
@@ -30,11 +30,11 @@ pub(super) enum What {
         known: &'static [&'static str],
     },
     Missing(&'static str),
-    /// A value of the wrong type (or, `in_range` false, of the right one but too large), and the expected one.
+    /// A value of the wrong type, or of the right one and out of its range, and the expected one.
     Unfit {
         found: String,
         wanted: String,
-        kind: SpecErrorKind,
+        is_wrong_type: bool,
     },
     Other(String),
 }
@@ -52,9 +52,9 @@ impl Fault {
     fn into_error(mut self, tree: &Node) -> SpecError {
         self.path.reverse();
         self.path.extend(self.lost_path(tree));
-        let (name, message, kind) = self.what.describe(&self.path);
+        let (name, message, is_wrong_type) = self.what.describe(&self.path);
         self.path.extend(name);
-        SpecError { key: self.path.join("."), message, line: None, kind }.at(tree)
+        SpecError { key: self.path.join("."), message, line: None, is_wrong_type }.at(tree)
     }
 
     /// serde buffers tables that carry a tag and forgets which key it was at: find the value it stumbled over.
@@ -99,21 +99,23 @@ impl Node {
 }
 
 impl What {
-    /// The key's last part where serde knows it, the rest of the sentence, and the kind.
-    fn describe(&self, path: &[String]) -> (Option<String>, String, SpecErrorKind) {
+    /// The key's last part where serde knows it, the rest of the sentence, and whether the type is wrong.
+    fn describe(&self, path: &[String]) -> (Option<String>, String, bool) {
         match self {
             Self::UnknownKey { name, known } => (
                 Some(if name.is_empty() { "\"\"".to_owned() } else { name.clone() }),
                 unknown_key(name, known, path),
-                SpecErrorKind::UnknownKey,
+                false,
             ),
             Self::UnknownWord { word, known } => {
                 let hint = nearest(word, known).map(|near| format!("; did you mean \"{near}\"?")).unwrap_or_default();
-                (None, format!("is {word:?}; it must be one of {}{hint}", quoted(known)), SpecErrorKind::Value)
+                (None, format!("is {word:?}; it must be one of {}{hint}", quoted(known)), false)
             }
-            Self::Missing(name) => (Some((*name).to_owned()), "is missing; add it".to_owned(), SpecErrorKind::Value),
-            Self::Unfit { found, wanted, kind } => (None, format!("is {found}; it must be {wanted}"), *kind),
-            Self::Other(message) => (None, format!("cannot be read: {message}"), SpecErrorKind::Value),
+            Self::Missing(name) => (Some((*name).to_owned()), "is missing; add it".to_owned(), false),
+            Self::Unfit { found, wanted, is_wrong_type } => {
+                (None, format!("is {found}; it must be {wanted}"), *is_wrong_type)
+            }
+            Self::Other(message) => (None, format!("cannot be read: {message}"), false),
         }
     }
 }
@@ -168,17 +170,17 @@ impl de::Error for Fault {
 
     fn invalid_type(unfit: Unexpected<'_>, wanted: &dyn Expected) -> Self {
         let (found, wanted) = (found(&unfit), plain_words(&wanted.to_string()));
-        Self::new(What::Unfit { found, wanted, kind: SpecErrorKind::WrongType })
+        Self::new(What::Unfit { found, wanted, is_wrong_type: true })
     }
 
     fn invalid_value(unfit: Unexpected<'_>, wanted: &dyn Expected) -> Self {
         let (found, wanted) = (found(&unfit), plain_words(&wanted.to_string()));
-        Self::new(What::Unfit { found, wanted, kind: SpecErrorKind::Value })
+        Self::new(What::Unfit { found, wanted, is_wrong_type: false })
     }
 
     fn invalid_length(length: usize, wanted: &dyn Expected) -> Self {
         let (found, wanted) = (list_of(length), plain_words(&wanted.to_string()));
-        Self::new(What::Unfit { found, wanted, kind: SpecErrorKind::Value })
+        Self::new(What::Unfit { found, wanted, is_wrong_type: false })
     }
 
     fn unknown_variant(word: &str, known: &'static [&'static str]) -> Self {

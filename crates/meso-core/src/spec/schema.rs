@@ -15,7 +15,7 @@ impl Spec {
         let mut mix = Self::schema_of::<MixDesign>();
         drop(take(&mut mix, "$schema"));
         schema["properties"]["mix"] = mix;
-        // What a file holds need not stand in the spec.
+        // The content of a file need not stand in the spec.
         let library = json!({
             "description": "A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec.",
             "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" } }],

@@ -1,8 +1,8 @@
 //! Sieve tables from CSV files, put into the spec as if they had been written there.
 
+use super::SpecError;
 use super::files::{Files, read_text};
 use super::tree::{Node, Value};
-use super::{SpecError, SpecErrorKind};
 
 const KEY: &str = "grading.curve.file";
 
@@ -10,12 +10,12 @@ const KEY: &str = "grading.curve.file";
 pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecError> {
     let Some(curve) = tree.child_mut("grading").and_then(|grading| grading.child_mut("curve")) else { return Ok(()) };
     let Some((_, Node { value, line })) = curve.take("file") else { return Ok(()) };
-    let fail = |kind, message: String| SpecError { kind, line, ..SpecError::value(KEY, message) };
+    let fail = |is_wrong_type, message: String| SpecError { is_wrong_type, line, ..SpecError::value(KEY, message) };
     let Value::Text(name) = value else {
-        return Err(fail(SpecErrorKind::WrongType, "must be the name of a CSV file in quotes".to_owned()));
+        return Err(fail(true, "must be the name of a CSV file in quotes".to_owned()));
     };
-    let text = read_text(files, &name).map_err(|error| fail(SpecErrorKind::Value, format!("is {name:?}: {error}")))?;
-    let rows = parse(&text).map_err(|reason| fail(SpecErrorKind::Value, format!("is {name:?}: {reason}")))?;
+    let text = read_text(files, &name).map_err(|error| fail(false, format!("is {name:?}: {error}")))?;
+    let rows = parse(&text).map_err(|reason| fail(false, format!("is {name:?}: {reason}")))?;
     let column = |pick: fn(&(f64, f64)) -> f64| Node {
         value: Value::Array(rows.iter().map(|row| Node { value: Value::Float(pick(row)), line }).collect()),
         line,
@@ -50,7 +50,7 @@ fn parse(text: &str) -> Result<Vec<(f64, f64)>, String> {
     Ok(rows)
 }
 
-/// What stands between the separators, without its quotes.
+/// Splits a row at its separators, and removes quotes.
 fn fields(line: &str, between: char) -> Vec<&str> {
     line.split(between).map(|field| field.trim().trim_matches('"').trim()).collect()
 }

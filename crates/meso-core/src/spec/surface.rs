@@ -1,9 +1,9 @@
 //! Specimens from STL files, put into the spec as if their triangles had been written there.
 
+use super::SpecError;
 use super::files::Files;
 use super::messages::found;
 use super::tree::{Node, Value};
-use super::{SpecError, SpecErrorKind};
 use crate::geometry::TriangleMesh;
 use crate::import::stl;
 
@@ -17,7 +17,7 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
         // serde takes a number for the position of the kind in its list, which is nobody's business.
         let message = format!("is {}; it must be a name in quotes", found(&kind.unexpected()));
         let error = SpecError::value("specimen.kind", message);
-        return Err(SpecError { kind: SpecErrorKind::WrongType, line: kind.line, ..error });
+        return Err(SpecError { is_wrong_type: true, line: kind.line, ..error });
     };
     if name != "mesh" {
         return Ok(());
@@ -25,7 +25,7 @@ pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecE
     let Some((_, Node { value, line })) = specimen.take("file") else { return Ok(()) };
     let Value::Text(name) = value else {
         let error = SpecError::value(KEY, "must be the name of an STL file in quotes");
-        return Err(SpecError { kind: SpecErrorKind::WrongType, line, ..error });
+        return Err(SpecError { is_wrong_type: true, line, ..error });
     };
     let mesh = read(&name, files)
         .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;

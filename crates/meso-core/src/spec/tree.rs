@@ -1,6 +1,6 @@
 //! Values with the line they stand on, from TOML text or from a JSON value.
 
-use super::{SpecError, SpecErrorKind};
+use super::SpecError;
 use serde_json::Value as Json;
 use toml::de::{DeTable, DeValue};
 
@@ -66,13 +66,8 @@ impl Node {
 pub(super) fn parse_toml(text: &str) -> Result<Node, SpecError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_start().starts_with('{') {
-        let message = "this is JSON, not TOML; a saved model is packed already, and its spec stands in it under spec";
-        return Err(SpecError {
-            key: String::new(),
-            message: message.to_owned(),
-            line: Some(1),
-            kind: SpecErrorKind::Syntax,
-        });
+        let message = "this is JSON, not TOML; a saved model needs no packing, and holds its spec under the key spec";
+        return Err(SpecError { key: String::new(), message: message.to_owned(), line: Some(1), is_wrong_type: false });
     }
     let lines = Lines::of(text);
     let document = DeTable::parse(text).map_err(|error| lines.syntax_error(&error))?;
@@ -106,14 +101,14 @@ impl<'a> Lines<'a> {
                     key: token.to_owned(),
                     message: "is given twice; keep one of the two".to_owned(),
                     line: Some(self.number(span.start)),
-                    kind: SpecErrorKind::Syntax,
+                    is_wrong_type: false,
                 };
             }
             Some(token) => format!("{} at {token:?}", error.message()),
             None => error.message().to_owned(),
         };
         let message = format!("this is not TOML: {message}");
-        SpecError { key: String::new(), message, line: Some(self.number(span.start)), kind: SpecErrorKind::Syntax }
+        SpecError { key: String::new(), message, line: Some(self.number(span.start)), is_wrong_type: false }
     }
 
     fn table(&self, table: &DeTable<'_>) -> Result<Vec<(String, Node)>, SpecError> {
@@ -127,8 +122,7 @@ impl<'a> Lines<'a> {
     }
 
     fn value(&self, value: &DeValue<'_>, key: &str, line: Option<usize>) -> Result<Value, SpecError> {
-        let wrong =
-            |message: String| SpecError { line, kind: SpecErrorKind::WrongType, ..SpecError::value(key, message) };
+        let wrong = |message: String| SpecError { line, is_wrong_type: true, ..SpecError::value(key, message) };
         Ok(match value {
             DeValue::String(text) => Value::Text(text.to_string()),
             DeValue::Boolean(flag) => Value::Bool(*flag),

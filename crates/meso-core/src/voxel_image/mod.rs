@@ -10,17 +10,19 @@ mod options;
 mod outside;
 mod share;
 
-pub use options::{ImageError, ImageOptions, Quantity, Region, ShareOf};
+pub use options::{ImageOptions, Quantity, Region, ShareOf};
 
 use crate::aggregate::Aggregate;
 use crate::export::appearance::phase;
-pub use crate::export::raster::{Frame, ValueKind, Values};
+pub use crate::export::raster::Values;
+use crate::export::raster::{Frame, ValueKind};
 
 use crate::location::{Facets, PointGrid, Scan};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Phase;
 use crate::model::Model;
 use crate::packing::{Container, images_near};
+use crate::spec::SpecError;
 use distance::Surfaces;
 use rayon::prelude::*;
 use share::Shares;
@@ -47,7 +49,7 @@ pub struct VoxelImage {
     container: Arc<dyn Container>,
 }
 
-/// What a quantity needs of the bodies.
+/// Data of the bodies that a quantity needs.
 enum Maker {
     /// Shell and core of every body.
     Phase(Scan<'static>, Vec<[u8; 2]>),
@@ -62,7 +64,7 @@ impl VoxelImage {
     ///
     /// # Errors
     /// Names the option, its value and what is accepted.
-    pub fn new(model: &Model, options: &ImageOptions) -> Result<Self, ImageError> {
+    pub fn new(model: &Model, options: &ImageOptions) -> Result<Self, SpecError> {
         let specimen = &model.spec.specimen;
         let (corner, grid) = options.grid(specimen)?;
         let margin = match options.quantity {
@@ -82,8 +84,23 @@ impl VoxelImage {
         Ok(Self { grid, corner, section, quantity: options.quantity, maker, container: specimen.container() })
     }
 
-    /// The grid, and what the values are.
-    pub fn frame(&self) -> Frame {
+    /// Voxels along x, y and z; one across a section.
+    pub fn counts(&self) -> [usize; 3] {
+        self.grid.counts
+    }
+
+    /// Lower corner of the first voxel, mm.
+    pub fn corner_mm(&self) -> [f64; 3] {
+        self.corner.into()
+    }
+
+    /// Lengths of the array's axes, the slowest first: three of a volume, two of a section.
+    pub fn shape(&self) -> Vec<usize> {
+        self.frame().shape()
+    }
+
+    /// The grid and the type of the values.
+    pub(crate) fn frame(&self) -> Frame {
         Frame {
             counts: self.grid.counts,
             corner_mm: self.corner.into(),

@@ -1,11 +1,12 @@
-//! What is asked of an image.
+//! Options of an image.
 
 use crate::location::PointGrid;
 use crate::math::Vec3;
 use crate::packing::Specimen;
+use crate::spec::SpecError;
 use serde::{Deserialize, Serialize};
 
-/// What the values of an image are.
+/// Quantity at the voxels of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -77,11 +78,11 @@ pub enum Region {
 pub struct ImageOptions {
     /// Edge of a voxel, mm.
     pub voxel_size_mm: f64,
-    /// What the values are.
+    /// Quantity at the voxels.
     pub quantity: Quantity,
     /// Whose share, where a share is asked for.
     pub of: ShareOf,
-    /// What is shown.
+    /// Part of the specimen.
     pub region: Region,
 }
 
@@ -92,21 +93,8 @@ impl Default for ImageOptions {
 }
 
 /// An option that cannot be met: its name, its value, and what is accepted.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{key} is {value}; {accepted}")]
-pub struct ImageError {
-    /// The option's name.
-    pub key: &'static str,
-    /// What was given.
-    pub value: String,
-    /// What is accepted.
-    pub accepted: String,
-}
-
-impl ImageError {
-    fn new(key: &'static str, value: impl ToString, accepted: impl Into<String>) -> Self {
-        Self { key, value: value.to_string(), accepted: accepted.into() }
-    }
+fn wrong(key: &str, value: impl std::fmt::Display, accepted: impl std::fmt::Display) -> SpecError {
+    SpecError::value(key, format!("is {value}; {accepted}"))
 }
 
 /// Most voxels along an axis.
@@ -116,13 +104,13 @@ const ROUNDING: f64 = 1e-6;
 
 impl ImageOptions {
     /// The lower corner of the first voxel, and the centres of all.
-    pub(super) fn grid(&self, specimen: &Specimen) -> Result<(Vec3, PointGrid), ImageError> {
+    pub(super) fn grid(&self, specimen: &Specimen) -> Result<(Vec3, PointGrid), SpecError> {
         let aabb = specimen.aabb();
         let h = self.voxel_size_mm;
         let (low, high) = (aabb.size().max() / MOST, aabb.size().max());
         if !(h >= low && h <= high) {
             let accepted = format!("it must lie within {low} and {high} mm for this specimen");
-            return Err(ImageError::new("voxel_size_mm", h, accepted));
+            return Err(wrong("voxel_size_mm", h, accepted));
         }
         let (min, max) = match self.region {
             Region::Box { min, max } => within(min, max, specimen)?,
@@ -138,7 +126,7 @@ impl ImageOptions {
         if let Region::Section { axis, at } = self.region {
             if !(at >= min[axis] && at <= max[axis]) {
                 let accepted = format!("it must lie within {} and {} mm", min[axis], max[axis]);
-                return Err(ImageError::new("section", at, accepted));
+                return Err(wrong("section", at, accepted));
             }
             counts[axis] = 1;
             corner[axis] = at - h / 2.0;
@@ -154,17 +142,17 @@ fn count(length: f64, h: f64) -> usize {
 }
 
 /// Refuses voxels that leave a part of a period over: the image would not repeat itself.
-fn divides(period: f64, h: f64, count: usize) -> Result<(), ImageError> {
+fn divides(period: f64, h: f64, count: usize) -> Result<(), SpecError> {
     if (count as f64 * h - period).abs() <= ROUNDING * h {
         return Ok(());
     }
     let [fewer, more] = [count.max(2) - 1, count].map(|count| period / count as f64);
     let accepted = format!("it must divide the period of {period} mm, as {fewer} and {more} do");
-    Err(ImageError::new("voxel_size_mm", h, accepted))
+    Err(wrong("voxel_size_mm", h, accepted))
 }
 
 /// A box in the specimen's bounding box, with a volume.
-fn within(min: [f64; 3], max: [f64; 3], specimen: &Specimen) -> Result<(Vec3, Vec3), ImageError> {
+fn within(min: [f64; 3], max: [f64; 3], specimen: &Specimen) -> Result<(Vec3, Vec3), SpecError> {
     let aabb = specimen.aabb();
     let slack = ROUNDING * aabb.size().max();
     let fits = |axis: usize| {
@@ -178,7 +166,7 @@ fn within(min: [f64; 3], max: [f64; 3], specimen: &Specimen) -> Result<(Vec3, Ve
         "its lower corner must lie below its upper one, and both within 0, 0, 0 and {}, {}, {} mm",
         size.x, size.y, size.z
     );
-    Err(ImageError::new("box", format!("{min:?} to {max:?}"), accepted))
+    Err(wrong("box", format!("{min:?} to {max:?}"), accepted))
 }
 
 #[cfg(test)]

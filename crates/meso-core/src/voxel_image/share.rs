@@ -93,7 +93,7 @@ struct Columns {
     knives: [Knife; 2],
 }
 
-/// What the pieces of faces in a voxel sum up to.
+/// Sums over the pieces of faces in a voxel.
 #[derive(Clone, Copy, Default)]
 struct Pieces {
     /// Their projections along x, mm2; negative where they look to -x.

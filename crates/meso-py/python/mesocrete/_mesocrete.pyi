@@ -89,7 +89,7 @@ class Spec:
 
     @property
     def specimen(self) -> _types.Specimen:
-        """What is filled; a copy."""
+        """Specimen to fill; a copy."""
 
     @property
     def grading(self) -> _types.Grading:
@@ -106,6 +106,14 @@ class Spec:
     @property
     def placement(self) -> _types.Placement:
         """Placement; a copy."""
+
+    @property
+    def voids(self) -> _types.Voids | None:
+        """Spherical voids, None where there are none; a copy."""
+
+    @property
+    def fibres(self) -> _types.Fibres | None:
+        """Straight fibres, None where there are none; a copy."""
 
     def to_dict(self) -> SpecOptions:
         """Everything as a dict that `Spec(**it)` takes back."""
@@ -177,7 +185,7 @@ class Aggregate:
 
     @property
     def phase(self) -> str:
-        """What it is: "aggregate", "void" or "fibre"."""
+        """Its kind: "aggregate", "void" or "fibre"."""
 
     @property
     def size_class(self) -> int:
@@ -300,7 +308,7 @@ class Packing:
 
     @property
     def spec(self) -> Spec:
-        """What was asked."""
+        """The spec."""
 
     @property
     def aggregates(self) -> Aggregates:
@@ -319,7 +327,7 @@ class Packing:
 
     @property
     def work(self) -> _results.WorkDone:
-        """What the result cost: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
+        """Cost of the result: the counters of `work` in `--summary-json`, and `seconds`, a dict of wall times by stage; a
         new dict.
         """
 
@@ -462,8 +470,8 @@ class Packing:
         """Writes the packing, whole or not at all; the extension names the format.
 
         `.json` is the saved model and `.json.gz` the same, compressed; `.step` has an editable solid per aggregate; `.vtu`,
-        `.vtp`, `.stl`, `.ply`, `.obj` and `.glb` hold the surfaces, `.csv` one row per aggregate, `.inp` an Abaqus deck of
-        the default mesh (`mesh()` has the options).
+        `.vtp`, `.stl`, `.ply`, `.obj` and `.glb` hold the surfaces, `.csv` one row per aggregate, `.html` the page of
+        `mesocrete report`, `.inp` an Abaqus deck of the default mesh (`mesh()` has the options).
 
         Parameters
         ----------
@@ -534,7 +542,7 @@ class Packing:
         Parameters
         ----------
         method : str, optional
-            How the specimen is divided; "voxel" is the default.
+            Method of meshing; "voxel" is the default.
         element_size : float, optional
             Edge length of the elements, mm; default 2.
         accept_phase_error : bool, optional
@@ -623,7 +631,7 @@ class Mesh:
 
     @property
     def notes(self) -> dict[str, float]:
-        """What the builder had to decide, and how often: gaps closed, ITZ thinned; a dict."""
+        """Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict."""
 
     def volumes(self) -> dict[str, float]:
         """Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where
@@ -1013,12 +1021,12 @@ def closest_points(a: _Points, b: _Points) -> NDArray[np.float64]:
     """
 
 def penetration(a: _Points, b: _Points) -> tuple[float, float, NDArray[np.float64]] | None:
-    """What `mesocrete.gjk.penetration` names: depth, at_least, direction."""
+    """The fields of `mesocrete.gjk.penetration`: depth, at_least, direction."""
 
 def time_of_impact(
     a: _Points, b: _Points, motion: ArrayLike
 ) -> tuple[float, float | None, NDArray[np.float64]] | None:
-    """What `mesocrete.gjk.time_of_impact` names: not_before, by, direction."""
+    """The fields of `mesocrete.gjk.time_of_impact`: not_before, by, direction."""
 
 @final
 class Bodies:

@@ -125,7 +125,7 @@ class Fibres(TypedDict, total=False):
 
 
 class Grading(TypedDict, total=False):
-    """What is asked of the aggregate sizes."""
+    """Sizes of the aggregates: limits, curve and classes."""
 
     classes_mm: _Numbers
     """Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; a spec that leaves them out gets `Grading.usual_classes`."""
@@ -171,7 +171,7 @@ class Placement(TypedDict, total=False):
 
 
 class Shape(TypedDict, total=False):
-    """What is asked of the aggregates' shape."""
+    """Shape of the aggregates."""
 
     elongation: AspectRatio
     """Law of b/a, the intermediate over the longest axis; of no meaning for a library."""
@@ -342,7 +342,7 @@ class SpecOptions(TypedDict, total=False):
     shape: Shape
     """Shapes."""
     specimen: Specimen
-    """What is filled."""
+    """Specimen to fill."""
     voids: Voids | None
     """Spherical voids, if any."""
 
@@ -435,7 +435,7 @@ class DeckPlasticity(TypedDict, total=False):
 
 
 class DeckStrength(TypedDict, total=False):
-    """What the uniaxial curves are made of."""
+    """Parameters of the uniaxial curves."""
 
     compressive_mpa: float
     """Compressive strength, MPa."""
@@ -450,7 +450,7 @@ class DeckStrength(TypedDict, total=False):
 
 
 class DeckOptions(TypedDict, total=False):
-    """What a deck holds besides the mesh."""
+    """Content of a deck besides the mesh."""
 
     allow_joined: bool
     """Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks."""
@@ -477,7 +477,7 @@ class DeckOptions(TypedDict, total=False):
 
 
 class SolveInterface(TypedDict, total=False):
-    """What cohesive faces between aggregates and mortar have beside `[materials]`, and a deck cannot have."""
+    """Properties of cohesive faces beside `[materials]`, which a deck cannot have."""
 
     friction: float
     """Coulomb's coefficient in a crack."""
@@ -497,9 +497,9 @@ class SolveOptions(TypedDict, total=False):
     interface: SolveInterface
     """Cohesive faces."""
     itz: Literal["smeared", "none"]
-    """What a mesh without an ITZ has at the aggregates."""
+    """Treatment of mortar at the aggregates of a mesh without an ITZ."""
     joined: Literal["mortar", "keep"]
-    """What becomes of aggregates that share nodes."""
+    """Treatment of aggregates that share nodes."""
     law: Literal["elastic", "cdp", "cdpm2"]
     """The law of mortar and ITZ."""
     ramp: float

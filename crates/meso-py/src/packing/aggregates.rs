@@ -106,7 +106,7 @@ impl PyAggregates {
             let given = type_name(key);
             return Err(PyTypeError::new_err(format!("aggregates are indexed by int or slice, not {given}")));
         }
-        // What does not fit a machine word is out of range like any other.
+        // An index that does not fit a machine word is out of range like any other.
         let index =
             key.extract().map_err(|_| PyIndexError::new_err(format!("aggregate {key} of {}", self.__len__())))?;
         Ok(Bound::new(py, self.at(self.position(index)?))?.into_any())

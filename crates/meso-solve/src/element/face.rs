@@ -213,6 +213,13 @@ mod tests {
     }
 
     #[test]
+    fn a_face_that_closes_half_way_bears_half_of_what_it_bore_and_does_not_heal() {
+        let at_most = along(|t| [0.0, 0.0, 0.02 * t]).2[2];
+        let after = along(|t| [0.0, 0.0, 0.02 * (2.0 * t).min(1.5 - t)]).2[2];
+        assert!((at_most - 1.0).abs() < 1e-3 && (after - 0.5 * at_most).abs() < 1e-9, "{at_most} {after}");
+    }
+
+    #[test]
     fn a_debonded_face_bears_pressure_and_slides_with_friction() {
         let path = |t: f64| if t < 0.5 { [0.4 * t, 0.0, 0.0] } else { [0.2 + 0.1 * (t - 0.5), 0.0, -5e-5] };
         let (_, _, [shear, _, normal]) = along(path);

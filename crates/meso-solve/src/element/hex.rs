@@ -5,7 +5,7 @@
 //! hourglass mode m resists with k m, k = c (4/3) E h / 64 times what is left of the stiffness: h the edge of the cube of
 //! equal volume, c the hourglass factor.
 //!
-//! What softens bears no more than its strength, so there the forces of all modes M have a bound b: their energy is
+//! A softening material bears no more than its strength, so there the forces of all modes M have a bound b: their energy is
 //! k b^2 (sqrt(1 + M^2 / b^2) - 1), and the force k m / sqrt(1 + M^2 / b^2). Without it, crushed boxes keep a strength that
 //! no law gave them.
 
@@ -28,7 +28,7 @@ pub(crate) struct Hexes {
     pub(crate) used: Eight,
 }
 
-/// What all boxes of a mesh share.
+/// Data that all boxes of a mesh share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoxShape {
     /// Edges, mm.

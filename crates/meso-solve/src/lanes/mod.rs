@@ -71,7 +71,7 @@ pub(crate) trait Task {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum InstructionSet {
-    /// What every machine has; NEON on arm64.
+    /// Instructions of every machine; NEON on arm64.
     Portable,
     /// AVX2 and FMA.
     Avx2,

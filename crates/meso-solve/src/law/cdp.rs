@@ -50,7 +50,7 @@ pub struct Cdp<R> {
     /// (1 - alpha) / f_t
     beta_slope: R,
     compressive: R,
-    /// What hardening adds to the compressive strength, 1 / (plastic strain at the peak), and its shape.
+    /// Rise of the compressive strength by hardening, 1 / (plastic strain at the peak), and its shape.
     hardening: R,
     per_peak: R,
     peak: R,
@@ -162,7 +162,7 @@ fn bend(k: f64) -> f64 {
 /// Straight pieces of the crack law of fib Model Code 2010, 5.1.8.2: the share a - b w of f_t at the opening w, in G_f / f_t.
 const BRANCHES: [(f64, f64); 2] = [(1.0, 0.8), (0.25, 0.05)];
 
-/// What a step of plasticity is made of.
+/// Quantities of a step of plasticity.
 #[derive(Clone, Copy)]
 struct Trial<R> {
     invariants: Invariants<R>,

@@ -278,7 +278,7 @@ struct Surface<R> {
     g_u: R,
 }
 
-/// What of a step does not change on the way back.
+/// Quantities of a step that the return mapping leaves unchanged.
 #[derive(Clone, Copy)]
 struct Frame<R> {
     /// r(theta) and (2 cos theta)^2.

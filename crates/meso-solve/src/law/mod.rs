@@ -34,7 +34,7 @@ pub trait Law<R: Real>: Send + Sync {
     /// that more energy is spent than was asked for; ask first.
     fn stress(&self, strain: &Tensor<R>, history: &mut Self::History, width: R) -> Response<R>;
 
-    /// What pictures show of a point, from the strain that `history` belongs to.
+    /// Values of a point for pictures, from the strain that `history` belongs to.
     fn state(&self, strain: &Tensor<R>, history: &Self::History, width: R) -> State<R>;
 
     /// Width of the widest crack band that softens without snapping back, mm; infinite where nothing softens.

@@ -1,4 +1,4 @@
-//! What a test leaves behind: a curve, figures, frames and a page, each written to an `impl Write`.
+//! Results of a test: a curve, figures, frames and a page, each written to an `impl Write`.
 //!
 //! Both fronts, the command and Python, write the same [`ResultFile`]s of one [`Outcome`]; files are theirs.
 
@@ -27,9 +27,9 @@ pub fn sample_of<'a>(mesh: &'a Mesh, model: &Model, options: &MeshOptions) -> Sa
 /// A test that came to its end, and what belongs to it.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome<'a> {
-    /// What was tested.
+    /// The mesh that was tested.
     pub mesh: &'a Mesh,
-    /// What came out.
+    /// The response.
     pub response: &'a Response,
     /// Where the mesh came from.
     pub source: &'a Source,
@@ -50,7 +50,7 @@ pub struct Source {
     pub seed: u64,
     /// Volume of the aggregates over the specimen's.
     pub fraction: f64,
-    /// What was asked of the mesh.
+    /// Options of the mesh.
     pub mesh: MeshOptions,
 }
 
@@ -130,7 +130,7 @@ pub fn write_curve(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// What `result.json` holds.
+/// Content of `result.json`.
 #[derive(Serialize)]
 struct Figures<'a> {
     #[serde(flatten)]

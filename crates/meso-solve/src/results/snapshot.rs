@@ -2,7 +2,6 @@
 
 use crate::frame::Frame;
 use crate::run::Run;
-use meso_core::export::vtk::Encoding;
 use meso_core::export::vtu_mesh::{self, Field};
 use meso_core::mesh::{Mesh, Phase};
 use serde::{Deserialize, Serialize};
@@ -90,6 +89,6 @@ impl Snapshot {
             scalar("crack_opening_mm", &self.opening_mm),
             Field { name: "stress_mpa", components: 6, values: self.stress.as_flattened() },
         ];
-        vtu_mesh::write_fields(mesh, &self.phases, &[moved], &cells, Encoding::Compressed, out)
+        vtu_mesh::write_fields(mesh, &self.phases, &[moved], &cells, out)
     }
 }

@@ -18,19 +18,19 @@ const QUICK_MM: f64 = 4.0;
 #[command(next_help_heading = "Mesh and materials")]
 pub(super) struct Division {
     #[arg(long, default_value = "lattice", value_parser = names::parse::<MethodName>)]
-    #[arg(help = format!("How the specimen is divided: {}", names::list::<MethodName>()))]
+    #[arg(help = format!("Method of meshing: {}", names::list::<MethodName>()))]
     method: MethodName,
     /// Edge length of the elements, mm [default: 2; without a model 4]
-    #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true, aliases = meshing::SIZE)]
     element_size_mm: Option<f64>,
     #[arg(long, default_value = "smeared", value_parser = names::parse::<Zone>)]
-    #[arg(help = format!("How the interfacial transition zone enters the test: {}", names::list::<Zone>()))]
+    #[arg(help = format!("Interfacial transition zone in the test: {}", names::list::<Zone>()))]
     itz: Zone,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
-    #[arg(help = format!("How a lattice follows the aggregates' surfaces: {}", names::list::<Fit>()))]
+    #[arg(help = format!("Fit of a lattice to the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
     #[arg(long, value_name = "GAPS", value_parser = names::parse::<NarrowGaps>)]
-    #[arg(help = format!("Tetrahedra between two aggregates, one at least or two: {} [default: split; without a model keep]", names::list::<NarrowGaps>()))]
+    #[arg(help = format!("Gaps one tetrahedron wide between aggregates: {} [default: split; without a model keep]", names::list::<NarrowGaps>()))]
     narrow_gaps: Option<NarrowGaps>,
     /// Sub-samples per voxel and axis, 1 to 8; with more than 1 each body gets as many voxels as its samples fill
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = values::whole_number)]
@@ -59,14 +59,14 @@ enum Zone {
 }
 
 impl Division {
-    /// What is asked of the mesh of `specimen`.
+    /// Options of the mesh of `specimen`, checked.
     pub(super) fn options(&self, is_quick: bool, specimen: &Specimen) -> Result<MeshOptions, Failure> {
         let options = self.for_any(is_quick)?;
         meshing::check(&options, &self.gmsh, specimen)?;
         Ok(options)
     }
 
-    /// What is asked of a mesh, whatever the specimen.
+    /// Options of the mesh of any specimen.
     pub(super) fn for_any(&self, is_quick: bool) -> Result<MeshOptions, Failure> {
         let usual = MeshTable::default();
         let table = MeshTable {
@@ -87,7 +87,7 @@ impl Division {
         MeshOptions::try_from(table).map_err(|error| meshing::wrong_mesh(&error))
     }
 
-    /// What mortar at an aggregate is.
+    /// Treatment of mortar cells at an aggregate.
     pub(super) fn smeared(&self) -> Itz {
         if self.itz == Zone::Smeared { Itz::Smeared } else { Itz::None }
     }

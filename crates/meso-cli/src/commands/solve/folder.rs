@@ -38,7 +38,7 @@ impl Drop for Made {
     }
 }
 
-/// What a killed run left: its frames, and the engine's state behind them.
+/// Remains of a killed run: its frames, and the engine's state after them.
 pub(super) struct Kept {
     pub(super) path: PathBuf,
     pub(super) frames: Vec<Moment>,
@@ -66,7 +66,7 @@ impl Folder {
         let checkpoint = path.join(CHECKPOINT);
         if checkpoint.exists() && !folder.force {
             let name = checkpoint.display();
-            return Err(Failure::Run(format!("{name} exists; --resume goes on from it, --force starts anew")));
+            return Err(Failure::Run(format!("{name} exists; --resume continues from it, --force starts anew")));
         }
         if resumes && !checkpoint.exists() {
             let name = checkpoint.display();
@@ -90,7 +90,7 @@ impl Folder {
         Target::new(&self.path.join(name), self.force)
     }
 
-    /// What the run before this one kept.
+    /// The checkpoint of the run before this one.
     pub(super) fn kept(&self) -> Result<Kept, Failure> {
         let path = self.path.join(CHECKPOINT);
         let fail = |error| Failure::file(&path, &error);

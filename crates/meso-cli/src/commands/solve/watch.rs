@@ -16,7 +16,7 @@ const LINES: u64 = 10;
 /// How often the bar is drawn.
 const REDRAW: Duration = Duration::from_millis(100);
 
-/// What a user sees of a test.
+/// The progress of a test, as the user sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shown {
     Nothing,

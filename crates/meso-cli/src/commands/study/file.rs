@@ -4,7 +4,7 @@ use super::beside;
 use super::steps::Steps;
 use crate::failure::Failure;
 use crate::inputs;
-use meso_core::recipes;
+use meso_core::recipes::Recipe;
 use meso_core::spec::options_from_toml;
 use meso_files::Beside;
 use meso_study::{Axis, Case, Plan, digest};
@@ -65,7 +65,7 @@ impl StudyFile {
             if let Some(file) = self.task[section][FILE_FLAG].as_str() {
                 let path = beside(&self.path, file);
                 let bytes = std::fs::read(&path).map_err(|error| Failure::file(&path, &error))?;
-                // What the file says decides, not what it is called.
+                // The content of the file decides, not its name.
                 task[section]["materials-sha256"] = digest(&bytes).into();
             }
         }
@@ -73,7 +73,7 @@ impl StudyFile {
             .map_err(|error| Failure::Usage(format!("{}: {error}", self.path.display())))
     }
 
-    /// What is done with a case, its flags checked.
+    /// The steps of a case, with their flags checked.
     pub(super) fn steps(&self, case: &Case, out: &Path, threads: Option<u16>) -> Result<Steps, Failure> {
         Steps::new(case, &self.outputs, &out.join(&case.folder), &self.path, threads)
             .map_err(|failure| Failure::Usage(format!("{}: {}", self.path.display(), failure.message())))
@@ -96,8 +96,7 @@ fn base(content: &Content, path: &Path) -> Result<(Value, PathBuf), Failure> {
             Err(wrong(format!("spec is {other}; it must be a [spec] table or the name of a SPEC.toml")))
         }
         (None, Some(name)) => {
-            let recipe = recipes::Recipe::find(name)
-                .ok_or_else(|| wrong(format!("there is no recipe {name:?}; `mesocrete recipes` lists them")))?;
+            let recipe = Recipe::named(name).map_err(wrong)?;
             let tree = options_from_toml(recipe.text).map_err(|error| wrong(error.to_string()))?;
             Ok((tree, folder))
         }

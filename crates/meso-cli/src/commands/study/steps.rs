@@ -1,4 +1,4 @@
-//! What is done with each case: pack, write, mesh, solve. Flags in a study are the commands' own.
+//! The steps of each case: pack, write, mesh, solve. Flags in a study are the commands' own.
 
 use super::beside;
 use crate::commands::{mesh, solve};

@@ -112,7 +112,7 @@ mod tests {
         for width in [0.3, 1.0, 3.0] {
             let rows = compression(&materials.mortar, &materials.mortar_strength, width);
             let spent = energy(&rows[RISING..]) * width / materials.mortar_strength.crushing_energy_n_per_mm;
-            // What lies below 5 % of the strength, and 1 % from the straight lines between rows.
+            // Points below 5 % of the strength, or within 1 % of the straight lines between rows, are left out.
             assert!((0.94..0.98).contains(&spent), "{spent}");
         }
     }

@@ -43,7 +43,7 @@ pub(super) fn write_periodic(lines: &mut Lines<impl Write>, mesh: &Mesh, sides: 
     end(lines, &REFERENCES, "U, RF")
 }
 
-/// What is printed of `sets`, fields, and the end of the step.
+/// Writes the output requests of `sets` and fields, and the end of the step.
 fn end(lines: &mut Lines<impl Write>, sets: &[&str], printed: &str) -> io::Result<()> {
     lines.line("*OUTPUT, FIELD")?;
     lines.line("*NODE OUTPUT")?;

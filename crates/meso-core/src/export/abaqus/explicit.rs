@@ -44,7 +44,7 @@ pub(super) fn check(sides: &Sides) -> Result<(), DeckError> {
     for (bit, surface) in [(4, "S_ZMIN"), (5, "S_ZMAX")] {
         if sides.faces()[bit].is_empty() {
             let why =
-                "no face of the specimen looks that way within 45 degrees; take tension, which holds nodes, or none";
+                "no face of the specimen points that way within 45 degrees; take tension, which holds nodes, or none";
             return Err(DeckError::new("analysis", "compression", format!("a plate presses on {surface}, and {why}")));
         }
     }

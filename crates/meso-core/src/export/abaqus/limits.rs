@@ -1,4 +1,4 @@
-//! What a deck cannot hold: values out of their ranges, by name.
+//! Limits of a deck's values; one out of its range is named.
 
 use super::{Analysis, DeckOptions};
 use crate::materials::{Elastic, Materials};
@@ -10,9 +10,9 @@ use crate::mesh::Phase;
 pub struct DeckError {
     /// The option's name.
     key: String,
-    /// What was given.
+    /// The value given.
     value: String,
-    /// What is accepted.
+    /// The accepted range.
     accepted: String,
 }
 
@@ -36,12 +36,7 @@ impl DeckError {
 pub(super) fn check(options: &DeckOptions) -> Result<(), DeckError> {
     let loading = &options.loading;
     let strain = options.final_strain();
-    require(
-        "strain",
-        strain,
-        strain > 0.0 && strain < 1.0,
-        "it must lie between 0 and 1; the analysis gives its sign",
-    )?;
+    require("strain", strain, strain > 0.0 && strain < 1.0, "it must lie between 0 and 1; the analysis sets its sign")?;
     require("friction", loading.friction, (0.0..=10.0).contains(&loading.friction), "it must be 0 to 10")?;
     require("frames", f64::from(loading.frames), loading.frames > 0, "it must be 1 or more")?;
     positive("duration_s", loading.duration_s)?;

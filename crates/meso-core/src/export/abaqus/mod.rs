@@ -25,7 +25,7 @@ use lines::Lines;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 
-/// What a deck holds besides the mesh.
+/// Content of a deck besides the mesh.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -57,7 +57,7 @@ pub struct DeckOptions {
 /// A specimen softens in the step where its mortar is at half its strength within so many times the step's strain.
 const SOFTENS_WITHIN: f64 = 3.0;
 
-/// What a deck computes.
+/// Analysis of a deck.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -141,7 +141,7 @@ impl DeckOptions {
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
 
-    /// What can be said of cohesive elements before there is a mesh.
+    /// Checks the values of cohesive elements before there is a mesh.
     ///
     /// # Errors
     /// As [`validate`](Self::validate).
@@ -154,7 +154,7 @@ impl DeckOptions {
         self.has_curves().then(|| materials::half_strength_strain(mesh, &self.materials))
     }
 
-    /// What a mechanician would ask about this deck of `mesh`, a sentence each: it can be written and run all the same.
+    /// Doubts about this deck of `mesh`, a sentence each. The deck can be written and run all the same.
     /// `exact` has the volumes of the packing's own phases, where known.
     pub fn doubts(&self, mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Vec<String> {
         if self.analysis == Analysis::None || self.geometry_only {
@@ -179,7 +179,7 @@ impl DeckOptions {
     fn bond_doubt(&self, mesh: &Mesh) -> Option<String> {
         let is_bonded = self.has_curve() && mesh.cohesive.is_empty() && !mesh.phase.contains(&Phase::Itz);
         is_bonded.then(|| {
-            "without an ITZ elastic aggregates are bonded to the mortar as if that never parted from them; take itz smeared, \
+            "without an ITZ the elastic aggregates stay bonded to the mortar for ever; take itz smeared, \
              cohesive or solid"
                 .to_owned()
         })
@@ -195,7 +195,7 @@ impl DeckOptions {
         self.with_damage || self.analysis.is_explicit()
     }
 
-    /// What can be said before there is a mesh: of a specimen that repeats itself along the `periodic` axes.
+    /// Checks all values before there is a mesh, for a specimen that is periodic along the `periodic` axes.
     ///
     /// # Errors
     /// As [`validate`](Self::validate).
@@ -230,7 +230,7 @@ fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
         let percent = 100.0 * (meshed / exact - 1.0);
         format!(
-            "the aggregates of this mesh have {percent:+.1} % of their volume: another concrete; take smaller elements, a \
+            "the aggregates of this mesh have {percent:+.1} % of their exact volume, so this is another concrete; take smaller elements, a \
              larger min_gap_mm, or the method lattice with itz smeared and volumes exact"
         )
     })

@@ -5,7 +5,8 @@
 //! on several upper faces, on an edge or in a corner, is tied at once to the image that lies on none of them. So every
 //! node is eliminated at most once, and no equation uses a node that another one eliminates. Where cohesive elements part
 //! the materials, images are of one aggregate, or both of the mortar; a node whose material has none on the lower faces is
-//! tied to the image on the fewest upper ones, or free where it has no other.
+//! tied to the image on the fewest upper ones, or free where it has no other. So is a node opposite to a void, which has no
+//! elements.
 
 use super::DeckError;
 use super::lines::Lines;
@@ -63,33 +64,32 @@ pub(super) fn check(mesh: &Mesh) -> Result<(), DeckError> {
 
 /// The nodes on upper faces of directions that repeat themselves, ascending, each with the image that it moves with.
 fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
+    matched(mesh, sides)?;
     let size = Aabb::around(&mesh.points).size();
     let owners = owners(mesh, sides);
     let along = |node: u32| upper(mesh.periodic, sides, node);
-    let nodes = 0..mesh.points.len() as u32;
-    let low = nodes.clone().filter(|&node| sides.on(node) != 0 && along(node) == [false; 3]);
-    let images = Spots::new(&mesh.points, low);
+    // Where a node's image that is on no upper face lies, or would.
+    let lowest = |node: u32| Vec3::from_fn(|axis, _| if along(node)[axis] { size[axis] } else { 0.0 });
+    let lowest: Vec<Vec3> = (0..).zip(&mesh.points).map(|(node, point)| point - lowest(node)).collect();
+    let images = Spots::new(&lowest, (0..lowest.len() as u32).filter(|&node| sides.on(node) != 0));
     let (mut pairs, mut others) = (Vec::new(), Others::new());
-    for node in nodes.filter(|&node| along(node) != [false; 3]) {
-        let (position, owner, along) = (mesh.points[node as usize], owners[node as usize], along(node));
-        let target = Vec3::from_fn(|axis, _| position[axis] - if along[axis] { size[axis] } else { 0.0 });
-        let lowest = images.at(target).min().ok_or_else(|| unmatched(&position, &along))?;
-        match images.at(target).find(|image| owners[*image as usize] == owner) {
-            Some(image) => pairs.push(Pair { node, image, along: [along, [false; 3]] }),
-            None if mesh.cohesive.is_empty() => return Err(unmatched(&position, &along)),
-            None => others.entry((lowest, owner)).or_default().push(node),
+    for node in (0..lowest.len() as u32).filter(|&node| along(node) != [false; 3]) {
+        let (owner, at) = (owners[node as usize], lowest[node as usize]);
+        let own = |image: &u32| owners[*image as usize] == owner && along(*image) == [false; 3];
+        match images.at(at).find(own) {
+            Some(image) => pairs.push(Pair { node, image, along: [along(node), [false; 3]] }),
+            None => {
+                let class = images.at(at).min().unwrap_or(node);
+                others.entry((class, owner)).or_default().push(node);
+            }
         }
     }
     pairs.extend(others.into_values().flat_map(|nodes| tied(nodes, along)));
     pairs.sort_by_key(|pair| pair.node);
-    match mesh.cohesive.is_empty() {
-        true => as_many(mesh.periodic, sides).map(|()| pairs),
-        // A material may end at the face.
-        false => Ok(pairs),
-    }
+    Ok(pairs)
 }
 
-/// Nodes on upper faces whose material has none at the lower image of their position, by the lowest node there and by owner.
+/// Nodes on upper faces whose material has none on the lower ones, by the lowest of all images and by owner.
 type Others = BTreeMap<(u32, u32), Vec<u32>>;
 
 /// Ties images of one material to the one of them on the fewest upper faces.
@@ -99,22 +99,42 @@ fn tied(mut nodes: Vec<u32>, along: impl Fn(u32) -> [bool; 3]) -> Vec<Pair> {
     nodes[1..].iter().map(|&node| Pair { node, image: nodes[0], along: [along(node), along(nodes[0])] }).collect()
 }
 
-/// Images of different nodes differ: equal numbers on both sides leave none over.
-fn as_many(periodic: [bool; 3], sides: &Sides) -> Result<(), DeckError> {
-    for axis in (0..3).filter(|axis| periodic[*axis]) {
-        let [low, high] = [2 * axis, 2 * axis + 1].map(|side| sides.members(side).count());
-        if low != high {
-            let what = format!("{} nodes lie on {} and {high} on {}", low, SIDES[2 * axis].2, SIDES[2 * axis + 1].2);
-            return Err(faces_differ(&what));
+/// Whether every node on such a face has one opposite to it, or no element there: a void may end at the face.
+fn matched(mesh: &Mesh, sides: &Sides) -> Result<(), DeckError> {
+    let size = Aabb::around(&mesh.points).size();
+    let spots = Spots::new(&mesh.points, (0..mesh.points.len() as u32).filter(|&node| sides.on(node) != 0));
+    for side in [1, 3, 5, 0, 2, 4].into_iter().filter(|side| mesh.periodic[side / 2]) {
+        let (axis, is_upper, _) = SIDES[side];
+        let step = Vec3::ith(axis, if is_upper { -size[axis] } else { size[axis] });
+        for point in sides.members(side).map(|node| mesh.points[node as usize]) {
+            let opposite = point + step;
+            if spots.at(opposite).next().is_none()
+                && sides.faces()[side ^ 1].iter().any(|face| covers(mesh, face, axis, &opposite))
+            {
+                return Err(unmatched(&point, side ^ 1));
+            }
         }
     }
     Ok(())
 }
 
-fn unmatched(position: &Vec3, along: &[bool; 3]) -> DeckError {
-    let axis = along.iter().position(|along| *along).unwrap_or(0);
+/// Whether a cell's face in a plane across `axis` has the point `at` of that plane, its edges included.
+fn covers(mesh: &Mesh, &(cell, face): &(u32, usize), axis: usize, at: &Vec3) -> bool {
+    let corners: Vec<Vec3> = mesh.by_aggregate().face(cell, face).map(|node| mesh.points[node as usize] - at).collect();
+    let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+    let turn = |a: &Vec3, b: &Vec3| a[u] * b[v] - a[v] * b[u];
+    let turns: Vec<f64> = (0..corners.len()).map(|i| turn(&corners[i], &corners[(i + 1) % corners.len()])).collect();
+    // Areas, as a share of the face's.
+    let slack = EDGE * turns.iter().sum::<f64>().abs();
+    turns.iter().all(|turn| *turn >= -slack) || turns.iter().all(|turn| *turn <= slack)
+}
+
+/// Points this near to an edge are on the face, in shares of its area.
+const EDGE: f64 = 1e-9;
+
+fn unmatched(position: &Vec3, side: usize) -> DeckError {
     let [x, y, z]: [f64; 3] = (*position).into();
-    faces_differ(&format!("the node at {x:.4}, {y:.4}, {z:.4} mm has none opposite to it on {}", SIDES[2 * axis].2))
+    faces_differ(&format!("the node at {x:.4}, {y:.4}, {z:.4} mm has none opposite to it on {}", SIDES[side].2))
 }
 
 fn faces_differ(what: &str) -> DeckError {

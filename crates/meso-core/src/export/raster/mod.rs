@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 /// The grid of an image, and what its values are.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub(crate) struct Frame {
     /// Voxels along x, y and z.
     pub counts: [usize; 3],
     /// Lower corner of the first voxel, mm.
@@ -21,7 +21,7 @@ pub struct Frame {
     pub voxel_size_mm: f64,
     /// The axis that a section has lost; `None` of a volume.
     pub section: Option<usize>,
-    /// What the values are, in one word.
+    /// Quantity of the values, in one word.
     pub name: &'static str,
     /// The type of the values.
     pub kind: ValueKind,
@@ -29,7 +29,7 @@ pub struct Frame {
 
 impl Frame {
     /// Lengths of the array's axes, the slowest first: three of a volume, two of a section.
-    pub fn shape(&self) -> Vec<usize> {
+    pub(crate) fn shape(&self) -> Vec<usize> {
         (0..3).rev().filter(|axis| Some(*axis) != self.section).map(|axis| self.counts[axis]).collect()
     }
 
@@ -46,7 +46,7 @@ impl Frame {
 
 /// The type of an image's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ValueKind {
+pub(crate) enum ValueKind {
     /// Phases, `u8`.
     Label,
     /// Ids, `i32`.
@@ -57,7 +57,7 @@ pub enum ValueKind {
 
 impl ValueKind {
     /// Bytes of a value.
-    pub fn bytes(self) -> usize {
+    pub(crate) fn bytes(self) -> usize {
         match self {
             Self::Label => 1,
             Self::Id | Self::Real => 4,

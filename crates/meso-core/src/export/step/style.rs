@@ -4,7 +4,7 @@ use super::lines::{Id, Lines, list, real};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// What has been painted so far.
+/// Styles written so far.
 #[derive(Default)]
 pub(super) struct Styles {
     /// By the material's name: its style and its solids.

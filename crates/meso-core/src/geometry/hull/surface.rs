@@ -37,7 +37,7 @@ pub(super) struct Surface {
     unused: Vec<u32>,
     /// The points relative to the middle of their box, rounded.
     local: Vec<Vec3>,
-    /// What |normal . p - offset| must exceed for its sign to be certain.
+    /// Bound that |normal . p - offset| must exceed for its sign to be certain.
     error_bound: f64,
     /// A facet that sees the waiting point, by point.
     seen_facet: Vec<u32>,
@@ -271,7 +271,7 @@ impl Surface {
     }
 }
 
-/// What |normal . p - offset| must exceed for its sign to be certain, for points about the middle of their box.
+/// Bound that |normal . p - offset| must exceed for its sign to be certain, for points about the middle of their box.
 ///
 /// In units of the box's edges X, Y, Z and of u = 2^-53: local coordinates err by u/2, their differences by 2u, a normal's
 /// component (at most 2) by 12u, `normal . p` and `offset` by 29u each, their difference by 64u.

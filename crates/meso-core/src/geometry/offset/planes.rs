@@ -115,3 +115,33 @@ pub(super) fn exact_point_in(axes: &[Vec3; 3], corners: &[Vec3; 3], center: &Vec
     };
     Some(Vec3::from(axes.each_ref().map(along)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// That of the plane y a + b + c = y^2 + 1, moved inwards by y, about the origin.
+    fn dual_point(y: u64) -> Option<Vec3> {
+        let y = y as f64;
+        let corners = [[y, 1.0, 0.0], [y + 1.0, 1.0 - y, 0.0], [y, 2.0, -1.0]].map(Vec3::from);
+        dual_points(&[corners], &Vec3::zeros(), y).map(|points| points[0])
+    }
+
+    #[test]
+    fn a_dual_point_has_every_bit_but_the_last_or_there_is_none() {
+        // Pell's equation, (y^2 + 1)^2 - y^2 (y^2 + 2) = 1: y^2 + 1 - y sqrt(y^2 + 2) is left, which for y above 10^4 is
+        // 1 / (2 y^2 + 2) to every bit. From 2^34 on it lies below 2^-68 of the coordinates' unit.
+        let larger = |y: &u64| Some(y * 5 / 4);
+        let ys: Vec<u64> = std::iter::successors(Some(10_000), larger).take_while(|y| *y < 1 << 42).collect();
+        let mut found = 0;
+        for (y, point) in ys.iter().filter_map(|&y| dual_point(y).map(|point| (u128::from(y), point))) {
+            let inverse = 2 * (y * y + 1);
+            let truth = [y * inverse, inverse, inverse].map(|x| x as f64);
+            for (x, truth) in point.iter().zip(truth) {
+                assert!((truth.next_down()..=truth.next_up()).contains(x), "{y}: {x:e} for {truth:e}");
+            }
+            found += 1;
+        }
+        assert!(found > 60 && found < ys.len(), "{found} of {}", ys.len());
+    }
+}

@@ -171,7 +171,7 @@ fn edges(surface: &Surface, normals: &[Vec3], skip: impl Fn([u32; 2]) -> bool) -
     pairs.filter_map(edge).collect()
 }
 
-/// What holds the nodes on the specimen's surface.
+/// Constraints of the nodes on the specimen's surface.
 pub(super) struct Boundary<'a> {
     /// The surface where it is not the lattice's box, and which nodes lie on it.
     pub(super) surface: Option<(&'a BoundarySurface<'a>, Vec<bool>)>,
@@ -180,7 +180,7 @@ pub(super) struct Boundary<'a> {
 }
 
 impl Boundary<'_> {
-    /// What holds node number `node`, which lies on the box's sides across `axes`.
+    /// Constraint of node number `node`, which lies on the box's sides across `axes`.
     pub(super) fn hold(&self, node: usize, axes: [bool; 3]) -> Option<Hold> {
         let outer = self.surface.as_ref().is_some_and(|(_, outer)| outer[node]);
         (outer || axes.contains(&true)).then_some(Hold { axes, outer })
@@ -215,7 +215,7 @@ const LEAST: f64 = 1e-6;
 /// A node that moves on the outline stays on its side of an edge: sine of the most that it may rise.
 const RISE: f64 = 0.05;
 
-/// What keeps a node on the specimen's surface while it moves.
+/// Constraint that keeps a moving node on the specimen's surface.
 #[derive(Clone, Copy)]
 pub(super) struct BoundaryTrack {
     axes: [bool; 3],

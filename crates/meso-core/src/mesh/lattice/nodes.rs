@@ -15,7 +15,7 @@ use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
 use crate::stop;
 use rayon::prelude::*;
 
-/// What the nodes are fitted to.
+/// Surfaces that the nodes are fitted to.
 pub(super) struct Exact<'a> {
     /// Of the bodies.
     pub(super) surfaces: &'a [Surface],
@@ -133,7 +133,7 @@ impl PeriodicPairs {
     }
 }
 
-/// What a node may do.
+/// Moves that a node may make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// None: it lies on a side of a box that has to match the opposite one.

@@ -143,7 +143,7 @@ pub(super) fn smoothed(exact: &Exact, star: &Star, role: Role, before: f64, roun
     best_position(before - GAIN, allowed, |x, limit| star.worst(x, limit)).map(|(_, position)| position)
 }
 
-/// What keeps a node that moves by itself.
+/// Constraint of a node that moves by itself.
 #[derive(Clone, Copy)]
 pub(super) enum Track {
     /// It stays where it is.
@@ -196,7 +196,7 @@ impl Track {
 /// Lengths of the steps tried, in elements.
 const STEPS: [f64; 4] = [0.3, 0.1, 0.03, 0.01];
 
-/// What keeps a node of a mesh under repair.
+/// Constraint of a node of a mesh under repair.
 enum Keeps<'a> {
     Track(&'a Exact<'a>, Track),
     /// The sides across these axes, together with the images of this node.

@@ -2,7 +2,7 @@
 //!
 //! Operators propose and change nothing: [`Star`] where a node should go, [`operators`] other cells in the same volume. A driver
 //! applies: [`Topology`] keeps the cells around the nodes up to date, [`improve()`] works from the poor cells on within a budget.
-//! What a node may do is asked of its [`Constraint`].
+//! The moves of a node are limited by its [`Constraint`].
 
 mod improve;
 mod operators;

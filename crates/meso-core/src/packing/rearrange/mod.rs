@@ -65,7 +65,7 @@ const EARLY: f64 = LATE / 3.0;
 /// Beyond this share of the time limit, bodies that still lack much are damped quickly.
 const HURRY: f64 = LATE / 2.0;
 
-/// What bodies lack at first, in radii of the smallest, and the share of the stage that finding positions takes.
+/// Initial lack of the bodies, in radii of the smallest, and the share of the stage that finding positions takes.
 const FIRST_LACK: f64 = 0.5;
 const FILLING: f64 = 0.3;
 

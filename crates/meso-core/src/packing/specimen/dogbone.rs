@@ -70,7 +70,7 @@ impl Dogbone {
         line
     }
 
-    /// What is taken out below, or (mirrored) above: the cheek, and on beyond the box on all its free sides.
+    /// The part removed below, or (mirrored) above: the cheek, extended beyond the box on all its free sides.
     fn cutout(&self, cheek: &[(f64, f64)], above: bool) -> Vec<Vec3> {
         let out = |x: f64| (x, -self.width);
         let ends = [out(cheek[0].0), out(cheek[cheek.len() - 1].0)];

@@ -117,13 +117,13 @@ pub enum Specimen {
         vertices_mm: Vec<[f64; 3]>,
         /// Indices of corners, counter-clockwise seen from outside.
         triangles: Vec<[u32; 3]>,
-        /// What was built from them.
+        /// The container built from them.
         #[serde(skip)]
         built: Built,
     },
 }
 
-/// What a large surface takes seconds to build: once, however often it is asked for. Copies of a specimen share it.
+/// A container that takes seconds to build for a large surface: built once, and shared by copies of the specimen.
 #[derive(Clone, Default)]
 pub struct Built {
     container: Arc<OnceLock<Arc<dyn Container>>>,

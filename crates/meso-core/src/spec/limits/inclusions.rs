@@ -67,7 +67,7 @@ fn check_cone(cone: &Cone) -> Checked {
     const KEY: &str = "fibres.orientation.direction";
     cone.direction.iter().try_for_each(|&x| within(KEY, x, -MAX_LENGTH_MM, MAX_LENGTH_MM))?;
     if Vec3::from(cone.direction).norm() < MIN_LENGTH_MM {
-        return Err(SpecError::value(KEY, "is [0, 0, 0]; it must point somewhere, as [0, 0, 1] does"));
+        return Err(SpecError::value(KEY, "is [0, 0, 0]; it must have a length, as [0, 0, 1] has"));
     }
     within("fibres.orientation.within_degrees", cone.within_degrees, 0.0, 90.0)
 }
@@ -84,7 +84,7 @@ fn longest_fits(spec: &Spec, key: &str, longest: f64) -> Checked {
     let why = if inner <= repeat {
         format!("the specimen has only {} mm of room", number(inner))
     } else {
-        format!("the specimen repeats itself after {}, and they would meet their own images", number(repeat))
+        format!("the specimen is periodic after {}, and they would meet their own images", number(repeat))
     };
     let message = format!(
         "makes bodies {} long but {why}; take smaller ones or a larger specimen",

@@ -116,7 +116,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("mass added", format!("{:.1} %", result.added_mass_percent)),
         ("kinetic over internal energy after the ramp, at most", percent(result.kinetic_over_internal_max)),
         ("hourglass over internal energy, at most", percent(result.hourglass_over_internal)),
-        ("energies off the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
+        ("error of the energy balance over the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
         ("pairs of aggregates joined by the mesh", result.joined_pairs.to_string()),
     ];
     writeln!(out, "<h2>Figures</h2>\n<div class=\"wide\"><table>")?;
@@ -150,7 +150,7 @@ fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
         Curve::line("dissipated", over_strain(|row| row.dissipated / 1000.0)),
         Curve::line("plate friction", over_strain(|row| row.friction_work / 1000.0)),
     ];
-    plot("Work and where it went", "J", work).write(out)?;
+    plot("Work and its parts", "J", work).write(out)?;
     let shares = |of: fn(&Row) -> f64| loaded().map(|row| (row.strain, 100.0 * of(row) / row.internal)).collect();
     let small =
         vec![Curve::line("kinetic", shares(|row| row.kinetic)), Curve::line("hourglass", shares(|row| row.hourglass))];
@@ -188,18 +188,17 @@ fn sections(mesh: &Mesh, last: &Snapshot, out: &mut impl Write) -> io::Result<()
 fn cracks(mesh: &Mesh, last: &Snapshot, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<h2>Cracks</h2>")?;
     let Some(cracks) = Cracks::of(mesh, last) else {
-        return writeln!(out, "<p class=\"note\">No crack is open as much as 0.01 mm.</p>");
+        return writeln!(out, "<p class=\"note\">No crack is wider than 0.01 mm.</p>");
     };
     let [least, widest] = cracks.openings_mm;
     writeln!(
         out,
-        "<p class=\"note\">The {} elements whose cracks are open {least:.3} mm and more, from yellow to dark for the widest, \
-         {widest:.3} mm. Drag to turn, use the wheel or two fingers to zoom, or the arrow keys, + and -.</p>",
+        "<p class=\"note\">The {} elements whose cracks are {least:.3} mm wide or wider; the darkest is the widest, {widest:.3} mm. Drag to turn, use the wheel or two fingers to zoom, or the arrow keys, + and -.</p>",
         cracks.cells
     )?;
     let size = Aabb::around(&mesh.points).size();
     let [x, y, z]: [f64; 3] = (size / size.max()).into();
-    let text = "The cracks, to be turned";
+    let text = "The cracks in 3D";
     writeln!(
         out,
         "<canvas id=\"cracks\" tabindex=\"0\" role=\"img\" aria-label=\"{text}\" data-size=\"{x} {y} {z}\"></canvas>"
