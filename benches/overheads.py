@@ -93,10 +93,10 @@ def cpu_seconds(command: list[str], study: str) -> float:
 
 
 def imported(turns: int) -> str:
-    """CPU time of `import mesocrete` beyond bare Python, s; the bar is in seconds, too."""
-    bare, whole = ([cpu_seconds([sys.executable, "-c", text], "") for _ in range(5 * turns)] for text in ("", "import mesocrete"))
-    beyond = min(whole) - min(bare)
-    return f"import mesocrete beyond bare Python,{beyond:.3f},0.05 s,0.05,{beyond / 0.05:.3f},1.0"
+    """CPU time of `import mesocrete` and its first name beyond numpy, s; the bar is in seconds, too."""
+    text = "import time, numpy; t = time.process_time(); import mesocrete; mesocrete.pack; print(time.process_time() - t)"
+    least = min(cpu_seconds([sys.executable, "-c", text], "") for _ in range(5 * turns))
+    return f"import mesocrete and its first name beyond numpy,{least:.3f},0.05 s,0.05,{least / 0.05:.3f},1.0"
 
 
 def killed(command: list[str], study: str, kills: int) -> str:
