@@ -45,8 +45,9 @@ impl Vectorized for Search<'_, '_> {
 
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) {
-        // Not compiled where it is not taken.
+        // Not compiled where it does not pay. Nobody comes here then, unless another thread has just chosen such a set.
         if !S::LOCKSTEP_PAYS {
+            self.undecided.extend(self.chosen.iter().map(|&entry| Undecided { entry, portal: None }));
             return;
         }
         let mut queue = Queue::new();
