@@ -279,7 +279,7 @@ fn a_body_larger_by_a_millionth_is_no_grain_of_the_spec() {
             vertex[k] = json!(middle + (vertex[k].as_f64().unwrap() - middle) * (1.0 + 1e-6));
         }
     }
-    assert!(is_said(&file, "body 0 is none of the grains") && !is_said(&file, "body 1 is none of the grains"));
+    assert!(is_said(&file, "body 0 is not one of the grains") && !is_said(&file, "body 1 is not one of the grains"));
 }
 
 #[test]
