@@ -185,6 +185,6 @@ def test_both_readers_read_the_vtu(mesh, tmp_path):
 
 def test_a_mesh_that_lost_a_phase_is_an_error_unless_it_is_accepted(packing):
     coarse = {"element_size": 4.0, "itz": "solid"}
-    with pytest.raises(ValueError, match=r"the ITZ takes .* where 10 % are accepted; take .*; accept_phase_error=True goes on"):
+    with pytest.raises(ValueError, match=r"the ITZ takes .* where 10 % are accepted; take .*; accept_phase_error=True accepts it"):
         packing.mesh(**coarse)
     assert packing.mesh(**coarse, accept_phase_error=True).volumes()["itz"] > 0

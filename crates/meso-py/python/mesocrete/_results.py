@@ -375,7 +375,7 @@ class CheckResult(TypedDict):
     findings: list[dict[str, str | int | float]]
     """Everything that is not as promised; empty for a sound model."""
     not_checked: list[str]
-    """What was not looked at, in words."""
+    """Promises that were not checked, in words."""
 
 
 class CurveFigures(TypedDict):
@@ -424,7 +424,7 @@ class PhaseResult(TypedDict):
 
 
 class TestResult(CurveFigures):
-    """What `result.json` holds, but for seconds."""
+    """Content of `result.json`, without seconds."""
 
     version: str
     """Of mesocrete."""
@@ -471,11 +471,11 @@ class TestResult(CurveFigures):
     joined_cells: int
     """Cells of these aggregates that became mortar, in the mesh and in the test."""
     phases: list[PhaseResult]
-    """What the test's phases were."""
+    """Phases of the test."""
     ended: str | dict[str, str]
     """How the test ended."""
     warnings: list[str]
-    """What was wrong, in sentences."""
+    """Warnings, in sentences."""
     errors: list[str]
     """Why the curve is not to be trusted, in sentences."""
 
