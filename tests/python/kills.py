@@ -124,8 +124,9 @@ class Ground:
         time.sleep(moment)
         still_runs = process.poll() is None
         tally.before_the_end += still_runs
-        # Whole runs were timed when the machine was busier: later moments shall not come too late as well.
-        self.seconds[job.name] = self.seconds[job.name] if still_runs else min(moment, self.seconds[job.name])
+        if not still_runs:
+            # Whole runs were timed when the machine was busier: later moments shall not come too late as well.
+            self.seconds[job.name] = min(moment, self.seconds[job.name])
         process.send_signal(number)
         process.wait(timeout=120)
         tally.moments += 1

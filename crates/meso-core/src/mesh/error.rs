@@ -109,7 +109,9 @@ pub enum MeshError {
     },
     /// gmsh put a node on a face of a periodic box that the opposite face does not have.
     #[error(
-        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box without one on the opposite face, also with slightly smaller elements; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the method lattice",
+        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box without one on the opposite face, also with \
+         slightly smaller elements; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the \
+         method lattice",
         at[0], at[1], at[2]
     )]
     Unmatched {

@@ -79,7 +79,8 @@ impl Spec {
             format!("{} is", number(asked))
         };
         Some(format!(
-            "{asked} more than this strategy reached in tests, {reach:.2} in a specimen of this size; the packing may fall short: {way_out}"
+            "{asked} more than this strategy reached in tests, {reach:.2} in a specimen of this size; the packing may fall \
+             short: {way_out}"
         ))
     }
 

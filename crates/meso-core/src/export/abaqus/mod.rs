@@ -230,8 +230,8 @@ fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
         let percent = 100.0 * (meshed / exact - 1.0);
         format!(
-            "the aggregates of this mesh have {percent:+.1} % of their exact volume, so this is another concrete; take smaller elements, a \
-             larger min_gap_mm, or the method lattice with itz smeared and volumes exact"
+            "the aggregates of this mesh have {percent:+.1} % of their exact volume, so this is another concrete; take \
+             smaller elements, a larger min_gap_mm, or the method lattice with itz smeared and volumes exact"
         )
     })
 }
