@@ -15,9 +15,9 @@ use collision::pairs::{self, Query, Stream};
 use collision::plot::{Line, Plot};
 use collision::table::{count, save};
 use collision::{Measured, machine};
-use meso_core::gjk::{self, Impact, Penetration};
-use meso_core::math::Vec3;
-use meso_core::testing::{Counters, isa};
+use meso_collision::gjk::{self, Impact, Penetration};
+use meso_collision::math::Vec3;
+use meso_collision::{gjk::Counters, simd::isa};
 
 const CHUNK: usize = 500;
 const ROUNDS: usize = 9;

@@ -1,8 +1,8 @@
 //! Bodies like the paper's aggregates, in every form that a contestant asks for.
 
-use meso_core::geometry::{Polyhedron, convex_hull};
-use meso_core::gjk::Body;
-use meso_core::math::{Mat3, Rotation, Vec3};
+use meso_collision::geometry::{Polyhedron, convex_hull};
+use meso_collision::gjk::Body;
+use meso_collision::math::{Mat3, Rotation, Vec3};
 use parry3d_f64::math::Point;
 use parry3d_f64::shape::ConvexPolyhedron;
 use rand_chacha::ChaCha8Rng;

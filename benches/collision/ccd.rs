@@ -1,7 +1,7 @@
 //! libccd (Debian libccd2), loaded at run time where it is installed.
 #![allow(unsafe_code, reason = "calls into a C library")]
 
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 use std::cell::Cell;
 use std::ffi::{c_char, c_int, c_ulong, c_void};
 

@@ -5,7 +5,7 @@ use super::ccd::Ccd;
 use super::clock::Contestant;
 use super::literal::{self, Outcome};
 use super::pairs::Query;
-use meso_core::gjk::{Method, PairQuery};
+use meso_collision::gjk::{Method, PairQuery};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 

@@ -3,7 +3,7 @@
 //! `OriginInTetrahedron` is the usual same-side test; "the face closest to the origin" is read as the face whose plane
 //! is nearest, of those that have the origin outside. The paper sets no limit of steps: reaching ours is a cycle.
 
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 
 const LIMIT: usize = 1000;
 

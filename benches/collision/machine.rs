@@ -1,6 +1,6 @@
 //! The instruction set that is measured.
 
-use meso_core::testing::{Isa, choose, isa};
+use meso_collision::simd::{Isa, choose, isa};
 
 /// Uses the instructions of `--isa scalar|avx2|avx512`, else the widest there are.
 pub fn choose_isa() -> Isa {

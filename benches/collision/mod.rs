@@ -12,7 +12,7 @@ pub mod pairs;
 pub mod plot;
 pub mod table;
 
-use meso_core::testing::isa;
+use meso_collision::simd::isa;
 use table::Table;
 
 /// A table whose rows name the instruction set, too.

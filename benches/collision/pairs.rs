@@ -1,7 +1,7 @@
 //! Pair sets: what a collision test is asked in packing.
 
 use super::bodies::{Dice, Grain};
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 use std::collections::VecDeque;
 
 /// Two grains, by index, and the displacement of the second.

@@ -2,8 +2,8 @@
 
 use super::families::{self, Dice};
 use super::reference;
-use meso_core::gjk::{self, Method, Verdict};
-use meso_core::math::Vec3;
+use meso_collision::gjk::{self, Method, Verdict};
+use meso_collision::math::Vec3;
 
 #[test]
 fn every_answer_is_the_exact_one_in_every_family() {

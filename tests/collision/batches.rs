@@ -1,10 +1,10 @@
 //! Many at a time, the answers are those of one at a time, on every instruction set.
 
 use super::families::Dice;
-use meso_core::geometry::convex_hull;
-use meso_core::gjk::{Body, Method, PairQuery};
-use meso_core::math::{Mat3, Vec3};
-use meso_core::testing::{Isa, choose};
+use meso_collision::geometry::convex_hull;
+use meso_collision::gjk::{Body, Method, PairQuery};
+use meso_collision::math::{Mat3, Vec3};
+use meso_collision::simd::{Isa, choose};
 
 /// Bodies of every kind: with and without bounds, solid and flat, small and large.
 fn bodies(dice: &mut Dice) -> Vec<Body> {

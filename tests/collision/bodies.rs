@@ -1,10 +1,10 @@
 //! The form for packing: bodies in their own frames and a displacement between them.
 
 use super::families::Dice;
-use meso_core::geometry::convex_hull;
-use meso_core::gjk::{self, Body, PairQuery, Support};
-use meso_core::math::{Mat3, Vec3};
-use meso_core::testing::Counters;
+use meso_collision::geometry::convex_hull;
+use meso_collision::gjk::Counters;
+use meso_collision::gjk::{self, Body, PairQuery, Support};
+use meso_collision::math::{Mat3, Vec3};
 
 /// Two bodies on ellipsoids and a displacement at which they may or may not overlap.
 fn pair(dice: &mut Dice) -> ([Vec<Vec3>; 2], Vec3) {

@@ -1,6 +1,6 @@
 //! Pairs of bodies of the kinds that have broken collision libraries, seeded.
 
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 

@@ -2,8 +2,8 @@
 
 use super::families::{self, Dice};
 use super::reference;
-use meso_core::gjk::{self, GjkError, Method, Operand, Verdict};
-use meso_core::math::Vec3;
+use meso_collision::gjk::{self, GjkError, Method, Operand, Verdict};
+use meso_collision::math::Vec3;
 
 type Map = fn(&[Vec3]) -> Vec<Vec3>;
 

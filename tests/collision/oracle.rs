@@ -1,8 +1,8 @@
 //! parry as an independent witness, outside its tolerance.
 
 use super::families::Dice;
-use meso_core::gjk;
-use meso_core::math::Vec3;
+use meso_collision::gjk;
+use meso_collision::math::Vec3;
 use nalgebra::{Isometry3, Point3};
 use parry3d_f64::query;
 use parry3d_f64::shape::ConvexPolyhedron;

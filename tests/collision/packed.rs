@@ -1,9 +1,9 @@
 //! Bodies that are laid out once answer as plain points do, wherever they lie.
 
 use super::families::{self, Dice};
-use meso_core::gjk::{self, Bodies, GjkError, Method, Operand};
-use meso_core::math::Vec3;
-use meso_core::testing::{Isa, choose};
+use meso_collision::gjk::{self, Bodies, GjkError, Method, Operand};
+use meso_collision::math::Vec3;
+use meso_collision::simd::{Isa, choose};
 
 type Points = Vec<Vec3>;
 

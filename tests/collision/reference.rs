@@ -1,6 +1,6 @@
 //! Answers from first principles, in integers: they share no code and no idea with the crate's exact search.
 
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
 

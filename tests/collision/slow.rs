@@ -3,7 +3,7 @@
 
 use super::families::{self, Dice};
 use super::reference;
-use meso_core::gjk::{self, Method};
+use meso_collision::gjk::{self, Method};
 use rayon::prelude::*;
 use std::time::Instant;
 

@@ -1,9 +1,9 @@
 //! Closest points, penetration depth and time of impact, against the Minkowski difference in whole numbers.
 
 use super::families::{self, Dice};
-use meso_core::geometry::{Plane, convex_hull};
-use meso_core::gjk::{self, Impact, Penetration};
-use meso_core::math::Vec3;
+use meso_collision::geometry::{Plane, convex_hull};
+use meso_collision::gjk::{self, Impact, Penetration};
+use meso_collision::math::Vec3;
 
 type Points = Vec<Vec3>;
 

@@ -60,13 +60,13 @@ impl Bodies {
     /// A body without points; a coordinate that is not finite. The first offending body is named.
     ///
     /// ```
-    /// use meso_core::{gjk::Bodies, math::Vec3};
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
     /// let cube = |x: f64| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| Vec3::new(x + f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)));
     /// let row = Bodies::new([&cube(0.0)[..], &cube(1.0), &cube(2.5)])?;
     /// assert_eq!(row.overlapping(), [[0, 1]]);
     /// let moved = [(1, 2, Vec3::zeros()), (1, 2, Vec3::new(-0.5, 0.0, 0.0))];
     /// assert_eq!(row.overlap(&row, &moved)?, [false, true]);
-    /// # Ok::<(), meso_core::gjk::GjkError>(())
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
     /// ```
     pub fn new<'p>(bodies: impl IntoIterator<Item = &'p [Vec3]>) -> Result<Self, GjkError> {
         let placed = |(i, points): (usize, &[Vec3])| check(points, Operand::Many(i)).map(|()| Placed::new(points));

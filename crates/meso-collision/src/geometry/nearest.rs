@@ -4,7 +4,7 @@ use super::{Plane, Polyhedron};
 use crate::math::Vec3;
 
 /// The surface of a convex body, laid out for distances from points.
-pub(crate) struct ConvexSurface {
+pub struct ConvexSurface {
     /// The triangles of its faces.
     triangles: Vec<[Vec3; 3]>,
     /// The plane of each triangle.
@@ -14,7 +14,8 @@ pub(crate) struct ConvexSurface {
 }
 
 impl ConvexSurface {
-    pub(crate) fn new(body: &Polyhedron) -> Self {
+    /// The surface of `body`.
+    pub fn new(body: &Polyhedron) -> Self {
         let corners = |t: [u32; 3]| t.map(|i| body.vertices()[i as usize]);
         let pieces =
             body.faces().zip(body.planes()).flat_map(|(face, plane)| face.triangles().map(move |t| (t, plane)));
@@ -24,17 +25,17 @@ impl ConvexSurface {
     }
 
     /// From `x` to the surface, mm: inside, the nearest plane; outside, the nearest of the triangles that face `x`.
-    pub(crate) fn distance(&self, x: &Vec3) -> f64 {
+    pub fn distance(&self, x: &Vec3) -> f64 {
         self.distance_below(x, f64::INFINITY).unwrap_or(f64::INFINITY)
     }
 
     /// Above the highest face plane, mm: no more than the distance of an outer `x`, negative inside.
-    pub(crate) fn height(&self, x: &Vec3) -> f64 {
+    pub fn height(&self, x: &Vec3) -> f64 {
         Plane::height_over(&self.planes, x)
     }
 
     /// As [`ConvexSurface::distance`]; `None` where a face plane shows that an outer `x` is no nearer than `limit`.
-    pub(crate) fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
+    pub fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
         let (mut highest, mut most) = (0, f64::NEG_INFINITY);
         for (triangle, plane) in self.planes.iter().enumerate() {
             let above = plane.height(x);
@@ -77,7 +78,7 @@ fn ball_around(corners: &[Vec3; 3]) -> (Vec3, f64) {
 }
 
 /// The point of a triangle nearest to `p` (C. Ericson, Real-Time Collision Detection, 2005, Sec. 5.1.5).
-pub(crate) fn nearest_on_triangle([a, b, c]: &[Vec3; 3], p: &Vec3) -> Vec3 {
+pub fn nearest_on_triangle([a, b, c]: &[Vec3; 3], p: &Vec3) -> Vec3 {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
     if d1 <= 0.0 && d2 <= 0.0 {

@@ -1,6 +1,6 @@
 //! Polygon lists in as few bytes as their indices need: a million grains live in memory at once.
 
-#[cfg(feature = "concrete")]
+#[cfg(feature = "serde")]
 use serde::{Serialize, Serializer};
 
 /// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
@@ -108,7 +108,7 @@ impl<'a> Faces<'a> {
 }
 
 /// As the list of its vertex indices.
-#[cfg(feature = "concrete")]
+#[cfg(feature = "serde")]
 impl Serialize for Face<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.iter())

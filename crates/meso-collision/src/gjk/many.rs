@@ -19,7 +19,7 @@ impl PairQuery<'_> {
     /// [`Body::overlaps`](super::Body::overlaps) for each of many pairs, in their order.
     ///
     /// ```
-    /// use meso_core::{gjk::{Body, PairQuery}, math::Vec3};
+    /// use meso_collision::{gjk::{Body, PairQuery}, math::Vec3};
     /// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
     /// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
     /// assert_eq!(PairQuery::overlap_many(&[query(1.0), query(2.0), query(3.0)]), [true, true, false]);
@@ -35,7 +35,7 @@ impl PairQuery<'_> {
     /// dense packing fail, most of them without a look at a vertex.
     ///
     /// ```
-    /// use meso_core::{gjk::{Body, PairQuery}, math::Vec3};
+    /// use meso_collision::{gjk::{Body, PairQuery}, math::Vec3};
     /// let body = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
     /// let query = |x: f64| PairQuery { a: &body, b: &body, b_from_a: Vec3::new(x, 0.0, 0.0) };
     /// // Two positions of one body: at the first it has one neighbour, at the second two, of which one is 0.5 mm away.

@@ -94,7 +94,7 @@ pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
 
 /// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one that must
 /// be inlined, and what is not inlined is compiled for narrow registers.
-pub(crate) trait Wide {
+pub trait Wide {
     /// The result.
     type Output;
     /// Does the work. Give it `#[inline(always)]`, and all that it calls.
@@ -103,7 +103,7 @@ pub(crate) trait Wide {
 
 /// Runs `work`, compiled for the widest registers there are.
 #[inline]
-pub(crate) fn widest<W: Wide>(work: W) -> W::Output {
+pub fn widest<W: Wide>(work: W) -> W::Output {
     struct Plain<W>(W);
     impl<W: Wide> Vectorized for Plain<W> {
         type Output = W::Output;

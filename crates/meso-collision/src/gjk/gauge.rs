@@ -59,7 +59,7 @@ impl Gauge {
 }
 
 /// A body and its faces.
-pub(crate) struct Solid {
+pub struct Solid {
     body: Body,
     gauge: Option<Gauge>,
 }
@@ -69,14 +69,14 @@ impl Solid {
     ///
     /// # Panics
     /// Without vertices.
-    pub(crate) fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
+    pub fn new(vertices: &[Vec3], facets: &[Facet]) -> Self {
         let body = Body::new(vertices).with_facets(facets.iter().copied());
         Self { gauge: Gauge::new(facets, body.circumradius()), body }
     }
 
     /// In the form that pairs are asked about in.
     #[inline]
-    pub(crate) fn body(&self) -> &Body {
+    pub fn body(&self) -> &Body {
         &self.body
     }
 
@@ -172,12 +172,12 @@ impl Meets<'_> {
     }
 }
 
-#[cfg(all(test, feature = "concrete"))]
+#[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aggregate::random::{Purpose, Stream};
     use crate::geometry::{Polyhedron, convex_hull};
     use crate::gjk;
+    use crate::random::Stream;
 
     fn grain(stream: &mut Stream, points: usize) -> Polyhedron {
         let axes = Vec3::new(4.0, 3.0, stream.uniform(0.5, 3.0));
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_point_inside_all_faces_is_an_overlap_and_most_overlaps_have_one() {
-        let mut stream = Stream::new(11, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(11);
         let (mut met, mut overlapping) = (0, 0);
         for case in 0..4000 {
             // Now and then more vertices than a group has.

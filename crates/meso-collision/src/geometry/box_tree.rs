@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// The tree of the boxes it was made from, which it does not keep.
 #[derive(Clone, Debug)]
-pub(crate) struct BoxTree {
+pub struct BoxTree {
     /// The root first; the lower half of an inner node follows it.
     nodes: Vec<Node>,
     /// Numbers of the boxes, those of a leaf together.
@@ -31,7 +31,7 @@ struct Node {
 
 impl BoxTree {
     /// The tree of `boxes`, which are numbered in their order.
-    pub(crate) fn new(boxes: &[Aabb]) -> Self {
+    pub fn new(boxes: &[Aabb]) -> Self {
         let mut items: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut nodes = Vec::with_capacity(boxes.len());
         if !items.is_empty() {
@@ -41,7 +41,7 @@ impl BoxTree {
     }
 
     /// The items in the leaves whose boxes meet `aabb`: all whose own boxes do, each once, and a few more.
-    pub(crate) fn near(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
+    pub fn near(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let mut at = 0;
         let leaves = std::iter::from_fn(move || {
             while let Some(node) = self.nodes.get(at) {
@@ -58,7 +58,7 @@ impl BoxTree {
 
     /// The item at the least `distance`, and that distance; of equally near ones the first. An item's distance is at
     /// least that of `point` to its box. `None` where all are infinitely far.
-    pub(crate) fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
+    pub fn nearest(&self, point: &Vec3, distance: impl Fn(u32) -> f64) -> Option<(u32, f64)> {
         let mut best = (f64::INFINITY, u32::MAX);
         let mut open = vec![(0.0, 0)];
         while let Some((least, at)) = open.pop() {
@@ -100,10 +100,10 @@ fn grow(nodes: &mut Vec<Node>, boxes: &[Aabb], items: &mut [u32], first: u32) {
     nodes[number].next = nodes.len() as u32;
 }
 
-#[cfg(all(test, feature = "concrete"))]
+#[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aggregate::random::{Purpose, Stream};
+    use crate::random::Stream;
 
     fn boxes(stream: &mut Stream, count: usize) -> Vec<Aabb> {
         let all = Aabb { min: Vec3::zeros(), max: Vec3::repeat(40.0) };
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_tree_finds_what_a_look_at_every_box_finds() {
-        let mut stream = Stream::new(3, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(3);
         let mut met = 0;
         for count in [0, 1, 4, 5, 9, 300] {
             let boxes = boxes(&mut stream, count);

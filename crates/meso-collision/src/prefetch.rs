@@ -3,7 +3,7 @@
 
 /// Begins to bring `there` near, where the machine can be asked to.
 #[inline(always)]
-pub(crate) fn prefetch<T>(there: &[T]) {
+pub fn prefetch<T>(there: &[T]) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

@@ -44,7 +44,7 @@ impl Impact {
     /// As [`intersects`](super::intersects); and for a motion that is not finite.
     ///
     /// ```
-    /// use meso_core::{gjk, math::Vec3};
+    /// use meso_collision::{gjk, math::Vec3};
     /// let corners = [[3.0, 0.0, 0.0], [5.0, 1.0, 0.0], [5.0, -1.0, 1.0], [5.0, -1.0, -1.0]];
     /// let (point, moving) = ([Vec3::zeros()], corners.map(Vec3::from));
     /// let found = gjk::Impact::of(&point, &moving, &Vec3::new(-4.0, 0.0, 0.0))?.expect("it hits");

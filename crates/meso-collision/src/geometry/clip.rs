@@ -6,7 +6,7 @@ use crate::math::{Aabb, Vec3};
 /// The part of `body` inside the closed box `domain`, or `None` where that has no volume.
 ///
 /// Both parts of a body that a plane divides have the same corners on it, bit for bit.
-pub(crate) fn clipped(body: &Polyhedron, domain: &Aabb) -> Option<Polyhedron> {
+pub fn clipped(body: &Polyhedron, domain: &Aabb) -> Option<Polyhedron> {
     let aabb = body.aabb();
     let mut part = body.clone();
     for axis in 0..3 {

@@ -44,7 +44,7 @@ impl Penetration {
     /// As [`intersects`](super::intersects).
     ///
     /// ```
-    /// use meso_core::{gjk, math::Vec3};
+    /// use meso_collision::{gjk, math::Vec3};
     /// let cube = |x: f64| [0, 1, 2, 3, 4, 5, 6, 7].map(|i| Vec3::new(x + f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)));
     /// let found = gjk::Penetration::of(&cube(0.0), &cube(0.75))?.expect("they overlap");
     /// assert!((found.depth - 0.25).abs() < 1e-14 && found.at_least <= 0.25);

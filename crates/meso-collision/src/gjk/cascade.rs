@@ -41,7 +41,7 @@ impl Body {
     /// The answer is exact for the points and the displacement as given.
     ///
     /// ```
-    /// use meso_core::{gjk::Body, math::Vec3};
+    /// use meso_collision::{gjk::Body, math::Vec3};
     /// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
     /// assert!(octahedron.overlaps(&octahedron, &Vec3::new(2.0, 0.0, 0.0)));
     /// assert!(!octahedron.overlaps(&octahedron, &Vec3::new(2.0, 1e-300, 0.0)));
@@ -60,7 +60,7 @@ impl Body {
     /// `start` is a guess of the axis, such as the one found last time; a good one makes the answer cheap.
     ///
     /// ```
-    /// use meso_core::{gjk::Body, math::Vec3};
+    /// use meso_collision::{gjk::Body, math::Vec3};
     /// let octahedron = Body::new(&[Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()]);
     /// let axis = |gap: f64| octahedron.separating_axis(&octahedron, &Vec3::new(2.5, 0.0, 0.0), gap, None);
     /// assert!(axis(0.25).unwrap().x > 0.5);
@@ -88,7 +88,7 @@ impl Method {
 /// True when the bodies are more than `gap` (mm, at least 0) apart, as [`Body::separating_axis`], where B is laid out, in
 /// the memory of `made`, only if neither its bounds nor the faces of A tell; counts what it took.
 #[inline]
-pub(crate) fn apart_from(
+pub fn apart_from(
     a: &Solid,
     b: (&Bounds, &CompactPolyhedron),
     made: &mut Body,

@@ -3,9 +3,9 @@
 //! Rotates all eight lanes instead of halving: LLVM would narrow a halving reduction back to the loads.
 
 /// Numbers side by side.
-pub(crate) const LANES: usize = 8;
+pub const LANES: usize = 8;
 /// As many numbers.
-pub(crate) type Eight = [f32; LANES];
+pub type Eight = [f32; LANES];
 
 /// The least of eight numbers.
 #[inline(always)]
@@ -34,7 +34,7 @@ pub(crate) fn least_lane(eight: &Eight) -> (f32, usize) {
 
 /// [`least_lane`] of numbers none of which is below 0: these are in the order of their bits.
 #[inline(always)]
-pub(crate) fn least_lane_from_0(eight: &Eight) -> (f32, usize) {
+pub fn least_lane_from_0(eight: &Eight) -> (f32, usize) {
     let mut least = u32::MAX;
     for (lane, number) in eight.iter().enumerate() {
         least = least.min(number.to_bits() & !(LANES as u32 - 1) | lane as u32);
@@ -42,14 +42,14 @@ pub(crate) fn least_lane_from_0(eight: &Eight) -> (f32, usize) {
     (f32::from_bits(least), least as usize % LANES)
 }
 
-#[cfg(all(test, feature = "concrete"))]
+#[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aggregate::random::{Purpose, Stream};
+    use crate::random::Stream;
 
     #[test]
     fn the_least_is_found_in_every_lane() {
-        let mut stream = Stream::new(5, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(5);
         for case in 0..800 {
             let mut eight: Eight = std::array::from_fn(|_| stream.uniform(-1.0, 2.0) as f32);
             eight[case % LANES] = -1.5;

@@ -120,7 +120,8 @@ impl Polyhedron {
     }
 
     /// The faces with their planes, in face order.
-    pub(crate) fn facets(&self) -> Vec<Facet> {
+    #[doc(hidden)]
+    pub fn facets(&self) -> Vec<Facet> {
         match self.face_lists().byte_triangles() {
             // Nearly all bodies: in a fifth of the time.
             Some(triangles) => widest(Facets { vertices: &self.vertices, triangles }),

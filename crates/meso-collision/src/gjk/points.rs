@@ -41,7 +41,7 @@ impl Verdict {
 /// A body without points; a coordinate that is not finite.
 ///
 /// ```
-/// use meso_core::{gjk, math::Vec3};
+/// use meso_collision::{gjk, math::Vec3};
 /// let segment = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
 /// let point = [Vec3::new(0.1, 0.0, 0.0)];
 /// assert!(gjk::intersects(&segment, &point)?);
@@ -90,12 +90,12 @@ impl Method {
     /// As [`intersects`].
     ///
     /// ```
-    /// use meso_core::{gjk::{Method, Verdict}, math::Vec3};
+    /// use meso_collision::{gjk::{Method, Verdict}, math::Vec3};
     /// let a = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
     /// let verdict = Method::default().verdict(&a, &[Vec3::new(2.0, 1.0, 0.0)])?;
     /// let Verdict::Separated { direction, .. } = verdict else { panic!() };
     /// assert!(direction.x > 0.0);
-    /// # Ok::<(), meso_core::gjk::GjkError>(())
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
     /// ```
     pub fn verdict(self, a: &[Vec3], b: &[Vec3]) -> Result<Verdict, GjkError> {
         check(a, Operand::A)?;
@@ -127,7 +127,7 @@ fn intersecting(pairs: &[(u32, u32)], is_exact: bool) -> Verdict {
 /// As [`intersects`].
 ///
 /// ```
-/// use meso_core::{gjk, math::Vec3};
+/// use meso_collision::{gjk, math::Vec3};
 /// let a = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
 /// assert_eq!(gjk::distance(&a, &[Vec3::new(4.0, 4.0, 0.0)])?, 5.0);
 /// # Ok::<(), gjk::GjkError>(())
@@ -147,7 +147,7 @@ pub fn distance(a: &[Vec3], b: &[Vec3]) -> Result<f64, GjkError> {
 /// As [`intersects`].
 ///
 /// ```
-/// use meso_core::{gjk, math::Vec3};
+/// use meso_collision::{gjk, math::Vec3};
 /// let segment = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0)];
 /// let points = gjk::closest_points(&segment, &[Vec3::new(3.0, 2.0, 0.0)])?;
 /// assert_eq!(points, [Vec3::new(3.0, 0.0, 0.0), Vec3::new(3.0, 2.0, 0.0)]);
@@ -164,7 +164,7 @@ pub fn closest_points(a: &[Vec3], b: &[Vec3]) -> Result<[Vec3; 2], GjkError> {
 ///
 /// # Errors
 /// As [`intersects`].
-pub(crate) fn distance_exceeds(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
+pub fn distance_exceeds(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
     check(a, Operand::A)?;
     check(b, Operand::B)?;
     Ok(Scaled::new(a, b).distance_exceeds(gap))

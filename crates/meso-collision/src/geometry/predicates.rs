@@ -18,7 +18,7 @@ pub(super) fn in_range(x: f64) -> bool {
 }
 
 /// The sign of ((b - a) x (c - a)) . (p - a): positive where the triangle (a, b, c) is counter-clockwise seen from `p`.
-pub(crate) fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, p: &Vec3) -> f64 {
+pub fn orient3d(a: &Vec3, b: &Vec3, c: &Vec3, p: &Vec3) -> f64 {
     let coord = |v: &Vec3| Coord3D { x: v.x, y: v.y, z: v.z };
     -robust::orient3d(coord(a), coord(b), coord(c), coord(p))
 }

@@ -81,7 +81,7 @@ impl TriangleMesh {
     }
 
     /// The parts that share no vertex, each with its own vertices.
-    pub(crate) fn components(&self) -> Vec<Self> {
+    pub fn components(&self) -> Vec<Self> {
         let component_of = self.component_of();
         let mut numbers = BTreeMap::new();
         let mut components: Vec<Self> = Vec::new();
@@ -102,7 +102,7 @@ impl TriangleMesh {
     }
 
     /// For every vertex the lowest that triangles connect it with.
-    pub(crate) fn component_of(&self) -> Vec<u32> {
+    pub fn component_of(&self) -> Vec<u32> {
         let mut lower: Vec<u32> = (0..self.vertices.len() as u32).collect();
         let root = |lower: &mut Vec<u32>, mut vertex: u32| {
             while lower[vertex as usize] != vertex {

@@ -6,7 +6,7 @@
 //! arithmetic.
 //!
 //! ```
-//! use meso_core::{gjk, math::Vec3};
+//! use meso_collision::{gjk, math::Vec3};
 //! let tetrahedron = |x: f64| [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(|p| Vec3::new(x + p[0], p[1], p[2]));
 //! assert!(gjk::intersects(&tetrahedron(0.0), &tetrahedron(1.0))?); // they touch in one corner
 //! assert!(!gjk::intersects(&tetrahedron(0.0), &tetrahedron(1.0 + f64::EPSILON))?);
@@ -34,7 +34,7 @@
 
 mod bodies;
 mod body;
-pub(crate) mod cascade;
+mod cascade;
 mod certificate;
 mod classical;
 mod ellipsoid;
@@ -60,15 +60,19 @@ mod support;
 
 pub use bodies::Bodies;
 pub use body::Body;
-pub(crate) use body::Bounds;
-pub(crate) use cascade::{Counters, apart_from};
+#[doc(hidden)]
+pub use body::Bounds;
+#[doc(hidden)]
+pub use cascade::{Counters, apart_from};
 pub use error::{GjkError, Operand};
-pub(crate) use gauge::Solid;
+#[doc(hidden)]
+pub use gauge::Solid;
 pub use impact::Impact;
 pub use method::Method;
 pub use pair_query::PairQuery;
 pub use penetration::Penetration;
-pub(crate) use points::distance_exceeds;
+#[doc(hidden)]
+pub use points::distance_exceeds;
 pub use points::{Verdict, closest_points, distance, intersects};
 #[doc(hidden)]
 pub use support::Support;

@@ -84,7 +84,7 @@ impl CompactPolyhedron {
 
     /// All coordinates, contiguous, in memory order.
     #[inline(always)]
-    pub(crate) fn all_coordinates(&self) -> &[u32] {
+    pub fn all_coordinates(&self) -> &[u32] {
         &self.lists[..3 * self.vertex_count()]
     }
 
