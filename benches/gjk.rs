@@ -1,4 +1,4 @@
-//! Run time of collision tests: `cargo bench -p meso-core --bench gjk -- [--isa scalar|avx2|avx512] [--only SET] [--quick]`.
+//! Run time of collision tests: `cargo bench -p meso-collision --bench gjk -- [--isa scalar|avx2|avx512] [--only SET] [--quick]`.
 //!
 //! `--only "near touch"` measures this pair set alone, and writes no file.
 //! The paper's Fig. 4 with every variant and the peers, and the pair sets of a packing, single and batched. Medians of

@@ -33,9 +33,9 @@ RESULTS = ROOT / "benches" / "results" / "mutants.csv"
 OUTCOME = ["outcome", "machine", "date", "commit"]
 # What must notice the faults of a room: of a crate's test binaries these tests; "lib" are the unit tests.
 TESTS = {
-    "gjk": [("meso-core", "lib", ["gjk::"]), ("meso-core", "collision", [])],
+    "gjk": [("meso-collision", "lib", ["gjk::"]), ("meso-collision", "collision", [])],
     "geometry": [
-        ("meso-core", "lib", ["geometry::"]),
+        ("meso-collision", "lib", ["geometry::"]),
         ("meso-core", "core", ["hull::", "exact::", "shapes::", "offset::", "erosion::"]),
     ],
     "grading": [("meso-core", "core", ["grading::", "sieve::", "spec::"])],

@@ -34,7 +34,8 @@ PEERS = {
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
 TESTED = ["--workspace", "--exclude", "meso-bench"]
 # The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
-WATCHED = ["--workspace", "--config", "profile.dev.package.meso-core.debug-assertions=true"]
+ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in ("meso-collision", "meso-core"))
+WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
 
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
@@ -155,7 +156,7 @@ def quick_stages() -> list[Stage]:
         ("cargo fmt", ["cargo", "fmt", "--all", "--check"]),
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
-        ("collision alone", ["cargo", "check", "-p", "meso-core", "--no-default-features"]),
+        ("collision alone", ["cargo", "check", "-p", "meso-collision"]),
         ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
@@ -239,24 +240,19 @@ def watched_stages(python: Path) -> list[Stage]:
     if "nightly" not in toolchains():
         print("skipped, for want of nightly Rust (rustup toolchain install nightly): `unsafe` under AddressSanitizer")
         return [fuzzing]
-    return [fuzzing, *((f"AddressSanitizer {target}", sanitized(crate, target, words)) for crate, target, words in UNSAFE)]
+    return [fuzzing, *((f"AddressSanitizer {target}", sanitized(crate, target)) for crate, target in UNSAFE)]
 
 
-# What passes through `unsafe`: vector instructions and the hint to fetch memory in the core, registers in the solver. Without its
-# default features the core is collision and geometry alone.
-UNSAFE = [
-    ("meso-core", "collision", ["--no-default-features"]),
-    ("meso-solve", "laws", []),
-    ("meso-solve", "solve", []),
-]
+# What passes through `unsafe`: vector instructions and the hint to fetch memory in collision, registers in the solver.
+UNSAFE = [("meso-collision", "collision"), ("meso-solve", "laws"), ("meso-solve", "solve")]
 
 
-def sanitized(crate: str, target: str, words: list[str]) -> list[str]:
+def sanitized(crate: str, target: str) -> list[str]:
     """Build the command that runs a crate's tests under AddressSanitizer."""
     host = subprocess.run(["rustc", "-vV"], check=True, capture_output=True, text=True).stdout
     host = re.search(r"^host: (.*)$", host, re.MULTILINE)[1]
     build = ["--config", 'build.rustflags=["-Zsanitizer=address"]', "--target", host, "--target-dir", "target/sanitizer"]
-    return ["rustup", "run", "nightly", "cargo", "test", "--quiet", *build, "-p", crate, *words, "--test", target]
+    return ["rustup", "run", "nightly", "cargo", "test", "--quiet", *build, "-p", crate, "--test", target]
 
 
 def toolchains() -> str:

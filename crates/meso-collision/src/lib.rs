@@ -24,7 +24,13 @@ pub mod lanes;
 pub mod math;
 #[doc(hidden)]
 pub mod prefetch;
-#[cfg(test)]
-mod random;
 #[doc(hidden)]
 pub mod simd;
+
+#[cfg(test)]
+mod random;
+
+// The README's example is tested, too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -45,11 +45,6 @@ pub mod voxel_image;
 /// Internals for the tests and benches of this workspace; no promise covers them.
 #[doc(hidden)]
 pub mod testing {
-    pub use crate::geometry::HullBuilder;
-    pub use crate::geometry::principal_axes;
-    pub use crate::gjk::Counters;
-    pub use crate::simd::{Isa, choose, isa};
-
     pub use crate::aggregate::random::{Purpose, Stream};
 }
 
