@@ -109,6 +109,21 @@ fn a_case_that_fails_is_kept_with_its_message() {
     assert!(retried.stderr.contains("1 of 2 cases done (1 before), 1 failed"), "{}", retried.stderr);
 }
 
+#[test]
+fn force_runs_every_case_again_and_nothing_else_does() {
+    let folder = folder("spec = 'small.toml'\n[over]\nseed = [1, 2]\n");
+    assert_eq!(folder.run(&["study", "STUDY.toml", "-q"]).code, 0);
+    let record = format!("study/{}/case.json", cases(&folder)[0]);
+    let right = folder.read(&record);
+    let marked = [right.as_slice(), b"\n"].concat();
+    folder.write(&record, &marked);
+    let again = folder.run(&["study", "STUDY.toml"]);
+    assert!(again.stderr.contains("(2 before)") && folder.read(&record) == marked, "{}", again.stderr);
+    let forced = folder.run(&["study", "STUDY.toml", "--force"]);
+    assert!(forced.stderr.contains("2 of 2 cases done (0 before)"), "{}", forced.stderr);
+    assert_eq!(folder.read(&record), right);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_killed_study_loses_the_case_in_hand_at_most() {

@@ -24,9 +24,12 @@ pub(crate) struct Args {
     /// Folder of the study: a folder for each case, table.csv, table.parquet and ensemble.csv
     #[arg(short, long, value_name = "DIR", default_value = "study")]
     output: PathBuf,
-    /// Run failed cases again; finished cases are never repeated
+    /// Run failed cases again, and leave finished ones
     #[arg(long)]
     retry_failed: bool,
+    /// Run every case again, and replace its files
+    #[arg(short, long)]
+    force: bool,
     /// List the cases and their states, and run none
     #[arg(long)]
     dry_run: bool,
@@ -47,8 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     // Before the work: whatever cannot be is named while nothing is lost.
     let steps = plan.cases.iter().map(|case| file.steps(case, &args.output, args.threads()));
     let steps = steps.collect::<Result<Vec<Steps>, _>>()?;
-    let states: Vec<State> =
-        plan.cases.iter().map(|case| State::of(case, "", &args.output.join(&case.folder))).collect();
+    let states: Vec<State> = plan.cases.iter().map(|case| args.state(case)).collect();
     if args.dry_run {
         return list(&plan, &states);
     }
@@ -59,6 +61,11 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 impl Args {
+    /// What is left to do of a case.
+    fn state(&self, case: &Case) -> State {
+        if self.force { State::Open } else { State::of(case, "", &self.output.join(&case.folder)) }
+    }
+
     /// Threads of a case: cases at the same time share the cores.
     fn threads(&self) -> Option<u16> {
         let shared = |jobs: u16| {

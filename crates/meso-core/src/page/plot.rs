@@ -34,6 +34,9 @@ const LEFT: f64 = 48.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 24.0;
 const BOTTOM: f64 = 40.0;
+/// Width of a curve's name with its colour, and height of its line, pixels.
+const LEGEND: f64 = 96.0;
+const ROW: f64 = 15.0;
 
 impl Curve {
     /// A line through `points`.
@@ -44,6 +47,19 @@ impl Curve {
     /// A dot at each of `points`.
     pub fn dots(name: &'static str, points: Vec<(f64, f64)>) -> Self {
         Self { name, points, dots: true }
+    }
+
+    /// Where the curve runs, at most 4 pixels from one point to the next unless they are dots.
+    fn pixels(&self, x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
+        let at = self.points.iter().map(|&(px, py)| (x.at(px), y.at(py)));
+        let at: Vec<(f64, f64)> = at.filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+        let between = |ends: &[(f64, f64)]| {
+            let [(ax, ay), (bx, by)] = [ends[0], ends[1]];
+            let steps =
+                if self.dots { 1 } else { ((bx - ax).abs().max((by - ay).abs()) / 4.0).ceil().max(1.0) as usize };
+            (1..=steps).map(move |i| i as f64 / steps as f64).map(move |s| (ax + s * (bx - ax), ay + s * (by - ay)))
+        };
+        at.iter().take(1).copied().chain(at.windows(2).flat_map(between)).collect()
     }
 }
 
@@ -88,15 +104,12 @@ impl Plot {
             return writeln!(out, "<text x=\"{LEFT}\" y=\"60\">nothing to show</text></svg>");
         };
         self.frame(&x, &y, out)?;
+        let at = self.legend(&x, &y);
         for (i, curve) in self.curves.iter().enumerate() {
-            draw(curve, COLOURS[i % COLOURS.len()], &x, &y, out)?;
-            let (tx, ty) = (width - RIGHT - 96.0, height - BOTTOM - 12.0 - 15.0 * (self.curves.len() - 1 - i) as f64);
-            writeln!(
-                out,
-                "<rect x=\"{tx}\" y=\"{}\" width=\"14\" height=\"3\" fill=\"{}\"/>",
-                ty - 5.0,
-                COLOURS[i % 3]
-            )?;
+            let colour = COLOURS[i % COLOURS.len()];
+            draw(curve, colour, &x, &y, out)?;
+            let (tx, ty) = (at.0, at.1 + 11.0 + ROW * i as f64);
+            writeln!(out, "<rect x=\"{tx}\" y=\"{}\" width=\"14\" height=\"3\" fill=\"{colour}\"/>", ty - 5.0)?;
             writeln!(out, "<text x=\"{}\" y=\"{ty}\">{}</text>", tx + 19.0, curve.name)?;
         }
         writeln!(out, "</svg>")
@@ -113,6 +126,21 @@ impl Plot {
         let x = Axis { from, to, pixels: [LEFT, width - RIGHT], log: self.log_x };
         let y = Axis { from: 0.0, to: top, pixels: [height - BOTTOM, TOP], log: false };
         (from < to && top > 0.0).then_some((x, y))
+    }
+
+    /// The upper left corner of the curves' names: in the corner of the axes that holds the least of the curves, pixels.
+    fn legend(&self, x: &Axis, y: &Axis) -> (f64, f64) {
+        let [wide, high] = [LEGEND, ROW * self.curves.len() as f64];
+        let (left, right) = (x.pixels[0] + 8.0, x.pixels[1] - wide);
+        let (top, bottom) = (y.pixels[1] + 4.0, y.pixels[0] - high - 4.0);
+        let hidden = |&(at_x, at_y): &(f64, f64)| {
+            let is_below = |&(px, py): &(f64, f64)| {
+                (at_x - 4.0..at_x + wide).contains(&px) && (at_y - 4.0..at_y + high + 4.0).contains(&py)
+            };
+            self.curves.iter().flat_map(|curve| curve.pixels(x, y)).filter(is_below).count()
+        };
+        let corners = [(right, bottom), (right, top), (left, top), (left, bottom)];
+        corners.into_iter().min_by_key(hidden).unwrap_or(corners[0])
     }
 
     fn frame(&self, x: &Axis, y: &Axis, out: &mut impl Write) -> io::Result<()> {
@@ -184,6 +212,27 @@ mod tests {
         let axis = Axis { from: 0.0, to: 0.52, pixels: [100.0, 0.0], log: false };
         assert_eq!(axis.ticks().into_iter().map(short).collect::<Vec<_>>(), ["0", "0.2", "0.4"]);
         assert_eq!((axis.at(0.0), axis.at(0.52)), (100.0, 0.0));
+    }
+
+    #[test]
+    fn names_stand_where_no_curve_runs() {
+        let plot = |curves: &[&[(f64, f64)]]| Plot {
+            title: "",
+            x: "",
+            y: "",
+            log_x: false,
+            curves: curves.iter().map(|points| Curve::line("a", points.to_vec())).collect(),
+            size: SMALL,
+        };
+        let corner = |curves: &[&[(f64, f64)]]| {
+            let plot = plot(curves);
+            let (x, y) = plot.axes().unwrap();
+            let at = plot.legend(&x, &y);
+            (at.0 > SMALL[0] / 2.0, at.1 > SMALL[1] / 2.0)
+        };
+        let [rising, falling]: [&[(f64, f64)]; 2] = [&[(0.0, 0.0), (1.0, 1.0)], &[(0.0, 1.0), (1.0, 0.0)]];
+        assert_eq!(corner(&[rising]), (true, true));
+        assert_eq!(corner(&[falling]), (true, false));
     }
 
     #[test]

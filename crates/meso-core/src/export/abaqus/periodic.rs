@@ -10,9 +10,11 @@
 
 use super::DeckError;
 use super::lines::Lines;
+use crate::geometry::BoxTree;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::Mesh;
 use crate::mesh::sides::{SIDES, Sides, Spots, owners, upper};
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -106,16 +108,28 @@ fn matched(mesh: &Mesh, sides: &Sides) -> Result<(), DeckError> {
     for side in [1, 3, 5, 0, 2, 4].into_iter().filter(|side| mesh.periodic[side / 2]) {
         let (axis, is_upper, _) = SIDES[side];
         let step = Vec3::ith(axis, if is_upper { -size[axis] } else { size[axis] });
+        let faces = &sides.faces()[side ^ 1];
+        // Few sides have a node without one opposite.
+        let tree = LazyCell::new(|| BoxTree::new(&boxes(mesh, faces)));
+        let is_covered = |at: Vec3| {
+            let near = Aabb { min: at, max: at }.grown(EDGE * size.max());
+            tree.near(near).any(|face| covers(mesh, &faces[face as usize], axis, &at))
+        };
         for point in sides.members(side).map(|node| mesh.points[node as usize]) {
             let opposite = point + step;
-            if spots.at(opposite).next().is_none()
-                && sides.faces()[side ^ 1].iter().any(|face| covers(mesh, face, axis, &opposite))
-            {
+            if spots.at(opposite).next().is_none() && is_covered(opposite) {
                 return Err(unmatched(&point, side ^ 1));
             }
         }
     }
     Ok(())
+}
+
+/// The box around each of the faces of cells.
+fn boxes(mesh: &Mesh, faces: &[(u32, usize)]) -> Vec<Aabb> {
+    let corners =
+        |&(cell, face): &(u32, usize)| mesh.by_aggregate().face(cell, face).map(|node| &mesh.points[node as usize]);
+    faces.iter().map(|face| Aabb::around(corners(face))).collect()
 }
 
 /// Whether a cell's face in a plane across `axis` has the point `at` of that plane, its edges included.
@@ -129,7 +143,7 @@ fn covers(mesh: &Mesh, &(cell, face): &(u32, usize), axis: usize, at: &Vec3) -> 
     turns.iter().all(|turn| *turn >= -slack) || turns.iter().all(|turn| *turn <= slack)
 }
 
-/// Points this near to an edge are on the face, in shares of its area.
+/// Points this near to an edge are on the face, in shares of its area, and to its plane, in shares of the box's size.
 const EDGE: f64 = 1e-9;
 
 fn unmatched(position: &Vec3, side: usize) -> DeckError {
