@@ -46,6 +46,17 @@ fn a_part_of_the_specimen_changes_the_usual_one_where_the_base_has_none() {
 }
 
 #[test]
+fn a_kind_and_its_size_are_axes_in_any_order() {
+    let (kind, size) = (("specimen.kind", json!(["sphere"])), ("specimen.diameter_mm", json!([30, 40])));
+    for axes in [[kind.clone(), size.clone()], [size, kind]] {
+        let plan = plan(&axes).unwrap();
+        let kinds: Vec<_> = plan.cases.iter().map(|case| case.spec.specimen.kind()).collect();
+        assert_eq!(kinds, ["sphere", "sphere"]);
+        assert!(plan.cases[0].spec.specimen.volume() < plan.cases[1].spec.specimen.volume());
+    }
+}
+
+#[test]
 fn the_hash_is_of_the_complete_spec() {
     let one = |values| plan(&[("fraction", values)]).unwrap().cases[0].clone();
     // A whole number is the same number.

@@ -119,7 +119,9 @@ fn with_specimen(base: &Value, axes: &[Axis]) -> Value {
 
 fn case(base: &Value, values: &[(&str, &Value)], task: &Value, files: &mut dyn Files) -> Result<Case, PlanError> {
     let (mut tree, mut task) = (base.clone(), task.clone());
-    for (key, value) in values {
+    // Another kind of section drops the options of the one before, so it comes before its own.
+    let (kinds, others): (Vec<_>, Vec<_>) = values.iter().partition(|(key, _)| key.ends_with(".kind"));
+    for (key, value) in kinds.into_iter().chain(others) {
         let is_task = TASKS.iter().any(|name| is_part(key, name));
         let change = key
             .rsplit('.')
