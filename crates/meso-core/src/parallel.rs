@@ -49,6 +49,11 @@ pub(crate) fn filter(count: usize, keep: impl Fn(usize) -> bool + Sync) -> Vec<u
     gathered(count, &|i, found| found.extend(keep(i).then_some(i as u32)))
 }
 
+/// The items for which `keep` holds.
+pub(crate) fn pick<T: Copy + Send + Sync>(items: &[T], keep: impl Fn(&T) -> bool + Sync) -> Vec<T> {
+    gathered(items.len(), &|i, found| found.extend(keep(&items[i]).then_some(items[i])))
+}
+
 /// Calls `of(i)` for every number below `count`.
 pub(crate) fn for_each(count: usize, of: impl Fn(usize) + Sync) {
     let of: &(dyn Fn(usize) + Sync) = &of;
@@ -60,6 +65,11 @@ pub(crate) fn each_mut<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sy
     chunks_mut(items, 1, |i, item| of(i, &mut item[0]));
 }
 
+/// As [`each_mut`], in runs: for items that take less time than a call through a pointer.
+pub(crate) fn each_mut_in_runs<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) {
+    chunks_mut(items, RUN, |run, items| (run * RUN..).zip(items).for_each(|(i, item)| of(i, item)));
+}
+
 /// Calls `of` for every run of `size` items, the last one shorter, and the run's number.
 pub(crate) fn chunks_mut<T: Send>(items: &mut [T], size: usize, of: impl Fn(usize, &mut [T]) + Sync) {
     changed(items, size, &of);
@@ -67,6 +77,20 @@ pub(crate) fn chunks_mut<T: Send>(items: &mut [T], size: usize, of: impl Fn(usiz
 
 fn changed<T: Send>(items: &mut [T], size: usize, of: &(dyn Fn(usize, &mut [T]) + Sync)) {
     items.par_chunks_mut(size).enumerate().panic_fuse().for_each(|(i, run)| of(i, run));
+}
+
+/// Short items that are called for together.
+const RUN: usize = 1 << 10;
+
+/// As [`map`], in runs: for items that take less time than a call through a pointer.
+pub(crate) fn map_in_runs<T: Copy + Default + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut items = vec![T::default(); count];
+    chunks_mut(&mut items, RUN, |run, items| {
+        for (i, item) in (run * RUN..).zip(items) {
+            *item = of(i);
+        }
+    });
+    items
 }
 
 #[cfg(test)]
@@ -77,18 +101,22 @@ mod tests {
     fn every_loop_keeps_the_order_of_its_items() {
         let numbers: Vec<usize> = (0..10_000).collect();
         assert_eq!(map(10_000, |i| i), numbers);
+        assert_eq!(map_in_runs(10_000, |i| i), numbers);
         assert_eq!(map_each(&numbers, |i| i + 1), (1..10_001).collect::<Vec<_>>());
         assert_eq!(flat_map(10_000, |i| [i, i]), numbers.iter().flat_map(|&i| [i, i]).collect::<Vec<_>>());
         assert_eq!(filter(10_000, |i| i % 3 == 0), (0..10_000).step_by(3).collect::<Vec<u32>>());
         let mut squares = vec![0; 10_000];
         each_mut(&mut squares, |i, square| *square = i * i);
+        let mut in_runs = vec![0; 10_000];
+        each_mut_in_runs(&mut in_runs, |i, square| *square = i * i);
+        assert_eq!(pick(&in_runs, |square| square % 2 == 1), (1..10_000).step_by(2).map(|i| i * i).collect::<Vec<_>>());
         let mut runs = vec![0; 10_000];
         chunks_mut(&mut runs, 7, |run, items| {
             for (k, item) in items.iter_mut().enumerate() {
                 *item = (7 * run + k) * (7 * run + k);
             }
         });
-        assert!(squares == runs && squares[99] == 9801 && runs[9999] == 9999 * 9999);
+        assert!(squares == in_runs && squares == runs && squares[99] == 9801 && runs[9999] == 9999 * 9999);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use super::{clip, fidelity, gaps, interface, lattice, layer, quality, sides, vox
 use crate::aggregate::{Aggregate, Kind};
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
-use rayon::prelude::*;
+use crate::parallel;
 use std::cmp::Ordering;
 
 /// Meshes a packed specimen by a method of our own.
@@ -203,7 +203,7 @@ fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
         return;
     }
     voids.sort_unstable();
-    let solid: Vec<bool> = mesh.aggregate.par_iter().map(|id| voids.binary_search(id).is_err()).collect();
+    let solid = parallel::map_each(&mesh.aggregate, |id| voids.binary_search(id).is_err());
     retain(mesh, &solid);
 }
 

@@ -5,6 +5,7 @@
 
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Vec3;
+use crate::parallel;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -237,7 +238,7 @@ pub(super) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<
     }
     let mut old = number.iter();
     points.retain(|_| old.next() != Some(&DROPPED));
-    cells.par_iter_mut().for_each(|node| *node = number[*node as usize]);
+    parallel::each_mut_in_runs(cells, |_, node| *node = number[*node as usize]);
     number
 }
 
@@ -307,8 +308,8 @@ impl Mesh {
     /// Applies `of_run` to runs of cells: the number of the first, all nodes, all phases. Runs have one length and their results are
     /// in order, so that sums are the same on any number of threads.
     pub(super) fn in_runs<T: Send>(&self, of_run: impl Fn(usize, &[u32], &[Phase]) -> T + Sync) -> Vec<T> {
-        let runs = self.cells.par_chunks(RUN * self.kind.nodes()).zip(self.phase.par_chunks(RUN)).enumerate();
-        runs.map(|(run, (cells, phases))| of_run(run * RUN, cells, phases)).collect()
+        let runs: Vec<_> = self.cells.chunks(RUN * self.kind.nodes()).zip(self.phase.chunks(RUN)).collect();
+        parallel::map(runs.len(), |run| of_run(run * RUN, runs[run].0, runs[run].1))
     }
 }
 
@@ -327,7 +328,8 @@ impl Mesh {
         let edges = Edges::of(self);
         let middles: Vec<_> = edges.ends().map(|[a, b]| (self.points[a] + self.points[b]) / 2.0).collect();
         self.points.extend(middles);
-        let nodes = |cell: &[u32]| {
+        let nodes = |cell: usize| {
+            let cell = &self.cells[4 * cell..][..4];
             let mut nodes = [0; 10];
             nodes[..4].copy_from_slice(cell);
             for (node, [i, j]) in nodes[4..].iter_mut().zip(EDGES) {
@@ -335,7 +337,7 @@ impl Mesh {
             }
             nodes
         };
-        self.cells = self.cells.par_chunks_exact(4).map(nodes).collect::<Vec<_>>().into_flattened();
+        self.cells = parallel::map(self.cell_count(), nodes).into_flattened();
         self.kind = CellKind::QuadraticTetrahedron;
     }
 }
@@ -350,8 +352,8 @@ struct Edges {
 impl Edges {
     fn of(mesh: &Mesh) -> Self {
         let ends = |cell: &[u32], [i, j]: [usize; 2]| (cell[i].min(cell[j]), cell[i].max(cell[j]));
-        let of_cell = |cell| EDGES.iter().map(move |edge| ends(cell, *edge));
-        let mut edges: Vec<(u32, u32)> = mesh.cells.par_chunks_exact(4).flat_map_iter(of_cell).collect();
+        let of_cell = |cell: usize| EDGES.map(|edge| ends(&mesh.cells[4 * cell..][..4], edge));
+        let mut edges: Vec<(u32, u32)> = parallel::flat_map(mesh.cell_count(), of_cell);
         edges.par_sort_unstable();
         edges.dedup();
         let mut first = vec![0; mesh.points.len() + 1];

@@ -7,8 +7,8 @@
 use super::cells::{CellKind, Mesh, NO_AGGREGATE};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Container;
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Centroids decide where they keep this share of the specimen's volume.
 const CLOSE: f64 = 0.002;
@@ -19,10 +19,9 @@ const ALL: u16 = (SAMPLES * SAMPLES * SAMPLES) as u16;
 
 /// For every cell of `mesh` whether it is kept: all of aggregates, and those of mortar in `container`.
 pub(super) fn kept(mesh: &Mesh, container: &dyn Container) -> Vec<bool> {
-    let cells = || mesh.cells.par_chunks_exact(mesh.kind.nodes()).zip(&mesh.aggregate);
-    let by_centroid =
-        |(cell, &id): (&[u32], &u32)| id != NO_AGGREGATE || container.contains(&centroid(&corners(mesh, cell)));
-    let inside: Vec<bool> = cells().map(by_centroid).collect();
+    let is_mortar = |cell: usize| mesh.aggregate[cell] == NO_AGGREGATE;
+    let by_centroid = |cell: usize| !is_mortar(cell) || container.contains(&centroid(&corners(mesh, cell)));
+    let inside = parallel::map(mesh.cell_count(), by_centroid);
     // Voxels have one volume.
     let voxel = if mesh.cell_count() == 0 { 0.0 } else { mesh.volume(0) };
     let wanted = container.volume() / voxel;
@@ -30,8 +29,8 @@ pub(super) fn kept(mesh: &Mesh, container: &dyn Container) -> Vec<bool> {
     if mesh.kind != CellKind::Hexahedron || (count as f64 - wanted).abs() <= CLOSE * wanted {
         return inside;
     }
-    let share = |(cell, &id): (&[u32], &u32)| if id == NO_AGGREGATE { samples(mesh, cell, container) } else { ALL };
-    let shares: Vec<u16> = cells().panic_fuse().map(share).collect();
+    let share = |cell: usize| if is_mortar(cell) { samples(mesh, cell, container) } else { ALL };
+    let shares = parallel::map(mesh.cell_count(), share);
     let least = least_share(&shares, wanted);
     shares.into_iter().map(|share| share >= least).collect()
 }
@@ -53,7 +52,7 @@ fn least_share(shares: &[u16], wanted: f64) -> u16 {
 }
 
 /// How many samples of a voxel are inside.
-fn samples(mesh: &Mesh, cell: &[u32], container: &dyn Container) -> u16 {
+fn samples(mesh: &Mesh, cell: usize, container: &dyn Container) -> u16 {
     stop::point();
     let corners = corners(mesh, cell);
     let voxel = Aabb::around(&corners);
@@ -68,8 +67,9 @@ fn samples(mesh: &Mesh, cell: &[u32], container: &dyn Container) -> u16 {
     (0..usize::from(ALL)).filter(|&number| container.contains(&point(number))).count() as u16
 }
 
-fn corners(mesh: &Mesh, cell: &[u32]) -> Vec<Vec3> {
-    cell.iter().map(|&node| mesh.points[node as usize]).collect()
+fn corners(mesh: &Mesh, cell: usize) -> Vec<Vec3> {
+    let nodes = mesh.kind.nodes();
+    mesh.cells[nodes * cell..][..nodes].iter().map(|&node| mesh.points[node as usize]).collect()
 }
 
 fn centroid(corners: &[Vec3]) -> Vec3 {

@@ -11,6 +11,7 @@ use crate::aggregate::Aggregate;
 use crate::geometry::ConvexSurface;
 use crate::gjk;
 use crate::packing::{Specimen, images_near};
+use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -72,7 +73,8 @@ impl<'a> ById<'a> {
             let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
             if is_wider { gap() } else { widest }
         };
-        pairs.par_chunks(RUN).map(|run| run.iter().fold(0.0, wider)).reduce(|| 0.0, f64::max)
+        let runs: Vec<&[(u32, u32)]> = pairs.chunks(RUN).collect();
+        parallel::map_each(&runs, |run| run.iter().fold(0.0, wider)).into_iter().fold(0.0, f64::max)
     }
 
     /// Between a body and the farthest of the sides `across`, mm.
@@ -124,7 +126,7 @@ impl InterfaceDistance {
         if !mesh.cohesive.is_empty() {
             pairs.par_sort_unstable_by_key(|&(node, id)| (position(node), id));
         }
-        let distances: Vec<f64> = pairs.par_iter().panic_fuse().map(distance).collect();
+        let distances = parallel::map_each(&pairs, distance);
         let sides = FlatSides::of(specimen);
         let rounding = ROUNDING * specimen.aabb().size().max();
         // One after the other: the same sums on any number of threads.

@@ -4,6 +4,7 @@
 use super::cells::{Cells, Mesh, NO_AGGREGATE, NO_BODY, Phase};
 use super::tet::TetMesh;
 use crate::math::Vec3;
+use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
 
@@ -165,7 +166,7 @@ pub(super) fn by_nodes(mesh: Cells, counts: impl Fn(u32) -> bool + Sync) -> Vec<
     };
     let (face, faces) = (&face, mesh.kind.faces().len() as u8);
     let of_cell = |cell: usize| (0..faces).filter_map(move |number| face(cell as u32, number));
-    (0..mesh.owner.len()).into_par_iter().flat_map_iter(of_cell).collect()
+    parallel::flat_map(mesh.owner.len(), of_cell)
 }
 
 fn face_nodes(mesh: Cells, cell: u32, face: u8) -> [u32; 4] {
@@ -211,10 +212,10 @@ impl Copies {
     fn take(&self, per_cell: usize, cells: &mut [u32], owner: &[u32]) {
         let mut touched = vec![false; self.first as usize];
         self.keys.iter().for_each(|&(_, node)| touched[node as usize] = true);
-        cells.par_chunks_exact_mut(per_cell).zip(owner).for_each(|(cell, &owner)| {
-            if owner != NO_BODY {
-                for node in cell.iter_mut().filter(|node| touched[**node as usize]) {
-                    *node = self.of(owner, *node);
+        parallel::chunks_mut(cells, per_cell, |cell, nodes| {
+            if owner[cell] != NO_BODY {
+                for node in nodes.iter_mut().filter(|node| touched[**node as usize]) {
+                    *node = self.of(owner[cell], *node);
                 }
             }
         });

@@ -15,8 +15,8 @@ use crate::aggregate::Aggregate;
 use crate::materials::Materials;
 use crate::math::Vec3;
 use crate::packing::Specimen;
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// One cell's measures.
@@ -39,7 +39,8 @@ pub struct CellQuality {
 impl CellQuality {
     /// Every cell's measures, in the cells' order.
     pub fn of_cells(mesh: &Mesh) -> Vec<Self> {
-        mesh.cells.par_chunks_exact(mesh.kind.nodes()).panic_fuse().map(|cell| measured(mesh, cell)).collect()
+        let nodes = mesh.kind.nodes();
+        parallel::map(mesh.cell_count(), |cell| measured(mesh, &mesh.cells[nodes * cell..][..nodes]))
     }
 
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
@@ -358,12 +359,15 @@ fn area(mesh: &Mesh, face: &[u32]) -> f64 {
 
 /// Refuses cells of which one has no positive volume: no solver takes them.
 pub(super) fn all_positive(cells: Cells) -> Result<(), MeshError> {
-    let all = cells.nodes.par_chunks_exact(cells.kind.nodes());
-    let is_solid = |cell: &[u32]| cell_volume(cells.kind, cell, cells.points) > 0.0;
-    let flat: Vec<&[u32]> = all.filter(|cell| !is_solid(cell)).collect();
+    let nodes = |cell: usize| &cells.nodes[cell * cells.kind.nodes()..][..cells.kind.nodes()];
+    let is_solid = |cell: usize| cell_volume(cells.kind, nodes(cell), cells.points) > 0.0;
+    let flat = parallel::filter(cells.owner.len(), |cell| !is_solid(cell));
     match flat.first() {
         None => Ok(()),
-        Some(first) => Err(MeshError::Flat { cells: flat.len(), at: cells.points[first[0] as usize].into() }),
+        Some(&first) => {
+            let at = cells.points[nodes(first as usize)[0] as usize].into();
+            Err(MeshError::Flat { cells: flat.len(), at })
+        }
     }
 }
 

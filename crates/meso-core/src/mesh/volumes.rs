@@ -17,7 +17,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::OffsetError;
 use crate::math::Vec3;
 use crate::packing::Specimen;
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -74,12 +74,13 @@ impl PhaseVolumes {
         specimen: &Specimen,
         shell: impl Fn(&Aggregate) -> f64 + Sync,
     ) -> Result<Self, OffsetError> {
-        let core = |aggregate: &Aggregate| {
+        let core = |index: usize| -> Result<f64, OffsetError> {
+            let aggregate = &aggregates[index];
             let inner = if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 };
             Ok(aggregate.body.inward_offset(inner)?.map_or(0.0, |body| body.volume()))
         };
         // Summed in the aggregates' order: the same on any number of threads.
-        let cores = aggregates.par_iter().map(core).collect::<Result<Vec<f64>, OffsetError>>()?;
+        let cores = parallel::try_map(aggregates.len(), core)?;
         let (mut all, mut outer, mut inside, mut fibre) = (0.0, 0.0, 0.0, 0.0);
         for (aggregate, core) in aggregates.iter().zip(cores) {
             let volume = aggregate.body.volume();
@@ -194,7 +195,7 @@ pub(super) fn restore(mesh: &mut Mesh, bodies: &[Aggregate], element_size_mm: f6
         }
         let mut displacements = surface.displacements(mesh, &missing, STEP * element_size_mm);
         surface.shorten(mesh, &mut displacements, element_size_mm / 10.0);
-        mesh.points.par_iter_mut().zip(&displacements).for_each(|(point, displacement)| *point += displacement);
+        parallel::each_mut_in_runs(&mut mesh.points, |node, point| *point += displacements[node]);
     }
 }
 
@@ -251,11 +252,10 @@ impl Surface {
             *areas.entry(*owner).or_default() += normal.norm();
         }
         let distance = |id: u32| (missing[&id] / areas[&id]).clamp(-most, most);
-        let displacement = |(normal, owner): (&Vec3, &u32)| match normal.norm() {
+        parallel::map(normals.len(), |node| match normals[node].norm() {
             0.0 => Vec3::zeros(),
-            length => normal * (distance(*owner) / length),
-        };
-        normals.par_iter().zip(&self.owner).map(displacement).collect()
+            length => normals[node] * (distance(self.owner[node]) / length),
+        })
     }
 
     /// Halves the displacements of the nodes whose cells would get too flat, at last to zero.
@@ -263,13 +263,13 @@ impl Surface {
         let mut watched = self.cells.clone();
         for halving in 0.. {
             let after = |node: &u32| mesh.points[*node as usize] + displacements[*node as usize];
-            let is_flat = |number: &&u32| {
-                let cell = &mesh.cells[4 * **number as usize..][..4];
+            let is_flat = |number: &u32| {
+                let cell = &mesh.cells[4 * *number as usize..][..4];
                 let [before, after] =
                     [[0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]), [0, 1, 2, 3].map(|i| after(&cell[i]))];
                 before != after && flattens(before, after, short)
             };
-            let flat: Vec<u32> = watched.par_iter().filter(is_flat).copied().collect();
+            let flat = parallel::pick(&watched, is_flat);
             if flat.is_empty() {
                 return;
             }
@@ -277,10 +277,9 @@ impl Surface {
             let share = if halving < HALVINGS { 0.5 } else { 0.0 };
             nodes.iter().for_each(|&node| displacements[node as usize] *= share);
             // Elsewhere nothing has changed.
-            let has_shortened = |cell: &&u32| {
-                mesh.cells[4 * **cell as usize..][..4].iter().any(|node| nodes.binary_search(node).is_ok())
-            };
-            watched = self.cells.par_iter().filter(has_shortened).copied().collect();
+            let has_shortened =
+                |cell: &u32| mesh.cells[4 * *cell as usize..][..4].iter().any(|node| nodes.binary_search(node).is_ok());
+            watched = parallel::pick(&self.cells, has_shortened);
         }
     }
 }

@@ -17,6 +17,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::packing::Specimen;
+use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -38,8 +39,9 @@ pub(super) fn build(
         Facets::all(bodies, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
     let has_fibres = bodies.iter().any(|body| body.kind == Kind::Fibre);
     let labels = voxels.labels(bodies, &facets, subsamples.max(if has_fibres { FIBRE_SAMPLES } else { 1 }) as usize);
-    let phase = labels.par_iter().map(|&label| phase_of(label, &facets)).collect();
-    let owner = labels.par_iter().map(|label| label.body().unwrap_or(NO_BODY)).collect();
+    let mut phase = vec![Phase::Mortar; labels.len()];
+    parallel::each_mut_in_runs(&mut phase, |voxel, phase| *phase = phase_of(labels[voxel], &facets));
+    let owner = parallel::map_in_runs(labels.len(), |voxel| labels[voxel].body().unwrap_or(NO_BODY));
     Draft { kind: CellKind::Hexahedron, points: voxels.points(), cells: voxels.cells(), phase, owner }
 }
 
@@ -80,11 +82,15 @@ impl Voxels {
         let grid = PointGrid { origin: self.min + spacing / 2.0, spacing, counts: self.counts.map(|c| c * n) };
         let scan = Scan::new(grid, facets);
         let mut labels = vec![Label::MORTAR; self.counts.iter().product()];
-        let layers = labels.par_chunks_mut(self.counts[0] * self.counts[1]).enumerate();
+        let of_layer = self.counts[0] * self.counts[1];
         if n == 1 {
-            layers.for_each(|(k, layer)| scan.label_layer(k, layer));
+            parallel::chunks_mut(&mut labels, of_layer, |k, layer| scan.label_layer(k, layer));
         } else {
-            let claims: Vec<_> = layers.map(|(k, layer)| self.sample_layer(&scan, grid, n, k, layer)).collect();
+            let mut layers: Vec<_> = labels.chunks_mut(of_layer).map(|layer| (layer, Vec::new())).collect();
+            parallel::each_mut(&mut layers, |k, (layer, claims)| {
+                *claims = self.sample_layer(&scan, grid, n, k, layer);
+            });
+            let claims: Vec<_> = layers.into_iter().map(|(_, claims)| claims).collect();
             settle(claims.concat(), n * n * n, bodies, &mut labels);
         }
         labels
@@ -126,22 +132,21 @@ impl Voxels {
             }
             Vec3::new(at(0, p % nx), at(1, p / nx % ny), at(2, p / (nx * ny)))
         };
-        (0..nx * ny * nz).into_par_iter().panic_fuse().map(point).collect()
+        parallel::map(nx * ny * nz, point)
     }
 
     fn cells(&self) -> Vec<u32> {
         let [nx, ny, nz] = self.counts;
         let (row, layer) = (nx as u32 + 1, (nx as u32 + 1) * (ny as u32 + 1));
         let mut cells = vec![0; 8 * nx * ny * nz];
-        cells.par_chunks_exact_mut(8).enumerate().panic_fuse().for_each(|(c, cell)| {
-            let (i, j, k) = ((c % nx) as u32, (c / nx % ny) as u32, (c / (nx * ny)) as u32);
-            if i == 0 {
-                stop::point();
+        parallel::chunks_mut(&mut cells, 8 * nx, |r, of_row| {
+            stop::point();
+            let (j, k) = ((r % ny) as u32, (r / ny) as u32);
+            for (a, cell) in (k * layer + j * row..).zip(of_row.chunks_exact_mut(8)) {
+                let bottom = [a, a + 1, a + 1 + row, a + row];
+                cell[..4].copy_from_slice(&bottom);
+                cell[4..].copy_from_slice(&bottom.map(|node| node + layer));
             }
-            let a = k * layer + j * row + i;
-            let bottom = [a, a + 1, a + 1 + row, a + row];
-            cell[..4].copy_from_slice(&bottom);
-            cell[4..].copy_from_slice(&bottom.map(|node| node + layer));
         });
         cells
     }

@@ -10,7 +10,7 @@ use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::error::MeshError;
 use crate::packing::{Period, Surface};
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::BTreeMap;
 
 /// Edges shorter than this do not come out of gmsh as they went in, mm.
@@ -87,7 +87,8 @@ pub(super) struct Cuts<'a> {
 pub(super) fn pieces(cuts: Cuts) -> Result<Vec<Vec<Piece>>, MeshError> {
     let Cuts { placed, bodies, period, domain, slabs, .. } = cuts;
     let open = period.mixed(domain, &Aabb::everywhere());
-    let of_body = |(index, aggregate): (usize, &Aggregate)| -> Result<Vec<(usize, Piece)>, MeshError> {
+    let of_body = |index: usize| -> Result<Vec<(usize, Piece)>, MeshError> {
+        let aggregate = &placed[index];
         let shifts = period.shifts(&aggregate.body.aabb(), &open);
         let cut = |shift: &Vec3| Shape::new(&aggregate.body).within(&open.moved(&-shift)).map(|shape| (shape, *shift));
         let divided = |(shape, shift): (Shape, Vec3)| {
@@ -99,7 +100,7 @@ pub(super) fn pieces(cuts: Cuts) -> Result<Vec<Vec<Piece>>, MeshError> {
         pieces.map(|(slab, piece)| Ok((slab, sound(named(piece), aggregate)?))).collect()
     };
     let mut by_slab: Vec<Vec<Piece>> = (0..=slabs.positions.len()).map(|_| Vec::new()).collect();
-    for of_body in placed.par_iter().enumerate().map(of_body).collect::<Result<Vec<_>, _>>()? {
+    for of_body in parallel::try_map(placed.len(), of_body)? {
         of_body.into_iter().for_each(|(slab, piece)| by_slab[slab].push(piece));
     }
     Ok(by_slab)

@@ -10,8 +10,8 @@ use crate::mesh::tet::{
     Constraint, Improver, NEW, ON_MM, Star, TetMesh, Topology, are_coplanar, ascending, best_position, contraction,
     cos2_of, directions, edges, improve, insertion, smoothed, swapped,
 };
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Cells with a smaller angle are improved, degrees (somewhat more than the limit of bad ones), and for how many rounds; the worst
 /// once more at the end.
@@ -28,7 +28,7 @@ const NEAR: f64 = 0.5;
 /// Improves the poor cells of `mesh`.
 pub(super) fn enlarge_angles(mesh: &mut TetMesh) {
     let limit = cos2_of(PASSES[0].0);
-    let poor: Vec<u32> = mesh.numbers().into_par_iter().filter(|&cell| mesh.cos2(cell) > limit).collect();
+    let poor = parallel::filter(mesh.cells.len(), |cell| mesh.cos2(cell as u32) > limit);
     let mut topology = Topology::new(mesh, poor.into_iter());
     for (degrees, rounds) in PASSES {
         let limit = cos2_of(degrees);

@@ -29,6 +29,7 @@ use super::tet::{TetMesh, oriented};
 use crate::aggregate::{Aggregate, Kind};
 use crate::math::Aabb;
 use crate::packing::{Container, Period, Specimen};
+use crate::parallel;
 use clipped::{BodyIndex, Cuts};
 use plane::Triangles;
 use plc::{Filled, Shells};
@@ -139,7 +140,7 @@ impl Division {
         let mut mesh = stitch::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
         stitch::open_slivers(&mut mesh, &self.period, &self.domain);
         sections::all_matched(&mesh.points, &self.period, &self.domain)?;
-        mesh.cells = mesh.cells.par_iter().map(|cell| oriented(*cell, &mesh.points)).collect();
+        parallel::each_mut_in_runs(&mut mesh.cells, |_, cell| *cell = oriented(*cell, &mesh.points));
         improve::enlarge_angles(&mut mesh);
         Ok(mesh)
     }
@@ -201,8 +202,7 @@ impl Surfaces {
 /// As [`facets::facets`].
 fn walled(cuts: Cuts, specimen: &Specimen, container: &dyn Container) -> Result<Shells, MeshError> {
     let Cuts { placed, bodies, size, .. } = cuts;
-    let surfaces: Vec<Triangles> =
-        placed.par_iter().map(|a| facets::of_body(&a.body, size)).collect::<Result<_, MeshError>>()?;
+    let surfaces: Vec<Triangles> = parallel::try_map(placed.len(), |i| facets::of_body(&placed[i].body, size))?;
     let mut shells = Shells::default();
     let mut holes = Vec::new();
     for (aggregate, surface) in placed.iter().zip(&surfaces) {

@@ -11,7 +11,7 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::error::MeshError;
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::BTreeMap;
 
 /// The shells of `pieces` and of the sides that `add` puts around them; edges are at most `limit` mm long.
@@ -24,8 +24,7 @@ pub(super) fn shells(
     limit: f64,
     add: impl FnOnce(&mut Sheets, &mut Nodes),
 ) -> Result<Shells, MeshError> {
-    let surfaces = pieces.par_iter().map(|piece| surface(piece, limit));
-    let surfaces: Vec<Triangles> = surfaces.collect::<Result<_, MeshError>>()?;
+    let surfaces: Vec<Triangles> = parallel::try_map(pieces.len(), |piece| surface(&pieces[piece], limit))?;
     let mut nodes = Nodes::default();
     let mut sheets = Sheets::new(pieces, &surfaces, &mut nodes);
     add(&mut sheets, &mut nodes);

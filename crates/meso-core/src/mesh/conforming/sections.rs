@@ -14,7 +14,7 @@ use super::plc::{Shells, Upper, shells, surface};
 use crate::math::{Aabb, Vec3};
 use crate::mesh::error::MeshError;
 use crate::packing::{Container, Period, Specimen, Surface};
-use rayon::prelude::*;
+use crate::parallel;
 use std::collections::BTreeMap;
 
 /// Nodes this near to a face are on it, mm.
@@ -28,12 +28,9 @@ pub(super) fn of_box(cuts: Cuts) -> Result<Vec<Shells>, MeshError> {
     let Cuts { placed, domain, slabs, size, .. } = cuts;
     let limit = LONGEST * size;
     let pieces = pieces(cuts)?;
-    let lower = |(pieces, aabb): (&Vec<Piece>, &Aabb)| {
-        let faces = (0..3).into_par_iter().map(|axis| lower_face(axis, aabb, pieces, limit));
-        faces.collect::<Result<Vec<Face>, MeshError>>()
-    };
     let boxes = slabs.boxes(domain);
-    let faces: Vec<Vec<Face>> = pieces.par_iter().zip(&boxes).map(lower).collect::<Result<_, MeshError>>()?;
+    let lower = |slab: usize| parallel::try_map(3, |axis| lower_face(axis, &boxes[slab], &pieces[slab], limit));
+    let faces: Vec<Vec<Face>> = parallel::try_map(boxes.len(), lower)?;
     let of_slab = |slab: usize| {
         shells(&pieces[slab], placed, limit, |sheets, nodes| {
             for (axis, lower) in faces[slab].iter().enumerate() {
@@ -46,7 +43,7 @@ pub(super) fn of_box(cuts: Cuts) -> Result<Vec<Shells>, MeshError> {
             }
         })
     };
-    (0..boxes.len()).into_par_iter().map(of_slab).collect()
+    parallel::try_map(boxes.len(), of_slab)
 }
 
 /// Refuses nodes on a face of `domain` across which the box repeats itself that have none opposite to them.
@@ -80,10 +77,11 @@ pub(super) fn of_walls(cuts: Cuts, walls: Surface) -> Result<Vec<Shells>, MeshEr
     let limit = LONGEST * size;
     let pieces = pieces(cuts)?;
     let walls = clipped::walls(walls, slabs, cuts.period);
-    let of_plane =
-        |(above, position): (usize, &f64)| section(slabs.axis, *position, &walls[above], &pieces[above], limit);
-    let planes = (1..walls.len()).into_par_iter().zip(&slabs.positions).map(of_plane);
-    let planes: Vec<Face> = planes.collect::<Result<_, MeshError>>()?;
+    let of_plane = |plane: usize| {
+        let above = plane + 1;
+        section(slabs.axis, slabs.positions[plane], &walls[above], &pieces[above], limit)
+    };
+    let planes: Vec<Face> = parallel::try_map(walls.len() - 1, of_plane)?;
     let of_slab = |slab: usize| {
         let walls = surface(&walls[slab], limit)?;
         shells(&pieces[slab], placed, limit, |sheets, nodes| {
@@ -98,7 +96,7 @@ pub(super) fn of_walls(cuts: Cuts, walls: Surface) -> Result<Vec<Shells>, MeshEr
             }
         })
     };
-    (0..walls.len()).into_par_iter().map(of_slab).collect()
+    parallel::try_map(walls.len(), of_slab)
 }
 
 /// The plane at `position` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.

@@ -27,10 +27,10 @@ use crate::aggregate::Aggregate;
 use crate::location::{Facets, Locator};
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
+use crate::parallel;
 use crate::stop;
 use bcc::Bcc;
 use boundary::{Boundary, BoundarySurface};
-use rayon::prelude::*;
 use surface::Surface;
 
 /// The plain lattice: phase by centroid.
@@ -38,18 +38,14 @@ pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOpt
     let facets = Facets::all(bodies, |body| options.shell_mm(body));
     let bcc = Bcc::new(specimen.aabb(), options.element_size_mm);
     let locator = Locator::new(&facets, &specimen.aabb());
-    let points: Vec<Vec3> = (0..bcc.nodes() as u32).into_par_iter().map(|node| bcc.position(node)).collect();
-    let layers: Vec<Vec<[u32; 4]>> = (0..bcc.counts[2])
-        .into_par_iter()
-        .map(|k| {
-            let mut cells = Vec::new();
-            bcc.tetrahedra(k, |cell| cells.push(oriented(cell, &points)));
-            cells
-        })
-        .collect();
+    let points: Vec<Vec3> = parallel::map(bcc.nodes(), |node| bcc.position(node as u32));
+    let layers: Vec<Vec<[u32; 4]>> = parallel::map(bcc.counts[2], |k| {
+        let mut cells = Vec::new();
+        bcc.tetrahedra(k, |cell| cells.push(oriented(cell, &points)));
+        cells
+    });
     let cells = layers.concat();
-    let located: Vec<(Phase, u32)> =
-        cells.par_iter().panic_fuse().map(|cell| locate(&facets, &locator, &centroid(cell, &points))).collect();
+    let located = parallel::map_each(&cells, |cell| locate(&facets, &locator, &centroid(cell, &points)));
     let (phase, owner) = located.into_iter().unzip();
     Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }
 }
@@ -80,7 +76,7 @@ pub(super) fn fitted(
     let mut mesh = stencils::Cutter::new(&field, &locator).cells();
     let surface = surface.as_ref().map(|surface| (surface, stencils::trim(&mut mesh)));
     let boundary = Boundary { surface, repeats };
-    let surfaces: Vec<Surface> = bodies.par_iter().map(|body| Surface::new(&body.body)).collect();
+    let surfaces: Vec<Surface> = parallel::map_each(bodies, |body| Surface::new(&body.body));
     let off = sweeps::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &boundary);
     let off_surface_nodes = off + nodes::count_off(&mesh, &surfaces, bcc.domain(), &boundary);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })

@@ -12,8 +12,8 @@ use crate::mesh::cells::NO_BODY;
 use crate::mesh::interface::Owners;
 use crate::mesh::sides::{Sides, image_classes};
 use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Surfaces that the nodes are fitted to.
 pub(super) struct Exact<'a> {
@@ -161,7 +161,7 @@ pub(super) fn roles(mesh: &TetMesh, domain: &Aabb, boundary: &Boundary) -> Vec<R
         None if !owners.are_several(node) => Role::Free,
         None => owners.beside_mortar(node).map_or(Role::Contact, Role::Surface),
     };
-    (0..mesh.points.len() as u32).into_par_iter().map(role).collect()
+    parallel::map(mesh.points.len(), |node| role(node as u32))
 }
 
 /// The axes across which `p` lies on a side of `domain`.
@@ -175,10 +175,13 @@ pub(super) fn relabel(mesh: &mut TetMesh, locator: &Locator) {
     let owners = Owners::of(mesh.by_body());
     let between = |node: &u32| owners.are_several(*node);
     let TetMesh { points, cells, owner } = mesh;
-    cells.par_iter().zip(owner).panic_fuse().filter(|(cell, _)| cell.iter().all(between)).for_each(|(cell, owner)| {
-        stop::point();
-        let centroid = cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0;
-        *owner = locator.find(&centroid).map_or(NO_BODY, |(found, _)| found as u32);
+    parallel::each_mut_in_runs(owner, |cell, owner| {
+        let nodes = &cells[cell];
+        if nodes.iter().all(between) {
+            stop::point();
+            let centroid = nodes.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0;
+            *owner = locator.find(&centroid).map_or(NO_BODY, |(found, _)| found as u32);
+        }
     });
 }
 

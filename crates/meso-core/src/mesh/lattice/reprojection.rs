@@ -14,8 +14,8 @@ use super::surface::Surface;
 use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::tet::{INVERTED, Star, ascending, cos2_of, directions};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Turns of all nodes; each one profits from the room that the one before made.
 const TURNS: usize = 2;
@@ -38,9 +38,7 @@ const PARTS: [f64; 3] = [0.9, 0.6, 0.3];
 ///
 /// That leaves all angles above `least_deg`, or as they were.
 pub(super) fn reproject(nodes: &mut Nodes, suspects: Vec<u32>, least_deg: f64) -> Vec<u32> {
-    let all = &*nodes;
-    let mut off =
-        ascending(suspects.into_par_iter().panic_fuse().filter(|&node| is_off(all, node)).collect::<Vec<u32>>());
+    let mut off = ascending(parallel::pick(&suspects, |&node| is_off(nodes, node)));
     for _ in 0..TURNS {
         let before = off.len();
         off.retain(|&node| is_off(nodes, node) && !returns(nodes, node, cos2_of(least_deg)));

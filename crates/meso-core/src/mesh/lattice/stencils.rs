@@ -10,8 +10,8 @@ use crate::location::Locator;
 use crate::math::Vec3;
 use crate::mesh::cells::{DROPPED, NO_BODY};
 use crate::mesh::tet::{TetMesh, oriented};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use std::cmp::Reverse;
 
 /// A field with all its cut edges.
@@ -38,24 +38,19 @@ type Cells = Vec<([u32; 4], u32)>;
 
 impl<'a> Cutter<'a> {
     pub(super) fn new(field: &'a Field<'a>, locator: &'a Locator<'a>) -> Self {
-        let nodes = 0..field.points.len() as u32;
-        let edges: Vec<(u32, u32)> =
-            nodes.into_par_iter().panic_fuse().flat_map_iter(|node| cut_edges(field, node)).collect();
-        let cuts: Vec<Vec3> = edges.par_iter().map(|&(a, b)| field.at(a, b, crossing(field, a, b))).collect();
+        let edges = parallel::flat_map(field.points.len(), |node| cut_edges(field, node as u32));
+        let cuts = parallel::map_each(&edges, |&(a, b)| field.at(a, b, crossing(field, a, b)));
         let points = [field.points.as_slice(), cuts.as_slice()].concat();
         Self { field, locator, edges, points }
     }
 
     /// All tetrahedra, layer by layer.
     pub(super) fn cells(self) -> TetMesh {
-        let layers: Vec<Cells> = (0..self.field.bcc.counts[2])
-            .into_par_iter()
-            .map(|k| {
-                let mut cells = Vec::new();
-                self.field.bcc.tetrahedra(k, |cell| self.resolve(cell, &mut cells));
-                cells
-            })
-            .collect();
+        let layers: Vec<Cells> = parallel::map(self.field.bcc.counts[2], |k| {
+            let mut cells = Vec::new();
+            self.field.bcc.tetrahedra(k, |cell| self.resolve(cell, &mut cells));
+            cells
+        });
         let (cells, owner) = layers.concat().into_iter().unzip();
         TetMesh { points: self.points, cells, owner }
     }

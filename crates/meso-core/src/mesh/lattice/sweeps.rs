@@ -16,8 +16,8 @@ use super::surface::{Surface, volume_deficits};
 use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::tet::{Incidence, Star, TetMesh};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Rounds of sliding and smoothing.
 const ROUNDS: usize = 5;
@@ -94,7 +94,7 @@ impl Sweeps {
                     self.patches.nodes[patch as usize].iter().for_each(|&node| step(&mut turn, node));
                     turn.done
                 };
-                self.patches.colours[colour].par_iter().panic_fuse().map(of_patch).collect()
+                parallel::map_each(&self.patches.colours[colour], of_patch)
             };
             for (&patch, done) in self.patches.colours[colour].iter().zip(done) {
                 for ((&node, point), waiting) in

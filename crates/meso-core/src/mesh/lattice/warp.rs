@@ -8,8 +8,8 @@ use super::boundary::BoundarySurface;
 use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::mesh::cells::NO_BODY;
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// "In no body", as a label, and an empty entry in a node's list of surfaces.
 pub(super) const MORTAR: u32 = NO_BODY;
@@ -52,8 +52,7 @@ enum Change {
 
 impl<'a> Field<'a> {
     pub(super) fn new(bcc: &'a Bcc, bodies: &'a [Facets], boundary: Option<&'a BoundarySurface>) -> Self {
-        let nodes = 0..bcc.nodes() as u32;
-        let points: Vec<Vec3> = nodes.into_par_iter().map(|node| bcc.position(node)).collect();
+        let points = parallel::map(bcc.nodes(), |node| bcc.position(node as u32));
         let mut label =
             labels(bodies, PointGrid { origin: points[0], spacing: bcc.spacing, counts: bcc.counts.map(|c| c + 1) });
         label.extend(labels(
@@ -61,8 +60,8 @@ impl<'a> Field<'a> {
             PointGrid { origin: points[bcc.corners()], spacing: bcc.spacing, counts: bcc.counts },
         ));
         if let Some(boundary) = boundary {
-            label.par_iter_mut().zip(&points).for_each(|(label, point)| {
-                if *label == MORTAR && !boundary.contains(point) {
+            parallel::each_mut(&mut label, |node, label| {
+                if *label == MORTAR && !boundary.contains(&points[node]) {
                     *label = OUTSIDE;
                 }
             });
@@ -86,8 +85,7 @@ impl<'a> Field<'a> {
         let moves = self.each_node(|node| self.first_move(node, |a, b| a != OUTSIDE && b != OUTSIDE));
         touched.extend(self.apply(moves));
         for _ in 0..ROUNDS {
-            let changes: Vec<Change> =
-                touched.par_iter().panic_fuse().flat_map_iter(|&node| self.second_look(node)).collect();
+            let changes = parallel::flat_map(touched.len(), |i| self.second_look(touched[i]));
             touched = self.apply(changes);
             if touched.is_empty() {
                 break;
@@ -135,8 +133,8 @@ impl<'a> Field<'a> {
     }
 
     /// The changes of all nodes, in their order.
-    fn each_node(&self, change: impl Fn(u32) -> Option<Change> + Send + Sync) -> Vec<Change> {
-        (0..self.points.len() as u32).into_par_iter().panic_fuse().filter_map(change).collect()
+    fn each_node(&self, change: impl Fn(u32) -> Option<Change> + Sync) -> Vec<Change> {
+        parallel::flat_map(self.points.len(), |node| change(node as u32))
     }
 
     /// The nearest crossing of the node's edges between labels that count, measured against each edge's alpha.
@@ -235,6 +233,6 @@ impl<'a> Field<'a> {
 fn labels(bodies: &[Facets], grid: PointGrid) -> Vec<u32> {
     let scan = Scan::new(grid, bodies);
     let mut labels = vec![Label::MORTAR; grid.counts.iter().product()];
-    labels.par_chunks_mut(grid.layer_len()).enumerate().for_each(|(k, layer)| scan.label_layer(k, layer));
-    labels.into_par_iter().map(|label| label.body().unwrap_or(MORTAR)).collect()
+    parallel::chunks_mut(&mut labels, grid.layer_len(), |k, layer| scan.label_layer(k, layer));
+    parallel::map_in_runs(labels.len(), |node| labels[node].body().unwrap_or(MORTAR))
 }

@@ -23,8 +23,8 @@ use crate::mesh::tet::{
     Constraint, Improver, Incidence, Star, TetMesh, ascending, cos2_of, directions, improve as improve_cells,
     min_dihedral_cos2, smoothed, volume,
 };
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Rounds of smoothing and collapsing rails.
 const ROUNDS: usize = 5;
@@ -124,7 +124,7 @@ impl Improver for Smoothing<'_> {
 
 impl Smoothing<'_> {
     fn poor(&self, cells: &[u32]) -> Vec<u32> {
-        cells.par_iter().copied().panic_fuse().filter(|&cell| self.is_poor(cell)).collect()
+        parallel::pick(cells, |&cell| self.is_poor(cell))
     }
 
     /// The best position around a node, with its images; `None` where it is there already, or none of their cells is poor.
@@ -203,12 +203,12 @@ fn balance(layered: &mut Layered, movable: &Movable, loose: &[bool], exact: f64)
 
 /// The volume of the layers with the nodes at `points`, mm3; the same on any number of threads.
 fn layer_volume(mesh: &TetMesh, phase: &[Phase], points: &[Vec3]) -> f64 {
-    let of_run = |(cells, phases): (&[[u32; 4]], &[Phase])| -> f64 {
-        let itz = cells.iter().zip(phases).filter(|(cell, phase)| **phase == Phase::Itz && cell[0] != u32::MAX);
+    let of_run = |(cells, phases): &(&[[u32; 4]], &[Phase])| -> f64 {
+        let itz = cells.iter().zip(*phases).filter(|(cell, phase)| **phase == Phase::Itz && cell[0] != u32::MAX);
         itz.map(|(cell, _)| volume(cell.map(|node| points[node as usize]))).sum()
     };
-    let runs: Vec<f64> = mesh.cells.par_chunks(RUN).zip(phase.par_chunks(RUN)).map(of_run).collect();
-    runs.into_iter().sum()
+    let runs: Vec<_> = mesh.cells.chunks(RUN).zip(phase.chunks(RUN)).collect();
+    parallel::map_each(&runs, of_run).into_iter().sum()
 }
 
 /// Cells with a smaller dihedral angle are poor, degrees.

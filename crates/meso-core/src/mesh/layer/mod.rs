@@ -19,12 +19,12 @@ use super::cells::NO_BODY;
 use super::interface::{self, Owners, separate};
 use crate::aggregate::Aggregate;
 use crate::math::Aabb;
+use crate::parallel;
 pub(super) use improve::improve;
 use offset::RadialOffsets;
 use periodic::{Bodies, Ties};
 pub(super) use prisms::Layered;
 use prisms::{Layer, LayerCell, append, prism, settle, untangle};
-use rayon::prelude::*;
 
 /// Splits a layer of `thickness(body)` mm off the inside of every body.
 ///
@@ -43,8 +43,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let mut ties = Ties::new(mesh, *periodic, &bodies, &owner, copies.first());
     ties.align(&mut mesh.points);
     let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut ties, *periodic);
-    let layer: Vec<LayerCell> =
-        faces.par_iter().panic_fuse().flat_map_iter(|face| prism(mesh, face, &copies, &ties)).collect();
+    let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &ties));
     let mut on_rays = offsets.targets(&mesh.points, &owner, &ties);
     offset::turn(mesh, &faces, &copies, &offsets, &ties, &mut on_rays);
     let mut targets = on_rays.clone();
@@ -54,11 +53,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let back = settle(mesh, &targets, &layer, &ties);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
     let (short_nodes, pinched_nodes) = (count(&|copy| back.is_short(copy)), count(&|copy| back.is_pinched(copy)));
-    mesh.points
-        .par_iter_mut()
-        .zip(&targets)
-        .enumerate()
-        .for_each(|(node, (p, to))| *p = back.position(node as u32, p, to));
+    parallel::each_mut_in_runs(&mut mesh.points, |node, p| *p = back.position(node as u32, p, &targets[node]));
     let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !back.is_pinched(*copy));
     let loose = kept.map(|copy| loose.binary_search(&ties.lead(copy)).is_ok()).collect();
     let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));
@@ -68,12 +63,11 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
 
 /// The exact volume of all layers, mm3, those of a body and its images once.
 fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
-    let shell = |body: u32| {
+    let shell = |&body: &u32| {
         let whole = &bodies.get(body).body;
         let core = whole.inward_offset(thickness(body)).ok()?.map_or(0.0, |core| core.volume());
         Some(whole.volume() - core)
     };
     let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
-    let shells = ones.into_par_iter().map(shell).collect::<Option<Vec<f64>>>()?;
-    Some(shells.into_iter().sum())
+    parallel::map_each(&ones, shell).into_iter().sum()
 }

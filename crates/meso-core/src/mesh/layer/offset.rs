@@ -21,8 +21,8 @@ use crate::math::{Aabb, Mat3, Vec3};
 use crate::mesh::cells::NO_BODY;
 use crate::mesh::interface::{Copies, InterfaceFace};
 use crate::mesh::tet::TetMesh;
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 
 /// A layer takes at most this share of the depth of an aggregate's centre below its surface.
@@ -103,7 +103,7 @@ impl RadialOffsets {
             let offset = RadialOffset::new(bodies.get(body), thickness(body), flat, ties.faces.walls(), periodic)?;
             Some(((body, flat), offset))
         };
-        let offsets = Self(wanted.par_iter().panic_fuse().filter_map(offset).collect());
+        let offsets = Self(parallel::flat_map(wanted.len(), |i| offset(&wanted[i])).into_iter().collect());
         for (node, &body) in (0..).zip(owner) {
             if ties.flat(node) != Flat::SPACE && offsets.get(body, ties.flat(node)).is_none() {
                 ties.pin(node);
@@ -131,7 +131,7 @@ impl RadialOffsets {
             Some(radial) if !ties.is_pinned(node) => radial.across.hold_off(x, &radial.apply(x), ties.faces.walls()),
             _ => *x,
         };
-        let mut targets: Vec<Vec3> = points.par_iter().enumerate().map(|(node, x)| target(node as u32, x)).collect();
+        let mut targets = parallel::map(points.len(), |node| target(node as u32, &points[node]));
         ties.spread(&mut targets);
         targets
     }
@@ -243,7 +243,7 @@ pub(super) fn project(
         let radial = offsets.get(body, flat)?;
         Some((copy, on_own_faces(radial, flat, &mesh.points[node as usize], &targets[copy as usize])))
     };
-    let projected: Vec<(u32, Option<Vec3>)> = all.par_iter().panic_fuse().filter_map(projected).collect();
+    let projected = parallel::flat_map(all.len(), |i| projected(&all[i]));
     let mut loose = Vec::new();
     for (copy, projection) in projected {
         match projection {

@@ -16,6 +16,7 @@ use crate::math::Vec3;
 use crate::mesh::cells::Phase;
 use crate::mesh::interface::{Copies, InterfaceFace};
 use crate::mesh::tet::{TetMesh, volume};
+use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
 
@@ -69,7 +70,7 @@ pub(super) fn append(layered: &mut Layered, layer: &[LayerCell], copies: &Copies
         }
     }
     mesh.points.truncate(next as usize);
-    mesh.cells.par_iter_mut().flatten().for_each(|node| *node = number[*node as usize]);
+    parallel::each_mut_in_runs(mesh.cells.as_flattened_mut(), |_, node| *node = number[*node as usize]);
     rails
 }
 
@@ -149,16 +150,20 @@ fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &mut [Vec
 /// Leads of the nodes of bad cells with the displacement that each should get; of the cells that have a `stirred` node.
 fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
     let now = |nodes: [u32; 4]| nodes.map(|node| images[node as usize]);
-    let near = |nodes: &[u32]| nodes.iter().any(|&node| stirred[node as usize]);
+    let near = |nodes: &[u32; 4]| nodes.iter().any(|&node| stirred[node as usize]);
     let core = |nodes: &[u32; 4]| (*nodes, least_of_core(mesh.corners(*nodes), now(*nodes)));
     let layer_cell = |cell: &LayerCell| (cell.nodes, least_of_layer(cell, cell.rail.map(|node| images[node as usize])));
-    let all = mesh.cells.par_iter().filter(|cell| near(*cell)).map(core);
-    let all = all.chain(layer.par_iter().filter(|cell| near(&cell.nodes)).map(layer_cell));
-    let bad = all.filter(|(nodes, least)| volume(now(*nodes)) <= *least);
+    let is_bad = |(nodes, least): &([u32; 4], f64)| volume(now(*nodes)) <= *least;
+    let bad_core = |cell: &[u32; 4]| near(cell).then(|| core(cell)).filter(is_bad);
+    let bad_layer_cell = |cell: &LayerCell| near(&cell.nodes).then(|| layer_cell(cell)).filter(is_bad);
+    let mut bad = parallel::flat_map(mesh.cells.len(), |cell| bad_core(&mesh.cells[cell]));
+    bad.extend(parallel::flat_map(layer.len(), |cell| bad_layer_cell(&layer[cell])));
     let free = |node: u32| images[node as usize] != mesh.points[node as usize];
     let led = |(node, step): (u32, Vec3)| (ties.lead(node), step);
-    bad.flat_map_iter(|(nodes, least)| least_moves(nodes, now(nodes), AIM * least, free, ties).into_iter().map(led))
-        .collect()
+    parallel::flat_map(bad.len(), |cell| {
+        let (nodes, least) = bad[cell];
+        least_moves(nodes, now(nodes), AIM * least, free, ties).into_iter().map(led)
+    })
 }
 
 /// The least moves of the nodes that are `free` which together give the cell the volume `aim`, mm3, to first order.
@@ -212,23 +217,22 @@ impl StepsBack {
 pub(super) fn settle(mesh: &TetMesh, images: &[Vec3], layer: &[LayerCell], ties: &Ties) -> StepsBack {
     let start = |node: u32| if ties.is_pinned(node) { STEPS } else { 0 };
     let mut back = StepsBack((0..images.len() as u32).map(start).collect());
-    let moving = |cell: &&[u32; 4]| cell.iter().any(|&node| images[node as usize] != mesh.points[node as usize]);
+    let moving = |cell: &[u32; 4]| cell.iter().any(|&node| images[node as usize] != mesh.points[node as usize]);
     loop {
         let position = |node: u32| back.position(node, &mesh.points[node as usize], &images[node as usize]);
-        let worse = |cell: &&[u32; 4]| {
-            let (before, now) = (mesh.corners(**cell), cell.map(&position));
+        let worse = |cell: &[u32; 4]| {
+            let (before, now) = (mesh.corners(*cell), cell.map(&position));
             let fine = volume(now) > least_of_core(before, now);
             !fine
         };
-        let fallen = |cell: &&LayerCell| {
+        let fallen = |cell: &LayerCell| {
             let least = least_of_layer(cell, cell.rail.map(position));
             let fine = back.is_pinched(cell.rail[0]) || volume(cell.nodes.map(position)) > least;
             !fine
         };
-        let cells = mesh.cells.par_iter().filter(moving).filter(worse).flatten().copied();
-        let mut bad: Vec<u32> = cells.collect();
-        bad.par_extend(layer.par_iter().filter(fallen).flat_map_iter(|cell| cell.nodes));
-        bad.par_iter_mut().for_each(|node| *node = ties.lead(*node));
+        let mut bad = parallel::pick(&mesh.cells, |cell| moving(cell) && worse(cell)).into_flattened();
+        bad.extend(parallel::pick(layer, fallen).iter().flat_map(|cell| cell.nodes));
+        bad.iter_mut().for_each(|node| *node = ties.lead(*node));
         bad.par_sort_unstable();
         bad.dedup();
         bad.retain(|&node| images[node as usize] != mesh.points[node as usize] && !back.is_pinched(node));

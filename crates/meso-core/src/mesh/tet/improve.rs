@@ -3,6 +3,7 @@
 
 use super::tetrahedra::{TetMesh, min_dihedral_cos2};
 use crate::math::Vec3;
+use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
 
@@ -142,7 +143,8 @@ pub(in crate::mesh) trait Improver: Sync {
 /// ties.
 pub(in crate::mesh) fn improve(improver: &mut impl Improver, mut suspects: Vec<u32>, rounds: usize) -> Vec<u32> {
     for _ in 0..rounds {
-        let poor: Vec<u32> = suspects.into_par_iter().panic_fuse().filter(|&cell| improver.is_poor(cell)).collect();
+        let poor = parallel::pick(&suspects, |&cell| improver.is_poor(cell));
+        drop(suspects);
         if poor.is_empty() {
             return poor;
         }

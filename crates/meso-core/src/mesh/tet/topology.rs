@@ -3,7 +3,7 @@
 use super::tetrahedra::TetMesh;
 use super::tetrahedra::{min_dihedral_cos2, shortest_altitude};
 use crate::math::Vec3;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Stands for a node that is not there yet.
 pub(in crate::mesh) const NEW: u32 = u32::MAX;
@@ -71,7 +71,7 @@ impl<'a> Topology<'a> {
 
     /// The cells that are worse than `limit`, ascending.
     pub(in crate::mesh) fn worse(&self, limit: f64) -> Vec<u32> {
-        self.mesh.numbers().into_par_iter().filter(|&cell| self.is_worse(cell, limit)).collect()
+        parallel::filter(self.mesh.cells.len(), |cell| self.is_worse(cell as u32, limit))
     }
 
     /// The [`min_dihedral_cos2`] of the worst of `cells`.
