@@ -69,6 +69,20 @@ fn changed<T: Send>(items: &mut [T], size: usize, of: &(dyn Fn(usize, &mut [T]) 
     items.par_chunks_mut(size).enumerate().panic_fuse().for_each(|(i, run)| of(i, run));
 }
 
+/// Short items that are called for together.
+const RUN: usize = 1 << 10;
+
+/// As [`map`], in runs: for items that take less time than a call through a pointer.
+pub(crate) fn map_in_runs<T: Copy + Default + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut items = vec![T::default(); count];
+    chunks_mut(&mut items, RUN, |run, items| {
+        for (i, item) in (run * RUN..).zip(items) {
+            *item = of(i);
+        }
+    });
+    items
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,6 +91,7 @@ mod tests {
     fn every_loop_keeps_the_order_of_its_items() {
         let numbers: Vec<usize> = (0..10_000).collect();
         assert_eq!(map(10_000, |i| i), numbers);
+        assert_eq!(map_in_runs(10_000, |i| i), numbers);
         assert_eq!(map_each(&numbers, |i| i + 1), (1..10_001).collect::<Vec<_>>());
         assert_eq!(flat_map(10_000, |i| [i, i]), numbers.iter().flat_map(|&i| [i, i]).collect::<Vec<_>>());
         assert_eq!(filter(10_000, |i| i % 3 == 0), (0..10_000).step_by(3).collect::<Vec<u32>>());
