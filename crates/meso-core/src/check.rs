@@ -15,9 +15,9 @@ use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
 use crate::packing::Container;
+use crate::parallel;
 use crate::stop;
 use pairs::Placed;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt;
@@ -167,11 +167,10 @@ impl Check {
         progress(0.1);
         let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
         progress(0.4);
-        findings.par_extend(bodies.par_iter().panic_fuse().flat_map_iter(|body| single(model, &*container, body)));
+        findings.extend(parallel::flat_map(bodies.len(), |number| single(model, &*container, &bodies[number])));
         progress(0.7);
-        // Summed in the order of the aggregates, whatever the threads.
-        let volumes: Vec<f64> = model.aggregates.par_iter().map(|a| a.body.volume()).collect();
-        let fraction = volumes.iter().sum::<f64>() / container.volume();
+        let volumes = model.aggregates.iter().map(|aggregate| aggregate.body.volume());
+        let fraction = volumes.sum::<f64>() / container.volume();
         let (taken, not_taken) = taken::check(model, &bodies);
         findings.extend(not_taken);
         findings.extend(report::check(model, taken.as_ref()));

@@ -7,8 +7,8 @@ use crate::aggregate::Aggregate;
 use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::{NO_BODY, Phase};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// A convex body by its face planes.
@@ -30,7 +30,7 @@ impl Facets {
             let planes = a.body.planes().collect();
             Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, shell: shell(a) }
         };
-        aggregates.par_iter().panic_fuse().map(facets).collect()
+        parallel::map_each(aggregates, facets)
     }
 
     /// Distance to the farthest face plane ahead, mm: negative inside, where its size is the depth below the surface.

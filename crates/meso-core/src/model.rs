@@ -5,9 +5,9 @@ use crate::aggregate::take::{Recipe, take};
 use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::HullError;
 use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Stage, Strategy, Tally, Target};
+use crate::parallel;
 use crate::spec::{Spec, SpecError};
 use crate::stop;
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -132,11 +132,11 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     order.sort_unstable_by_key(|&number| (grains[number as usize].class, grains[number as usize].index));
     arrange(&mut grains, &order);
     arrange(&mut poses, &order);
-    let settle = |((grain, pose), &id): ((Grain, &Option<Pose>), &u32)| -> Result<Aggregate, SpecError> {
+    let settle = |grain: &Grain, pose: &Option<Pose>, id: u32| -> Result<Aggregate, SpecError> {
         stop::point();
         let pose = pose.as_ref().expect("those without a pose are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
-        let Grain { kind, class, itz_thickness_mm, .. } = grain;
+        let &Grain { kind, class, itz_thickness_mm, .. } = grain;
         Ok(Aggregate { id, kind, class, itz_thickness_mm, body })
     };
     // From the last on, so that these lists shrink as the list of aggregates grows.
@@ -146,9 +146,8 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
         let (several, theirs) = (grains.split_off(first), poses.split_off(first));
         grains.shrink_to_fit();
         poses.shrink_to_fit();
-        let several = several.into_par_iter().zip(&theirs).zip(&order[first..first + theirs.len()]);
-        let settled: Vec<_> = several.map(settle).collect::<Result<_, SpecError>>()?;
-        aggregates.extend(settled);
+        let settle = |k: usize| settle(&several[k], &theirs[k], order[first + k]);
+        aggregates.extend(parallel::try_map(several.len(), settle)?);
     }
     aggregates.sort_unstable_by_key(|aggregate: &Aggregate| aggregate.id);
     let mut inclusions: Vec<Aggregate> = aggregates.extract_if(.., |body| body.kind != Kind::Aggregate).collect();

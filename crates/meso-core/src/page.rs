@@ -13,12 +13,12 @@ use crate::aggregate::{Aggregate, SizeDefinition};
 use crate::export::appearance::CLASSES;
 use crate::mesh::Mesh;
 use crate::model::Model;
+use crate::parallel;
 use crate::statistics::Statistics;
 #[doc(hidden)]
 pub use scene::{TURNTABLE, base64};
 
 use plot::{Curve, Plot};
-use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 
 /// Writes the page to `out`, with a section through `mesh` where there is one.
@@ -145,7 +145,7 @@ const CURVE_POINTS: usize = 60;
 /// The volume that passes square openings of a size, over the volume asked for.
 fn sieve_curve(model: &Model) -> Vec<(f64, f64)> {
     let sieved = |aggregate: &Aggregate| (aggregate.body.sieve_size(), aggregate.body.volume());
-    let mut grains: Vec<(f64, f64)> = model.aggregates.par_iter().map(sieved).collect();
+    let mut grains: Vec<(f64, f64)> = parallel::map_each(&model.aggregates, sieved);
     grains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let asked = model.report.target_fraction * model.report.specimen.volume_mm3;
     let step = grains.len().div_ceil(CURVE_POINTS).max(1);

@@ -20,7 +20,7 @@ use crate::geometry::{Face, Polyhedron};
 use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{Report, Seconds};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 
@@ -98,7 +98,12 @@ fn in_chunks<T: Sync>(
     size: usize,
     make: impl Fn(&[T]) -> io::Result<Vec<u8>> + Sync,
 ) -> io::Result<Vec<Vec<u8>>> {
-    if threads() > 1 { values.par_chunks(size).map(&make).collect() } else { values.chunks(size).map(make).collect() }
+    let chunks: Vec<&[T]> = values.chunks(size).collect();
+    if threads() > 1 {
+        parallel::try_map(chunks.len(), |i| make(chunks[i]))
+    } else {
+        chunks.into_iter().map(make).collect()
+    }
 }
 
 fn entry(out: &mut impl Write, key: &str, value: &(impl Serialize + ?Sized)) -> io::Result<()> {

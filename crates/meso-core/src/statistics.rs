@@ -21,10 +21,10 @@ use crate::aggregate::Aggregate;
 use crate::gjk::GjkError;
 use crate::model::Model;
 use crate::packing::{ClassReport, Container, images_near};
+use crate::parallel;
 use crate::spec::SpecError;
 use crate::stop;
 use index::Index;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// How much is sampled, and how finely it is resolved.
@@ -170,11 +170,11 @@ struct Sample<'a> {
 
 /// The sum in list order of figures computed in parallel.
 fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sync + Send) -> f64 {
-    let figure = |aggregate| {
+    let figure = |aggregate: &Aggregate| {
         stop::point();
         figure(aggregate)
     };
-    aggregates.par_iter().panic_fuse().map(figure).collect::<Vec<_>>().iter().sum()
+    parallel::map_each(aggregates, figure).iter().sum()
 }
 
 /// Joins the figures of numbered batches in their order; only a bounded number is held at a time.
@@ -182,11 +182,10 @@ fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut
     const HELD: u32 = 512;
     for first in (0..batches).step_by(HELD as usize) {
         let last = batches.min(first.saturating_add(HELD));
-        let figures = |batch| {
+        let held = parallel::map((last - first) as usize, |k| {
             stop::point();
-            figures(batch)
-        };
-        let held: Vec<T> = (first..last).into_par_iter().panic_fuse().map(figures).collect();
+            figures(first + k as u32)
+        });
         held.into_iter().for_each(&mut join);
     }
 }

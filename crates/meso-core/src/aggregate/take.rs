@@ -5,8 +5,8 @@ use super::inclusions::{self, Inclusions};
 use super::random::{Purpose, Stream};
 use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
 use crate::geometry::{HullError, convex_hull};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
 pub(crate) const ITZ_LIMIT: f64 = 0.5;
@@ -74,8 +74,7 @@ fn fill(
         // With no grain yet this is NaN, and NaN.min(CHUNK) is CHUNK.
         let expected = (target - volume) / volume * f64::from(made);
         let count = CHUNK.min((expected.min(f64::from(CHUNK)) as u32).saturating_add(SPARE));
-        let chunk: Vec<Grain> =
-            (made..made + count).into_par_iter().panic_fuse().map(&make).collect::<Result<_, _>>()?;
+        let chunk = parallel::try_map(count as usize, |k| make(made + k as u32))?;
         for grain in chunk {
             // The last grain is included when that brings the class nearer to its target.
             if volume + grain.volume() / 2.0 >= target {

@@ -3,8 +3,8 @@
 use super::Finding;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// A body or an image of one, by the number of the body.
@@ -20,10 +20,9 @@ pub(super) struct Placed<'a> {
 pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Finding>) {
     // A little more than half the gap each, to cover rounding.
     let margin = gap / 2.0 * (1.0 + 1e-9);
-    let boxes: Vec<Aabb> = all.par_iter().map(|it| Aabb::around(&*it.vertices).grown(margin)).collect();
+    let boxes: Vec<Aabb> = parallel::map_each(all, |it| Aabb::around(&*it.vertices).grown(margin));
     let buckets = Buckets::new(&boxes);
-    let answers: Vec<(u64, Vec<Finding>)> =
-        (0..bodies).into_par_iter().panic_fuse().map(|a| check_one(a, all, &boxes, &buckets, gap)).collect();
+    let answers = parallel::map(bodies, |a| check_one(a, all, &boxes, &buckets, gap));
     let tested = answers.iter().map(|answer| answer.0).sum();
     (tested, answers.into_iter().flat_map(|answer| answer.1).collect())
 }

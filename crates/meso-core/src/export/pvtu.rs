@@ -4,6 +4,7 @@
 
 use super::vtu_mesh;
 use crate::mesh::Mesh;
+use crate::parallel;
 use rayon::prelude::*;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -33,7 +34,7 @@ fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
     let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
     let points = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
     let (phase, aggregate) = (mesh.phase[range.clone()].to_vec(), mesh.aggregate[range].to_vec());
-    Mesh::of(mesh.kind, points, cells.par_iter().map(number).collect(), phase, aggregate)
+    Mesh::of(mesh.kind, points, parallel::map_each(cells, number), phase, aggregate)
 }
 
 /// Writes the index of the pieces of `mesh`, which are the files `names` beside it.

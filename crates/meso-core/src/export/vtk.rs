@@ -4,9 +4,9 @@
 //! unpadded and in the order of the arrays, and one line break after the last. Raw arrays are streamed; compressed
 //! ones are built before the first byte is written, because the declarations state where each begins.
 
+use crate::parallel;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
-use rayon::prelude::*;
 use std::io::{self, BufWriter, Write};
 
 /// How the arrays' bytes are stored.
@@ -84,7 +84,8 @@ impl<'a> Array<'a> {
     fn compressed(&self) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::with_capacity(self.bytes);
         (self.fill)(&mut bytes)?;
-        let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(deflate).collect::<io::Result<_>>()?;
+        let blocks: Vec<&[u8]> = bytes.chunks(BLOCK).collect();
+        let blocks = parallel::try_map(blocks.len(), |i| deflate(blocks[i]))?;
         let head = [blocks.len(), BLOCK, bytes.len() % BLOCK];
         let sizes = head.into_iter().chain(blocks.iter().map(Vec::len));
         let mut out: Vec<u8> = sizes.flat_map(|size| (size as u64).to_le_bytes()).collect();

@@ -8,7 +8,7 @@ use super::{Period, Specimen};
 use crate::aggregate::Aggregate;
 use crate::aggregate::grain::snap;
 use crate::math::Vec3;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Corners keep this share of the gap that outermost points keep: there are ten times as many.
 const CORNER_SHARE: f64 = 0.02;
@@ -24,7 +24,7 @@ pub(crate) fn keep_off_faces(bodies: &mut [&mut Aggregate], specimen: &Specimen,
     let positions = [0, 1, 2].map(position);
     let shift = -snap(&Vec3::from(positions));
     if shift != Vec3::zeros() {
-        bodies.par_iter_mut().for_each(|body| body.body = body.body.translated(&wrapped(body, &shift, &period)));
+        parallel::each_mut(bodies, |_, body| body.body = body.body.translated(&wrapped(body, &shift, &period)));
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Period, Specimen};
 use crate::aggregate::Aggregate;
 use crate::geometry::clipped;
 use crate::math::{Aabb, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::{Deserialize, Serialize};
 
 /// How aggregates that cross a face of a periodic specimen are written.
@@ -27,7 +27,7 @@ impl Images {
         if self == Self::None || period.is_none() {
             return aggregates.to_vec();
         }
-        aggregates.par_iter().map(|aggregate| self.of_one(aggregate, &period, &domain)).collect::<Vec<_>>().concat()
+        parallel::flat_map(aggregates.len(), |number| self.of_one(&aggregates[number], &period, &domain))
     }
 
     fn of_one(self, aggregate: &Aggregate, period: &Period, domain: &Aabb) -> Vec<Aggregate> {
@@ -58,6 +58,6 @@ pub(crate) fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -
         let shifts = period.shifts(&aggregate.body.aabb(), &domain).into_iter().filter(|shift| *shift != Vec3::zeros());
         shifts.map(|shift| Aggregate { body: aggregate.body.translated(&shift), ..aggregate.clone() }).collect()
     };
-    let images = aggregates.par_iter().map(images).collect::<Vec<_>>().concat();
-    [aggregates, &images].concat()
+    let images = parallel::flat_map(aggregates.len(), |number| images(&aggregates[number]));
+    aggregates.iter().cloned().chain(images).collect()
 }

@@ -6,8 +6,8 @@ use crate::aggregate::Aggregate;
 use crate::gjk::{self, GjkError};
 use crate::math::{Aabb, Vec3};
 use crate::model::Model;
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. In a periodic specimen
 /// images count as others, an aggregate's own among them.
@@ -36,7 +36,7 @@ fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Ve
     if aggregates.len() < 2 {
         return Ok(vec![f64::INFINITY; count]);
     }
-    (0..count as u32).into_par_iter().panic_fuse().map(|a| nearest(aggregates, index, a)).collect()
+    parallel::try_map(count, |a| nearest(aggregates, index, a as u32))
 }
 
 /// Looks into a growing box around the aggregate until the nearest found is nearer than the box reaches.

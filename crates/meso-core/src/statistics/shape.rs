@@ -7,7 +7,7 @@ use super::Distribution;
 use crate::aggregate::Aggregate;
 use crate::geometry::principal_axes;
 use crate::math::{Mat3, Vec3};
-use rayon::prelude::*;
+use crate::parallel;
 use serde::{Deserialize, Serialize};
 
 /// Shape of all aggregates, each counted once.
@@ -59,7 +59,7 @@ struct Measured {
 
 impl Shapes {
     pub(super) fn of(aggregates: &[Aggregate]) -> Self {
-        let all: Vec<Measured> = aggregates.par_iter().map(measure).collect();
+        let all = parallel::map_each(aggregates, measure);
         let distribution = |figure: &dyn Fn(&Measured) -> f64| Distribution::of(all.iter().map(figure));
         Self {
             length_mm: distribution(&|m| m.extents[0]),
@@ -106,7 +106,7 @@ impl Orientation {
     pub(super) fn of(aggregates: &[Aggregate]) -> Self {
         let longest =
             |a: &Aggregate| -> Vec3 { principal_axes(&a.body.mass_properties().inertia).column(0).into_owned() };
-        let axes: Vec<Vec3> = aggregates.par_iter().map(longest).collect();
+        let axes = parallel::map_each(aggregates, longest);
         let mean = axes.iter().map(|a| a * a.transpose()).sum::<Mat3>() / axes.len().max(1) as f64;
         let basis = principal_axes(&mean);
         let eigenvalue = |k: usize| basis.column(k).dot(&(mean * basis.column(k)));

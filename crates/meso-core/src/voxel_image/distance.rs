@@ -7,8 +7,8 @@ use crate::aggregate::Aggregate;
 use crate::geometry::{BoxTree, ConvexSurface};
 use crate::location::{Label, PointGrid, Scan};
 use crate::math::{Aabb, Vec3};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Voxels along the side of a tile. Larger ones ask more bodies for each voxel, smaller ones the tree more often.
@@ -27,7 +27,7 @@ impl Surfaces {
     pub(super) fn new(aggregates: &[Aggregate]) -> Self {
         let boxes: Vec<Aabb> = aggregates.iter().map(|aggregate| aggregate.body.aabb()).collect();
         Self {
-            bodies: aggregates.par_iter().map(|aggregate| ConvexSurface::new(&aggregate.body)).collect(),
+            bodies: parallel::map_each(aggregates, |aggregate| ConvexSurface::new(&aggregate.body)),
             tree: BoxTree::new(&boxes),
             boxes,
         }

@@ -22,9 +22,9 @@ use crate::math::{Aabb, Vec3};
 use crate::mesh::Phase;
 use crate::model::Model;
 use crate::packing::{Container, images_near};
+use crate::parallel;
 use crate::spec::SpecError;
 use distance::Surfaces;
-use rayon::prelude::*;
 use share::Shares;
 use std::ops::Range;
 use std::sync::Arc;
@@ -171,7 +171,7 @@ impl VoxelImage {
     ) -> Vec<T> {
         let first = layers.start;
         let mut values = vec![blank; layers.len() * self.grid.layer_len()];
-        values.par_chunks_exact_mut(self.grid.layer_len()).enumerate().for_each(|(k, layer)| {
+        parallel::chunks_mut(&mut values, self.grid.layer_len(), |k, layer| {
             make(first + k, layer);
             if let Some(value) = outside {
                 outside::mark(&*self.container, &self.grid, first + k, layer, value);

@@ -10,8 +10,8 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::location::PointGrid;
 use crate::math::{Aabb, Vec3};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Convex bodies whose shares are added up, or subtracted.
@@ -33,7 +33,7 @@ const WHOLE: f64 = 1e-9;
 
 impl Shares {
     pub(super) fn new(grid: PointGrid, of: ShareOf, aggregates: &[Aggregate]) -> Self {
-        Self::of(grid, aggregates.par_iter().panic_fuse().flat_map_iter(|aggregate| parts(aggregate, of)).collect())
+        Self::of(grid, parallel::flat_map(aggregates.len(), |number| parts(&aggregates[number], of)))
     }
 
     fn of(grid: PointGrid, bodies: Vec<Body>) -> Self {

@@ -7,6 +7,7 @@ use super::walls::Walls;
 use crate::aggregate::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::{Period, Pose, Turn};
+use crate::parallel;
 use crate::stop;
 use nalgebra::{Quaternion, Vector3};
 use rayon::prelude::*;
@@ -146,8 +147,8 @@ impl<'a> Bodies<'a> {
         Self {
             grains,
             period,
-            fixed: poses.par_iter().map(|pose| Fixed::new(pose.0, grain(pose))).collect(),
-            state: poses.par_iter().map(|(_, pose)| State::at(pose)).collect(),
+            fixed: parallel::map_each(&poses, |pose| Fixed::new(pose.0, grain(pose))),
+            state: parallel::map_each(&poses, |(_, pose)| State::at(pose)),
             spans,
             axes: fibres::axes(poses.iter().map(grain)),
             turned: vec![0.0; end as usize],
@@ -204,6 +205,11 @@ impl<'a> Bodies<'a> {
         self.paths[body as usize]
     }
 
+    /// Such bounds for all bodies.
+    pub(super) fn paths(&self) -> &[f32] {
+        &self.paths
+    }
+
     /// How far the body may still move before its pairs must be searched again, mm.
     #[inline(always)]
     pub(super) fn margin(&self, body: u32) -> f32 {
@@ -212,8 +218,16 @@ impl<'a> Bodies<'a> {
 
     /// The bodies that may be near others that the list of pairs does not name.
     pub(super) fn beyond_limits(&self) -> Vec<u32> {
-        let bodies = (0..self.len() as u32).into_par_iter();
-        bodies.filter(|&body| self.margin(body) < 0.0).collect()
+        self.filter(|body| self.margin(body) < 0.0)
+    }
+
+    /// The bodies for which `keep` holds.
+    pub(super) fn filter(&self, keep: impl Fn(u32) -> bool + Sync) -> Vec<u32> {
+        let (count, keep) = (self.len(), &keep);
+        let kept = |chunk: usize| {
+            (chunk * CHUNK..count.min((chunk + 1) * CHUNK)).map(|body| body as u32).filter(|&body| keep(body))
+        };
+        parallel::flat_map(count.div_ceil(CHUNK), kept)
     }
 
     /// Limit for about `sweeps` sweeps at the body's speed, but at least `least` mm.
@@ -224,7 +238,7 @@ impl<'a> Bodies<'a> {
 
     /// Sets new limits for `bodies`.
     pub(super) fn go_on(&mut self, bodies: &[u32], sweeps: f32, least: f32) {
-        let limits: Vec<f32> = bodies.par_iter().map(|&body| self.limit(body, sweeps, least)).collect();
+        let limits = parallel::map_in_runs(bodies.len(), |k| self.limit(bodies[k], sweeps, least));
         bodies.iter().zip(limits).for_each(|(&body, limit)| self.limits[body as usize] = limit);
     }
 
@@ -269,17 +283,20 @@ impl<'a> Bodies<'a> {
     /// `bodies` with their centres, and with the images whose centres lie within `margin` mm of the box.
     pub(super) fn with_images(&self, bodies: &[u32], margin: f64) -> Vec<(u32, V)> {
         let narrow = |centre: Vec3| centre.map(|x| x as f32).into();
-        let placed = bodies.par_iter().map(|&body| (body, self.state[body as usize].centre));
+        let placed = |k: usize| (bodies[k], self.state[bodies[k] as usize].centre);
         if self.period.is_none() {
-            return placed.map(|(body, centre)| (body, narrow(centre))).collect();
+            return parallel::map_in_runs(bodies.len(), |k| {
+                let (body, centre) = placed(k);
+                (body, narrow(centre))
+            });
         }
         let box_size = Vec3::from_fn(|i, _| self.period.along(i).unwrap_or(0.0));
         let domain = Aabb { min: Vec3::repeat(-margin), max: box_size.add_scalar(margin) };
-        let images = placed.flat_map_iter(|(body, centre)| {
+        parallel::flat_map(bodies.len(), |k| {
+            let (body, centre) = placed(k);
             let shifts = self.period.shifts(&Aabb { min: centre, max: centre }, &domain);
             shifts.into_iter().map(move |shift| (body, narrow(centre + shift)))
-        });
-        images.collect()
+        })
     }
 
     /// Brings the centres back into a box that repeats itself.
@@ -317,7 +334,7 @@ impl Moving<'_> {
 }
 
 /// Bodies a thread moves at once.
-const CHUNK: usize = 256;
+pub(super) const CHUNK: usize = 256;
 
 /// Calls `each` with every body's number and moving state.
 fn moving(

@@ -1,8 +1,9 @@
 //! Cell list: bodies by the cell of their centre, in levels of size.
 
-use super::bodies::{Bodies, MOST_MARGIN, widened};
+use super::bodies::{Bodies, CHUNK, MOST_MARGIN, widened};
 use super::contact::{LANES, V};
 use crate::math::{Aabb, Vec3};
+use crate::parallel;
 use crate::simd::{Wide, widest};
 use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
@@ -43,13 +44,12 @@ const LEVEL_SPAN: f32 = 0.6;
 
 impl CellList {
     pub(super) fn new(bodies: &Bodies, want: f32) -> Self {
-        let all = || (0..bodies.len() as u32).into_par_iter();
-        let farthest = all().map(|body| far(bodies, body)).reduce(|| 0.0, f32::max);
+        let farthest = largest_of(bodies.len(), |body| far(bodies, body as u32));
         let mut levels = Vec::new();
         let mut below = f32::INFINITY;
         loop {
-            let radii = bodies.fixed.par_iter().map(|fixed| fixed.outer_radius).filter(|radius| *radius < below);
-            let largest = radii.reduce(|| 0.0, f32::max);
+            let radius = |body: usize| bodies.fixed[body].outer_radius;
+            let largest = largest_of(bodies.len(), |body| if radius(body) < below { radius(body) } else { 0.0 });
             if largest == 0.0 {
                 break;
             }
@@ -57,7 +57,7 @@ impl CellList {
             levels.push(Level::new(bodies, smallest..=largest, farthest + want));
             below = smallest;
         }
-        Self { levels, want, paths: all().map(|body| bodies.path(body)).collect() }
+        Self { levels, want, paths: bodies.paths().to_vec() }
     }
 
     /// True when a body has moved too far from its noted position.
@@ -133,9 +133,8 @@ impl Level {
     /// The bodies of these radii, with their images that a body in the box, which reaches so far, may come near.
     fn new(bodies: &Bodies, radii: RangeInclusive<f32>, reach: f32) -> Self {
         let largest = *radii.end();
-        let inside = |body: &u32| radii.contains(&bodies.fixed[*body as usize].outer_radius);
-        let members: Vec<u32> = (0..bodies.len() as u32).into_par_iter().filter(inside).collect();
-        let farthest = members.par_iter().map(|&body| far(bodies, body)).reduce(|| 0.0, f32::max);
+        let members = bodies.filter(|body| radii.contains(&bodies.fixed[body as usize].outer_radius));
+        let farthest = largest_of(members.len(), |k| far(bodies, members[k]));
         let margin = f64::from(reach + farthest) * 1.000_1;
         let placed: Vec<(u32, V)> = bodies.with_images(&members, margin);
         let mut aabb = Aabb::empty();
@@ -151,19 +150,17 @@ impl Level {
     /// Sorts the bodies by cell.
     fn fill(&mut self, bodies: &Bodies, placed: &[(u32, V)]) {
         let order = self.sort(placed);
-        // Padded, so that several can be read at the end.
-        let padding = || rayon::iter::repeat_n(0.0, LANES);
-        let placed = |item: &u32| &placed[*item as usize];
-        let coordinates = |axis: usize| order.par_iter().map(move |item| placed(item).1[axis]).chain(padding());
-        (self.x, self.y, self.z) = (coordinates(0).collect(), coordinates(1).collect(), coordinates(2).collect());
-        self.members = order.par_iter().map(|item| placed(item).0).collect();
-        self.radius = self.members.par_iter().map(|&body| far(bodies, body)).chain(padding()).collect();
+        let placed = |k: usize| &placed[order[k] as usize];
+        self.members = parallel::map_in_runs(order.len(), |k| placed(k).0);
+        let coordinates = |axis: usize| padded(order.len(), |k| placed(k).1[axis]);
+        (self.x, self.y, self.z) = (coordinates(0), coordinates(1), coordinates(2));
+        self.radius = padded(order.len(), |k| far(bodies, self.members[k]));
     }
 
     /// The numbers of the `placed` by cell; also sets where those of each cell start.
     fn sort(&mut self, placed: &[(u32, V)]) -> Vec<u32> {
         let key = |(_, centre): &(u32, V)| self.flat(self.cell_of(&widened(*centre)));
-        let keys: Vec<u32> = placed.par_iter().map(key).collect();
+        let keys = parallel::map_in_runs(placed.len(), |k| key(&placed[k]));
         self.starts = starts(self.counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = self.starts.clone();
         let mut order = vec![0; placed.len()];
@@ -236,6 +233,17 @@ impl Level {
     fn flat(&self, cell: [i64; 3]) -> u32 {
         ((cell[2] * self.counts[1] + cell[1]) * self.counts[0] + cell[0]) as u32
     }
+}
+
+/// `of(k)` for every number below `count`, and some zeros, so that several can be read at the end.
+fn padded(count: usize, of: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
+    parallel::map_in_runs(count + LANES, |k| if k < count { of(k) } else { 0.0 })
+}
+
+/// The largest `of(k)` of every number below `count`; 0 where none is larger.
+fn largest_of(count: usize, of: impl Fn(usize) -> f32 + Sync) -> f32 {
+    let largest = |chunk: usize| (chunk * CHUNK..count.min((chunk + 1) * CHUNK)).map(&of).fold(0.0, f32::max);
+    parallel::map(count.div_ceil(CHUNK), largest).into_iter().fold(0.0, f32::max)
 }
 
 /// Farthest reach of a body from its noted position, mm.

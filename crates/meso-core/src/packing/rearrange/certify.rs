@@ -7,8 +7,8 @@ use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
 use crate::packing::task::Task;
 use crate::packing::{Placement, Pose, Work};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// The final poses on the lattice, less the grains that are not proved inside and apart from all others.
 pub(super) struct Proved {
@@ -23,15 +23,15 @@ pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) 
     let settle = |pose: &Pose| Pose { centre: task.period.wrap(&snap(&pose.centre)), ..*pose };
     let mut there: Vec<(u32, Pose)> = reached.iter().map(|(grain, pose)| (*grain, settle(pose))).collect();
     there.sort_unstable_by_key(|&(grain, _)| grain);
-    let settled: Vec<Settled> = there
-        .par_iter()
-        .panic_fuse()
-        .map(|(grain, pose)| Settled::new(task, &task.request.grains[*grain as usize], pose))
-        .collect();
+    let settled = parallel::map(there.len(), |number| {
+        let (grain, pose) = &there[number];
+        Settled::new(task, &task.request.grains[*grain as usize], pose)
+    });
     let scene = Scene::new(task, &settled);
     let number = |grain: u32| there.partition_point(|body| body.0 < grain) as u32;
-    let near: Vec<u32> = reached.par_iter().map(|&(grain, _)| number(grain)).collect();
-    let looks: Vec<(Vec<Near>, Counters)> = near.par_chunks(CHUNK).map(|bodies| scene.unproved(bodies)).collect();
+    let near = parallel::map_each(reached, |&(grain, _)| number(grain));
+    let chunks: Vec<&[u32]> = near.chunks(CHUNK).collect();
+    let looks = parallel::map_each(&chunks, |bodies| scene.unproved(bodies));
     looks.iter().for_each(|look| work.add(&look.1));
     let mut kept: Vec<bool> = settled.iter().map(|body| body.inside).collect();
     leave_out_unproved(looks.iter().flat_map(|look| &look.0).map(|pair| (pair.other, pair.body)).collect(), &mut kept);

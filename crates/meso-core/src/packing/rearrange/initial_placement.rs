@@ -8,8 +8,8 @@ use crate::aggregate::random::{Purpose, Stream};
 use crate::math::{Aabb, Vec3};
 use crate::packing::task::Task;
 use crate::packing::{Pose, Stage, StopReason};
+use crate::parallel;
 use crate::stop;
-use rayon::prelude::*;
 
 /// Random positions tried per dropped grain.
 const LOOKS: usize = 12;
@@ -101,7 +101,7 @@ impl Ground<'_> {
             let centre = self.best_position(grain, &row);
             (number, row, centre)
         };
-        numbers.par_iter().panic_fuse().map(look).collect()
+        parallel::map_each(numbers, look)
     }
 
     fn best_position(&self, body: &Grain, row: &Row) -> Vec3 {

@@ -4,6 +4,7 @@ use super::bodies::{Bodies, Fixed};
 use super::cell_list::{CellList, starts};
 use super::contact::{V, add_scaled, cross};
 use super::contact_cache::{BLOCK, Block, Gaps, Look, Scratch, Touch};
+use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -86,7 +87,7 @@ impl NeighbourList {
 
     /// Lists the pairs of the bodies `gone` beyond their limits.
     fn add(&mut self, bodies: &Bodies, cells: &CellList, gone: &[u32], want: f32) {
-        let mut pairs: Vec<(u32, u32)> = gone.par_iter().flat_map_iter(|&body| cells.pairs(bodies, body)).collect();
+        let mut pairs = parallel::flat_map(gone.len(), |k| cells.pairs(bodies, gone[k]));
         pairs.par_sort_unstable();
         pairs.dedup();
         self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
@@ -104,12 +105,11 @@ impl NeighbourList {
         self.firsts = Vec::new();
         let Self { blocks, stretch, .. } = self;
         *stretch = bodies.div_ceil(STRETCHES).max(LEAST_STRETCH);
-        let ranges: Vec<Range<u32>> = blocks.par_iter().map(Block::seconds).collect();
-        let stretches = (0..bodies.div_ceil(*stretch)).into_par_iter().map(|number| {
+        let ranges = parallel::map_each(blocks, Block::seconds);
+        self.firsts = parallel::map(bodies.div_ceil(*stretch), |number| {
             let start = number * *stretch;
             Firsts::of(start as u32..(start + *stretch).min(bodies) as u32, blocks, &ranges)
         });
-        self.firsts = stretches.collect();
     }
 
     /// Brings every contact up to date.

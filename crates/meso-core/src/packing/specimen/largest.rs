@@ -4,7 +4,7 @@
 
 use crate::aggregate::Grain;
 use crate::math::{Aabb, Vec3, longest_distance};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// No body in the container exceeds any of these.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ pub(super) fn ball_radius(aabb: &Aabb, depth: impl Fn(&Vec3) -> f64 + Sync) -> f
     let (mut largest, mut looks) = (0.0, 0);
     while !cubes.is_empty() {
         looks += cubes.len();
-        let depths: Vec<f64> = cubes.par_iter().map(&depth).collect();
+        let depths = parallel::map_each(&cubes, &depth);
         largest = depths.iter().copied().fold(largest, f64::max);
         // The depth of no point of a cube is more than its middle's by more than this.
         let farthest = half * 3f64.sqrt();

@@ -10,6 +10,7 @@ use super::largest::{self, Largest};
 use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
+use crate::parallel;
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
@@ -145,8 +146,8 @@ impl Container for Triangulated {
         let middles = |axis: usize| (0..SAMPLES).map(move |k| (k as f64 + 0.5) / SAMPLES as f64 * self.size[axis]);
         let row = |x: f64| middles(1).flat_map(move |y| middles(2).map(move |z| Vec3::new(x, y, z)));
         let within = |gap: f64| {
-            let count = |x: f64| row(x).filter(|point| self.is_clear(point, gap)).count();
-            middles(0).collect::<Vec<_>>().into_par_iter().map(count).sum::<usize>()
+            let count = |x: &f64| row(*x).filter(|point| self.is_clear(point, gap)).count();
+            parallel::map_each(&middles(0).collect::<Vec<_>>(), count).iter().sum::<usize>()
         };
         let (inside, deep) = (within(0.0), within(rim));
         (inside > 0).then(|| deep as f64 / inside as f64)
