@@ -169,8 +169,9 @@ impl Check {
         progress(0.4);
         findings.extend(parallel::flat_map(bodies.len(), |number| single(model, &*container, &bodies[number])));
         progress(0.7);
-        let volumes = model.aggregates.iter().map(|aggregate| aggregate.body.volume());
-        let fraction = volumes.sum::<f64>() / container.volume();
+        // Summed in the order of the aggregates, whatever the threads.
+        let volumes = parallel::map_each(&model.aggregates, |aggregate| aggregate.body.volume());
+        let fraction = volumes.iter().sum::<f64>() / container.volume();
         let (taken, not_taken) = taken::check(model, &bodies);
         findings.extend(not_taken);
         findings.extend(report::check(model, taken.as_ref()));
