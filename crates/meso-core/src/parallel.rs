@@ -33,12 +33,16 @@ pub(crate) fn flat_map<T: Send, I: IntoIterator<Item = T>>(count: usize, of: imp
     gathered(count, &|i, found| found.extend(of(i)))
 }
 
+/// Lists that are put together at the end.
+const PIECES: usize = 256;
+
 fn gathered<T: Send>(count: usize, of: &(dyn Fn(usize, &mut Vec<T>) + Sync)) -> Vec<T> {
-    let piece = |mut found: Vec<T>, i: usize| {
-        of(i, &mut found);
+    let size = count.div_ceil(PIECES).max(1);
+    let pieces = mapped(count.div_ceil(size), &|piece| {
+        let mut found = Vec::new();
+        (piece * size..count.min((piece + 1) * size)).for_each(|i| of(i, &mut found));
         found
-    };
-    let pieces: Vec<Vec<T>> = (0..count).into_par_iter().panic_fuse().fold(Vec::new, piece).collect();
+    });
     let mut all = Vec::with_capacity(pieces.iter().map(Vec::len).sum());
     pieces.into_iter().for_each(|piece| all.extend(piece));
     all
@@ -52,12 +56,6 @@ pub(crate) fn filter(count: usize, keep: impl Fn(usize) -> bool + Sync) -> Vec<u
 /// The items for which `keep` holds.
 pub(crate) fn pick<T: Copy + Send + Sync>(items: &[T], keep: impl Fn(&T) -> bool + Sync) -> Vec<T> {
     gathered(items.len(), &|i, found| found.extend(keep(&items[i]).then_some(items[i])))
-}
-
-/// Calls `of(i)` for every number below `count`.
-pub(crate) fn for_each(count: usize, of: impl Fn(usize) + Sync) {
-    let of: &(dyn Fn(usize) + Sync) = &of;
-    (0..count).into_par_iter().panic_fuse().for_each(of);
 }
 
 /// Calls `of` for every item and its number.
