@@ -5,6 +5,7 @@
 //! their items, and end early where one of them panics, as [`stop::point`](crate::stop::point) does.
 
 use rayon::prelude::*;
+use std::collections::LinkedList;
 
 /// `of(i)` for every number below `count`.
 pub(crate) fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
@@ -12,7 +13,10 @@ pub(crate) fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<
 }
 
 fn mapped<T: Send>(count: usize, of: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
-    (0..count).into_par_iter().panic_fuse().map(of).collect()
+    // `collect` compiles a second loop, for iterators of unknown length.
+    let mut all = Vec::new();
+    (0..count).into_par_iter().panic_fuse().map(of).collect_into_vec(&mut all);
+    all
 }
 
 /// `of(item)` for every item.
@@ -38,7 +42,12 @@ fn gathered<T: Send>(count: usize, of: &(dyn Fn(usize, &mut Vec<T>) + Sync)) -> 
         of(i, &mut found);
         found
     };
-    let pieces: Vec<Vec<T>> = (0..count).into_par_iter().panic_fuse().fold(Vec::new, piece).collect();
+    // `collect` compiles a second loop, for iterators of known length.
+    let pieces = (0..count).into_par_iter().panic_fuse().fold(Vec::new, piece).map(|piece| LinkedList::from([piece]));
+    let pieces = pieces.reduce(LinkedList::new, |mut first, mut second| {
+        first.append(&mut second);
+        first
+    });
     let mut all = Vec::with_capacity(pieces.iter().map(Vec::len).sum());
     pieces.into_iter().for_each(|piece| all.extend(piece));
     all
