@@ -12,7 +12,10 @@ pub(crate) fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<
 }
 
 fn mapped<T: Send>(count: usize, of: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
-    (0..count).into_par_iter().panic_fuse().map(of).collect()
+    // `collect` compiles a second loop, for iterators of unknown length.
+    let mut all = Vec::new();
+    (0..count).into_par_iter().panic_fuse().map(of).collect_into_vec(&mut all);
+    all
 }
 
 /// `of(item)` for every item.
