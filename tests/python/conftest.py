@@ -45,6 +45,19 @@ def packing():
     return mc.pack(SMALL, seed=7)
 
 
+@pytest.fixture
+def gmsh():
+    """gmsh, ready to open a file and silent."""
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(interruptible=False)
+    # gmsh lets a broken pipe end the process without a word, as the one to a worker that another test kills.
+    if hasattr(signal, "SIGPIPE"):
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield gmsh
+    gmsh.finalize()
+
+
 @pytest.fixture(scope="session")
 def command():
     """The installed `mesocrete`, which the wheel put beside this interpreter."""

@@ -14,16 +14,6 @@ def mesh(request, packing):
     return packing.mesh(method="lattice", element_size=4.0, itz="none", order=1 + (request.param == "second order"))
 
 
-@pytest.fixture
-def gmsh():
-    """gmsh, ready to open a file and silent."""
-    gmsh = pytest.importorskip("gmsh")
-    gmsh.initialize(interruptible=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield gmsh
-    gmsh.finalize()
-
-
 def phase_counts(mesh):
     return {name: count for name, value in PHASES.items() if (count := int((mesh.phase == value).sum()))}
 
