@@ -1,9 +1,9 @@
 //! The widest vector instructions of the machine: one choice, at run time, for the whole crate.
 //!
-//! [`widest`] runs plain loops, which the compiler vectorizes; [`dispatch`] runs code that is written with [`Lanes`]. The
+//! [`widest`] runs plain loops, which the compiler vectorizes; `dispatch` runs code that is written with `Lanes`. The
 //! compiler never fuses or reorders floating-point operations, and fused multiply-adds are exact to define, so every
 //! instruction set finds the same bits. A value of a vector type is made from a token of its instruction set, and a token
-//! only by [`dispatch`], after detection: so the operations on it are safe.
+//! only by `dispatch`, after detection: so the operations on it are safe.
 #![allow(unsafe_code)]
 
 mod portable;
