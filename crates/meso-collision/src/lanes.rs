@@ -32,7 +32,7 @@ pub(crate) fn least_lane(eight: &Eight) -> (f32, usize) {
     (key, key.to_bits() as usize % LANES)
 }
 
-/// [`least_lane`] of numbers none of which is below 0: these are in the order of their bits.
+/// `least_lane` of numbers none of which is below 0: these are in the order of their bits.
 #[inline(always)]
 pub fn least_lane_from_0(eight: &Eight) -> (f32, usize) {
     let mut least = u32::MAX;
