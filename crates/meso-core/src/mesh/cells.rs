@@ -283,9 +283,15 @@ impl<'a> Cells<'a> {
         self.nodes.chunks_exact(self.kind.nodes())
     }
 
+    /// The node indices of one cell.
+    pub(super) fn cell(&self, cell: usize) -> &'a [u32] {
+        let nodes = self.kind.nodes();
+        &self.nodes[nodes * cell..][..nodes]
+    }
+
     /// The corners of a cell's face, counter-clockwise from outside.
     pub(crate) fn face(&self, cell: u32, face: usize) -> impl Iterator<Item = u32> + use<'a> {
-        let of_cell = &self.nodes[cell as usize * self.kind.nodes()..];
+        let of_cell = self.cell(cell as usize);
         self.kind.faces()[face].iter().map(|&i| of_cell[i])
     }
 }
@@ -329,7 +335,7 @@ impl Mesh {
         let middles: Vec<_> = edges.ends().map(|[a, b]| (self.points[a] + self.points[b]) / 2.0).collect();
         self.points.extend(middles);
         let nodes = |cell: usize| {
-            let cell = &self.cells[4 * cell..][..4];
+            let cell = self.by_aggregate().cell(cell);
             let mut nodes = [0; 10];
             nodes[..4].copy_from_slice(cell);
             for (node, [i, j]) in nodes[4..].iter_mut().zip(EDGES) {
@@ -352,7 +358,7 @@ struct Edges {
 impl Edges {
     fn of(mesh: &Mesh) -> Self {
         let ends = |cell: &[u32], [i, j]: [usize; 2]| (cell[i].min(cell[j]), cell[i].max(cell[j]));
-        let of_cell = |cell: usize| EDGES.map(|edge| ends(&mesh.cells[4 * cell..][..4], edge));
+        let of_cell = |cell: usize| EDGES.map(|edge| ends(mesh.by_aggregate().cell(cell), edge));
         let mut edges: Vec<(u32, u32)> = parallel::flat_map(mesh.cell_count(), of_cell);
         edges.par_sort_unstable();
         edges.dedup();

@@ -68,8 +68,7 @@ fn samples(mesh: &Mesh, cell: usize, container: &dyn Container) -> u16 {
 }
 
 fn corners(mesh: &Mesh, cell: usize) -> Vec<Vec3> {
-    let nodes = mesh.kind.nodes();
-    mesh.cells[nodes * cell..][..nodes].iter().map(|&node| mesh.points[node as usize]).collect()
+    mesh.by_aggregate().cell(cell).iter().map(|&node| mesh.points[node as usize]).collect()
 }
 
 fn centroid(corners: &[Vec3]) -> Vec3 {

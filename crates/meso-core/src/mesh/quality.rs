@@ -39,8 +39,7 @@ pub struct CellQuality {
 impl CellQuality {
     /// Every cell's measures, in the cells' order.
     pub fn of_cells(mesh: &Mesh) -> Vec<Self> {
-        let nodes = mesh.kind.nodes();
-        parallel::map(mesh.cell_count(), |cell| measured(mesh, &mesh.cells[nodes * cell..][..nodes]))
+        parallel::map(mesh.cell_count(), |cell| measured(mesh, mesh.by_aggregate().cell(cell)))
     }
 
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices.
@@ -359,13 +358,12 @@ fn area(mesh: &Mesh, face: &[u32]) -> f64 {
 
 /// Refuses cells of which one has no positive volume: no solver takes them.
 pub(super) fn all_positive(cells: Cells) -> Result<(), MeshError> {
-    let nodes = |cell: usize| &cells.nodes[cell * cells.kind.nodes()..][..cells.kind.nodes()];
-    let is_solid = |cell: usize| cell_volume(cells.kind, nodes(cell), cells.points) > 0.0;
+    let is_solid = |cell: usize| cell_volume(cells.kind, cells.cell(cell), cells.points) > 0.0;
     let flat = parallel::filter(cells.owner.len(), |cell| !is_solid(cell));
     match flat.first() {
         None => Ok(()),
         Some(&first) => {
-            let at = cells.points[nodes(first as usize)[0] as usize].into();
+            let at = cells.points[cells.cell(first as usize)[0] as usize].into();
             Err(MeshError::Flat { cells: flat.len(), at })
         }
     }
