@@ -1,7 +1,8 @@
 //! What a SPEC.toml may say, and what is answered where it may not.
 
 use crate::bad_specs::REJECTED;
-use meso_core::spec::Spec;
+use meso_core::materials::{Elastic, Materials, Strength};
+use meso_core::spec::{Spec, options_from_toml};
 use meso_core::{Silent, pack};
 
 #[test]
@@ -127,4 +128,21 @@ fn a_target_beyond_reach_is_doubted_before_the_work() {
         let found = doubt(fraction, specimen, placement).unwrap_or_else(|| panic!("{fraction} {specimen} {placement}"));
         assert!(found.contains(part), "{found}");
     }
+}
+
+#[test]
+fn materials_that_are_left_out_are_those_usual_of_the_phase() {
+    let text = "[fibre]\nyoungs_modulus_mpa = 5e4\n[mortar_strength]\npeak_strain = 0.003";
+    let read: Materials = options_from_toml(text).unwrap();
+    let usual = Materials::default();
+    assert_eq!(read.fibre, Elastic { youngs_modulus_mpa: 5e4, ..usual.fibre });
+    assert_eq!(read.mortar_strength, Strength { peak_strain: 0.003, ..usual.mortar_strength });
+    assert_eq!(read, Materials { fibre: read.fibre, mortar_strength: read.mortar_strength, ..usual });
+    let error = options_from_toml::<Materials>("mortar = { poison_ratio = 0.2 }").unwrap_err();
+    assert!(
+        error.to_string().contains("mortar.poison_ratio is not a known key; did you mean poisson_ratio"),
+        "{error}"
+    );
+    let error = options_from_toml::<Materials>("itz = { density_t_per_mm3 = 'heavy' }").unwrap_err();
+    assert!(error.to_string().contains("itz.density_t_per_mm3 is \"heavy\""), "{error}");
 }

@@ -281,26 +281,3 @@ pub(crate) fn characteristic_mm(kind: CellKind, volume_mm3: f64) -> f64 {
     let across = libm::cbrt(volume_mm3);
     if kind == CellKind::QuadraticTetrahedron { across / 2.0 } else { across }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::spec::options_from_toml;
-
-    #[test]
-    fn values_that_are_left_out_are_those_usual_of_the_phase() {
-        let text = "[fibre]\nyoungs_modulus_mpa = 5e4\n[mortar_strength]\npeak_strain = 0.003";
-        let read: Materials = options_from_toml(text).unwrap();
-        let usual = Materials::default();
-        assert_eq!(read.fibre, Elastic { youngs_modulus_mpa: 5e4, ..FIBRE });
-        assert_eq!(read.mortar_strength, Strength { peak_strain: 0.003, ..usual.mortar_strength });
-        assert_eq!(read, Materials { fibre: read.fibre, mortar_strength: read.mortar_strength, ..usual });
-        let error = options_from_toml::<Materials>("mortar = { poison_ratio = 0.2 }").unwrap_err();
-        assert!(
-            error.to_string().contains("mortar.poison_ratio is not a known key; did you mean poisson_ratio"),
-            "{error}"
-        );
-        let error = options_from_toml::<Materials>("itz = { density_t_per_mm3 = 'heavy' }").unwrap_err();
-        assert!(error.to_string().contains("itz.density_t_per_mm3 is \"heavy\""), "{error}");
-    }
-}

@@ -153,16 +153,27 @@ impl<'a> Nearby<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::pack;
-    use crate::packing::Silent;
-    use crate::spec::Spec;
+    use crate::aggregate::Kind;
+    use crate::aggregate::random::{Purpose, Stream};
+    use crate::geometry::convex_hull;
+
+    /// Sixty hulls of ten points, each in a cube of 5 mm of its own.
+    fn bodies() -> Vec<Aggregate> {
+        let mut stream = Stream::new(5, Purpose::Sample, 0, 0);
+        let body = |id: u32| {
+            let corner = Vec3::new(f64::from(id % 4), f64::from(id / 4 % 5), f64::from(id / 20)) * 5.0;
+            let size = stream.uniform(1.5, 4.5);
+            let points: Vec<Vec3> = (0..10).map(|_| stream.point(&corner, &(corner + Vec3::repeat(size)))).collect();
+            let body = convex_hull(&points).unwrap();
+            Aggregate { id, kind: Kind::Aggregate, class: 0, itz_thickness_mm: 0.0, body }
+        };
+        (0..60).map(body).collect()
+    }
 
     /// Every voxel asks every body, once in tiles of one voxel's width and once in whole ones.
     #[test]
     fn distances_are_those_that_every_body_gives() {
-        let spec = "fraction = 0.3\nspecimen = { kind = \"box\", size_mm = [20, 25, 22] }";
-        let model = pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap();
-        let bodies = model.bodies();
+        let bodies = bodies();
         for (h, counts) in [(2.1, [9, 11, 2]), (0.4, [19, 17, 3]), (3.0, [1, 8, 7]), (6.0, [4, 4, 1])] {
             let grid = PointGrid { origin: Vec3::new(0.3, 0.2, 9.1), spacing: Vec3::repeat(h), counts };
             let scan = Scan::new(grid, crate::location::Facets::all(&bodies, |_| 0.0));
