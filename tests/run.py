@@ -124,7 +124,7 @@ def make_venv() -> Path:
 
 def pip(python: Path) -> list[str]:
     """Name the command that installs packages."""
-    return [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+    return [str(python), "-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-compile"]
 
 
 def install_packages(python: Path) -> None:
