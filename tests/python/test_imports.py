@@ -131,3 +131,15 @@ def test_no_file_of_the_core_imports_from_a_floor_above_its_own() -> None:
         if to and floor[to[0]] > floor[own[0]]
     }
     assert upwards == UPWARDS
+
+
+def test_every_dependency_has_its_reason_in_the_table_and_every_reason_a_dependency() -> None:
+    kept = set()
+    for crate in CRATES:
+        text = (ROOT / "crates" / crate / "Cargo.toml").read_text(encoding="utf-8")
+        for section in re.split(r"^\[", text, flags=re.MULTILINE):
+            if re.match(r"(target\..*\.)?dependencies\]", section):
+                kept |= set(re.findall(r"^([\w-]+)(?:\.workspace)? *=", section, re.MULTILINE))
+    rows = re.findall(r"^\| ([\w, -]+) \|.*\|.*\|$", (ROOT / "SECURITY.md").read_text(encoding="utf-8"), re.MULTILINE)
+    named = {name for row in rows for name in row.split(", ")} - {"crate"}
+    assert named == {name for name in kept if name not in CRATES}
