@@ -18,7 +18,8 @@ fn pack_without_outputs_writes_model_json_vtu_inp_and_html() {
     assert!(!run.stderr.contains("itz  "), "{}", run.stderr);
     let page = String::from_utf8(folder.read("model.html")).unwrap();
     assert!(
-        page.contains("8000 hexahedra, cut at z = 20 mm") && page.contains("Shares of the specimen: aggregates inside")
+        page.contains("8,000 hexahedra, cut at z = 20 mm")
+            && page.contains("Shares of the specimen: aggregates inside")
     );
     // The page of a saved model has no mesh to show.
     folder.run(&["report", "model.json", "-o", "saved.html"]);

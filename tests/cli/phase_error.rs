@@ -14,7 +14,7 @@ fn refused(run: &Run) {
     let said = [
         "error: the ITZ takes ",
         " of the specimen in the mesh and ",
-        " %, where 10 % are accepted; take a smaller element_size_mm, the method lattice or conforming, or itz none; \
+        " %, where 10 % are accepted; take a smaller --element-size-mm, the method lattice or conforming, or itz none; \
          --accept-phase-error accepts it\n",
     ];
     said.into_iter().for_each(|part| assert!(run.stderr.contains(part), "{}", run.stderr));

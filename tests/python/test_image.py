@@ -106,7 +106,7 @@ def test_sections_and_boxes_are_parts_of_the_whole(packing):
 @pytest.mark.parametrize(
     ("ask", "error", "text"),
     [
-        (lambda p: p.voxelize(0), ValueError, "voxel_size_mm is 0; it must lie within"),
+        (lambda p: p.voxelize(0), ValueError, "^h is 0; it must lie within"),
         (lambda p: p.voxelize("1"), TypeError, "h"),
         (lambda p: p.voxelize(1, "colour"), ValueError, 'what is "colour"; it must be one of "phase"'),
         (lambda p: p.voxelize(1, of="itz"), ValueError, 'only for what="share"'),

@@ -134,6 +134,10 @@ def test_arrays_are_sieve_tables():
     table = np.array([[2.0, 0.2], [8.0, 0.6], [16.0, 1.0]])
     grading = mc.Grading.sieves(table[:, 0], table[:, 1], 4, 16)
     assert mc.Spec(grading=grading).grading["curve"]["sieves_mm"] == [2.0, 8.0, 16.0]
+    whole = mc.Grading.sieves([2, 8, 16], [0, 0.6, 1])
+    assert (whole["d_min_mm"], whole["d_max_mm"]) == (2.0, 16.0)
+    with pytest.raises(ValueError, match="sieve_mm is empty"):
+        mc.Grading.sieves([], [])
     with pytest.raises(ValueError, match=r"sieve_mm has shape \(3, 2\); it must be one row of numbers"):
         mc.Grading.sieves(table, table[:, 1], 4, 16)
 

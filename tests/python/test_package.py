@@ -106,3 +106,13 @@ def test_the_wheel_and_the_rust_tests_share_their_crates():
         return {line.removesuffix(" (*)") for line in lines}
 
     assert features("normal,build", "-p", "meso-py") <= features("normal,build,dev", "--workspace", "--exclude", "meso-bench")
+
+
+def test_every_published_crate_names_the_page_of_its_documentation():
+    published = 0
+    for manifest in sorted((ROOT / "crates").glob("*/Cargo.toml")):
+        text = manifest.read_text(encoding="utf-8")
+        if "publish = false" not in text:
+            assert f'documentation = "https://docs.rs/{manifest.parent.name}"\n' in text, manifest
+            published += 1
+    assert published == 7

@@ -37,6 +37,14 @@ def test_dict_toml_and_file_round_trip(tmp_path):
     assert mc.Spec.read(path) == mc.Spec.read(str(path)) == spec
 
 
+def test_a_spec_says_what_each_of_its_keys_means():
+    spec = mc.Spec(fraction=0.3, specimen=mc.Specimen.cylinder(100, 200))
+    text = spec.describe()
+    assert mc.Spec.from_toml(text) == spec
+    assert "# Smallest distance between two aggregates, mm; 0 means: proved apart.\nmin_gap_mm = 0.0\n" in text
+    assert 'One of "longest-axis", "sieve".\nsize = "longest-axis"\n' in text
+
+
 def test_pickle_and_copy_round_trip():
     spec = mc.Spec(fraction=0.1 + 0.2, seed=2**64 - 1)
     assert pickle.loads(pickle.dumps(spec)) == spec

@@ -1,10 +1,31 @@
 """Pictures, and what is said where the library for them is missing."""
 
+import re
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+
+import mesocrete as mc
+
+
+def test_counts_have_their_thousands_apart_where_people_read_them_and_only_there(tmp_path):
+    packing = mc.pack({"specimen": mc.Specimen.box(60, 60, 120)}, fraction=0.4, seed=1)
+    count = f"{len(packing):,}"
+    assert re.fullmatch(r"\d,\d{3}", count)
+    assert repr(packing).startswith(f"Packing({count} aggregates in a box")
+    assert repr(packing.aggregates) == f"<{count} aggregates>"
+    assert repr(mc.gjk.Bodies([body.vertices for body in packing.aggregates])) == f"Bodies({count} bodies)"
+    assert f"<td>{count}</td>" in packing._repr_html_()
+    packing.write(tmp_path / "model.html")
+    page = (tmp_path / "model.html").read_text(encoding="utf-8")
+    assert f"Packing of {count} aggregates" in page
+    counted = [f"{c['aggregates']:,}" for c in packing.report()["classes"]]
+    assert all(f"%<td>{number}\n" in page for number in counted)
+    packing.write(tmp_path / "model.csv")
+    last = (tmp_path / "model.csv").read_text(encoding="utf-8").splitlines()[-1]
+    assert last.startswith(f"{len(packing) - 1},")
 
 
 def test_pyvista_gets_closed_surfaces_with_their_data(packing):

@@ -40,6 +40,7 @@ pub mod spec;
 pub mod statistics;
 #[doc(hidden)]
 pub mod stop;
+mod thousands;
 pub mod voxel_image;
 
 /// Internals for the tests and benches of this workspace; no promise covers them.
@@ -54,6 +55,9 @@ use meso_collision::{lanes, prefetch, simd};
 pub use model::{Model, pack};
 pub use packing::{Progress, Silent};
 pub use spec::{Spec, SpecError};
+// For the fronts: the command, the Python package, the page of a test.
+#[doc(hidden)]
+pub use thousands::thousands;
 
 // The README's Rust example is tested, too.
 #[cfg(doctest)]

@@ -15,6 +15,7 @@ use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::parallel;
 use crate::statistics::Statistics;
+use crate::thousands;
 #[doc(hidden)]
 pub use scene::{TURNTABLE, base64};
 
@@ -70,7 +71,7 @@ pre{background:var(--panel);padding:1rem;overflow:auto;font-size:.8rem}
 
 fn head(model: &Model, out: &mut impl Write) -> io::Result<()> {
     let report = &model.report;
-    let title = format!("Packing of {} aggregates, fraction {:.4}", report.aggregates, report.fraction);
+    let title = format!("Packing of {} aggregates, fraction {:.4}", thousands(report.aggregates), report.fraction);
     write!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n")?;
     let (matrix, classes) = (slice::matrix_style(), slice::class_style(|class| CLASSES[class]));
     write!(
@@ -136,7 +137,7 @@ fn grading(model: &Model) -> Plot {
             ("Passing against longest axis", "longest axis, mm (logarithmic)")
         }
     };
-    Plot { title, x, y: "share of the asked volume", log_x: true, size: plot::SMALL, curves }
+    Plot { title, x, y: "share of the asked volume", log_x: true, size: Plot::SMALL, curves }
 }
 
 /// Points of a curve over sizes.
@@ -174,7 +175,7 @@ fn walls(statistics: &Statistics) -> Plot {
         x: "depth below the surface, mm",
         y: "fraction",
         log_x: false,
-        size: plot::SMALL,
+        size: Plot::SMALL,
         curves: vec![Curve::line("by depth", layers), Curve::line("mean", mean)],
     }
 }
@@ -187,7 +188,7 @@ fn correlation(statistics: &Statistics) -> Plot {
         x: "distance, mm",
         y: "probability",
         log_x: false,
-        size: plot::SMALL,
+        size: Plot::SMALL,
         curves: vec![
             Curve::line("S2", over_lag(&correlation.two_point)),
             Curve::line("lineal path", over_lag(&correlation.lineal_path)),

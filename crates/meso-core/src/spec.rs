@@ -4,6 +4,8 @@
 //! -> `limits` (invalid values). Every error names the key, the value and the way out.
 
 mod crowding;
+#[cfg(feature = "schema")]
+mod describe;
 mod error;
 mod files;
 mod library;

@@ -4,6 +4,7 @@ use meso_core::mesh::MeshError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::any::Any;
+use std::fmt::Display;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -36,17 +37,26 @@ fn reason(error: &io::Error) -> String {
     text.split(" (os error").next().unwrap_or(&text).to_owned()
 }
 
+/// A message about options in Python's keywords: two of them have shorter names than in a spec.
+pub(crate) fn in_keywords(message: impl Display) -> String {
+    message.to_string().replace("element_size_mm", "element_size").replace("voxel_size_mm", "h")
+}
+
 /// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
 pub(crate) fn mesh_error(error: MeshError) -> PyErr {
+    let text = in_keywords(&error);
     match error {
         MeshError::Files { folder, error } => file_error(&folder, error),
+        MeshError::Option { key, value, accepted } => {
+            PyValueError::new_err(in_keywords(format!("{key} is {value}; {accepted}")))
+        }
         MeshError::MissingGmsh { .. } => {
-            PyRuntimeError::new_err(format!("{error} for this Python or on the PATH, or mesh with method=\"lattice\""))
+            PyRuntimeError::new_err(format!("{text} for this Python or on the PATH, or mesh with method=\"lattice\""))
         }
-        MeshError::PhaseError { .. } => PyValueError::new_err(format!("{error}; accept_phase_error=True accepts it")),
+        MeshError::PhaseError { .. } => PyValueError::new_err(format!("{text}; accept_phase_error=True accepts it")),
         MeshError::Gmsh(_) | MeshError::Seam { .. } | MeshError::Stopped | MeshError::Flat { .. } => {
-            PyRuntimeError::new_err(error.to_string())
+            PyRuntimeError::new_err(text)
         }
-        _ => PyValueError::new_err(error.to_string()),
+        _ => PyValueError::new_err(text),
     }
 }

@@ -7,6 +7,7 @@ use crate::polyhedron::PyPolyhedron;
 use crate::tree::type_name;
 use meso_core::gjk::{self, Bodies, GjkError, Impact, Method, Penetration};
 use meso_core::math::{Rotation, Vec3};
+use meso_core::thousands;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -392,7 +393,7 @@ impl PyBodies {
     }
 
     fn __repr__(&self) -> String {
-        format!("Bodies({} bodies)", self.0.len())
+        format!("Bodies({} bodies)", thousands(self.0.len()))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {

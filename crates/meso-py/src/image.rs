@@ -1,6 +1,6 @@
 //! Voxel images and sections as arrays of numpy.
 
-use crate::boundary::guard;
+use crate::boundary::{guard, in_keywords};
 use crate::run::beside_python;
 use meso_core::Model;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
@@ -71,7 +71,7 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
         let model = Arc::clone(model);
         let made = beside_python(py, None, move |watch| -> PyResult<(Values, Vec<usize>)> {
             watch.stops_soon();
-            let image = VoxelImage::new(&model, &options).map_err(|error| PyValueError::new_err(error.to_string()))?;
+            let image = VoxelImage::new(&model, &options).map_err(|error| PyValueError::new_err(in_keywords(error)))?;
             let shape = image.shape();
             let voxels: usize = shape.iter().product();
             if voxels > MOST {

@@ -16,7 +16,7 @@ use meso_core::mesh::{
     quality::{self, MassScaling, QualityReport},
 };
 use meso_core::packing::Stage;
-use meso_core::{Model, Progress};
+use meso_core::{Model, Progress, thousands};
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
@@ -324,7 +324,8 @@ impl PyMesh {
     }
 
     fn __repr__(&self) -> String {
-        format!("Mesh({} points, {} cells of type {})", self.0.points.len(), self.0.cell_count(), self.cell_type())
+        let (points, cells) = (thousands(self.0.points.len()), thousands(self.0.cell_count()));
+        format!("Mesh({points} points, {cells} cells of type {})", self.cell_type())
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -18,7 +18,7 @@ use meso_core::formats::Surfaces;
 use meso_core::packing::{Images, Stage};
 use meso_core::statistics::{Options, Statistics};
 use meso_core::voxel_image::Region;
-use meso_core::{Model, Progress, saved};
+use meso_core::{Model, Progress, saved, thousands};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -421,7 +421,7 @@ impl PyPacking {
 
     fn __repr__(&self) -> String {
         let (spec, report) = (&self.0.spec, &self.0.report);
-        let (count, kind) = (self.0.aggregates.len(), spec.specimen.kind());
+        let (count, kind) = (thousands(self.0.aggregates.len()), spec.specimen.kind());
         format!("Packing({count} aggregates in a {kind}, fraction={:.4}, seed={})", report.fraction, spec.seed)
     }
 

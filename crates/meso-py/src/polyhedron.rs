@@ -3,6 +3,7 @@
 use crate::arrays;
 use crate::boundary::guard;
 use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
+use meso_core::thousands;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;
@@ -109,7 +110,7 @@ impl PyPolyhedron {
     }
 
     fn __repr__(&self) -> String {
-        let (vertices, faces) = (self.0.vertices().len(), self.0.faces().len());
+        let (vertices, faces) = (thousands(self.0.vertices().len()), thousands(self.0.faces().len()));
         // Six digits, without zeros at their end.
         let volume = format!("{:.5e}", self.0.volume()).parse().unwrap_or(self.0.volume());
         format!("Polyhedron({vertices} vertices, {faces} faces, volume={volume} mm3)")

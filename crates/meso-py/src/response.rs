@@ -9,7 +9,7 @@ use crate::tree;
 use crate::views::{call_view, cell_type};
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
-use meso_core::{Model, Progress as _};
+use meso_core::{Model, Progress as _, thousands};
 use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Ended, Frame, Kind, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -242,7 +242,7 @@ impl PyResponse {
 
     fn __repr__(&self) -> String {
         let figures = &self.0.response.result.figures;
-        let (rows, frames) = (self.0.response.curve.len(), self.0.frames.len());
+        let (rows, frames) = (thousands(self.0.response.curve.len()), self.0.frames.len());
         format!(
             "Response(peak {:.2} MPa at a strain of {:.5}, {rows} rows, {frames} frames)",
             figures.peak_mpa, figures.peak_strain

@@ -1,6 +1,6 @@
 //! `Spec`: everything that decides a model.
 
-use crate::boundary::{file_error, guard};
+use crate::boundary::{file_error, guard, in_keywords};
 use crate::tree;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
@@ -38,8 +38,8 @@ fn from_value(value: &Value) -> PyResult<Spec> {
 /// The exception of a spec that cannot be.
 pub(crate) fn spec_error(error: &SpecError) -> PyErr {
     match error.is_wrong_type {
-        true => PyTypeError::new_err(error.to_string()),
-        false => PyValueError::new_err(error.to_string()),
+        true => PyTypeError::new_err(in_keywords(error)),
+        false => PyValueError::new_err(in_keywords(error)),
     }
 }
 
@@ -222,6 +222,11 @@ impl PySpec {
     /// Everything as the text of a SPEC.toml.
     fn to_toml(&self) -> PyResult<String> {
         toml::to_string(&self.0).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// The text of a SPEC.toml with what each key means above it: `print(spec.describe())`.
+    fn describe(&self) -> PyResult<String> {
+        self.0.describe().map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
     /// A spec with `changes` laid over this one; sections are merged key by key.

@@ -7,7 +7,7 @@ use crate::progress::Watch;
 use crate::{inputs, stderr};
 use meso_core::check::{Check, Finding};
 use meso_core::packing::Stage;
-use meso_core::{Model, Progress};
+use meso_core::{Model, Progress, thousands};
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
         return Ok(0);
     }
     let name = args.model.display();
-    stderr::line(format!("error: {name}: {} of its promises are not kept", stderr::thousands(found.findings.len())));
+    stderr::line(format!("error: {name}: {} of its promises are not kept", thousands(found.findings.len())));
     Ok(RUN)
 }
 
@@ -71,21 +71,21 @@ fn table(model: &Model, check: &Check, out: &mut dyn Write) -> io::Result<()> {
         ("bodies that the seed does not give", |f| matches!(f, Finding::NotTaken { .. })),
         ("figures of the report that differ", |f| matches!(f, Finding::Report { .. })),
     ];
-    writeln!(out, "{:34} {:>12}", "aggregates", stderr::thousands(check.aggregates))?;
+    writeln!(out, "{:34} {:>12}", "aggregates", thousands(check.aggregates))?;
     if !model.inclusions.is_empty() {
-        writeln!(out, "{:34} {:>12}", "voids and fibres", stderr::thousands(model.inclusions.len()))?;
+        writeln!(out, "{:34} {:>12}", "voids and fibres", thousands(model.inclusions.len()))?;
         rows.push(("voids and fibres of a wrong size", |f| matches!(f, Finding::Shape { .. })));
     }
     writeln!(out, "{:34} {:>12.6}", "fraction", check.fraction)?;
-    writeln!(out, "{:34} {:>12}", "pairs put to the exact test", stderr::thousands(check.pairs_tested as usize))?;
+    writeln!(out, "{:34} {:>12}", "pairs put to the exact test", thousands(check.pairs_tested as usize))?;
     writeln!(out, "{:34} {gap:>12}", "gap asked between aggregates, mm")?;
     for (name, of_kind) in rows {
         let count = check.findings.iter().filter(|finding| of_kind(finding)).count();
-        writeln!(out, "{name:34} {:>12}", stderr::thousands(count))?;
+        writeln!(out, "{name:34} {:>12}", thousands(count))?;
     }
     check.findings.iter().take(LISTED).try_for_each(|finding| writeln!(out, "  {finding}"))?;
     if check.findings.len() > LISTED {
-        writeln!(out, "  and {} more; --json lists all", stderr::thousands(check.findings.len() - LISTED))?;
+        writeln!(out, "  and {} more; --json lists all", thousands(check.findings.len() - LISTED))?;
     }
     writeln!(out, "not checked:")?;
     check.not_checked.iter().try_for_each(|what| writeln!(out, "  {what}"))?;

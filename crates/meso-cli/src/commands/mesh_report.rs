@@ -1,10 +1,10 @@
 //! Report on a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
 use crate::stderr;
-use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::mesh::quality::{MassScaling, PhaseScaling, QualityReport};
 use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, Phase, PhaseVolumes};
+use meso_core::{Model, thousands};
 use serde::Serialize;
 use std::io::{self, Write};
 
@@ -72,9 +72,9 @@ impl MeshReport {
     pub(super) fn print(&self) {
         let cohesive = match self.cohesive_elements {
             0 => String::new(),
-            elements => format!(" and {} cohesive ones", stderr::thousands(elements)),
+            elements => format!(" and {} cohesive ones", thousands(elements)),
         };
-        let (elements, nodes) = (stderr::thousands(self.elements), stderr::thousands(self.nodes));
+        let (elements, nodes) = (thousands(self.elements), thousands(self.nodes));
         let how = format!("{:?}, {} mm", self.options.method.name(), self.options.element_size_mm).to_lowercase();
         stderr::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
         self.volumes();
@@ -83,15 +83,15 @@ impl MeshReport {
         let distance = &self.quality.interface_distance;
         stderr::line(format!(
             "of {} interface nodes, {} lie off the aggregates' surfaces: {:.4} mm rms over all, {:.4} mm at most",
-            stderr::thousands(distance.nodes),
-            stderr::thousands(distance.off),
+            thousands(distance.nodes),
+            thousands(distance.off),
             distance.rms_mm,
             distance.max_mm
         ));
         if distance.joined > 0 {
             stderr::line(format!(
                 "of these, {} bridge a closed gap: {:.4} mm rms, {:.4} mm at most",
-                stderr::thousands(distance.joined),
+                thousands(distance.joined),
                 distance.joined_rms_mm,
                 distance.joined_max_mm
             ));
@@ -198,7 +198,7 @@ impl MeshReport {
         let which = if bad.is_empty() { String::new() } else { format!(" (elements {}{more})", named.join(", ")) };
         stderr::line(format!(
             "{} elements with an angle below {} degrees{which}",
-            stderr::thousands(bad.len()),
+            thousands(bad.len()),
             QualityReport::BAD_DEG
         ));
     }
@@ -216,29 +216,29 @@ fn notes(notes: &Notes, parted_by_itz: bool) {
             "{} pairs of aggregates would have been joined at {} nodes, since the elements cannot show the gaps between them: \
              mortar parts them now, {:.0} mm3 of it in place of aggregates; a larger min_gap_mm or a smaller --element-size-mm \
              keeps these",
-            stderr::thousands(notes.parted_pairs),
-            stderr::thousands(notes.parted_nodes),
+            thousands(notes.parted_pairs),
+            thousands(notes.parted_nodes),
             notes.parted_mm3
         ));
     } else if notes.closed_gaps > 0 && parted_by_itz {
         stderr::line(format!(
             "at {} nodes {} pairs of aggregates meet, since the elements cannot show the gaps between them (widest {:.2} mm): \
              cohesive elements part them",
-            stderr::thousands(notes.closed_gaps),
-            stderr::thousands(notes.closed_gap_pairs),
+            thousands(notes.closed_gaps),
+            thousands(notes.closed_gap_pairs),
             notes.widest_closed_gap_mm
         ));
     } else if notes.closed_gaps > 0 {
         stderr::line(format!(
             "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
              a smaller --element-size-mm or a larger min_gap_mm",
-            stderr::thousands(notes.closed_gaps),
-            stderr::thousands(notes.closed_gap_pairs),
+            thousands(notes.closed_gaps),
+            thousands(notes.closed_gap_pairs),
             notes.widest_closed_gap_mm
         ));
     }
     if notes.split_gap_edges > 0 {
-        let edges = stderr::thousands(notes.split_gap_edges);
+        let edges = thousands(notes.split_gap_edges);
         stderr::line(format!(
             "{edges} edges from one aggregate to another got a node in the middle: --narrow-gaps keep leaves them"
         ));
@@ -247,13 +247,13 @@ fn notes(notes: &Notes, parted_by_itz: bool) {
         stderr::line(format!(
             "gaps that the elements cannot show: {} nodes join {} aggregates to the specimen's sides (widest {:.4} mm); to keep \
              mortar there, use a larger wall_gap_mm",
-            stderr::thousands(notes.closed_side_gaps),
-            stderr::thousands(notes.closed_side_gap_aggregates),
+            thousands(notes.closed_side_gaps),
+            thousands(notes.closed_side_gap_aggregates),
             notes.widest_closed_side_gap_mm
         ));
     }
     if notes.off_surface_nodes > 0 {
-        let nodes = stderr::thousands(notes.off_surface_nodes);
+        let nodes = thousands(notes.off_surface_nodes);
         stderr::line(format!(
             "{nodes} nodes could not be projected onto their surface with angles of 8 degrees, mostly in gaps to the specimen's \
              sides or on periodic faces"
@@ -262,13 +262,13 @@ fn notes(notes: &Notes, parted_by_itz: bool) {
     if notes.thinned_itz_aggregates + notes.thinned_itz_nodes > 0 {
         stderr::line(format!(
             "the ITZ is thinner than asked in {} aggregates and at {} nodes; at {} of these it has no thickness",
-            stderr::thousands(notes.thinned_itz_aggregates),
-            stderr::thousands(notes.thinned_itz_nodes),
-            stderr::thousands(notes.pinched_itz_nodes)
+            thousands(notes.thinned_itz_aggregates),
+            thousands(notes.thinned_itz_nodes),
+            thousands(notes.pinched_itz_nodes)
         ));
     }
     if notes.shifted_itz_nodes > 0 {
-        let nodes = stderr::thousands(notes.shifted_itz_nodes);
+        let nodes = thousands(notes.shifted_itz_nodes);
         stderr::line(format!("{nodes} inner nodes of the ITZ left its exact thickness to avoid sharp angles"));
     }
 }

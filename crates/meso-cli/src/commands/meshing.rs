@@ -382,16 +382,18 @@ impl VolumeMesher for Announced {
 
 /// Turns an error of meshing into a failure; wrong options are wrong usage.
 pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
+    // Here it is a flag.
+    let text = error.to_string().replace("element_size_mm", "--element-size-mm");
     match error {
         MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
         MeshError::MissingGmsh { .. } => {
-            Failure::Run(format!("{error} and put it on the PATH or name it with --gmsh, or take --method lattice"))
+            Failure::Run(format!("{text} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
-        MeshError::PhaseError { .. } => Failure::Run(format!("{error}; --accept-phase-error accepts it")),
+        MeshError::PhaseError { .. } => Failure::Run(format!("{text}; --accept-phase-error accepts it")),
         MeshError::NearTouching { .. } => {
-            Failure::Run(format!("{error}; `mesocrete pack --method conforming` leaves such gaps by itself"))
+            Failure::Run(format!("{text}; `mesocrete pack --method conforming` leaves such gaps by itself"))
         }
-        _ => Failure::Run(error.to_string()),
+        _ => Failure::Run(text),
     }
 }
 

@@ -14,7 +14,7 @@ use meso_core::mesh::Mesh;
 use meso_core::packing::{Images, Placement, Report, Seconds, Stage, StopReason, Strategy};
 use meso_core::page;
 use meso_core::statistics::{Options, Statistics};
-use meso_core::{Model, Progress, Spec, SpecError};
+use meso_core::{Model, Progress, Spec, SpecError, thousands};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -279,7 +279,7 @@ fn print(report: &Report) {
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
     stderr::line(format!(
         "packed {} aggregates in {:.2} s: fraction {:.5} of {} asked ({}, seed {})",
-        stderr::thousands(report.aggregates),
+        thousands(report.aggregates),
         report.seconds.take + report.seconds.place,
         report.fraction,
         (asked * 1e5).round() / 1e5,
@@ -290,14 +290,14 @@ fn print(report: &Report) {
     stderr::line("    class, mm       asked     reached  aggregates");
     for class in &report.classes {
         let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);
-        let aggregates = stderr::thousands(class.aggregates);
+        let aggregates = thousands(class.aggregates);
         stderr::line(format!(
             "  {limits:>11}  {:>10.5}  {:>10.5}  {aggregates:>10}",
             class.target_fraction, class.fraction
         ));
     }
     for phase in &report.phases {
-        let (name, bodies) = (phase.phase.plural(), stderr::thousands(phase.bodies));
+        let (name, bodies) = (phase.phase.plural(), thousands(phase.bodies));
         stderr::line(format!("  {name:>11}  {:>10.5}  {:>10.5}  {bodies:>10}", phase.target_fraction, phase.fraction));
     }
 }

@@ -13,7 +13,7 @@ use division::Division;
 use folder::{Folder, Kept};
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::packing::Specimen;
-use meso_core::{Model, Spec};
+use meso_core::{Model, Spec, thousands};
 use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Ended, Kind, LawName, Response, Run, SolveError, Test};
 use std::path::{Path, PathBuf};
@@ -208,10 +208,7 @@ impl Args {
         let begun = Instant::now();
         if !self.writing.quiet {
             let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
-            stderr::line(format!(
-                "meshing {} aggregates: {method}, {size} mm",
-                stderr::thousands(model.aggregates.len())
-            ));
+            stderr::line(format!("meshing {} aggregates: {method}, {size} mm", thousands(model.aggregates.len())));
         }
         let mesh = self.division.build(model, options, self.writing.quiet)?;
         seconds.mesh = begun.elapsed().as_secs_f64();
@@ -222,7 +219,7 @@ impl Args {
         if self.writing.quiet {
             return;
         }
-        let (elements, steps) = (stderr::thousands(mesh.cell_count()), stderr::thousands(run.steps() as usize));
+        let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
         stderr::line(format!(
             "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",

@@ -150,9 +150,10 @@ impl<'a> Face<'a> {
 
 impl Owned {
     fn new(values: &[u32]) -> Self {
-        match values.iter().max() {
-            Some(&max) if max > u32::from(u16::MAX) => Self::U32(values.into()),
-            Some(&max) if max > u32::from(u8::MAX) => Self::U16(values.iter().map(|&i| i as u16).collect()),
+        // In vector registers, unlike the largest of references.
+        match values.iter().copied().fold(0, u32::max) {
+            max if max > u32::from(u16::MAX) => Self::U32(values.into()),
+            max if max > u32::from(u8::MAX) => Self::U16(values.iter().map(|&i| i as u16).collect()),
             _ => Self::U8(values.iter().map(|&i| i as u8).collect()),
         }
     }

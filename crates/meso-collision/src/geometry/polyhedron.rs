@@ -151,10 +151,11 @@ impl Polyhedron {
 
     /// Centre of volume, mm.
     pub fn centroid(&self) -> Vec3 {
-        let sum = |(volume, moment): (f64, Vec3), (v, [a, b, c]): (f64, [Vec3; 3])| {
-            (volume + v, moment + (a + b + c) * (v / 4.0))
-        };
-        let (volume, moment) = self.tetrahedra().fold((0.0, Vec3::zeros()), sum);
+        let (mut volume, mut moment) = (0.0, Vec3::zeros());
+        self.each_tetrahedron(|v, [a, b, c]| {
+            volume += v;
+            moment += (a + b + c) * (v / 4.0);
+        });
         self.vertices[0] + moment / volume
     }
 
@@ -163,12 +164,12 @@ impl Polyhedron {
     /// The covariance of a tetrahedron (0, a, b, c) of volume V is V/20 (s s^T + a a^T + b b^T + c c^T), s = a + b + c.
     pub fn mass_properties(&self) -> MassProperties {
         let (mut volume, mut moment, mut covariance) = (0.0, Vec3::zeros(), Mat3::zeros());
-        for (v, [a, b, c]) in self.tetrahedra() {
+        self.each_tetrahedron(|v, [a, b, c]| {
             let s = a + b + c;
             volume += v;
             moment += s * (v / 4.0);
             covariance += (s * s.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose()) * (v / 20.0);
-        }
+        });
         let mean = moment / volume;
         let central = covariance - mean * mean.transpose() * volume;
         let inertia = Mat3::identity() * central.trace() - central;
@@ -176,12 +177,16 @@ impl Polyhedron {
     }
 
     /// The tetrahedra between the first vertex and every surface triangle: volumes, and corners from that vertex.
-    fn tetrahedra(&self) -> impl Iterator<Item = (f64, [Vec3; 3])> {
+    fn each_tetrahedron(&self, mut visit: impl FnMut(f64, [Vec3; 3])) {
         let apex = self.vertices[0];
-        self.triangles().map(move |triangle| {
-            let corners = triangle.map(|i| self.vertices[i as usize]);
-            (integrals::six_volumes(&apex, &corners) / 6.0, corners.map(|p| p - apex))
-        })
+        let mut look = |corners: [Vec3; 3]| {
+            visit(integrals::six_volumes(&apex, &corners) / 6.0, corners.map(|p| p - apex));
+        };
+        match self.face_lists().byte_triangles() {
+            // Nearly all bodies: without an iterator of iterators, which takes as long as the sums.
+            Some(triangles) => triangles.iter().for_each(|t| look(t.map(|i| self.vertices[usize::from(i)]))),
+            None => self.triangles().for_each(|t| look(t.map(|i| self.vertices[i as usize]))),
+        }
     }
 
     /// True when the closed body has `point`; exact where the faces are plane to the last bit.

@@ -21,8 +21,7 @@ pub struct Grading {
     pub d_max_mm: f64,
     /// How the part of the curve outside `d_min_mm` to `d_max_mm` is treated.
     pub form: Form,
-    /// Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; a spec that leaves them out gets
-    /// [`Grading::usual_classes`].
+    /// Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; left out: every 5 mm or usual sieves.
     #[serde(default)]
     pub classes_mm: Vec<f64>,
     /// Which length of an aggregate is its size.

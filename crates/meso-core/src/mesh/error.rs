@@ -1,6 +1,7 @@
 //! Why a mesh cannot be made.
 
 use crate::math::Vec3;
+use crate::thousands;
 use std::io;
 use std::path::PathBuf;
 
@@ -22,9 +23,9 @@ pub enum MeshError {
     },
     /// Cells came out flat or turned over: there the aggregates' gaps and corners are too fine for the elements.
     #[error(
-        "the mesh would have {cells} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
+        "the mesh would have {} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
          element_size_mm or method",
-        at[0], at[1], at[2]
+        thousands(*cells), at[0], at[1], at[2]
     )]
     Flat {
         /// How many.

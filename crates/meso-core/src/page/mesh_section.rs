@@ -4,6 +4,7 @@ use super::slice::{self, WIDTH};
 use crate::export::appearance::CLASSES;
 use crate::mesh::{CellKind, Mesh, Phase};
 use crate::model::Model;
+use crate::thousands;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -43,8 +44,8 @@ pub(super) fn figure(model: &Model, mesh: &Mesh, out: &mut impl Write) -> io::Re
         CellKind::Hexahedron => "hexahedra",
         CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => "tetrahedra",
     };
-    let at = middle[AXIS];
-    writeln!(out, "</g></svg><figcaption>{} {kind}, cut at z = {at} mm{part}</figcaption></figure>", mesh.phase.len())
+    let (cells, at) = (thousands(mesh.phase.len()), middle[AXIS]);
+    writeln!(out, "</g></svg><figcaption>{cells} {kind}, cut at z = {at} mm{part}</figcaption></figure>")
 }
 
 /// The cells that the plane across z at `at` mm cuts, and their sections' corners, mm.

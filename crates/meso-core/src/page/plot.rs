@@ -27,8 +27,6 @@ pub struct Curve {
 
 /// Colours that differ for every eye (Okabe and Ito 2008).
 const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
-/// Width and height of a plot that stands beside others, pixels.
-pub const SMALL: [f64; 2] = [350.0, 260.0];
 /// Margins, pixels.
 const LEFT: f64 = 48.0;
 const RIGHT: f64 = 12.0;
@@ -89,6 +87,9 @@ impl Axis {
 }
 
 impl Plot {
+    /// Width and height of a plot that stands beside others, pixels.
+    pub const SMALL: [f64; 2] = [350.0, 260.0];
+
     /// Writes the plot as SVG; its classes `f` and `g` are the frame and the grid.
     ///
     /// # Errors
@@ -222,13 +223,13 @@ mod tests {
             y: "",
             log_x: false,
             curves: curves.iter().map(|points| Curve::line("a", points.to_vec())).collect(),
-            size: SMALL,
+            size: Plot::SMALL,
         };
         let corner = |curves: &[&[(f64, f64)]]| {
             let plot = plot(curves);
             let (x, y) = plot.axes().unwrap();
             let at = plot.legend(&x, &y);
-            (at.0 > SMALL[0] / 2.0, at.1 > SMALL[1] / 2.0)
+            (at.0 > Plot::SMALL[0] / 2.0, at.1 > Plot::SMALL[1] / 2.0)
         };
         let [rising, falling]: [&[(f64, f64)]; 2] = [&[(0.0, 0.0), (1.0, 1.0)], &[(0.0, 1.0), (1.0, 0.0)]];
         assert_eq!(corner(&[rising]), (true, true));

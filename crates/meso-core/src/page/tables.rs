@@ -4,6 +4,7 @@ use super::plot::escape;
 use crate::mesh::PhaseVolumes;
 use crate::model::Model;
 use crate::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
+use crate::thousands;
 use std::io::{self, Write};
 
 /// Target and result by class.
@@ -22,12 +23,12 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
             class.target_fraction,
             class.fraction,
             100.0 * deviation,
-            class.aggregates
+            thousands(class.aggregates)
         )?;
     }
     for phase in &report.phases {
         let (name, deviation) = (phase.phase.plural(), 100.0 * (phase.fraction / phase.target_fraction - 1.0));
-        let (asked, reached, bodies) = (phase.target_fraction, phase.fraction, phase.bodies);
+        let (asked, reached, bodies) = (phase.target_fraction, phase.fraction, thousands(phase.bodies));
         writeln!(out, "<tr><td>{name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
     }
     writeln!(out, "</table>")?;
@@ -38,7 +39,7 @@ pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
          Placed by {}; {} aggregates were left out.</p>",
         escape(&report.specimen.kind),
         escape(&report.strategy),
-        report.discarded
+        thousands(report.discarded)
     )?;
     phases(model, out)
 }
@@ -88,10 +89,10 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
         "</table>\n<p>Zingg: {} equant, {} disc, {} rod, {} blade. Eigenvalues of the orientation tensor of the longest \
          axes: {low:.4}, {middle:.4}, {high:.4} (all 1/3 without a preferred direction). Specific surface {:.4} \
          mm\u{207b}\u{b9}, mean chord {:.3} mm.</p>",
-        zingg.equant,
-        zingg.disc,
-        zingg.rod,
-        zingg.blade,
+        thousands(zingg.equant),
+        thousands(zingg.disc),
+        thousands(zingg.rod),
+        thousands(zingg.blade),
         statistics.specific_surface_per_mm,
         statistics.correlation.mean_chord_mm
     )?;
@@ -101,7 +102,7 @@ pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Resul
 /// Voids or fibres in a sentence.
 fn further(figures: &PhaseFigures, out: &mut impl Write) -> io::Result<()> {
     let PhaseFigures { phase, bodies, volume_mm3, specific_surface_per_mm: surface, orientation, .. } = figures;
-    let mut name = phase.plural().to_owned();
+    let (mut name, bodies) = (phase.plural().to_owned(), thousands(*bodies));
     name[..1].make_ascii_uppercase();
     write!(out, "<p>{name}: {bodies}, {volume_mm3:.1} mm\u{b3}, specific surface {surface:.4} mm\u{207b}\u{b9}")?;
     if let Some(Orientation { eigenvalues: [low, middle, high], .. }) = orientation {

@@ -121,6 +121,9 @@ class Spec:
     def to_toml(self) -> str:
         """Everything as the text of a SPEC.toml."""
 
+    def describe(self) -> str:
+        """The text of a SPEC.toml with what each key means above it: `print(spec.describe())`."""
+
     def replace(self, **changes: Unpack[SpecOptions]) -> Spec:
         """A spec with `changes` laid over this one; sections are merged key by key."""
 

@@ -45,11 +45,24 @@ class Grading:
 
     @staticmethod
     def sieves(
-        sieve_mm: ArrayLike, passing: ArrayLike, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]
+        sieve_mm: ArrayLike,
+        passing: ArrayLike,
+        d_min_mm: float | None = None,
+        d_max_mm: float | None = None,
+        **options: Unpack[GradingOptions],
     ) -> _types.Grading:
-        """Return a sieve table: openings, mm, ascending, and the share that passes each, 0 to 1; arrays of shape (n,)."""
-        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": _row("sieve_mm", sieve_mm), "passing": _row("passing", passing)}
-        return {"curve": curve, "d_min_mm": d_min_mm, "d_max_mm": d_max_mm, **options}
+        """Return a sieve table: openings, mm, ascending, and the share that passes each, 0 to 1; arrays of shape (n,).
+
+        The limits of the sizes are the first and the last opening, unless they are given.
+        """
+        sieves = _row("sieve_mm", sieve_mm)
+        if not sieves:
+            message = "sieve_mm is empty; give openings in mm, e.g. [5, 10, 20]"
+            raise ValueError(message)
+        curve: _types.SievesCurve = {"kind": "sieves", "sieves_mm": sieves, "passing": _row("passing", passing)}
+        low = sieves[0] if d_min_mm is None else d_min_mm
+        high = sieves[-1] if d_max_mm is None else d_max_mm
+        return {"curve": curve, "d_min_mm": low, "d_max_mm": high, **options}
 
     @staticmethod
     def standard(name: str, d_min_mm: float, d_max_mm: float, **options: Unpack[GradingOptions]) -> _types.Grading:

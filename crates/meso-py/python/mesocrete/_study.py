@@ -117,7 +117,7 @@ class Study:
         """Name the folder and count the cases."""
         records = self.results
         failed = sum(record["status"] == "failed" for record in records)
-        return f"Study({len(self)} cases in {str(self.out)!r}: {len(records) - failed} done, {failed} failed)"
+        return f"Study({len(self):,} cases in {str(self.out)!r}: {len(records) - failed:,} done, {failed:,} failed)"
 
 
 def study(

@@ -128,7 +128,7 @@ class Grading(TypedDict, total=False):
     """Sizes of the aggregates: limits, curve and classes."""
 
     classes_mm: _Numbers
-    """Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; a spec that leaves them out gets `Grading.usual_classes`."""
+    """Class limits, mm, ascending from `d_min_mm` to `d_max_mm`; left out: every 5 mm or usual sieves."""
     curve: Curve
     """Share of the volume finer than a size, over all sizes."""
     d_max_mm: float

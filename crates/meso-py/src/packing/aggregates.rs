@@ -7,6 +7,7 @@ use crate::tree::type_name;
 use meso_core::Model;
 use meso_core::aggregate::Aggregate;
 use meso_core::math::longest_distance;
+use meso_core::thousands;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -146,7 +147,7 @@ impl PyAggregates {
     }
 
     fn __repr__(&self) -> String {
-        format!("<{} aggregates>", self.__len__())
+        format!("<{} aggregates>", thousands(self.__len__()))
     }
 }
 

@@ -25,14 +25,18 @@ impl Wide for LiesBelow<'_> {
     #[inline(always)]
     fn run(self) -> bool {
         let cloud = Cloud::new(self.points);
-        // The corners of a face are the three points that rounding may see in its plane.
-        self.triangles.iter().all(|corners| {
+        // A loop, as a closure given to `all` would be compiled for narrow registers.
+        for corners in self.triangles {
             let plane = cloud.plane(corners.map(usize::from));
             let mut not_below = [0; LANES];
             for group in 0..cloud.groups {
                 cloud.heights(group, &plane, &mut not_below);
             }
-            not_below.iter().sum::<u32>() == 3
-        })
+            // The corners of a face are the three points that rounding may see in its plane.
+            if not_below.iter().sum::<u32>() != 3 {
+                return false;
+            }
+        }
+        true
     }
 }

@@ -10,6 +10,9 @@ use crate::simd::{Wide, widest};
 /// Vertices closer than this many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
 
+/// As many points have no more facets than a byte can number.
+const FEW: usize = 64;
+
 /// Faces as loops of vertex indices, one after the other.
 #[derive(Default)]
 struct Loops {
@@ -192,6 +195,9 @@ struct Corner {
 /// For every dual point the loop of facets around it, counter-clockwise from outside, from the one with the smallest point
 /// after it on; none for points inside.
 fn loops_around(facets: &Facets, points: usize) -> Loops {
+    if points <= FEW {
+        return loops_around_few(facets, points);
+    }
     let (starts, around) = corners_by_point(facets, points);
     let mut loops = Loops::default();
     loops.corners.reserve(around.len());
@@ -207,6 +213,36 @@ fn loops_around(facets: &Facets, points: usize) -> Loops {
             loops.corners.push(corner.facet);
             // The next facet starts where this one ends.
             after = corner.before;
+        }
+        loops.ends.push(loops.corners.len() as u32);
+    }
+    loops
+}
+
+/// The same by a table of all pairs of points, without counting first.
+fn loops_around_few(facets: &Facets, points: usize) -> Loops {
+    // By point and the one after it, the one before it and the facet; by point, the smallest one after it.
+    let (mut fan, mut first) = ([[[0_u8; 2]; FEW]; FEW], [u8::MAX; FEW]);
+    for (facet, corners) in (0..).zip(facets.iter()) {
+        let mut before = corners[corners.len() - 2];
+        for (point, after) in pairs(corners) {
+            fan[point as usize][after as usize] = [before as u8, facet];
+            first[point as usize] = first[point as usize].min(after as u8);
+            before = point;
+        }
+    }
+    let mut loops = Loops::default();
+    loops.corners.reserve(6 * points);
+    loops.ends.reserve(points);
+    for (fan, first) in fan.iter().zip(first).take(points).filter(|(_, first)| *first != u8::MAX) {
+        let mut after = first;
+        loop {
+            let [before, facet] = fan[usize::from(after)];
+            loops.corners.push(u32::from(facet));
+            after = before;
+            if after == first {
+                break;
+            }
         }
         loops.ends.push(loops.corners.len() as u32);
     }
@@ -274,8 +310,10 @@ impl Dual {
         let squared = |&(v, w): &(u32, u32)| (vertices[v as usize] - vertices[w as usize]).norm_squared();
         // Each edge belongs to two faces. The root of what may be near enough is worth taking.
         let is_near = |square: f64| square <= 1.01 * reach * reach && square.sqrt() <= reach;
-        let edges = faces.iter().flat_map(pairs).filter(|(v, w)| v < w);
-        let near: Vec<(u32, u32)> = edges.filter(|edge| is_near(squared(edge))).collect();
+        let mut near: Vec<(u32, u32)> = Vec::new();
+        for face in faces.iter() {
+            near.extend(pairs(face).filter(|edge| edge.0 < edge.1 && is_near(squared(edge))));
+        }
         if near.is_empty() {
             return None;
         }

@@ -19,6 +19,7 @@ mod periodic;
 use crate::materials::Materials;
 use crate::mesh::sides::Sides;
 use crate::mesh::{Mesh, Phase, PhaseVolumes};
+use crate::thousands;
 pub(crate) use curve::write_curve;
 pub use limits::DeckError;
 use lines::Lines;
@@ -240,6 +241,7 @@ fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
 fn joined_doubt(mesh: &Mesh) -> Option<String> {
     let (nodes, pairs) = mesh.joined_aggregates();
     (nodes > 0).then(|| {
+        let (nodes, pairs) = (thousands(nodes), thousands(pairs));
         format!(
             "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton: too stiff, and it never breaks; mesh with \
              joined mortar or itz cohesive, or pack with a larger min_gap_mm"
@@ -253,6 +255,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), DeckError> {
     if nodes == 0 {
         return Ok(());
     }
+    let (nodes, pairs) = (thousands(nodes), thousands(pairs));
     let accepted = format!(
         "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton that never breaks; mesh with joined mortar or itz \
          cohesive, pack with a larger min_gap_mm, or set allow_joined"

@@ -10,7 +10,8 @@ use crate::test::Kind;
 use meso_core::math::Aabb;
 use meso_core::mesh::Mesh;
 use meso_core::page::TURNTABLE;
-use meso_core::page::plot::{Curve, Plot, SMALL, escape};
+use meso_core::page::plot::{Curve, Plot, escape};
+use meso_core::thousands;
 use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("style.css");
@@ -53,7 +54,7 @@ fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let source = outcome.source;
     let (version, seed, fraction) = (source.version, source.seed, source.fraction);
     let (mesh, size) = (word(&source.mesh.method.name()), source.mesh.element_size_mm);
-    let elements = result.elements;
+    let elements = thousands(result.elements);
     writeln!(
         out,
         "<p class=\"note\">mesocrete {version}; packing of seed {seed}, fraction {fraction:.4}; {elements} elements ({mesh}, \
@@ -71,7 +72,8 @@ fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
     let stopped = (result.ended == Ended::Stopped).then(|| {
         format!(
             "The test was stopped after {} of {} steps; the curve is valid until there.",
-            result.steps, result.steps_planned
+            thousands(result.steps as usize),
+            thousands(result.steps_planned as usize)
         )
     });
     let errors = stopped.iter().chain(&result.errors).map(|text| ("error", text));
@@ -112,12 +114,12 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("strain at the peak", format!("{:.5}", figures.peak_strain)),
         ("stress at the end", format!("{:.2} MPa", figures.stress_at_end_mpa)),
         ("fell below 0.8 of the peak", softened.to_owned()),
-        ("steps, time step", format!("{}, {:.3e} s", result.steps, result.time_step_s)),
+        ("steps, time step", format!("{}, {:.3e} s", thousands(result.steps as usize), result.time_step_s)),
         ("mass added", format!("{:.1} %", result.added_mass_percent)),
         ("kinetic over internal energy after the ramp, at most", percent(result.kinetic_over_internal_max)),
         ("hourglass over internal energy, at most", percent(result.hourglass_over_internal)),
         ("error of the energy balance over the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
-        ("pairs of aggregates joined by the mesh", result.joined_pairs.to_string()),
+        ("pairs of aggregates joined by the mesh", thousands(result.joined_pairs)),
     ];
     writeln!(out, "<h2>Figures</h2>\n<div class=\"wide\"><table>")?;
     rows.iter().try_for_each(|(name, value)| writeln!(out, "<tr><td>{name}<td>{value}"))?;
@@ -140,7 +142,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
 
 fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     let over_strain = |of: fn(&Row) -> f64| rows.iter().map(|row| (row.strain, of(row))).collect::<Vec<_>>();
-    let plot = |title, y, curves| Plot { title, x: "mean axial strain", y, log_x: false, size: SMALL, curves };
+    let plot = |title, y, curves| Plot { title, x: "mean axial strain", y, log_x: false, size: Plot::SMALL, curves };
     // Where there is hardly any internal energy yet, its shares say nothing.
     let most = rows.iter().map(|row| row.internal).fold(0.0, f64::max);
     let loaded = || rows.iter().filter(|row| row.internal > 0.01 * most);
