@@ -11,9 +11,9 @@ use meso_core::{Model, Silent, Spec};
 use meso_gmsh::Gmsh;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A dense packing of 30 mm with room to mesh between its grains.
+/// A dense packing of 24 mm with room to mesh between its grains.
 fn packed(gap_mm: f64) -> Model {
-    let mut spec = Spec { fraction: 0.45, specimen: Specimen::cube(30.0), ..Default::default() };
+    let mut spec = Spec { fraction: 0.45, specimen: Specimen::cube(24.0), ..Default::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (gap_mm, gap_mm);
     meso_core::pack(&spec, &Silent).unwrap()
 }
@@ -49,7 +49,7 @@ fn a_conforming_mesh_has_every_aggregates_exact_volume() {
     let Some(mesh) = conforming(&model, ItzForm::None) else { return };
     let cells = quality::CellQuality::of_cells(&mesh);
     assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
-    assert!((cells.iter().map(|q| q.volume_mm3).sum::<f64>() / 27_000.0 - 1.0).abs() < 1e-12);
+    assert!((cells.iter().map(|q| q.volume_mm3).sum::<f64>() / 13_824.0 - 1.0).abs() < 1e-12);
     let mut volumes = vec![0.0; model.aggregates.len()];
     for (q, id) in cells.iter().zip(&mesh.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
         volumes[*id as usize] += q.volume_mm3;
@@ -109,7 +109,7 @@ fn a_second_order_conforming_mesh_has_the_same_shape_with_one_node_in_the_middle
 
 #[test]
 fn elements_as_coarse_as_the_aggregates_end() {
-    assert_coarse_elements_end(40.0);
+    assert_coarse_elements_end(30.0);
 }
 
 /// gmsh did not end here before it had nodes at the aggregates' centres.
@@ -189,10 +189,10 @@ fn the_command_that_refuses_a_packing_names_the_one_that_leaves_room() {
 
 #[test]
 fn voids_are_holes_and_fibres_bodies_of_their_exact_volumes_in_a_conforming_mesh() {
-    let spec = "fraction = 0.25\nspecimen = { kind = 'cube', side_mm = 30 }\n\
+    let spec = "fraction = 0.25\nspecimen = { kind = 'cube', side_mm = 24 }\n\
                 placement = { min_gap_mm = 0.05, wall_gap_mm = 0.05 }\n\
                 voids = { fraction = 0.02, diameter_mm = [2, 4] }\n\
-                fibres = { fraction = 0.005, length_mm = 10, diameter_mm = 1 }\n";
+                fibres = { fraction = 0.008, length_mm = 10, diameter_mm = 1 }\n";
     let model = meso_core::pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap();
     let bodies = model.bodies();
     let count = |kind| bodies.iter().filter(|body| body.kind == kind).count();

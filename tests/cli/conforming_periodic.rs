@@ -12,8 +12,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const SIDE_MM: f64 = 30.0;
 
 fn packed(axes: [bool; 3], seed: u64) -> Model {
+    packed_to(0.45, axes, seed)
+}
+
+fn packed_to(fraction: f64, axes: [bool; 3], seed: u64) -> Model {
     let specimen = Specimen::Cube { side_mm: SIDE_MM, periodic: Periodic(axes) };
-    let mut spec = Spec { fraction: 0.45, specimen, seed, ..Default::default() };
+    let mut spec = Spec { fraction, specimen, seed, ..Default::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     meso_core::pack(&spec, &Silent).unwrap()
 }
@@ -42,7 +46,7 @@ fn side(mesh: &Mesh, axis: usize, place: f64) -> Vec<([[u64; 2]; 3], u32)> {
 
 #[test]
 fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_of_the_same_aggregates() {
-    for (axes, seed) in [([true; 3], 1), ([true, false, false], 2), ([false, true, true], 3)] {
+    for (axes, seed) in [([true; 3], 1), ([false, true, true], 3)] {
         let model = packed(axes, seed);
         let Some(mesh) = conforming(&model, ItzForm::None) else { return };
         assert_eq!(mesh.periodic, axes);
@@ -111,7 +115,7 @@ fn the_solid_itz_leaves_the_surfaces_of_a_periodic_box_as_they_are_and_matches_a
 
 /// Meshes with gmsh, whose first `spoilt` outputs have a node on XMAX that is not opposite to the one on XMIN.
 fn with_lone_nodes(spoilt: usize) -> (Result<Mesh, String>, usize) {
-    let model = packed([true; 3], 1);
+    let model = packed_to(0.2, [true; 3], 1);
     let options =
         MeshOptions { method: Method::CONFORMING, itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
     let runs = AtomicUsize::new(0);
@@ -187,7 +191,7 @@ fn one_command_packs_a_periodic_box_for_gmsh_and_ties_its_faces() {
         return;
     }
     let folder = Folder::new();
-    let spec = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 40, periodic = ['x', 'y', 'z'] }\n";
+    let spec = "fraction = 0.3\nspecimen = { kind = 'cube', side_mm = 30, periodic = ['x', 'y', 'z'] }\n";
     folder.write("box.toml", spec);
     let flags = ["--method", "conforming", "--element-size-mm", "5", "--analysis", "elastic"];
     let run = folder.run(&[&["pack", "box.toml", "-o", "m.inp", "--periodic-equations"][..], &flags].concat());

@@ -176,7 +176,7 @@ mod signals {
 
     /// The quick test in so many steps that it can be caught on its way.
     const LONG: [&str; 10] =
-        ["solve", "small.json", "--element-size-mm", "5", "--strain", "0.003", "--frames", "4", "--time-step", "2e-8"];
+        ["solve", "small.json", "--element-size-mm", "5", "--strain", "0.003", "--frames", "4", "--time-step", "4e-8"];
 
     fn signal(child: &Child, name: &str) {
         assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());

@@ -16,9 +16,12 @@ use std::sync::LazyLock;
 
 /// A small packing of the paper's grains: some are so close that elements of 2 mm join them.
 fn grains() -> (Vec<Aggregate>, Specimen) {
-    let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(32.0), ..Default::default() };
-    spec.placement.min_gap_mm = 0.3;
-    (meso_core::pack(&spec, &Silent).unwrap().aggregates, spec.specimen)
+    static GRAINS: LazyLock<(Vec<Aggregate>, Specimen)> = LazyLock::new(|| {
+        let mut spec = Spec { fraction: 0.4, specimen: Specimen::cube(32.0), ..Default::default() };
+        spec.placement.min_gap_mm = 0.3;
+        (meso_core::pack(&spec, &Silent).unwrap().aggregates, spec.specimen)
+    });
+    GRAINS.clone()
 }
 
 fn meshed(options: MeshOptions) -> Mesh {
@@ -30,9 +33,14 @@ fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
     meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
 }
 
-/// Joined aggregates kept, without and with cohesive elements: what several tests look at.
+// What several tests look at. Joined aggregates kept, without and with cohesive elements.
 static KEPT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::None, Joined::Keep, Volumes::Fitted));
 static COHESIVE: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted));
+// Parted by whole cells, without and with an ITZ, and by cut ones; cut, with the grains' volumes.
+static MORTAR: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::None, Joined::Mortar, Volumes::Fitted));
+static SMEARED: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted));
+static CUT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::None, Joined::Cut, Volumes::Fitted));
+static EXACT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact));
 
 fn compression() -> DeckOptions {
     DeckOptions { analysis: Analysis::Compression, ..Default::default() }
@@ -87,29 +95,33 @@ fn an_analysis_of_joined_aggregates_is_refused_with_the_way_out() {
 
 #[test]
 fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
-    for (method, size, how) in [
-        (Method::FITTED, 2.0, Joined::Mortar),
-        (Method::FITTED, 2.0, Joined::Cut),
-        (Method::VOXEL, 1.0, Joined::Mortar),
-    ] {
-        let options =
-            |joined| MeshOptions { method, itz: ItzForm::None, joined, element_size_mm: size, ..Default::default() };
-        let (kept, parted) = (meshed(options(Joined::Keep)), meshed(options(how)));
-        assert!(shared_by_cores(&kept) > 20, "{method:?}");
-        assert_eq!((shared_by_cores(&parted), parted.joined_aggregates()), (0, (0, 0)), "{method:?}");
-        assert_eq!(parted.notes.parted_nodes, shared_by_cores(&kept));
-        let volumes = [&kept, &parted].map(PhaseVolumes::of_mesh);
+    let voxels = |joined| {
+        meshed(MeshOptions {
+            method: Method::VOXEL,
+            itz: ItzForm::None,
+            joined,
+            element_size_mm: 1.0,
+            ..Default::default()
+        })
+    };
+    let voxels = [Joined::Keep, Joined::Mortar].map(voxels);
+    for (what, kept, parted) in
+        [("whole cells", &*KEPT, &*MORTAR), ("cut cells", &KEPT, &CUT), ("voxels", &voxels[0], &voxels[1])]
+    {
+        assert!(shared_by_cores(kept) > 20, "{what}");
+        assert_eq!((shared_by_cores(parted), parted.joined_aggregates()), (0, (0, 0)), "{what}");
+        assert_eq!(parted.notes.parted_nodes, shared_by_cores(kept));
+        let volumes = [kept, parted].map(PhaseVolumes::of_mesh);
         assert!((volumes[0].total() - volumes[1].total()).abs() < 1e-8 * volumes[0].total());
         let lost = volumes[0].aggregate - volumes[1].aggregate;
-        assert!((lost - parted.notes.parted_mm3).abs() < 1e-8 * volumes[0].total() && lost > 0.0, "{method:?}");
-        assert_eq!(outer_faces(&kept).len(), outer_faces(&parted).len(), "{method:?}: it holds together as before");
+        assert!((lost - parted.notes.parted_mm3).abs() < 1e-8 * volumes[0].total() && lost > 0.0, "{what}");
+        assert_eq!(outer_faces(kept).len(), outer_faces(parted).len(), "{what}: it holds together as before");
     }
 }
 
 #[test]
 fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
-    let [whole, cut] = [Joined::Mortar, Joined::Cut].map(|joined| lattice(ItzForm::None, joined, Volumes::Fitted));
-    let kept = &*KEPT;
+    let (kept, whole, cut) = (&*KEPT, &*MORTAR, &*CUT);
     assert!(whole.points == kept.points && whole.cells == kept.cells, "no element is made smaller");
     let became_mortar = kept.phase.iter().zip(&whole.phase).filter(|(a, b)| a != b).count();
     assert_eq!((became_mortar, became_mortar), (whole.notes.parted_cells, kept.joining_cells().len()));
@@ -131,12 +143,12 @@ fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
     let exact: f64 = grains().0.iter().map(|grain| grain.body.volume()).sum();
     let error = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).aggregate / exact - 1.0;
     let fitted = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Fitted);
-    let restored = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
+    let restored = &*EXACT;
     assert!(error(&fitted) < -0.01, "{}", error(&fitted));
-    assert!(error(&restored).abs() < 0.005, "{}", error(&restored));
+    assert!(error(restored).abs() < 0.005, "{}", error(restored));
     let sharpest =
         |mesh: &Mesh| quality::CellQuality::of_cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
-    assert!(sharpest(&restored) > sharpest(&fitted).min(9.0) - 1e-9);
+    assert!(sharpest(restored) > sharpest(&fitted).min(9.0) - 1e-9);
     assert_eq!(restored.cells, fitted.cells);
 }
 
@@ -146,16 +158,19 @@ fn split_gaps_leave_no_edge_of_mortar_from_one_aggregate_to_another() {
         let narrow_gaps = NarrowGaps::Split;
         meshed(MeshOptions { method, itz, joined, narrow_gaps, element_size_mm: 2.0, ..Default::default() })
     };
-    for (itz, joined) in
-        [(ItzForm::None, Joined::Cut), (ItzForm::Smeared, Joined::Mortar), (ItzForm::Solid, Joined::Keep)]
-    {
-        let (mesh, kept) = (split(Method::FITTED, itz, joined), lattice(itz, joined, Volumes::Fitted));
+    let solid = lattice(ItzForm::Solid, Joined::Keep, Volumes::Fitted);
+    for (itz, joined, kept) in [
+        (ItzForm::None, Joined::Cut, &*CUT),
+        (ItzForm::Smeared, Joined::Mortar, &SMEARED),
+        (ItzForm::Solid, Joined::Keep, &solid),
+    ] {
+        let mesh = split(Method::FITTED, itz, joined);
         assert!(mesh.notes.split_gap_edges > 100, "{itz:?}: {}", mesh.notes.split_gap_edges);
-        assert_eq!(bridges(&kept), mesh.notes.split_gap_edges, "{itz:?}");
+        assert_eq!(bridges(kept), mesh.notes.split_gap_edges, "{itz:?}");
         assert_eq!(bridges(&mesh), 0, "{itz:?}");
         assert_eq!(mesh.points[..kept.points.len()], kept.points, "nodes stay where they are");
-        assert!((outer_area(&mesh) / outer_area(&kept) - 1.0).abs() < 1e-9, "{itz:?}: neighbours agree on their faces");
-        let volumes = [&mesh, &kept].map(PhaseVolumes::of_mesh);
+        assert!((outer_area(&mesh) / outer_area(kept) - 1.0).abs() < 1e-9, "{itz:?}: neighbours agree on their faces");
+        let volumes = [&mesh, kept].map(PhaseVolumes::of_mesh);
         assert!((volumes[0].aggregate - volumes[1].aggregate).abs() < 1e-9 * volumes[1].total());
         assert!((volumes[0].total() - volumes[1].total()).abs() < 1e-9 * volumes[1].total());
         assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0));
@@ -191,7 +206,7 @@ fn outer_area(mesh: &Mesh) -> f64 {
 
 #[test]
 fn the_smeared_itz_is_the_mortar_with_a_face_on_an_aggregate() {
-    let mesh = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted);
+    let mesh = &*SMEARED;
     let mut behind: BTreeMap<Vec<u32>, Vec<usize>> = BTreeMap::new();
     for (number, cell) in mesh.cells().enumerate() {
         for face in mesh.kind.faces() {
@@ -210,7 +225,7 @@ fn the_smeared_itz_is_the_mortar_with_a_face_on_an_aggregate() {
     }
     let smeared: BTreeSet<usize> = (0..mesh.cell_count()).filter(|&cell| mesh.phase[cell] == Phase::Itz).collect();
     assert!(smeared == at_aggregate && smeared.len() > 1000, "{} {}", smeared.len(), at_aggregate.len());
-    let deck = Deck::read(&deck(&mesh, &compression()));
+    let deck = Deck::read(&deck(mesh, &compression()));
     assert_eq!(deck.element_sets["ITZ"].len(), smeared.len());
     // As stiff as mortar, and of 0.7 times its strength.
     let elastic = |name: &str| card(&deck, name, "ELASTIC").data.clone();
@@ -302,7 +317,7 @@ fn side_cut() -> Mesh {
 fn the_step_is_told_by_its_cards() {
     let mut options = compression();
     (options.loading.duration_s, options.loading.time_increment_s, options.loading.frames) = (0.01, 2e-7, 3);
-    let deck = Deck::read(&deck(&lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted), &options));
+    let deck = Deck::read(&deck(&SMEARED, &options));
     let step = deck.step.as_ref().unwrap();
     assert_eq!(step.card("DYNAMIC").unwrap().data, [["", "0.01"]]);
     assert_eq!(step.card("FIXED MASS SCALING").unwrap().parameter("DT"), "2e-7");
@@ -326,15 +341,15 @@ fn the_step_is_told_by_its_cards() {
 
 #[test]
 fn mortar_that_will_hardly_soften_in_the_step_is_doubted() {
-    let mesh = lattice(ItzForm::Smeared, Joined::Mortar, Volumes::Fitted);
-    assert!(compression().doubts(&mesh, None).is_empty(), "{:?}", compression().doubts(&mesh, None));
-    let strain = compression().half_strength_strain(&mesh).unwrap();
+    let mesh = &*SMEARED;
+    assert!(compression().doubts(mesh, None).is_empty(), "{:?}", compression().doubts(mesh, None));
+    let strain = compression().half_strength_strain(mesh).unwrap();
     assert!((0.001..0.006).contains(&strain), "{strain}");
     let strength = Strength { crushing_energy_n_per_mm: 6.0, ..Strength::default() };
     let materials = Materials { mortar_strength: strength, ..Materials::default() };
-    let doubts = DeckOptions { materials, ..compression() }.doubts(&mesh, None);
+    let doubts = DeckOptions { materials, ..compression() }.doubts(mesh, None);
     assert!(doubts.len() == 1 && doubts[0].contains("hardly soften"), "{doubts:?}");
-    let bonded = compression().doubts(&lattice(ItzForm::None, Joined::Mortar, Volumes::Fitted), None);
+    let bonded = compression().doubts(&MORTAR, None);
     assert!(bonded.len() == 1 && bonded[0].contains("without an ITZ"), "{bonded:?}");
 }
 
@@ -402,8 +417,7 @@ fn mass_scaling_is_told_by_phase() {
 /// From the cards alone: the volumes of the sets, as a solver that is driven by the deck would find them.
 #[test]
 fn a_deck_holds_the_whole_specimen() {
-    let mesh = lattice(ItzForm::Smeared, Joined::Cut, Volumes::Exact);
-    let deck = Deck::read(&deck(&mesh, &compression()));
+    let deck = Deck::read(&deck(&EXACT, &compression()));
     let volume = |set: &str| -> f64 {
         let cell = |number: &u64| {
             let [a, b, c, d] = [0, 1, 2, 3].map(|i| Vec3::from(deck.nodes[&deck.elements[number].nodes[i]]));

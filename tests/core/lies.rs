@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 const SPEC: &str = r#"
     fraction = 0.3
-    specimen = { kind = "cube", side_mm = 40 }
+    specimen = { kind = "cube", side_mm = 30 }
     grading = { d_max_mm = 16, classes_mm = [5, 10, 16] }
     placement = { min_gap_mm = 0.05, wall_gap_mm = 0.1 }
     [voids]
@@ -150,8 +150,8 @@ const FILE: [Lie; 27] = [
         f["report"]["seed"] = json!(2);
     }),
     ("another specimen", |f| {
-        f["specimen"]["side_mm"] = json!(41.0);
-        f["spec"]["specimen"]["side_mm"] = json!(41.0);
+        f["specimen"]["side_mm"] = json!(31.0);
+        f["spec"]["specimen"]["side_mm"] = json!(31.0);
     }),
     ("an aggregate less", |f| {
         let count = f["aggregates"].as_array().unwrap().len();
@@ -221,7 +221,7 @@ const BODIES: [Lie; 17] = [
     ("a face less", |f| drop(f["aggregates"][0]["faces"].as_array_mut().unwrap().pop())),
     ("a corner inwards by a nanometre", |f| {
         let vertex = &mut f["aggregates"][0]["vertices"][0];
-        let middle = [20.0; 3];
+        let middle = [15.0; 3];
         (0..3).for_each(|k| {
             let x = vertex[k].as_f64().unwrap();
             vertex[k] = json!(x + 1e-3 * (middle[k] - x).signum());
@@ -230,7 +230,7 @@ const BODIES: [Lie; 17] = [
     ("a corner far off", |f| f["aggregates"][0]["vertices"][0][0] = json!(1e7)),
     ("a mirrored body", |f| {
         for vertex in f["aggregates"][0]["vertices"].as_array_mut().unwrap() {
-            vertex[0] = json!(40.0 - vertex[0].as_f64().unwrap());
+            vertex[0] = json!(30.0 - vertex[0].as_f64().unwrap());
         }
     }),
     ("a void that is a fibre", |f| f["inclusions"][0]["phase"] = json!("fibre")),

@@ -109,8 +109,8 @@ fn the_distance_of_interfaces_tells_nodes_that_are_off_from_nodes_that_close_gap
 fn where_a_face_hardly_rises_from_the_specimens_side_nodes_become_one_with_others_on_it() {
     // With places for the nodes alone the smallest angle is 9.03 degrees.
     let body = block([-6.0; 3], [6.0; 3]).rotated(&Rotation::from_euler_angles(0.01, 0.013, 0.4));
-    let place = Vec3::new(12.0, 12.0, 0.02 - body.aabb().min.z);
-    let (blocks, specimen) = ([aggregate(0, body.translated(&place), 0.5)], Specimen::cube(24.0));
+    let place = Vec3::new(9.0, 9.0, 0.02 - body.aabb().min.z);
+    let (blocks, specimen) = ([aggregate(0, body.translated(&place), 0.5)], Specimen::cuboid([18.0, 18.0, 15.0]));
     let options = MeshOptions { method: Method::FITTED, itz: ItzForm::None, ..Default::default() };
     let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
     let distance = InterfaceDistance::of(&mesh, &blocks, &specimen);
@@ -143,12 +143,13 @@ fn a_gap_to_a_side_thinner_than_the_elements_is_counted_where_they_close_it_and_
 
 #[test]
 fn a_fitted_mesh_is_identical_at_one_and_four_threads() {
-    let model = packed(Specimen::cube(40.0), 0.5, 3);
+    let model = packed(Specimen::cube(30.0), 0.5, 3);
     let mesh = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| fitted(&model, 2.0))
     };
-    assert_eq!(mesh(1), mesh(4));
+    let mesh = [1, 4].map(mesh);
+    assert!(mesh[0].notes.closed_gaps > 100 && mesh[0] == mesh[1]);
 }
 
 /// Two blocks of 8 mm, `gap` mm from each other, turned against the axes together.
@@ -209,7 +210,8 @@ fn opposite_faces_of_a_periodic_box_match_node_for_node() {
             for axis in 0..3 {
                 let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
                 assert!(low.len() >= 225);
-                let only = |a: &[Vec<[i64; 2]>], b: &[Vec<[i64; 2]>]| a.iter().filter(|f| !b.contains(f)).count();
+                let only =
+                    |a: &[Vec<[i64; 2]>], b: &[Vec<[i64; 2]>]| a.iter().filter(|f| b.binary_search(f).is_err()).count();
                 let lone = only(&low, &high) + only(&high, &low);
                 assert_eq!(lone, 0, "{method:?} {itz:?}, axis {axis}: of {}", low.len());
             }

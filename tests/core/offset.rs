@@ -67,7 +67,7 @@ fn well_shaped_bodies_keep_twelve_digits() {
 #[test]
 #[ignore = "slow tier"]
 fn many_well_shaped_bodies_keep_twelve_digits() {
-    keep_twelve_digits(3);
+    keep_twelve_digits(6);
 }
 
 /// Of `many` times the least number of bodies.
@@ -75,11 +75,11 @@ fn keep_twelve_digits(many: usize) {
     let mut source = Source::new(30);
     let few = |clouds: Vec<Cloud>| clouds.into_iter().filter(|c| c.points.len() < 16).collect::<Vec<_>>();
     let families = [
-        few(paper(&mut source, 8 * many)),
-        few(lattices(&mut source, 20 * many)),
-        few(duplicates(&mut source, 12 * many)),
+        few(paper(&mut source, 4 * many)),
+        few(lattices(&mut source, 10 * many)),
+        few(duplicates(&mut source, 6 * many)),
         few(coplanar(&mut source)),
-        few(scaled(&mut source, 16 * many)),
+        few(scaled(&mut source, 8 * many)),
     ];
     for family in families {
         let score = score(&family);

@@ -150,7 +150,7 @@ fn grains_keep_the_least_gap_asked_for() {
 
 #[test]
 fn a_packing_that_cannot_be_ends_with_what_fits_and_says_so() {
-    let model = packed(&Spec { specimen: Specimen::cube(26.0), ..small(0.80) });
+    let model = packed(&Spec { specimen: Specimen::cube(22.0), ..small(0.80) });
     assert_eq!(model.report.stop_reason, StopReason::Jammed);
     assert!(model.report.fraction > 0.3, "{}", model.report.fraction);
     assert_apart(&model);

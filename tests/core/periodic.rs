@@ -67,19 +67,19 @@ fn no_grain_meets_an_image_in_one_two_or_three_directions() {
         ([false, true, false], Strategy::Rearrange, 0.55),
         ([true, false, true], Strategy::Rearrange, 0.55),
     ] {
-        let model = packed(periodic(60.0, axes), strategy, fraction);
+        let model = packed(periodic(45.0, axes), strategy, fraction);
         assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
         assert!(assert_apart_with_images(&model) > 50, "grains cross the faces");
         assert_eq!(check(&model).findings, []);
         let (mut inside, mut crossing) = (true, [false; 3]);
         for v in model.aggregates.iter().flat_map(|a| a.body.vertices()) {
-            (0..3).filter(|&i| !axes[i]).for_each(|i| inside &= (0.0..=60.0).contains(&v[i]));
-            (0..3).for_each(|i| crossing[i] |= !(0.0..=60.0).contains(&v[i]));
+            (0..3).filter(|&i| !axes[i]).for_each(|i| inside &= (0.0..=45.0).contains(&v[i]));
+            (0..3).for_each(|i| crossing[i] |= !(0.0..=45.0).contains(&v[i]));
         }
         assert!(inside && crossing == axes, "{axes:?}: {crossing:?}");
         // Counted once each, whole.
         let volume: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
-        assert!((volume / 216_000.0 - model.report.fraction).abs() < 1e-12);
+        assert!((volume / 91_125.0 - model.report.fraction).abs() < 1e-12);
     }
 }
 

@@ -246,7 +246,8 @@ pub(crate) fn modulus_by_force(text: &str) -> Option<f64> {
 
 #[test]
 fn one_material_has_its_own_modulus_and_the_strain_is_the_same_all_over() {
-    let mesh = meshed([true; 3], Method::VOXEL);
+    let options = MeshOptions { element_size_mm: 3.0, itz: ItzForm::None, ..Default::default() };
+    let mesh = mesh::build(&packed([true; 3]), &options).unwrap();
     let mortar = Materials::default().mortar;
     let Some(solved) = solve(&mesh, Materials { aggregate: mortar, itz: mortar, ..Materials::default() }) else {
         return;
