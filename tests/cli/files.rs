@@ -104,11 +104,14 @@ fn a_reader_that_goes_away_is_no_failure() {
 #[cfg(unix)]
 fn a_full_standard_output_is_a_failure() {
     let folder = Folder::with_spec();
-    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
-    let output = folder.command(&["pack", "small.toml", "-o", "-"]).stdout(full).output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert!(message.contains("error: standard output: No space left on device"), "{message}");
+    for args in [&["pack", "small.toml", "-o", "-"][..], &["--help"], &["mesh", "--help"], &["--version"], &["recipes"]]
+    {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = folder.command(args).stdout(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{args:?}");
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(message.contains("error: standard output: No space left on device"), "{args:?}: {message}");
+    }
 }
 
 #[test]

@@ -68,3 +68,13 @@ fn messages_of_pack_and_tables_of_check() {
     assert_snapshot!("check_json", without_figures(&json));
     assert_eq!(folder.run(&["pack", "small.toml", "--force", "--quiet"]).stderr, "");
 }
+
+#[test]
+fn commands_that_show_the_guarantees_are_those_of_the_command() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guarantees.md")).unwrap();
+    let shown: Vec<&str> = page.split('`').filter(|code| code.starts_with("mesocrete ")).collect();
+    assert!(shown.len() > 5, "{shown:?}");
+    for line in shown {
+        assert_eq!(meso_cli::validate(line.split(' ').map(Into::into)), Ok(()), "{line}");
+    }
+}

@@ -39,6 +39,10 @@ fn scale(value: &mut Value, factor: f64) {
     *value = json!(value.as_f64().unwrap() * factor);
 }
 
+fn one_ulp_up(value: &mut Value) {
+    *value = json!(value.as_f64().unwrap().next_up());
+}
+
 fn add(value: &mut Value, more: i64) {
     *value = json!(value.as_i64().unwrap() + more);
 }
@@ -63,11 +67,13 @@ fn shift(body: &mut Value, by: [f64; 3]) {
 
 type Lie = (&'static str, fn(&mut Value));
 
-const REPORT: [Lie; 35] = [
+const REPORT: [Lie; 37] = [
     ("fraction a millionth higher", |f| scale(&mut f["report"]["fraction"], 1.0 + 1e-6)),
     ("fraction by 1e-11", |f| scale(&mut f["report"]["fraction"], 1.0 + 1e-11)),
     ("fraction of 7", |f| f["report"]["fraction"] = json!(7)),
     ("target of the report", |f| f["report"]["target_fraction"] = json!(0.9)),
+    ("target of the report by one ulp", |f| one_ulp_up(&mut f["report"]["target_fraction"])),
+    ("volume of the specimen by one ulp", |f| one_ulp_up(&mut f["report"]["specimen"]["volume_mm3"])),
     ("target of a class", |f| scale(&mut f["report"]["classes"][0]["target_fraction"], 0.5)),
     ("fraction of a class", |f| scale(&mut f["report"]["classes"][1]["fraction"], 3.0)),
     ("fractions of two classes exchanged", |f| {
@@ -111,7 +117,7 @@ const REPORT: [Lie; 35] = [
     ("no phases", |f| drop_key(&mut f["report"], "phases")),
 ];
 
-const FILE: [Lie; 25] = [
+const FILE: [Lie; 27] = [
     ("no report", |f| drop_key(f, "report")),
     ("an empty report", |f| f["report"] = Value::Null),
     ("no report and three aggregates", |f| {
@@ -134,6 +140,8 @@ const FILE: [Lie; 25] = [
         f["mesocrete"] = json!("0.0.1");
         f["report"]["version"] = json!("0.0.1");
     }),
+    ("a version of two numbers", |f| f["mesocrete"] = json!("0.1")),
+    ("a version and more", |f| f["mesocrete"] = json!("0.1.0 ")),
     ("a report of a later version", |f| f["report"]["version"] = json!("0.1.1")),
     ("a report of no version", |f| f["report"]["version"] = json!("new")),
     ("another seed", |f| {
@@ -159,7 +167,7 @@ const FILE: [Lie; 25] = [
     ("ids that jump", |f| add(&mut f["aggregates"][4]["id"], 1)),
 ];
 
-const SPEC_LIES: [Lie; 17] = [
+const SPEC_LIES: [Lie; 19] = [
     ("asked for 0.9", |f| f["spec"]["fraction"] = json!(0.9)),
     ("asked for 0.9, and the report says so", |f| {
         f["spec"]["fraction"] = json!(0.9);
@@ -170,7 +178,9 @@ const SPEC_LIES: [Lie; 17] = [
         f["report"]["target_fraction"] = json!(0.1);
         (0..2).for_each(|c| scale(&mut f["report"]["classes"][c]["target_fraction"], 1.0 / 3.0));
     }),
-    ("another curve", |f| f["spec"]["grading"]["curve"]["n"] = json!(0.4)),
+    ("asked for one ulp more", |f| one_ulp_up(&mut f["spec"]["fraction"])),
+    ("a class limit one ulp up", |f| one_ulp_up(&mut f["spec"]["grading"]["classes_mm"][1])),
+    ("another curve", |f| f["spec"]["grading"]["curve"]["exponent"] = json!(0.4)),
     ("a raw curve", |f| f["spec"]["grading"]["form"] = json!("raw")),
     ("other class limits", |f| f["spec"]["grading"]["classes_mm"] = json!([5.0, 11.0, 16.0])),
     ("sieve sizes", |f| f["spec"]["grading"]["size"] = json!("sieve")),
@@ -191,8 +201,7 @@ const BODIES: [Lie; 17] = [
     ("an ITZ thicker than asked", |f| f["aggregates"][0]["itz_thickness_mm"] = json!(0.75)),
     ("an ITZ within the range that was not drawn", |f| f["aggregates"][0]["itz_thickness_mm"] = json!(0.25)),
     ("an ITZ one ulp thicker", |f| {
-        let thickness = f["aggregates"][0]["itz_thickness_mm"].as_f64().unwrap();
-        f["aggregates"][0]["itz_thickness_mm"] = json!(thickness.next_up());
+        one_ulp_up(&mut f["aggregates"][0]["itz_thickness_mm"]);
     }),
     ("no ITZ at all", |f| {
         f["aggregates"].as_array_mut().unwrap().iter_mut().for_each(|a| a["itz_thickness_mm"] = json!(0.0));

@@ -290,6 +290,29 @@ fn a_box_is_as_stiff_where_its_void_ends_at_faces_edges_and_a_corner_as_with_the
     }
 }
 
+/// A grain ends at the upper face across x, behind which mortar lies, beside a void that ends at the box's lower edge or
+/// corner: of some positions the lower faces have no node.
+#[test]
+fn materials_that_meet_across_a_face_are_joined_where_a_void_leaves_no_node_on_the_lower_faces() {
+    let specimen = Specimen::Cube { side_mm: 6.0, periodic: Periodic::ALL };
+    let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::Cohesive, ..Default::default() };
+    let grain = aggregate(0, block([4.0; 3], [6.0; 3]), 0.1);
+    for void in [[2.0, 2.0, 6.0], [2.0; 3]] {
+        let void = Aggregate { id: 1, kind: Kind::Void, ..aggregate(1, block([0.0; 3], void), 0.0) };
+        let mesh = mesh::build_parts(&[grain.clone(), void], &specimen, &options).unwrap();
+        assert_eq!(mesh.cohesive().len(), 6 * 4, "four voxels on each side of the grain");
+        let mut alone: BTreeSet<u32> = (0..mesh.points.len() as u32).collect();
+        for node in mesh.cells().chain(mesh.cohesive()).flatten() {
+            alone.remove(node);
+        }
+        assert_eq!(alone, BTreeSet::new(), "nodes of no element");
+        assert_eq!(tied(Analysis::None).validate(&mesh), Ok(()));
+        let equations = equations(&deck(&mesh, &tied(Analysis::None)));
+        let eliminated: BTreeSet<_> = equations.iter().map(|terms| (terms[0].0, terms[0].1)).collect();
+        assert_eq!(eliminated.len(), equations.len());
+    }
+}
+
 #[test]
 fn matched_nodes_differ_by_the_prescribed_jump_and_the_modulus_lies_between_the_bounds() {
     let mut moduli = Vec::new();

@@ -78,21 +78,34 @@ fn model(side_mm: f64) -> Model {
     pack(&Spec::from_toml(&spec).unwrap(), &Silent).unwrap()
 }
 
-/// A file of `times` times as many grains, one in the other, that the reader takes as they are.
-fn repeated(model: &Model, times: usize) -> Vec<u8> {
+/// `times` times as many grains, one in the other, that the reader takes as they are.
+fn repeated(model: &Model, times: usize) -> Model {
     let mut model = model.clone();
     model.aggregates = std::iter::repeat_n(&model.aggregates, times).flatten().cloned().collect();
     (0..).zip(&mut model.aggregates).for_each(|(id, aggregate)| aggregate.id = id);
     model.report.aggregates = model.aggregates.len();
+    model
+}
+
+fn written(model: &Model) -> Vec<u8> {
     let mut text = Vec::new();
-    saved::write(&model, &mut text).unwrap();
+    saved::write(model, &mut text).unwrap();
     text
 }
 
 #[test]
 fn the_reader_of_a_large_model_ends_when_it_is_told_to() {
-    let text = repeated(&model(60.0), 50);
+    let text = written(&repeated(&model(60.0), 50));
     ends_soon("read", &[20, 60], || saved::read(&text).is_ok());
+}
+
+/// Work of one kind for each grain, some seconds of it, has its end after any of them.
+#[test]
+fn shapes_of_many_grains_end_when_they_are_told_to() {
+    let many = repeated(&model(40.0), 400);
+    ends_soon("shapes", &[10, 100], || {
+        Statistics::of(&many, &Options { lines: 0, points: 0, ..Options::default() }).is_ok()
+    });
 }
 
 #[test]
@@ -139,7 +152,7 @@ fn slow_no_step_of_any_stage_keeps_the_end_waiting() {
     // No step of 0.8 s is missed.
     let moments: Vec<u64> = (0..20).map(|k| 25 + 300 * k).collect();
     let small = model(60.0);
-    let text = repeated(&small, 200);
+    let text = written(&repeated(&small, 200));
     ends_soon("read", &moments, || saved::read(&text).is_ok());
     drop(text);
     let spec = Spec::from_toml("fraction = 0.55\nspecimen = { kind = 'cube', side_mm = 150 }").unwrap();

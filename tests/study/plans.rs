@@ -57,6 +57,15 @@ fn a_kind_and_its_size_are_axes_in_any_order() {
 }
 
 #[test]
+fn a_law_and_its_limits_are_axes_in_any_order() {
+    let (law, low) = (("shape.elongation.law", json!(["uniform"])), ("shape.elongation.min", json!([0.5, 0.6])));
+    let high = ("shape.elongation.max", json!([0.9]));
+    let [first, last] = [[law.clone(), low.clone(), high.clone()], [low, high, law]].map(|axes| plan(&axes).unwrap());
+    assert_eq!(first.cases.len(), 2);
+    assert!(first.cases.iter().zip(&last.cases).all(|(a, b)| a.hash == b.hash));
+}
+
+#[test]
 fn the_hash_is_of_the_complete_spec() {
     let one = |values| plan(&[("fraction", values)]).unwrap().cases[0].clone();
     // A whole number is the same number.

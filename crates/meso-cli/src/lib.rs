@@ -16,6 +16,8 @@ use clap::Parser;
 use commands::{Cli, Command};
 use failure::Failure;
 use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 /// Runs the command with `args` (the program's name first) and returns its exit code.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
@@ -63,8 +65,14 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
     }
 }
 
-/// Help and version go to stdout and are no failure; any other error is wrong usage.
+/// Help and version go to stdout and are no failure, unless they cannot be written; any other error is wrong usage.
 fn usage(error: &clap::Error) -> u8 {
-    let _ = error.print();
-    u8::from(error.use_stderr()) * failure::USAGE
+    let told = error.print().and_then(|()| std::io::stdout().flush());
+    match told {
+        _ if error.use_stderr() => failure::USAGE,
+        Err(unwritten) if unwritten.kind() != ErrorKind::BrokenPipe => {
+            Failure::file(Path::new("standard output"), &unwritten).print()
+        }
+        _ => 0,
+    }
 }

@@ -1,9 +1,10 @@
 //! Loops shared among threads, each compiled once for a type of result: a loop that names rayon's iterators has all of
 //! their machinery compiled for its closures, a tenth of a second of each build.
 //!
-//! An item costs a call through a pointer, 2 ns, so what is cheaper than that goes in runs. All loops keep the order of
-//! their items, and end early where one of them panics, as [`stop::point`](crate::stop::point) does.
+//! An item costs a call through a pointer, 2 ns, and a [`stop::point`], so what is cheaper than that goes in runs. All loops
+//! keep the order of their items, and end early where one of them panics, as a stop does.
 
+use crate::stop;
 use rayon::prelude::*;
 
 /// `of(i)` for every number below `count`.
@@ -14,6 +15,10 @@ pub(crate) fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<
 fn mapped<T: Send>(count: usize, of: &(dyn Fn(usize) -> T + Sync)) -> Vec<T> {
     // `collect` compiles a second loop, for iterators of unknown length.
     let mut all = Vec::new();
+    let of = |i: usize| {
+        stop::point();
+        of(i)
+    };
     (0..count).into_par_iter().panic_fuse().map(of).collect_into_vec(&mut all);
     all
 }
@@ -77,7 +82,10 @@ pub(crate) fn chunks_mut<T: Send>(items: &mut [T], size: usize, of: impl Fn(usiz
 }
 
 fn changed<T: Send>(items: &mut [T], size: usize, of: &(dyn Fn(usize, &mut [T]) + Sync)) {
-    items.par_chunks_mut(size).enumerate().panic_fuse().for_each(|(i, run)| of(i, run));
+    items.par_chunks_mut(size).enumerate().panic_fuse().for_each(|(i, run)| {
+        stop::point();
+        of(i, run);
+    });
 }
 
 /// Short items that are called for together.

@@ -23,7 +23,6 @@ use crate::model::Model;
 use crate::packing::{ClassReport, Container, images_near};
 use crate::parallel;
 use crate::spec::SpecError;
-use crate::stop;
 use index::Index;
 use serde::{Deserialize, Serialize};
 
@@ -170,10 +169,6 @@ struct Sample<'a> {
 
 /// The sum in list order of figures computed in parallel.
 fn ordered_sum(aggregates: &[Aggregate], figure: impl Fn(&Aggregate) -> f64 + Sync + Send) -> f64 {
-    let figure = |aggregate: &Aggregate| {
-        stop::point();
-        figure(aggregate)
-    };
     parallel::map_each(aggregates, figure).iter().sum()
 }
 
@@ -182,10 +177,7 @@ fn in_order<T: Send>(batches: u32, figures: impl Fn(u32) -> T + Sync + Send, mut
     const HELD: u32 = 512;
     for first in (0..batches).step_by(HELD as usize) {
         let last = batches.min(first.saturating_add(HELD));
-        let held = parallel::map((last - first) as usize, |k| {
-            stop::point();
-            figures(first + k as u32)
-        });
+        let held = parallel::map((last - first) as usize, |k| figures(first + k as u32));
         held.into_iter().for_each(&mut join);
     }
 }

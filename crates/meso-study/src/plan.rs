@@ -119,17 +119,21 @@ fn with_specimen(base: &Value, axes: &[Axis]) -> Value {
 
 fn case(base: &Value, values: &[(&str, &Value)], task: &Value, files: &mut dyn Files) -> Result<Case, PlanError> {
     let (mut tree, mut task) = (base.clone(), task.clone());
-    // Another kind of section drops the options of the one before, so it comes before its own.
-    let (kinds, others): (Vec<_>, Vec<_>) = values.iter().partition(|(key, _)| key.ends_with(".kind"));
-    for (key, value) in kinds.into_iter().chain(others) {
-        let is_task = TASKS.iter().any(|name| is_part(key, name));
-        let change = key
-            .rsplit('.')
-            .fold((*value).clone(), |inner, name| Value::Object(Map::from_iter([(name.to_owned(), inner)])));
-        Spec::overlay(if is_task { &mut task } else { &mut tree }, change);
-    }
+    let (of_task, of_spec) = values.iter().partition(|(key, _)| TASKS.iter().any(|name| is_part(key, name)));
+    Spec::overlay(&mut tree, one_tree(of_spec));
+    Spec::overlay(&mut task, one_tree(of_task));
     let spec = Spec::from_value_with(&tree, files).map_err(|error| PlanError::Spec(describe(values), error))?;
     Ok(Case::new(values, spec, task))
+}
+
+/// The values at their paths, of which none is a part of another.
+fn one_tree(values: Vec<&(&str, &Value)>) -> Value {
+    let mut tree = Value::Object(Map::new());
+    for (key, value) in values {
+        let place = key.split('.').fold(&mut tree, |section, name| &mut section[name]);
+        *place = (*value).clone();
+    }
+    tree
 }
 
 /// `seed = 3, fraction = 0.4`.

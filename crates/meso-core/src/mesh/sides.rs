@@ -220,7 +220,8 @@ impl<'a> Spots<'a> {
 /// A node on a face across which the box repeats itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Twin {
-    /// The lowest node at the image that lies on no upper face: one number for all images of a position.
+    /// The lowest node at the image that lies on no upper face, or, where a void left none there, of all images: one number
+    /// for all images of a position.
     class: u32,
     /// The upper faces that the node lies on, a bit per axis.
     along: u8,
@@ -377,9 +378,8 @@ impl<'a> ImageClasses<'a> {
     }
 }
 
-/// For every node on a face across which the box repeats itself one number for all images of its position, the lowest node at
-/// the image that lies on no upper face, and the upper faces that it lies on, a bit per axis. `None` for other nodes, and
-/// for those without an image.
+/// For every node on a face across which the box repeats itself one number for all images of its position, and the upper
+/// faces that it lies on, a bit per axis. `None` for other nodes, and for those without an image.
 pub(super) fn image_classes(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Vec<Option<(u32, u8)>> {
     ImageClasses::new(points.len(), &twins(points, periodic, sides, &vec![NO_AGGREGATE; points.len()])).of
 }
@@ -407,13 +407,21 @@ fn twins(points: &[Vec3], periodic: [bool; 3], sides: &Sides, owners: &[u32]) ->
     let size = Aabb::around(points).size();
     let repeats = |node: &u32| (0..3).any(|axis| periodic[axis] && sides.on(*node) >> (2 * axis) & 3 != 0);
     let nodes: Vec<u32> = (0..points.len() as u32).filter(repeats).collect();
-    let low = Spots::new(points, nodes.iter().copied().filter(|&node| upper(periodic, sides, node) == [false; 3]));
+    let upper = |node: u32| upper(periodic, sides, node);
+    let is_upper = |node: u32| upper(node) != [false; 3];
+    // Where a node's image that is on no upper face lies, or would.
+    let mut lowest = points.to_vec();
+    for &node in &nodes {
+        let along = upper(node);
+        lowest[node as usize] -= Vec3::from_fn(|axis, _| if along[axis] { size[axis] } else { 0.0 });
+    }
+    let images = Spots::new(&lowest, nodes.iter().copied());
     let twin = |&node: &u32| {
-        let upper = upper(periodic, sides, node);
-        let position = points[node as usize];
-        let image = Vec3::from_fn(|axis, _| position[axis] - if upper[axis] { size[axis] } else { 0.0 });
-        let along = (0..3).fold(0, |bits, axis| bits | u8::from(upper[axis]) << axis);
-        low.at(image).min().map(|class| Twin { class, along, owner: owners[node as usize], node })
+        let here = || images.at(lowest[node as usize]);
+        let class = here().min_by_key(|&image| (is_upper(image), image))?;
+        let along = (0..3).fold(0, |bits, axis| bits | u8::from(upper(node)[axis]) << axis);
+        let has_image = !is_upper(node) || here().nth(1).is_some();
+        has_image.then_some(Twin { class, along, owner: owners[node as usize], node })
     };
     let mut twins: Vec<Twin> = nodes.iter().filter_map(twin).collect();
     twins.sort_unstable();

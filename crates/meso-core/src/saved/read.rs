@@ -136,11 +136,12 @@ const A_SPEC: &str = "it is TOML, as a spec is; pack it first, and save the pack
 /// The same major and minor version, or an older minor one.
 fn accept_version(found: &str) -> Result<(), ReadError> {
     let numbers = |version: &str| {
-        let mut parts = version.split('.').map(|part| part.parse::<u32>().ok());
-        Some((parts.next()??, parts.next()??))
+        let parts = version.split('.').map(|part| part.parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
+        <[u32; 3]>::try_from(parts).ok()
     };
     match (numbers(found), numbers(VERSION)) {
-        (Some((major, minor)), Some(own)) if major == own.0 && minor <= own.1 => Ok(()),
+        _ if found == VERSION => Ok(()),
+        (Some([major, minor, _]), Some(own)) if major == own[0] && minor <= own[1] => Ok(()),
         _ => Err(ReadError::Version { found: found.chars().take(40).collect() }),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
+use crate::stop;
 
 /// Aggregates by position.
 pub(super) struct Index {
@@ -49,6 +50,7 @@ impl Index {
         self.starts = vec![0; self.counts.iter().product::<usize>() + 1];
         let boxes = std::mem::take(&mut self.boxes);
         for aabb in &boxes {
+            stop::point();
             self.cells(aabb).for_each(|c| self.starts[c + 1] += 1);
         }
         for c in 1..self.starts.len() {
@@ -57,6 +59,7 @@ impl Index {
         let mut next = self.starts.clone();
         self.members = vec![0; self.starts[self.starts.len() - 1] as usize];
         for (a, aabb) in (0..).zip(&boxes) {
+            stop::point();
             for c in self.cells(aabb) {
                 self.members[next[c] as usize] = a;
                 next[c] += 1;
