@@ -157,7 +157,7 @@ fn a_node_that_gmsh_adds_to_one_of_two_opposite_faces_each_time_is_named_with_th
     let error = mesh.err().unwrap();
     assert_eq!(runs, 3);
     assert!(error.contains("on a face of the periodic box without one on the opposite face"), "{error}");
-    assert!(error.contains("choose another --element-size-mm"), "{error}");
+    assert!(error.contains("choose another element_size_mm"), "{error}");
 }
 
 /// A gmsh that breaks off the first time it has surfaces to fill.

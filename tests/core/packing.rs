@@ -220,6 +220,33 @@ fn a_run_short_of_time_leaves_grains_out_in_time() {
     assert_apart(&model);
 }
 
+/// A clock that ticks, of a run whose spec took 3.5 s to read.
+struct Late(Ticking);
+
+impl Progress for Late {
+    fn update(&self, fraction: f64, target: f64) -> bool {
+        self.0.update(fraction, target)
+    }
+
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
+    }
+
+    fn spent(&self) -> f64 {
+        3.5
+    }
+}
+
+#[test]
+fn a_time_limit_counts_what_was_spent_before() {
+    let mut spec = small(0.68);
+    spec.placement.time_limit_s = Some(4.0);
+    let clock = Late(Ticking(AtomicI32::new(0)));
+    let model = pack(&spec, &clock).unwrap();
+    assert_eq!(model.report.stop_reason, StopReason::TimeLimit);
+    assert!(clock.seconds() < 0.6, "{} s of the 0.5 that were left", clock.seconds());
+}
+
 #[test]
 fn a_run_that_is_stopped_ends_in_time_with_what_take_and_place_holds() {
     let mut spec = small(0.68);

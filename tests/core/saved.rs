@@ -70,7 +70,7 @@ fn a_file_without_a_report_gets_its_figures_from_the_aggregates() {
 #[test]
 fn what_is_wrong_with_a_file_is_named() {
     type Change = fn(&mut Value);
-    let cases: [(Change, &str); 24] = [
+    let cases: [(Change, &str); 25] = [
         (|t| t["mesocrete"] = json!("9.0.0"), "written by mesocrete 9.0.0"),
         (|t| t["mesocrete"] = json!("0.2.0"), "update mesocrete"),
         (|t| t["mesocrete"] = json!("one"), "written by mesocrete one"),
@@ -94,6 +94,10 @@ fn what_is_wrong_with_a_file_is_named() {
         (|t| t["aggregates"][0]["faces"][2] = json!([0, 1, 1, 4]), "passes the edge 1-1"),
         (|t| t["aggregates"][0]["faces"][2] = t["aggregates"][0]["faces"][3].clone(), "a second time"),
         (|t| drop(t["aggregates"][0]["faces"].as_array_mut().unwrap().pop()), "on one side only"),
+        (
+            |t| t["aggregates"][0]["vertices"].as_array_mut().unwrap().push(json!([2, 2, 2])),
+            "vertex 8 is the corner of no face",
+        ),
         (|t| drop(t.as_object_mut().unwrap().remove("aggregates")), "missing field `aggregates`"),
     ];
     for (change, part) in cases {

@@ -359,3 +359,15 @@ fn the_surface_of_every_specimen_is_closed_and_encloses_nearly_its_volume() {
         assert!(container.contains(&(container.aabb().max * 0.25)));
     }
 }
+
+#[test]
+fn a_surface_that_changes_after_its_proof_is_proved_anew() {
+    let mut specimen = moved_angle_piece();
+    let mut spec = Spec { specimen: specimen.clone(), ..Spec::default() };
+    spec.validate().unwrap();
+    let Specimen::Mesh { vertices_mm, .. } = &mut specimen else { unreachable!("it is a surface of triangles") };
+    vertices_mm.iter_mut().for_each(|vertex| vertex[0] = -vertex[0]);
+    spec.specimen = specimen;
+    let error = spec.validate().unwrap_err().to_string();
+    assert!(error.contains("counter-clockwise"), "{error}");
+}

@@ -32,6 +32,8 @@ pub(crate) const PACK: [(Stage, f64); 6] = [
 /// Watches one run.
 pub(crate) struct Watch {
     started: Instant,
+    /// Seconds before the start that count for a time limit.
+    spent: f64,
     measure: Measure,
     shown: Shown,
     polling: Option<interrupt::Polling>,
@@ -62,9 +64,14 @@ impl Watch {
             (_, true) => Shown::Bar(bar_on_terminal()),
             (_, false) => Shown::Lines(Mutex::new(Instant::now())),
         };
-        let watch = Self { started: Instant::now(), measure: Measure::new(plan), shown, polling: None };
+        let watch = Self { started: Instant::now(), spent: 0.0, measure: Measure::new(plan), shown, polling: None };
         watch.leaves("Ctrl-C leaves no file");
         watch
+    }
+
+    /// Work that began at this moment has spent some of its time limit already.
+    pub(crate) fn since(self, began: Instant) -> Self {
+        Self { spent: (self.started - began).as_secs_f64(), ..self }
     }
 
     /// Seconds since the start.
@@ -112,6 +119,10 @@ impl Progress for Watch {
 
     fn seconds(&self) -> f64 {
         self.elapsed()
+    }
+
+    fn spent(&self) -> f64 {
+        self.spent
     }
 }
 

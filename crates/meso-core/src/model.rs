@@ -34,12 +34,13 @@ pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
     spec.has_room()?;
     spec.is_reachable_at_random()?;
     let start = progress.seconds();
-    let (grains, complete) = take_grains(spec, progress, start)?;
+    let started = start - progress.spent();
+    let (grains, complete) = take_grains(spec, progress, started)?;
     let largest = largest_body(spec, &grains)?;
     let taken = progress.seconds();
     let Spec { specimen, grading, placement, .. } = spec;
     let target = target(spec);
-    let request = Request { target, largest, grains: &grains, placement, progress, started: start };
+    let request = Request { target, largest, grains: &grains, placement, progress, started };
     let mut outcome = packing::place(&request);
     let tally = Tally::of(&grains, &outcome.poses, grading.classes().len(), complete);
     // Every grain is freed as it settles, so that the two lists never coexist in full.

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use std::ffi::CString;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Generates and places the aggregates that a spec asks for.
 ///
@@ -62,6 +63,7 @@ pub(crate) fn pack(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyPacking> {
     guard(|| {
+        let began = Instant::now();
         let mut spec = spec::from_any(spec)?;
         if let Some(seed) = seed {
             spec.seed = checked_seed(seed)?;
@@ -77,7 +79,10 @@ pub(crate) fn pack(
         let progress = listener(py, progress)?;
         warn_of(py, &spec)?;
         let plan = Plan(&[(Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)], spec.fraction);
-        let work = move |watch: &Watch| meso_core::pack(&spec, watch);
+        let work = move |watch: &Watch| {
+            watch.since(began);
+            meso_core::pack(&spec, watch)
+        };
         let model = beside_python_on(py, threads, progress.as_ref(), Some(plan), work)?;
         Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
     })

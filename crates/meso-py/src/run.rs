@@ -31,6 +31,8 @@ pub(crate) struct Watch {
     /// How long to wait for the end once it is asked for, ms.
     grace: AtomicU64,
     start: Instant,
+    /// Seconds before the start that count for a time limit.
+    spent: AtomicU64,
     /// Of work in stages, and what the whole of it counts.
     staged: Option<(Measure, f64)>,
 }
@@ -43,6 +45,11 @@ impl Watch {
     /// Whether nobody asked to stop.
     pub(crate) fn goes_on(&self) -> bool {
         self.go_on.load(Relaxed)
+    }
+
+    /// A time limit counts from this moment, which was before the start.
+    pub(crate) fn since(&self, began: Instant) {
+        self.spent.store((self.start - began).as_secs_f64().to_bits(), Relaxed);
     }
 
     /// From now on the worker looks whether to stop at every step.
@@ -71,6 +78,10 @@ impl Progress for Watch {
 
     fn seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
+    }
+
+    fn spent(&self) -> f64 {
+        f64::from_bits(self.spent.load(Relaxed))
     }
 }
 
@@ -113,6 +124,7 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
         target: AtomicU64::new(0),
         grace: AtomicU64::new(GRACE),
         start: Instant::now(),
+        spent: AtomicU64::new(0),
     });
     let abandoned = Arc::clone(&watch.abandoned);
     // Of none, as many as there are cores.

@@ -16,6 +16,7 @@ use meso_core::page;
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, Progress, Spec, SpecError, thousands};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
@@ -82,6 +83,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    let began = Instant::now();
     let spec = args.spec()?;
     let plan = args.plan()?;
     let deck = args.meshing.deck(&spec)?;
@@ -92,7 +94,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     // Before the work: a hopeless target is reported while nothing is lost.
     spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
     let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
-    let mut watch = Watch::start(args.writing.quiet, &stages);
+    let mut watch = Watch::start(args.writing.quiet, &stages).since(began);
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {

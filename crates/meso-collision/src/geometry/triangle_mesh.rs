@@ -2,7 +2,7 @@
 
 use super::{HullError, Polyhedron, convex_hull, integrals};
 use crate::math::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Vertices (mm) and triangles, counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +49,7 @@ impl TriangleMesh {
     /// corner by that are left out.
     pub fn welded(corners: &[Vec3]) -> Self {
         let (mut vertices, mut triangles) = (Vec::new(), Vec::with_capacity(corners.len() / 3));
-        let mut known = BTreeMap::new();
+        let mut known = HashMap::with_capacity(corners.len() / 6);
         let mut weld = |corner: &Vec3| {
             // Adding zero makes -0 and 0 one.
             let key = [0, 1, 2].map(|axis| (corner[axis] + 0.0).to_bits());
@@ -132,8 +132,12 @@ impl TriangleMesh {
         if let Some(&[(from, to), ..]) = edges.windows(2).find(|pair| pair[0] == pair[1]) {
             return Err(SurfaceError::NotManifold { from: self.position(from), to: self.position(to) });
         }
-        let open: Vec<_> = edges.iter().filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err()).collect();
-        if let Some(&&(from, to)) = open.first() {
+        let mut opposite: Vec<(u32, u32)> = edges.iter().map(|&(from, to)| (to, from)).collect();
+        opposite.sort_unstable();
+        // Two lists compare faster than every edge is looked up.
+        if edges != opposite {
+            let open: Vec<_> = edges.iter().filter(|edge| opposite.binary_search(edge).is_err()).collect();
+            let &(from, to) = open[0];
             return Err(SurfaceError::Open { edges: open.len(), from: self.position(from), to: self.position(to) });
         }
         let volume = self.volume();

@@ -46,6 +46,10 @@ pub trait Progress: Sync {
     }
     /// Seconds since some fixed moment: the core itself reads no clock.
     fn seconds(&self) -> f64;
+    /// Seconds of the time limit that were spent before packing began, as on reading a large surface.
+    fn spent(&self) -> f64 {
+        0.0
+    }
 }
 
 /// No progress, no clock, never stops.

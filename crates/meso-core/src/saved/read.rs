@@ -215,12 +215,13 @@ fn body(vertices: Vec<[f64; 3]>, faces: Polygons) -> Result<Polyhedron, String> 
     Ok(Polyhedron::from_parts(vertices.into_iter().map(Vec3::from).collect(), faces.iter()))
 }
 
-/// Every face has three corners or more, all of them there, and every edge is passed once in each direction.
+/// Every face has three corners or more, all of them there, every edge is passed once in each direction, and no vertex is
+/// left over.
 fn closed_surface(vertices: usize, faces: &Polygons) -> Result<(), String> {
     if vertices < 4 || faces.len() < 4 {
         return Err(format!("{vertices} vertices and {} faces; a solid has at least 4 of each", faces.len()));
     }
-    let mut edges = BTreeSet::new();
+    let (mut edges, mut is_named) = (BTreeSet::new(), vec![false; vertices]);
     for (f, face) in faces.iter().enumerate() {
         if face.len() < 3 {
             return Err(format!("face {f} has {} corners; it takes at least 3", face.len()));
@@ -230,10 +231,14 @@ fn closed_surface(vertices: usize, faces: &Polygons) -> Result<(), String> {
         }
         for (i, &from) in face.iter().enumerate() {
             let to = face[(i + 1) % face.len()];
+            is_named[from as usize] = true;
             if from == to || !edges.insert((from, to)) {
                 return Err(format!("face {f} passes the edge {from}-{to} a second time in the same direction"));
             }
         }
+    }
+    if let Some(vertex) = is_named.iter().position(|is_named| !is_named) {
+        return Err(format!("vertex {vertex} is the corner of no face; leave it out"));
     }
     match edges.iter().find(|&&(from, to)| !edges.contains(&(to, from))) {
         Some((from, to)) => {

@@ -39,9 +39,9 @@ impl Facets {
         near
     }
 
-    /// The triangles whose boxes meet this triangle's, by number, itself among them.
-    pub(super) fn around(&self, triangle: u32) -> Vec<u32> {
-        self.near(&self.boxes[triangle as usize])
+    /// The triangles whose boxes meet this triangle's, in any order, itself among them.
+    pub(super) fn around(&self, triangle: u32) -> impl Iterator<Item = u32> {
+        self.meeting(self.boxes[triangle as usize])
     }
 
     /// The point of a triangle that is nearest to `point`, and its distance, mm.

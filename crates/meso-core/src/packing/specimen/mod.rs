@@ -128,6 +128,8 @@ pub enum Specimen {
 pub struct Built {
     container: Arc<OnceLock<Arc<dyn Container>>>,
     volume: Arc<OnceLock<f64>>,
+    /// The surface that was found sound, as [`fingerprint`] tells it.
+    checked: Arc<OnceLock<u64>>,
 }
 
 impl fmt::Debug for Built {
@@ -258,6 +260,12 @@ impl Specimen {
     /// See [`ContainerError`].
     pub fn check(&self) -> Result<Arc<dyn Container>, ContainerError> {
         let Self::Mesh { vertices_mm, triangles, built } = self else { return Ok(self.build()?.into()) };
+        let fingerprint = fingerprint(vertices_mm, triangles);
+        if let (Some(checked), Some(container)) = (built.checked.get(), built.container.get())
+            && *checked == fingerprint
+        {
+            return Ok(Arc::clone(container));
+        }
         let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing() {
             return Err(ContainerError::Crossing { at: triangle[0].into() });
@@ -265,6 +273,7 @@ impl Specimen {
         if let Some(corner) = closed.nested() {
             return Err(ContainerError::Nested { at: corner.into() });
         }
+        built.checked.get_or_init(|| fingerprint);
         Ok(Arc::clone(built.container.get_or_init(|| convex_or(closed).into())))
     }
 
@@ -318,6 +327,14 @@ impl Specimen {
             _ => self.container().volume(),
         }
     }
+}
+
+/// A number that another surface hardly has: what a spec checks several times is then proved once. The turn carries the
+/// sign of a coordinate, its highest bit, on to others.
+fn fingerprint(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> u64 {
+    let corners = vertices.iter().flatten().map(|x| x.to_bits());
+    let words = corners.chain(triangles.iter().flatten().map(|&index| u64::from(index)));
+    words.fold(0, |hash: u64, word| (hash.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
 /// A closed surface that lacks no more than this share of its hull's volume is its hull.

@@ -11,6 +11,7 @@ use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use crate::parallel;
+use crate::stop;
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
@@ -47,8 +48,9 @@ impl Triangulated {
     /// Two triangles that cross each other, or touch where they are not neighbours, if there are any.
     pub(super) fn crossing(&self) -> Option<[[Vec3; 3]; 2]> {
         let first = |a: u32| {
+            stop::point();
             let crosses = |&b: &u32| b > a && self.cross(a, b);
-            self.facets.around(a).into_iter().find(crosses).map(|b| [a, b])
+            self.facets.around(a).filter(crosses).min().map(|b| [a, b])
         };
         let found = (0..self.mesh.triangles.len() as u32).into_par_iter().find_map_first(first)?;
         Some(found.map(|t| *self.facets.of(t)))
@@ -94,19 +96,26 @@ impl Triangulated {
         match p.iter().filter(|i| q.contains(i)).count() {
             0 => meets(self.facets.of(a), b),
             // The corner or edge opposite to the shared one, against the whole other triangle.
-            1 | 2 => {
+            common @ (1 | 2) => {
                 let (own, other) = (self.opposite(a, b), self.opposite(b, a));
-                let part = self.is_beside(&other, a) || self.is_beside(&own, b);
-                !part && (meets(&own, b) || meets(&other, a))
+                let (own, other) = (&own[..3 - common], &other[..3 - common]);
+                let part = self.is_beside(other, a) || self.is_beside(own, b);
+                let part = part || self.part_in_a_view(a, b, other) || self.part_in_a_view(b, a, own);
+                !part && (meets(own, b) || meets(other, a))
             }
             _ => true,
         }
     }
 
-    /// The corners of a triangle that another has not.
-    fn opposite(&self, of: u32, other: u32) -> Vec<Vec3> {
+    /// The corners of a triangle that another has not come first.
+    fn opposite(&self, of: u32, other: u32) -> [Vec3; 3] {
         let (own, other) = (&self.mesh.triangles[of as usize], &self.mesh.triangles[other as usize]);
-        own.iter().filter(|i| !other.contains(i)).map(|&i| self.mesh.vertices[i as usize]).collect()
+        let (mut corners, mut found) = (*self.facets.of(of), 0);
+        for corner in (0..3).filter(|&corner| !other.contains(&own[corner])) {
+            corners.swap(found, corner);
+            found += 1;
+        }
+        corners
     }
 
     /// True when the points all lie off the plane of a triangle, on one side of it.
@@ -116,6 +125,27 @@ impl Triangulated {
         let first = sides.next().unwrap_or(0.0);
         first != 0.0 && sides.all(|side| side * first > 0.0)
     }
+
+    /// True when an edge of `a` parts it from `b`, seen along an axis: the edge's line passes through all corners that the
+    /// two share, and those of `b` alone, `others`, lie strictly beyond it. Neighbours in one plane are told apart so.
+    fn part_in_a_view(&self, a: u32, b: u32, others: &[Vec3]) -> bool {
+        let (own, corners) = (&self.mesh.triangles[a as usize], self.facets.of(a));
+        let is_shared = |corner: usize| self.mesh.triangles[b as usize].contains(&own[corner]);
+        let parts = |[from, to, rest]: [usize; 3], axis: usize| {
+            let turn = |point: &Vec3| orient2d(seen(&corners[from], axis), seen(&corners[to], axis), seen(point, axis));
+            let side = turn(&corners[rest]);
+            side != 0.0 && others.iter().all(|point| turn(point) * side < 0.0)
+        };
+        let passes =
+            |&[from, to, _]: &[usize; 3]| usize::from(is_shared(from)) + usize::from(is_shared(to)) == 3 - others.len();
+        let edges = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+        edges.into_iter().filter(passes).any(|edge| (0..3).any(|axis| parts(edge, axis)))
+    }
+}
+
+/// A point as it is seen along an axis, from its upper end.
+fn seen(point: &Vec3, axis: usize) -> Coord<f64> {
+    Coord { x: point[(axis + 1) % 3], y: point[(axis + 2) % 3] }
 }
 
 impl Container for Triangulated {
@@ -230,9 +260,9 @@ fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
     for (t, triangle) in mesh.triangles.iter().enumerate() {
         triangle.iter().for_each(|&corner| around[corner as usize].push(t));
     }
-    let of_one = |(t, triangle): (usize, &[u32; 3])| {
+    let of_one = |t: usize| {
         let mut all = vec![normals[t]];
-        for &corner in triangle {
+        for &corner in &mesh.triangles[t] {
             let origin = mesh.vertices[corner as usize];
             let rises = |&&other: &&usize| {
                 corners[t].iter().any(|p| normals[other].dot(&(p - origin)) > BEYOND * (p - origin).norm())
@@ -241,16 +271,15 @@ fn outward(mesh: &TriangleMesh, corners: &[[Vec3; 3]]) -> Vec<Vec<Vec3>> {
         }
         all
     };
-    mesh.triangles.iter().enumerate().map(of_one).collect()
+    parallel::map(mesh.triangles.len(), of_one)
 }
 
 /// How often a triangle seen from above turns around a point, 1, 0 or -1: its edges that cross the line to the right
 /// of the point, those upwards less those downwards. A point on an edge of two triangles counts to one of them.
 fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
-    let coord = |v: &Vec3| Coord { x: v.x, y: v.y };
     let crossing = |k: usize| {
         let (from, to) = (&triangle[k], &triangle[(k + 1) % 3]);
-        let left = || orient2d(coord(from), coord(to), coord(point));
+        let left = || orient2d(seen(from, 2), seen(to, 2), seen(point, 2));
         if from.y <= point.y && to.y > point.y {
             i32::from(left() > 0.0)
         } else if from.y > point.y && to.y <= point.y {
@@ -265,6 +294,7 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aggregate::random::{Purpose, Stream};
 
     /// A box from the origin with a hollow, whose faces are reversed.
     fn hollow() -> Triangulated {
@@ -304,5 +334,27 @@ mod tests {
             surface.triangles().flat_map(|t| t.map(|i| surface.points[i as usize])).collect::<Vec<_>>()
         });
         assert!(Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
+    }
+    /// Triangles on a grid of 4 x 4 x 2 points, so that many lie in one plane.
+    #[test]
+    fn neighbours_that_a_view_parts_meet_nowhere_else() {
+        let mut stream = Stream::new(7, Purpose::Sample, 0, 0);
+        let (mut parted, mut in_one_plane) = (0, 0);
+        for trial in 0..20_000 {
+            let mut point = || Vec3::new(4.0, 4.0, 2.0).map(|n| stream.uniform(0.0, n).floor());
+            let vertices: Vec<Vec3> = (0..5).map(|_| point()).collect();
+            let second = if trial % 2 == 0 { [0, 3, 4] } else { [1, 0, 3] };
+            let surface = Triangulated::new(TriangleMesh { vertices, triangles: vec![[0, 1, 2], second] });
+            let (own, others) = (surface.opposite(0, 1), surface.opposite(1, 0));
+            let count = 2 - trial % 2;
+            if surface.part_in_a_view(0, 1, &others[..count]) {
+                let meets = |points: &[Vec3], t: u32| gjk::intersects(points, surface.facets.of(t)).unwrap();
+                assert!(!meets(&own[..count], 1) && !meets(&others[..count], 0), "{surface:?}");
+                parted += 1;
+                let [a, b, c] = surface.facets.of(0);
+                in_one_plane += usize::from(others[..count].iter().all(|point| orient3d(a, b, c, point) == 0.0));
+            }
+        }
+        assert!(parted > 4000 && in_one_plane > 400, "{parted} {in_one_plane}");
     }
 }
