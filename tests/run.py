@@ -74,6 +74,9 @@ def main() -> int:
         os.environ.setdefault("CARGO_INCREMENTAL", "0")
     if args.quick:
         return summarise(in_turn(quick_stages()), time.monotonic() - started)
+    if args.slow:
+        # Of the properties: see tests/property.rs.
+        os.environ["CASES"] = "new"
     python = make_venv()
     # Packages come over the network while the compiler works.
     with ThreadPoolExecutor() as beside:

@@ -7,6 +7,9 @@ mod families;
 mod invariance;
 mod oracle;
 mod packed;
+mod properties;
+#[path = "../property.rs"]
+mod property;
 mod reference;
 mod slow;
 mod witnesses;

@@ -35,6 +35,9 @@ mod offset;
 mod packing;
 mod periodic;
 mod periodic_decks;
+mod properties;
+#[path = "../property.rs"]
+mod property;
 mod saved;
 mod second_order;
 mod shapes;
