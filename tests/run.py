@@ -37,6 +37,9 @@ TESTED = ["--workspace", "--exclude", "meso-bench"]
 ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in ("meso-collision", "meso-core"))
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
 
+# Unit tests need no speed: optimised, their code took four times as long to compile as they gain in running.
+UNOPTIMISED = [f"profile.dev.package.{crate}.opt-level=0" for crate in ("meso-core", "meso-solve")]
+
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
 
@@ -80,7 +83,7 @@ def main() -> int:
     python = make_venv()
     # Packages come over the network while the compiler works.
     with ThreadPoolExecutor() as beside:
-        beside.submit(run, "cargo build of the tests", [*cargo_test(slow=args.slow), "--no-run", "--quiet"], live=False)
+        beside.submit(in_turn, build_stages(slow=args.slow), live=False)
         install_packages(python)
     if not args.slow:
         must(*wheel(python, "dev"))
@@ -163,7 +166,7 @@ def quick_stages() -> list[Stage]:
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("collision alone", ["cargo", "check", "-p", "meso-collision"]),
-        ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
+        ("quick cargo test", ["cargo", "test", *TESTED, "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
 
@@ -224,12 +227,25 @@ def shipping(python: Path) -> list[Stage]:
 
 def rust_stages(*, slow: bool) -> list[Stage]:
     """Name the commands of Rust's tests, in order."""
-    return [("cargo test", [*cargo_test(slow=slow), "--no-fail-fast", *(["--", "--include-ignored"] if slow else [])])]
+    ignored = ["--", "--include-ignored"] if slow else []
+    return [(name, [*command, "--no-fail-fast", *ignored]) for name, command in cargo_tests(slow=slow).items()]
 
 
-def cargo_test(*, slow: bool) -> list[str]:
-    """Begin the command of Rust's tests."""
-    return ["cargo", "test", *(WATCHED if slow else TESTED)]
+def build_stages(*, slow: bool) -> list[Stage]:
+    """Name the commands that compile Rust's tests; those of the documentation are compiled as they run."""
+    commands = [(name, command) for name, command in cargo_tests(slow=slow).items() if "--doc" not in command]
+    return [(f"building {name}", [*command, "--no-run", "--quiet"]) for name, command in commands]
+
+
+def cargo_tests(*, slow: bool) -> dict[str, list[str]]:
+    """Begin the commands of Rust's tests, by their names."""
+    command = ["cargo", "test", *(WATCHED if slow else TESTED)]
+    unoptimised = [word for setting in UNOPTIMISED for word in ("--config", setting)]
+    return {
+        "cargo test": [*command, "--test", "*"],
+        "unit tests": [*command, *unoptimised, "--lib"],
+        "doc tests": [*command, "--doc"],
+    }
 
 
 def python_stages(python: Path, *, slow: bool) -> list[Stage]:

@@ -2,6 +2,8 @@
 
 use crate::bad_specs::REJECTED;
 use meso_core::materials::{Elastic, Materials, Strength};
+#[cfg(feature = "schema")]
+use meso_core::recipes::Recipe;
 use meso_core::spec::{Spec, options_from_toml};
 use meso_core::{Silent, pack};
 
@@ -145,4 +147,26 @@ fn materials_that_are_left_out_are_those_usual_of_the_phase() {
     );
     let error = options_from_toml::<Materials>("itz = { density_t_per_mm3 = 'heavy' }").unwrap_err();
     assert!(error.to_string().contains("itz.density_t_per_mm3 is \"heavy\""), "{error}");
+}
+
+#[cfg(feature = "schema")]
+#[test]
+fn every_key_of_every_recipe_is_explained_and_the_text_reads_back() {
+    for recipe in Recipe::ALL {
+        let spec = Spec::from_toml(recipe.text).unwrap();
+        let text = spec.describe().unwrap();
+        assert_eq!(Spec::from_toml(&text).unwrap(), spec, "{}", recipe.name);
+        let lines: Vec<&str> = text.lines().collect();
+        for (above, line) in lines.iter().zip(&lines[1..]).filter(|(_, line)| line.contains(" = ")) {
+            assert!(line.starts_with('#') || above.starts_with("# "), "{}: {line}", recipe.name);
+        }
+    }
+}
+
+#[cfg(feature = "schema")]
+#[test]
+fn a_key_of_few_words_names_them_and_a_variant_says_what_it_is() {
+    let text = Spec::default().describe().unwrap();
+    assert!(text.contains("One of \"auto\", \"take-and-place\", \"rearrange\".\nstrategy = \"auto\"\n"), "{text}");
+    assert!(text.contains("# A cube from the origin.\nkind = \"cube\"\n"), "{text}");
 }

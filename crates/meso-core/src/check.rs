@@ -16,7 +16,6 @@ use crate::math::{Aabb, Vec3, longest_distance};
 use crate::model::Model;
 use crate::packing::Container;
 use crate::parallel;
-use crate::stop;
 use pairs::Placed;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -225,7 +224,6 @@ fn placed<'a>(model: &Model, bodies: &'a [Aggregate], domain: Aabb) -> Vec<Place
 
 /// Checks of one aggregate alone.
 fn single(model: &Model, container: &dyn Container, aggregate: &Aggregate) -> Vec<Finding> {
-    stop::point();
     let id = aggregate.id;
     let convex = solid::check(&aggregate.body).err().map(|reason| Finding::NotConvex { aggregate: id, reason });
     // The offset of a body that is not convex means nothing.

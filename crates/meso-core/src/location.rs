@@ -26,7 +26,6 @@ impl Facets {
     /// `shell(aggregate)` is the thickness of its shell in the mesh, mm.
     pub(crate) fn all(aggregates: &[Aggregate], shell: impl Fn(&Aggregate) -> f64 + Sync) -> Vec<Self> {
         let facets = |a: &Aggregate| {
-            stop::point();
             let planes = a.body.planes().collect();
             Self { phase: Phase::inside(a.kind), aabb: a.body.aabb(), planes, shell: shell(a) }
         };

@@ -7,7 +7,6 @@ use crate::geometry::HullError;
 use crate::packing::{self, Largest, Pose, Progress, Report, Request, Seconds, Silent, Stage, Strategy, Tally, Target};
 use crate::parallel;
 use crate::spec::{Spec, SpecError};
-use crate::stop;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -134,7 +133,6 @@ fn settle(mut grains: Vec<Grain>, mut poses: Vec<Option<Pose>>) -> Result<(Vec<A
     arrange(&mut grains, &order);
     arrange(&mut poses, &order);
     let settle = |grain: &Grain, pose: &Option<Pose>, id: u32| -> Result<Aggregate, SpecError> {
-        stop::point();
         let pose = pose.as_ref().expect("those without a pose are gone");
         let body = pose.apply(&grain.body).map_err(|error| flat_shape(&error))?;
         let &Grain { kind, class, itz_thickness_mm, .. } = grain;

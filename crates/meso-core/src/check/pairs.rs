@@ -4,7 +4,6 @@ use super::Finding;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use crate::parallel;
-use crate::stop;
 use std::borrow::Cow;
 
 /// A body or an image of one, by the number of the body.
@@ -28,7 +27,6 @@ pub(super) fn check(all: &[Placed], bodies: usize, gap: f64) -> (u64, Vec<Findin
 }
 
 fn check_one(a: usize, all: &[Placed], boxes: &[Aabb], buckets: &Buckets, gap: f64) -> (u64, Vec<Finding>) {
-    stop::point();
     let is_due = |b: usize| b > a && all[b].body as usize >= a && boxes[a].intersects(&boxes[b]);
     let mut others: Vec<usize> = buckets.near(&boxes[a]).filter(|&b| is_due(b)).collect();
     others.sort_unstable();

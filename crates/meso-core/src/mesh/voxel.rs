@@ -140,7 +140,6 @@ impl Voxels {
         let (row, layer) = (nx as u32 + 1, (nx as u32 + 1) * (ny as u32 + 1));
         let mut cells = vec![0; 8 * nx * ny * nz];
         parallel::chunks_mut(&mut cells, 8 * nx, |r, of_row| {
-            stop::point();
             let (j, k) = ((r % ny) as u32, (r / ny) as u32);
             for (a, cell) in (k * layer + j * row..).zip(of_row.chunks_exact_mut(8)) {
                 let bottom = [a, a + 1, a + 1 + row, a + row];

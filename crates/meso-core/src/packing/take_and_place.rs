@@ -13,8 +13,8 @@ use crate::aggregate::grain::snap;
 use crate::aggregate::random::{Purpose, Stream};
 use crate::gjk::{self, Counters};
 use crate::math::{Aabb, Vec3};
+use crate::parallel;
 use crate::simd::{Wide, widest};
-use rayon::prelude::*;
 use scene::{Candidate, Look, Looking, Scene, Scratch};
 
 /// Grains that search at the same time. A constant, so that the counters do not depend on the threads.
@@ -35,14 +35,11 @@ pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     let mut other = some_body();
     let grains = task.request.grains.len();
     for first in (0..grains).step_by(BATCH) {
-        let mut scouted: Vec<Search> = (first..grains.min(first + BATCH))
-            .into_par_iter()
-            .map_init(some_body, |other, grain| {
-                let mut search = Search::new(task, grain, attempts);
-                search.run(&scene, other);
-                search
-            })
-            .collect();
+        let mut scouted = parallel::map_with(BATCH.min(grains - first), some_body, |other, mate| {
+            let mut search = Search::new(task, first + mate, attempts);
+            search.run(&scene, other);
+            search
+        });
         let first_mate = scene.len();
         for search in &mut scouted {
             commit(&mut scene, search, first_mate, &mut other, &mut outcome);

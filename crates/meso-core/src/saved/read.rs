@@ -9,7 +9,7 @@ use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
-use crate::spec::{MAX_LENGTH_MM, Spec, SpecError};
+use crate::spec::{MAX_LENGTH_MM, Spec, SpecError, options_from_value};
 use crate::stop;
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -152,7 +152,7 @@ fn accept_repeats(file: &File, spec: &Spec) -> Result<(), ReadError> {
         let message = format!("seed is {} but spec.seed is {}; they must agree", file.seed, spec.seed);
         return Err(ReadError::Contradiction(message));
     }
-    let specimen = serde_json::from_value(file.specimen.clone()).ok();
+    let specimen = options_from_value(&file.specimen).ok();
     if specimen.as_ref() != Some(&spec.specimen) {
         return Err(ReadError::Contradiction("specimen and spec.specimen differ; they must agree".to_owned()));
     }

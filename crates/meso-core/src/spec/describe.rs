@@ -95,29 +95,3 @@ fn comment(meaning: &str, text: &mut String) {
         text.push('\n');
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::recipes::Recipe;
-
-    #[test]
-    fn every_key_of_every_recipe_is_explained_and_the_text_reads_back() {
-        for recipe in Recipe::ALL {
-            let spec = Spec::from_toml(recipe.text).unwrap();
-            let text = spec.describe().unwrap();
-            assert_eq!(Spec::from_toml(&text).unwrap(), spec, "{}", recipe.name);
-            let lines: Vec<&str> = text.lines().collect();
-            for (above, line) in lines.iter().zip(&lines[1..]).filter(|(_, line)| line.contains(" = ")) {
-                assert!(line.starts_with('#') || above.starts_with("# "), "{}: {line}", recipe.name);
-            }
-        }
-    }
-
-    #[test]
-    fn a_key_of_few_words_names_them_and_a_variant_says_what_it_is() {
-        let text = Spec::default().describe().unwrap();
-        assert!(text.contains("One of \"auto\", \"take-and-place\", \"rearrange\".\nstrategy = \"auto\"\n"), "{text}");
-        assert!(text.contains("# A cube from the origin.\nkind = \"cube\"\n"), "{text}");
-    }
-}

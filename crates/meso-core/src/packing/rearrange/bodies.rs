@@ -8,7 +8,6 @@ use crate::aggregate::Grain;
 use crate::math::{Aabb, Vec3};
 use crate::packing::{Period, Pose, Turn};
 use crate::parallel;
-use crate::stop;
 use nalgebra::{Quaternion, Vector3};
 use rayon::prelude::*;
 
@@ -223,11 +222,7 @@ impl<'a> Bodies<'a> {
 
     /// The bodies for which `keep` holds.
     pub(super) fn filter(&self, keep: impl Fn(u32) -> bool + Sync) -> Vec<u32> {
-        let (count, keep) = (self.len(), &keep);
-        let kept = |chunk: usize| {
-            (chunk * CHUNK..count.min((chunk + 1) * CHUNK)).map(|body| body as u32).filter(|&body| keep(body))
-        };
-        parallel::flat_map(count.div_ceil(CHUNK), kept)
+        parallel::filter(self.len(), |body| keep(body as u32))
     }
 
     /// Limit for about `sweeps` sweeps at the body's speed, but at least `least` mm.
@@ -346,15 +341,15 @@ fn moving(
     each: impl Fn(usize, Moving) + Sync,
 ) {
     let mut chunks = Vec::with_capacity(spans.len().div_ceil(CHUNK));
-    for spans in spans.chunks(CHUNK) {
+    let bodies = state.chunks_mut(CHUNK).zip(boxes.chunks_mut(CHUNK)).zip(paths.chunks_mut(CHUNK));
+    for (((states, boxes), paths), spans) in bodies.zip(spans.chunks(CHUNK)) {
         let (own, rest) = turned.split_at_mut(spans.iter().map(|span| 3 * span.len as usize).sum());
-        chunks.push((own, spans));
+        chunks.push((states, boxes, paths, own, spans));
         turned = rest;
     }
-    let bodies = state.par_chunks_mut(CHUNK).zip(boxes.par_chunks_mut(CHUNK)).zip(paths.par_chunks_mut(CHUNK));
-    bodies.zip(chunks).enumerate().for_each(|(number, (((states, boxes), paths), (mut turned, spans)))| {
-        stop::point();
-        let bodies = states.iter_mut().zip(boxes).zip(paths).zip(spans);
+    parallel::each_mut(&mut chunks, |number, (states, boxes, paths, turned, spans)| {
+        let mut turned = &mut **turned;
+        let bodies = states.iter_mut().zip(&mut **boxes).zip(&mut **paths).zip(&**spans);
         for (k, (((state, own_box), path), span)) in bodies.enumerate() {
             let (own, rest) = turned.split_at_mut(3 * span.len as usize);
             turned = rest;

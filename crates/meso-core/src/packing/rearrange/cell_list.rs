@@ -5,7 +5,6 @@ use super::contact::{LANES, V};
 use crate::math::{Aabb, Vec3};
 use crate::parallel;
 use crate::simd::{Wide, widest};
-use rayon::prelude::*;
 use std::ops::{Range, RangeInclusive};
 
 /// Bodies in levels of size, coarsest first, at their positions when this was built.
@@ -63,8 +62,8 @@ impl CellList {
     /// True when a body has moved too far from its noted position.
     pub(super) fn stale(&self, bodies: &Bodies) -> bool {
         let drift = |body: u32| bodies.path(body) - self.paths[body as usize];
-        let all = (0..bodies.len() as u32).into_par_iter();
-        all.any(|body| drift(body) > MOST_DRIFT * bodies.fixed[body as usize].ball_radius)
+        let stale = |body: usize| drift(body as u32) > MOST_DRIFT * bodies.fixed[body].ball_radius;
+        parallel::find(bodies.len(), |body| stale(body).then_some(())).is_some()
     }
 
     /// The bodies that may come within `want` of `a` while neither exceeds its limit, and of which `a` is the first:

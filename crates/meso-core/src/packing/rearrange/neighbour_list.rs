@@ -5,7 +5,6 @@ use super::cell_list::{CellList, starts};
 use super::contact::{V, add_scaled, cross};
 use super::contact_cache::{BLOCK, Block, Gaps, Look, Scratch, Touch};
 use crate::parallel;
-use crate::stop;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -79,8 +78,7 @@ impl NeighbourList {
     /// Rebuilds the list.
     fn rebuild(&mut self, bodies: &Bodies, paths: &[f32], cells: &CellList) {
         self.blocks.resize(bodies.len().div_ceil(BLOCK), Block::default());
-        self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
-            stop::point();
+        parallel::each_mut_with(&mut self.blocks, Scratch::default, |scratch, number, block| {
             block.renew((number * BLOCK) as u32, bodies, paths, cells, scratch);
         });
     }
@@ -90,7 +88,7 @@ impl NeighbourList {
         let mut pairs = parallel::flat_map(gone.len(), |k| cells.pairs(bodies, gone[k]));
         pairs.par_sort_unstable();
         pairs.dedup();
-        self.blocks.par_iter_mut().enumerate().for_each_init(Scratch::default, |scratch, (number, block)| {
+        parallel::each_mut_with(&mut self.blocks, Scratch::default, |scratch, number, block| {
             let first = (number * BLOCK) as u32;
             let from = |body: u32| pairs.partition_point(|pair| pair.0 < body);
             let pairs = &pairs[from(first)..from(first + BLOCK as u32)];
@@ -114,14 +112,11 @@ impl NeighbourList {
 
     /// Brings every contact up to date.
     pub(super) fn look(&mut self, bodies: &Bodies, gaps: Gaps) -> Look {
-        let blocks = self.blocks.par_iter_mut().enumerate();
-        let looks: Vec<Look> = blocks
-            .map_init(Vec::new, |touching, (number, block)| {
-                stop::point();
-                block.look((number * BLOCK) as u32, bodies, gaps, touching)
-            })
-            .collect();
-        looks.iter().fold(Look::default(), |sum, look| Look {
+        let mut looks: Vec<_> = self.blocks.iter_mut().map(|block| (block, Look::default())).collect();
+        parallel::each_mut_with(&mut looks, Vec::new, |touching, number, (block, look)| {
+            *look = block.look((number * BLOCK) as u32, bodies, gaps, touching);
+        });
+        looks.iter().fold(Look::default(), |sum, (_, look)| Look {
             energy: sum.energy + look.energy,
             open_below: sum.open_below + look.open_below,
         })

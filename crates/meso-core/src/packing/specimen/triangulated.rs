@@ -11,8 +11,6 @@ use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use crate::parallel;
-use crate::stop;
-use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
 
@@ -47,13 +45,12 @@ impl Triangulated {
 
     /// Two triangles that cross each other, or touch where they are not neighbours, if there are any.
     pub(super) fn crossing(&self) -> Option<[[Vec3; 3]; 2]> {
-        let first = |a: u32| {
-            stop::point();
+        let found = parallel::find(self.mesh.triangles.len(), |a| {
+            let a = a as u32;
             let crosses = |&b: &u32| b > a && self.cross(a, b);
             self.facets.around(a).filter(crosses).min().map(|b| [a, b])
-        };
-        let found = (0..self.mesh.triangles.len() as u32).into_par_iter().find_map_first(first)?;
-        Some(found.map(|t| *self.facets.of(t)))
+        });
+        Some(found?.map(|t| *self.facets.of(t)))
     }
 
     /// A corner of a component that is nested wrongly. An outer surface lies in no other's interior; the surface of a
@@ -335,6 +332,7 @@ mod tests {
         });
         assert!(Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
     }
+
     /// Triangles on a grid of 4 x 4 x 2 points, so that many lie in one plane.
     #[test]
     fn neighbours_that_a_view_parts_meet_nowhere_else() {
