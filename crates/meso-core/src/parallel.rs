@@ -1,9 +1,8 @@
 //! Loops shared among threads. What names rayon's iterators is compiled once, for a call through a pointer: a loop of its own
 //! for each type of result was a sixth of this crate's code.
 //!
-//! Items are cut into runs, [`RUNS`] a thread at the most. Each item passes a [`stop::point`], 2 ns, but where a name says that
-//! only runs do. All loops keep the order of their
-//! items, and end early where one of them panics, as a stop does.
+//! Items are cut into runs, [`RUNS`] a thread at the most. Each item passes a [`stop::point`], 2 ns, unless a name says that
+//! items are short. All loops keep the order of their items, and end early where one of them panics, as a stop does.
 
 use crate::stop;
 use rayon::prelude::*;
@@ -60,12 +59,14 @@ pub(crate) fn map_with<S, T: Send>(
     })
 }
 
-/// As [`map`], with one [`stop::point`] a run: for items that take less time than one.
-pub(crate) fn map_in_runs<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    gathered(count, &|run, found| {
-        stop::point();
-        found.extend(run.map(&of));
-    })
+/// Short items for one [`stop::point`].
+const SHORT: usize = 1 << 10;
+
+/// As [`map`], for many short items: written where they stay, with a [`stop::point`] for every thousand.
+pub(crate) fn map_short<T: Copy + Default + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let mut items = vec![T::default(); count];
+    each_short_mut(&mut items, |i, item| *item = of(i));
+    items
 }
 
 /// `of(item)` for every item.
@@ -120,12 +121,9 @@ pub(crate) fn each_mut<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sy
     each_mut_with(items, || (), |(), i, item| of(i, item));
 }
 
-/// As [`each_mut`], with one [`stop::point`] a run: for items that take less time than one.
-pub(crate) fn each_mut_in_runs<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) {
-    changed(items, 1, &|first, run| {
-        stop::point();
-        (first..).zip(run).for_each(|(i, item)| of(i, item));
-    });
+/// As [`each_mut`], for many short items: with a [`stop::point`] for every thousand.
+pub(crate) fn each_short_mut<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) {
+    chunks_mut(items, SHORT, |chunk, items| (chunk * SHORT..).zip(items).for_each(|(i, item)| of(i, item)));
 }
 
 /// Calls `of` for every item, its number and what `scratch` makes, which a run of items shares.
@@ -168,7 +166,7 @@ mod tests {
     fn every_loop_keeps_the_order_of_its_items() {
         let numbers: Vec<usize> = (0..10_000).collect();
         assert_eq!(map(10_000, |i| i), numbers);
-        assert_eq!(map_in_runs(10_000, |i| i), numbers);
+        assert_eq!(map_short(10_000, |i| i), numbers);
         assert_eq!(map_with(10_000, || 0, |_, i| i), numbers);
         assert_eq!(map_each(&numbers, |i| i + 1), (1..10_001).collect::<Vec<_>>());
         assert_eq!(flat_map(10_000, |i| [i, i]), numbers.iter().flat_map(|&i| [i, i]).collect::<Vec<_>>());
@@ -176,7 +174,7 @@ mod tests {
         let mut squares = vec![0; 10_000];
         each_mut(&mut squares, |i, square| *square = i * i);
         let mut in_runs = vec![0; 10_000];
-        each_mut_in_runs(&mut in_runs, |i, square| *square = i * i);
+        each_short_mut(&mut in_runs, |i, square| *square = i * i);
         assert_eq!(pick(&in_runs, |square| square % 2 == 1), (1..10_000).step_by(2).map(|i| i * i).collect::<Vec<_>>());
         let mut runs = vec![0; 10_000];
         chunks_mut(&mut runs, 7, |run, items| {

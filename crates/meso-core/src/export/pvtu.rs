@@ -34,7 +34,7 @@ fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
     let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
     let points = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
     let (phase, aggregate) = (mesh.phase[range.clone()].to_vec(), mesh.aggregate[range].to_vec());
-    Mesh::of(mesh.kind, points, parallel::map_each(cells, number), phase, aggregate)
+    Mesh::of(mesh.kind, points, parallel::map_short(cells.len(), |k| number(&cells[k])), phase, aggregate)
 }
 
 /// Writes the index of the pieces of `mesh`, which are the files `names` beside it.

@@ -203,7 +203,7 @@ fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
         return;
     }
     voids.sort_unstable();
-    let solid = parallel::map_each(&mesh.aggregate, |id| voids.binary_search(id).is_err());
+    let solid = parallel::map_short(mesh.aggregate.len(), |cell| voids.binary_search(&mesh.aggregate[cell]).is_err());
     retain(mesh, &solid);
 }
 

@@ -238,7 +238,7 @@ pub(super) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<
     }
     let mut old = number.iter();
     points.retain(|_| old.next() != Some(&DROPPED));
-    parallel::each_mut_in_runs(cells, |_, node| *node = number[*node as usize]);
+    parallel::each_short_mut(cells, |_, node| *node = number[*node as usize]);
     number
 }
 
@@ -343,7 +343,7 @@ impl Mesh {
             }
             nodes
         };
-        self.cells = parallel::map(self.cell_count(), nodes).into_flattened();
+        self.cells = parallel::map_short(self.cell_count(), nodes).into_flattened();
         self.kind = CellKind::QuadraticTetrahedron;
     }
 }

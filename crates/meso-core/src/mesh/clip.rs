@@ -21,7 +21,7 @@ const ALL: u16 = (SAMPLES * SAMPLES * SAMPLES) as u16;
 pub(super) fn kept(mesh: &Mesh, container: &dyn Container) -> Vec<bool> {
     let is_mortar = |cell: usize| mesh.aggregate[cell] == NO_AGGREGATE;
     let by_centroid = |cell: usize| !is_mortar(cell) || container.contains(&centroid(&corners(mesh, cell)));
-    let inside = parallel::map(mesh.cell_count(), by_centroid);
+    let inside = parallel::map_short(mesh.cell_count(), by_centroid);
     // Voxels have one volume.
     let voxel = if mesh.cell_count() == 0 { 0.0 } else { mesh.volume(0) };
     let wanted = container.volume() / voxel;
@@ -30,7 +30,7 @@ pub(super) fn kept(mesh: &Mesh, container: &dyn Container) -> Vec<bool> {
         return inside;
     }
     let share = |cell: usize| if is_mortar(cell) { samples(mesh, cell, container) } else { ALL };
-    let shares = parallel::map(mesh.cell_count(), share);
+    let shares = parallel::map_short(mesh.cell_count(), share);
     let least = least_share(&shares, wanted);
     shares.into_iter().map(|share| share >= least).collect()
 }

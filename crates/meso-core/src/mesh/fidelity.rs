@@ -126,7 +126,7 @@ impl InterfaceDistance {
         if !mesh.cohesive.is_empty() {
             pairs.par_sort_unstable_by_key(|&(node, id)| (position(node), id));
         }
-        let distances = parallel::map_each(&pairs, distance);
+        let distances = parallel::map_short(pairs.len(), |pair| distance(&pairs[pair]));
         let sides = FlatSides::of(specimen);
         let rounding = ROUNDING * specimen.aabb().size().max();
         // One after the other: the same sums on any number of threads.

@@ -20,7 +20,7 @@ use crate::stop;
 use serde::Serialize;
 
 /// One cell's measures.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellQuality {
     /// Smallest angle between two faces, degrees; 90 for voxels.
     pub min_dihedral_deg: f64,
@@ -39,7 +39,7 @@ pub struct CellQuality {
 impl CellQuality {
     /// Every cell's measures, in the cells' order.
     pub fn of_cells(mesh: &Mesh) -> Vec<Self> {
-        parallel::map(mesh.cell_count(), |cell| measured(mesh, mesh.by_aggregate().cell(cell)))
+        parallel::map_short(mesh.cell_count(), |cell| measured(mesh, mesh.by_aggregate().cell(cell)))
     }
 
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices.

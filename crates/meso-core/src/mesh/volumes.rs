@@ -195,7 +195,7 @@ pub(super) fn restore(mesh: &mut Mesh, bodies: &[Aggregate], element_size_mm: f6
         }
         let mut displacements = surface.displacements(mesh, &missing, STEP * element_size_mm);
         surface.shorten(mesh, &mut displacements, element_size_mm / 10.0);
-        parallel::each_mut_in_runs(&mut mesh.points, |node, point| *point += displacements[node]);
+        parallel::each_short_mut(&mut mesh.points, |node, point| *point += displacements[node]);
     }
 }
 
@@ -252,7 +252,7 @@ impl Surface {
             *areas.entry(*owner).or_default() += normal.norm();
         }
         let distance = |id: u32| (missing[&id] / areas[&id]).clamp(-most, most);
-        parallel::map(normals.len(), |node| match normals[node].norm() {
+        parallel::map_short(normals.len(), |node| match normals[node].norm() {
             0.0 => Vec3::zeros(),
             length => normals[node] * (distance(self.owner[node]) / length),
         })

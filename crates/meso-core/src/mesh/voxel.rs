@@ -40,8 +40,8 @@ pub(super) fn build(
     let has_fibres = bodies.iter().any(|body| body.kind == Kind::Fibre);
     let labels = voxels.labels(bodies, &facets, subsamples.max(if has_fibres { FIBRE_SAMPLES } else { 1 }) as usize);
     let mut phase = vec![Phase::Mortar; labels.len()];
-    parallel::each_mut_in_runs(&mut phase, |voxel, phase| *phase = phase_of(labels[voxel], &facets));
-    let owner = parallel::map_in_runs(labels.len(), |voxel| labels[voxel].body().unwrap_or(NO_BODY));
+    parallel::each_short_mut(&mut phase, |voxel, phase| *phase = phase_of(labels[voxel], &facets));
+    let owner = parallel::map_short(labels.len(), |voxel| labels[voxel].body().unwrap_or(NO_BODY));
     Draft { kind: CellKind::Hexahedron, points: voxels.points(), cells: voxels.cells(), phase, owner }
 }
 
@@ -132,7 +132,7 @@ impl Voxels {
             }
             Vec3::new(at(0, p % nx), at(1, p / nx % ny), at(2, p / (nx * ny)))
         };
-        parallel::map(nx * ny * nz, point)
+        parallel::map_short(nx * ny * nz, point)
     }
 
     fn cells(&self) -> Vec<u32> {

@@ -140,7 +140,7 @@ impl Division {
         let mut mesh = stitch::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
         stitch::open_slivers(&mut mesh, &self.period, &self.domain);
         sections::all_matched(&mesh.points, &self.period, &self.domain)?;
-        parallel::each_mut_in_runs(&mut mesh.cells, |_, cell| *cell = oriented(*cell, &mesh.points));
+        parallel::each_short_mut(&mut mesh.cells, |_, cell| *cell = oriented(*cell, &mesh.points));
         improve::enlarge_angles(&mut mesh);
         Ok(mesh)
     }

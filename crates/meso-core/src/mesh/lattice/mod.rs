@@ -38,7 +38,7 @@ pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOpt
     let facets = Facets::all(bodies, |body| options.shell_mm(body));
     let bcc = Bcc::new(specimen.aabb(), options.element_size_mm);
     let locator = Locator::new(&facets, &specimen.aabb());
-    let points: Vec<Vec3> = parallel::map(bcc.nodes(), |node| bcc.position(node as u32));
+    let points: Vec<Vec3> = parallel::map_short(bcc.nodes(), |node| bcc.position(node as u32));
     let layers: Vec<Vec<[u32; 4]>> = parallel::map(bcc.counts[2], |k| {
         let mut cells = Vec::new();
         bcc.tetrahedra(k, |cell| cells.push(oriented(cell, &points)));

@@ -175,7 +175,7 @@ pub(super) fn relabel(mesh: &mut TetMesh, locator: &Locator) {
     let owners = Owners::of(mesh.by_body());
     let between = |node: &u32| owners.are_several(*node);
     let TetMesh { points, cells, owner } = mesh;
-    parallel::each_mut_in_runs(owner, |cell, owner| {
+    parallel::each_short_mut(owner, |cell, owner| {
         let nodes = &cells[cell];
         if nodes.iter().all(between) {
             stop::point();

@@ -39,7 +39,10 @@ type Cells = Vec<([u32; 4], u32)>;
 impl<'a> Cutter<'a> {
     pub(super) fn new(field: &'a Field<'a>, locator: &'a Locator<'a>) -> Self {
         let edges = parallel::flat_map(field.points.len(), |node| cut_edges(field, node as u32));
-        let cuts = parallel::map_each(&edges, |&(a, b)| field.at(a, b, crossing(field, a, b)));
+        let cuts = parallel::map_short(edges.len(), |edge| {
+            let (a, b) = edges[edge];
+            field.at(a, b, crossing(field, a, b))
+        });
         let points = [field.points.as_slice(), cuts.as_slice()].concat();
         Self { field, locator, edges, points }
     }

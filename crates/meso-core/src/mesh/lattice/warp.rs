@@ -52,7 +52,7 @@ enum Change {
 
 impl<'a> Field<'a> {
     pub(super) fn new(bcc: &'a Bcc, bodies: &'a [Facets], boundary: Option<&'a BoundarySurface>) -> Self {
-        let points = parallel::map(bcc.nodes(), |node| bcc.position(node as u32));
+        let points = parallel::map_short(bcc.nodes(), |node| bcc.position(node as u32));
         let mut label =
             labels(bodies, PointGrid { origin: points[0], spacing: bcc.spacing, counts: bcc.counts.map(|c| c + 1) });
         label.extend(labels(
@@ -234,5 +234,5 @@ fn labels(bodies: &[Facets], grid: PointGrid) -> Vec<u32> {
     let scan = Scan::new(grid, bodies);
     let mut labels = vec![Label::MORTAR; grid.counts.iter().product()];
     parallel::chunks_mut(&mut labels, grid.layer_len(), |k, layer| scan.label_layer(k, layer));
-    parallel::map_in_runs(labels.len(), |node| labels[node].body().unwrap_or(MORTAR))
+    parallel::map_short(labels.len(), |node| labels[node].body().unwrap_or(MORTAR))
 }

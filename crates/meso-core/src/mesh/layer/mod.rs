@@ -53,7 +53,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let back = settle(mesh, &targets, &layer, &ties);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
     let (short_nodes, pinched_nodes) = (count(&|copy| back.is_short(copy)), count(&|copy| back.is_pinched(copy)));
-    parallel::each_mut_in_runs(&mut mesh.points, |node, p| *p = back.position(node as u32, p, &targets[node]));
+    parallel::each_short_mut(&mut mesh.points, |node, p| *p = back.position(node as u32, p, &targets[node]));
     let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !back.is_pinched(*copy));
     let loose = kept.map(|copy| loose.binary_search(&ties.lead(copy)).is_ok()).collect();
     let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));

@@ -131,7 +131,7 @@ impl RadialOffsets {
             Some(radial) if !ties.is_pinned(node) => radial.across.hold_off(x, &radial.apply(x), ties.faces.walls()),
             _ => *x,
         };
-        let mut targets = parallel::map(points.len(), |node| target(node as u32, &points[node]));
+        let mut targets = parallel::map_short(points.len(), |node| target(node as u32, &points[node]));
         ties.spread(&mut targets);
         targets
     }

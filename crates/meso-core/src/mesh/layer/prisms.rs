@@ -70,7 +70,7 @@ pub(super) fn append(layered: &mut Layered, layer: &[LayerCell], copies: &Copies
         }
     }
     mesh.points.truncate(next as usize);
-    parallel::each_mut_in_runs(mesh.cells.as_flattened_mut(), |_, node| *node = number[*node as usize]);
+    parallel::each_short_mut(mesh.cells.as_flattened_mut(), |_, node| *node = number[*node as usize]);
     rails
 }
 

@@ -233,7 +233,7 @@ impl<'a> Bodies<'a> {
 
     /// Sets new limits for `bodies`.
     pub(super) fn go_on(&mut self, bodies: &[u32], sweeps: f32, least: f32) {
-        let limits = parallel::map_in_runs(bodies.len(), |k| self.limit(bodies[k], sweeps, least));
+        let limits = parallel::map_short(bodies.len(), |k| self.limit(bodies[k], sweeps, least));
         bodies.iter().zip(limits).for_each(|(&body, limit)| self.limits[body as usize] = limit);
     }
 
@@ -280,7 +280,7 @@ impl<'a> Bodies<'a> {
         let narrow = |centre: Vec3| centre.map(|x| x as f32).into();
         let placed = |k: usize| (bodies[k], self.state[bodies[k] as usize].centre);
         if self.period.is_none() {
-            return parallel::map_in_runs(bodies.len(), |k| {
+            return parallel::map_short(bodies.len(), |k| {
                 let (body, centre) = placed(k);
                 (body, narrow(centre))
             });

@@ -150,7 +150,7 @@ impl Level {
     fn fill(&mut self, bodies: &Bodies, placed: &[(u32, V)]) {
         let order = self.sort(placed);
         let placed = |k: usize| &placed[order[k] as usize];
-        self.members = parallel::map_in_runs(order.len(), |k| placed(k).0);
+        self.members = parallel::map_short(order.len(), |k| placed(k).0);
         let coordinates = |axis: usize| padded(order.len(), |k| placed(k).1[axis]);
         (self.x, self.y, self.z) = (coordinates(0), coordinates(1), coordinates(2));
         self.radius = padded(order.len(), |k| far(bodies, self.members[k]));
@@ -159,7 +159,7 @@ impl Level {
     /// The numbers of the `placed` by cell; also sets where those of each cell start.
     fn sort(&mut self, placed: &[(u32, V)]) -> Vec<u32> {
         let key = |(_, centre): &(u32, V)| self.flat(self.cell_of(&widened(*centre)));
-        let keys = parallel::map_in_runs(placed.len(), |k| key(&placed[k]));
+        let keys = parallel::map_short(placed.len(), |k| key(&placed[k]));
         self.starts = starts(self.counts.iter().product::<i64>() as usize, keys.iter().copied());
         let mut next = self.starts.clone();
         let mut order = vec![0; placed.len()];
@@ -236,7 +236,7 @@ impl Level {
 
 /// `of(k)` for every number below `count`, and some zeros, so that several can be read at the end.
 fn padded(count: usize, of: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
-    parallel::map_in_runs(count + LANES, |k| if k < count { of(k) } else { 0.0 })
+    parallel::map_short(count + LANES, |k| if k < count { of(k) } else { 0.0 })
 }
 
 /// The largest `of(k)` of every number below `count`; 0 where none is larger.
