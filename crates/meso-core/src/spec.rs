@@ -28,8 +28,27 @@ pub(crate) use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
-use crate::packing::{Placement, Specimen};
+use crate::packing::{Placement, Progress, Silent, Specimen};
 use serde::{Deserialize, Serialize};
+
+/// What reading a spec needs from outside.
+#[doc(hidden)]
+pub struct Reading<'a> {
+    /// Read what the spec names: see [`Spec::from_toml_with`].
+    pub files: &'a mut dyn Files,
+    /// Told of [`Stage::Read`](crate::packing::Stage::Read), where the specimen is a surface; of a million triangles it takes seconds. Once the spec's
+    /// fraction is known, `update` is told of it.
+    pub progress: &'a dyn Progress,
+    /// Takes the place of the spec's time limit, s. It ends the proof of the surface with an error that
+    /// [`is_late`](SpecError::is_late).
+    pub time_limit_s: Option<f64>,
+}
+
+impl<'a> Reading<'a> {
+    fn silent(files: &'a mut dyn Files) -> Self {
+        Self { files, progress: &Silent, time_limit_s: None }
+    }
+}
 
 /// Everything that decides a model, with the paper's specimen as default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,7 +109,16 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml`], and where `files` fail.
     pub fn from_toml_with(text: &str, files: &mut dyn Files) -> Result<Self, SpecError> {
-        Self::from_tree(tree::parse_toml(text)?, files)
+        Self::from_toml_while(text, &mut Reading::silent(files))
+    }
+
+    /// As [`Spec::from_toml_with`], while somebody waits for it.
+    ///
+    /// # Errors
+    /// As [`Spec::from_toml_with`], and where the time limit ends it.
+    #[doc(hidden)]
+    pub fn from_toml_while(text: &str, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
+        Self::from_tree(tree::parse_toml(text)?, reading)
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -106,7 +134,16 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml_with`], without a line.
     pub fn from_value_with(value: &serde_json::Value, files: &mut dyn Files) -> Result<Self, SpecError> {
-        Self::from_tree(tree::from_json(value), files)
+        Self::from_value_while(value, &mut Reading::silent(files))
+    }
+
+    /// As [`Spec::from_value_with`], while somebody waits for it.
+    ///
+    /// # Errors
+    /// As [`Spec::from_value_with`], and where the time limit ends it.
+    #[doc(hidden)]
+    pub fn from_value_while(value: &serde_json::Value, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
+        Self::from_tree(tree::from_json(value), reading)
     }
 
     /// The further phases.
@@ -114,10 +151,13 @@ impl Spec {
         Inclusions { voids: self.voids, fibres: self.fibres }
     }
 
-    fn from_tree(mut tree: tree::Node, files: &mut dyn Files) -> Result<Self, SpecError> {
-        sieves::inline(&mut tree, files)?;
-        library::inline(&mut tree, files)?;
-        surface::inline(&mut tree, files)?;
+    fn from_tree(mut tree: tree::Node, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
+        if let Some(fraction) = plain_fraction(&tree) {
+            reading.progress.update(0.0, fraction);
+        }
+        sieves::inline(&mut tree, reading.files)?;
+        library::inline(&mut tree, reading.files)?;
+        surface::inline(&mut tree, reading)?;
         let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
         let mix = mix_design::take(&mut tree)?;
         let mut spec: Self = read::read(&tree)?;
@@ -130,8 +170,19 @@ impl Spec {
         if let Some(mix) = mix {
             spec.fraction = mix.fraction(&spec.grading).map_err(|error| error.at(&tree))?;
         }
-        spec.validate().map_err(|error| error.at(&tree))?;
+        spec.placement.time_limit_s = reading.time_limit_s.or(spec.placement.time_limit_s);
+        reading.progress.update(0.0, spec.fraction);
+        spec.validate_while(reading.progress).map_err(|error| error.at(&tree))?;
         Ok(spec)
+    }
+}
+
+/// The fraction asked for, where it does not follow from a mix design.
+fn plain_fraction(tree: &tree::Node) -> Option<f64> {
+    match tree.child("fraction").map(|node| &node.value) {
+        Some(&tree::Value::Float(fraction)) => Some(fraction),
+        None if tree.child("mix").is_none() => Some(Spec::default().fraction),
+        _ => None,
     }
 }
 

@@ -205,7 +205,7 @@ impl PyPacking {
     fn check<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (model, progress) = (Arc::clone(&self.0), listener(py, progress)?);
-            let plan = Plan(&[(Stage::Prove, 1.0)], 1.0);
+            let plan = Plan::new(&[(Stage::Prove, 1.0)], Some(1.0));
             let check = in_stages(py, progress.as_ref(), plan, move |watch| {
                 Check::of(&model, &|share| watch.stage(Stage::Prove, share))
             })?;
@@ -237,7 +237,7 @@ impl PyPacking {
             let (model, options) = (Arc::clone(&self.0), spec::options::<Options>(options)?);
             options.validate().map_err(|error| spec::spec_error(&error))?;
             let progress = listener(py, progress)?;
-            let plan = Plan(&[(Stage::Measure, 1.0)], 1.0);
+            let plan = Plan::new(&[(Stage::Measure, 1.0)], Some(1.0));
             let measured = in_stages(py, progress.as_ref(), plan, move |watch| {
                 Statistics::watched(&model, &options, &|share| watch.stage(Stage::Measure, share))
             })?;

@@ -931,7 +931,8 @@ def pack(
     progress : bool or callable, optional
         True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
         `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
-        name, too: "take", "place" or "prove". When it returns False, the best valid packing found so far is returned.
+        name, too: "take", "place" or "prove", and before them "read" where the specimen is a surface. When it returns
+        False, the best valid packing found so far is returned.
 
     Returns
     -------
@@ -944,6 +945,8 @@ def pack(
         For a spec that cannot be, before any work starts.
     OSError
         Where the spec's file cannot be read.
+    TimeoutError
+        Where the time limit ended the proof of the specimen's surface, so that there is nothing to return.
     KeyboardInterrupt
         On Ctrl-C, within 0.2 s.
 

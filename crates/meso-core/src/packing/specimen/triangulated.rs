@@ -7,6 +7,7 @@ use super::box_minus_convex::{clear_of, within_box};
 use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
 use super::largest::{self, Largest};
+use super::{ContainerError, Waiting};
 use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
@@ -15,6 +16,7 @@ use crate::stop;
 use rayon::prelude::*;
 use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The region that a closed surface of triangles encloses, moved to the origin.
 #[derive(Clone, Debug)]
@@ -46,14 +48,31 @@ impl Triangulated {
     }
 
     /// Two triangles that cross each other, or touch where they are not neighbours, if there are any.
-    pub(super) fn crossing(&self) -> Option<[[Vec3; 3]; 2]> {
+    ///
+    /// # Errors
+    /// [`ContainerError::Late`].
+    pub(super) fn crossing(&self, waiting: Waiting<'_>) -> Result<Option<[[Vec3; 3]; 2]>, ContainerError> {
+        let triangles = self.mesh.triangles.len();
+        let (looked_at, is_late) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let share = || looked_at.load(Ordering::Relaxed).min(triangles) as f64 / triangles as f64;
         let first = |a: u32| {
             stop::point();
+            if a as usize % RUN == 0 {
+                looked_at.fetch_add(RUN, Ordering::Relaxed);
+                is_late.fetch_or(waiting.is_over_at(BEFORE + WITHIN * share()), Ordering::Relaxed);
+            }
+            // Whatever is found ends the search.
+            if is_late.load(Ordering::Relaxed) {
+                return Some([a, a]);
+            }
             let crosses = |&b: &u32| b > a && self.cross(a, b);
             self.facets.around(a).filter(crosses).min().map(|b| [a, b])
         };
-        let found = (0..self.mesh.triangles.len() as u32).into_par_iter().find_map_first(first)?;
-        Some(found.map(|t| *self.facets.of(t)))
+        let found = (0..triangles as u32).into_par_iter().find_map_first(first);
+        if is_late.into_inner() {
+            return Err(ContainerError::Late { triangles, share: share() });
+        }
+        Ok(found.map(|pair| pair.map(|t| *self.facets.of(t))))
     }
 
     /// A corner of a component that is nested wrongly. An outer surface lies in no other's interior; the surface of a
@@ -245,6 +264,12 @@ fn longest(component: &TriangleMesh) -> f64 {
     aabb.size().norm().min(2.0 * radius)
 }
 
+/// Of a surface of a million triangles, the share of the time that reading takes before its triangles are compared, and that
+/// these then take; its hull takes the rest.
+const BEFORE: f64 = 0.4;
+const WITHIN: f64 = 0.4;
+/// Triangles from one look at the clock to the next: some 10 ms of work.
+const RUN: usize = 1 << 10;
 /// Samples along each axis for [`Container::share_within`].
 const SAMPLES: usize = 24;
 /// How far inside a returned centre starts, as a share of the container's size.
@@ -295,6 +320,7 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};
+    use crate::packing::Silent;
 
     /// A box from the origin with a hollow, whose faces are reversed.
     fn hollow() -> Triangulated {
@@ -328,13 +354,16 @@ mod tests {
 
     #[test]
     fn surfaces_that_cross_themselves_are_found() {
-        assert_eq!(hollow().crossing(), None);
+        let patient = Waiting { progress: &Silent, deadline: f64::INFINITY };
+        assert_eq!(hollow().crossing(patient), Ok(None));
         let boxes = [(0.0, 6.0), (3.0, 9.0)].map(|(from, to)| {
             let surface = Surface::cuboid(&Vec3::repeat(from), &Vec3::repeat(to));
             surface.triangles().flat_map(|t| t.map(|i| surface.points[i as usize])).collect::<Vec<_>>()
         });
-        assert!(Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
+        let found = Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing(patient);
+        assert!(found.is_ok_and(|pair| pair.is_some()));
     }
+
     /// Triangles on a grid of 4 x 4 x 2 points, so that many lie in one plane.
     #[test]
     fn neighbours_that_a_view_parts_meet_nowhere_else() {
