@@ -1,7 +1,6 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
-use meso_core::spec::Reading;
 use meso_core::{Model, Progress, Spec, SpecError, saved};
 use meso_files::{Beside, missing_recipe};
 use std::fs::File;
@@ -25,12 +24,11 @@ pub(crate) fn spec(path: &Path, progress: &dyn Progress, time_limit_s: Option<f6
     if let Some(name) = missing_recipe(path) {
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
-    let mut reading = Reading { files: &mut Beside(folder), progress, time_limit_s };
     let by_flag = |error: SpecError| match (error.is_late, time_limit_s) {
         (true, Some(_)) => SpecError { key: "--time-limit".to_owned(), line: None, ..error },
         _ => error,
     };
-    toml(path, |text| Spec::from_toml_while(text, &mut reading).map_err(by_flag))
+    toml(path, |text| Spec::from_toml_while(text, &mut Beside(folder), progress, time_limit_s).map_err(by_flag))
 }
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.

@@ -32,22 +32,11 @@ use crate::packing::{Placement, Progress, Silent, Specimen};
 use serde::{Deserialize, Serialize};
 
 /// What reading a spec needs from outside.
-#[doc(hidden)]
-pub struct Reading<'a> {
-    /// Read what the spec names: see [`Spec::from_toml_with`].
-    pub files: &'a mut dyn Files,
-    /// Told of [`Stage::Read`](crate::packing::Stage::Read), where the specimen is a surface; of a million triangles it takes seconds. Once the spec's
-    /// fraction is known, `update` is told of it.
-    pub progress: &'a dyn Progress,
-    /// Takes the place of the spec's time limit, s. It ends the proof of the surface with an error that
-    /// [`is_late`](SpecError::is_late).
-    pub time_limit_s: Option<f64>,
-}
-
-impl<'a> Reading<'a> {
-    fn silent(files: &'a mut dyn Files) -> Self {
-        Self { files, progress: &Silent, time_limit_s: None }
-    }
+struct Reading<'a> {
+    files: &'a mut dyn Files,
+    progress: &'a dyn Progress,
+    /// In place of the spec's.
+    time_limit_s: Option<f64>,
 }
 
 /// Everything that decides a model, with the paper's specimen as default.
@@ -109,16 +98,21 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml`], and where `files` fail.
     pub fn from_toml_with(text: &str, files: &mut dyn Files) -> Result<Self, SpecError> {
-        Self::from_toml_while(text, &mut Reading::silent(files))
+        Self::from_toml_while(text, files, &Silent, None)
     }
 
-    /// As [`Spec::from_toml_with`], while somebody waits for it.
+    /// As [`Spec::from_toml_with`], while somebody waits for it: of a specimen of a million triangles that takes seconds.
+    /// `progress` is told of them, and of the fraction asked for; `time_limit_s` takes the place of the spec's.
     ///
     /// # Errors
-    /// As [`Spec::from_toml_with`], and where the time limit ends it.
-    #[doc(hidden)]
-    pub fn from_toml_while(text: &str, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
-        Self::from_tree(tree::parse_toml(text)?, reading)
+    /// As [`Spec::from_toml_with`], and where the time limit ends the proof of the surface: see [`SpecError::is_late`].
+    pub fn from_toml_while(
+        text: &str,
+        files: &mut dyn Files,
+        progress: &dyn Progress,
+        time_limit_s: Option<f64>,
+    ) -> Result<Self, SpecError> {
+        Self::from_tree(tree::parse_toml(text)?, &mut Reading { files, progress, time_limit_s })
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -134,16 +128,20 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml_with`], without a line.
     pub fn from_value_with(value: &serde_json::Value, files: &mut dyn Files) -> Result<Self, SpecError> {
-        Self::from_value_while(value, &mut Reading::silent(files))
+        Self::from_value_while(value, files, &Silent, None)
     }
 
-    /// As [`Spec::from_value_with`], while somebody waits for it.
+    /// As [`Spec::from_value_with`], while somebody waits for it, as [`Spec::from_toml_while`] has it.
     ///
     /// # Errors
-    /// As [`Spec::from_value_with`], and where the time limit ends it.
-    #[doc(hidden)]
-    pub fn from_value_while(value: &serde_json::Value, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
-        Self::from_tree(tree::from_json(value), reading)
+    /// As [`Spec::from_toml_while`], without a line.
+    pub fn from_value_while(
+        value: &serde_json::Value,
+        files: &mut dyn Files,
+        progress: &dyn Progress,
+        time_limit_s: Option<f64>,
+    ) -> Result<Self, SpecError> {
+        Self::from_tree(tree::from_json(value), &mut Reading { files, progress, time_limit_s })
     }
 
     /// The further phases.

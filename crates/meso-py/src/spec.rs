@@ -1,10 +1,10 @@
 //! `Spec`: everything that decides a model.
 
-use crate::boundary::{file_error, guard, in_keywords};
+use crate::boundary::{file_error, guard, keyword};
 use crate::run::beside_python;
 use crate::tree;
 use meso_core::recipes;
-use meso_core::spec::{self, Reading, Spec, SpecError};
+use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Progress, Silent};
 use meso_files::Beside;
 use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError, PyTypeError, PyValueError};
@@ -39,7 +39,9 @@ fn from_value(value: &Value) -> PyResult<Spec> {
 
 /// The exception of a spec that cannot be, or that the time limit left unproved.
 pub(crate) fn spec_error(error: &SpecError) -> PyErr {
-    let text = in_keywords(error);
+    let meant = |key: &str| format!("did you mean {key}?");
+    let message = error.message.replace(&meant("element_size_mm"), &meant(&keyword("element_size_mm")));
+    let text = SpecError { key: keyword(&error.key), message, ..error.clone() }.to_string();
     match (error.is_late, error.is_wrong_type) {
         (true, _) => PyTimeoutError::new_err(text),
         (false, true) => PyTypeError::new_err(text),
@@ -63,8 +65,7 @@ fn read(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyRe
     let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reading = Reading { files: &mut Beside(folder), progress, time_limit_s };
-    Spec::from_toml_while(&text, &mut reading).map_err(|error| match error.is_late {
+    Spec::from_toml_while(&text, &mut Beside(folder), progress, time_limit_s).map_err(|error| match error.is_late {
         true => PyTimeoutError::new_err(format!("{name}: {}", by_keyword(error, time_limit_s))),
         false => named(error.to_string()),
     })
@@ -119,8 +120,7 @@ impl Given {
         match self {
             Self::Spec(spec) => Ok(*spec),
             Self::Tree(tree) => {
-                let mut reading = Reading { files: &mut Beside(Path::new("")), progress, time_limit_s };
-                let spec = Spec::from_value_while(&tree, &mut reading);
+                let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), progress, time_limit_s);
                 spec.map_err(|error| spec_error(&by_keyword(error, time_limit_s)))
             }
             Self::File(path) => read(&path, progress, time_limit_s),
