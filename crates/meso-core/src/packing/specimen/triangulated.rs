@@ -57,7 +57,7 @@ impl Triangulated {
         let share = || looked_at.load(Ordering::Relaxed).min(triangles) as f64 / triangles as f64;
         let first = |a: u32| {
             stop::point();
-            if a as usize % RUN == 0 {
+            if (a as usize).is_multiple_of(RUN) {
                 looked_at.fetch_add(RUN, Ordering::Relaxed);
                 is_late.fetch_or(waiting.is_over_at(BEFORE + WITHIN * share()), Ordering::Relaxed);
             }
