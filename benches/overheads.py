@@ -104,10 +104,14 @@ def killed(command: list[str], study: str, kills: int) -> str:
     draw, lost, struck = random.Random(19), 0, 0
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "study.toml").write_text(study, encoding="utf-8")
-        for _ in range(kills):
+        while struck < kills:
             process = subprocess.Popen([*command, "--jobs", "1"], cwd=folder)
             time.sleep(0.05 + draw.random())
-            struck += process.poll() is None
+            if process.poll() is not None:
+                # All cases are done: from the first one on.
+                shutil.rmtree(Path(folder) / "study")
+                continue
+            struck += 1
             process.kill()
             process.wait()
             cases = [case for case in (Path(folder) / "study").glob("seed-*") if case.is_dir()]

@@ -262,3 +262,28 @@ fn pieces_of_a_pvtu_appear_beside_it_and_are_kept_like_any_file() {
     assert!(again.stderr.contains("large_0.vtu exists; --force replaces it"), "{}", again.stderr);
     assert_eq!(folder.run(&["mesh", "model.json", "-o", "large.pvtu", "--force"]).code, 0);
 }
+
+#[test]
+fn a_time_limit_ends_the_proof_of_a_surface_and_nothing_is_written() {
+    let folder = Folder::new();
+    folder.write("grains.toml", "specimen = { kind = 'cube', side_mm = 40 }\n[grading]\nd_min_mm = 3\nd_max_mm = 6\n");
+    let run = folder.run(&["pack", "grains.toml", "-o", "grains.stl"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let spec =
+        "fraction = 0.02\nspecimen = { kind = 'mesh', file = 'grains.stl' }\n[grading]\nd_min_mm = 2\nd_max_mm = 3\n";
+    folder.write("inside.toml", spec);
+    folder.write("short.toml", format!("{spec}[placement]\ntime_limit_s = 0.001\n"));
+    let names = folder.names();
+    let by_flag: &[&str] = &["pack", "inside.toml", "--time-limit", "0.001"];
+    for (args, code, named) in [
+        (by_flag, 1, "inside.toml: --time-limit is 0.001, "),
+        (&[by_flag, &["--strict"]].concat(), 3, "inside.toml: --time-limit is 0.001, "),
+        (&["pack", "short.toml"], 1, "short.toml: line 7: placement.time_limit_s is 0.001, "),
+    ] {
+        let run = folder.run(args);
+        assert_eq!(run.code, code, "{}", run.stderr);
+        let start = format!("error: {named}which was over before the specimen's surface was proved: ");
+        assert!(run.stderr.starts_with(&start) && run.stderr.ends_with("; nothing is written\n"), "{}", run.stderr);
+        assert_eq!(folder.names(), names);
+    }
+}

@@ -232,8 +232,8 @@ impl Progress for Late {
         self.0.seconds()
     }
 
-    fn spent(&self) -> f64 {
-        3.5
+    fn began(&self) -> f64 {
+        -3.5
     }
 }
 

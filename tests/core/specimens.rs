@@ -5,9 +5,11 @@ use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Mesh, MeshOptions, Method};
-use meso_core::packing::{Built, Silent, Specimen, StopReason, Strategy};
-use meso_core::{Model, Spec, pack};
+use meso_core::packing::{Built, Silent, Specimen, Stage, StopReason, Strategy};
+use meso_core::{Model, Progress, Spec, pack};
 use std::f64::consts::PI;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Packs `specimen` by `strategy`; the fraction is what it reaches easily.
 fn packed(specimen: Specimen, strategy: Strategy, wall_gap_mm: f64) -> Model {
@@ -266,10 +268,15 @@ fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
 
 /// 64 cubes of an edge length (mm), 3 mm apart, as one closed surface.
 fn cubes(edge: f64) -> Specimen {
+    cubed_cubes(4, edge)
+}
+
+/// `n` by `n` by `n` of them.
+fn cubed_cubes(n: u32, edge: f64) -> Specimen {
     let (mut vertices_mm, mut triangles) = (Vec::new(), Vec::new());
-    for cube in 0..64 {
+    for cube in 0..n.pow(3) {
         let mut surface = Specimen::cube(edge).container().surface();
-        let place = Vec3::from([1, 4, 16].map(|step| f64::from(cube / step % 4))) * (edge + 3.0);
+        let place = Vec3::from([1, n, n * n].map(|step| f64::from(cube / step % n))) * (edge + 3.0);
         surface.points.iter_mut().for_each(|point| *point += place);
         triangles.extend(surface.triangles().map(|t| t.map(|corner| corner + vertices_mm.len() as u32)));
         vertices_mm.extend(surface.points.into_iter().map(<[f64; 3]>::from));
@@ -285,6 +292,64 @@ fn nested(at: f64, hollow: bool) -> Specimen {
     let triangles = outer.triangles().chain(inner_triangles.map(|t| t.map(|corner| corner + 8))).collect();
     let vertices_mm = outer.points.into_iter().chain(inner.points).map(<[f64; 3]>::from).collect();
     Specimen::Mesh { vertices_mm, triangles, built: Built::default() }
+}
+
+/// Writes down what it is told; its clock goes on by a hundredth of a second whenever it is asked.
+#[derive(Default)]
+struct Diary {
+    told: Mutex<Vec<(Stage, f64)>>,
+    asked: AtomicU32,
+}
+
+impl Progress for Diary {
+    fn update(&self, _: f64, _: f64) -> bool {
+        true
+    }
+
+    fn stage(&self, stage: Stage, share: f64) {
+        self.told.lock().unwrap().push((stage, share));
+    }
+
+    fn seconds(&self) -> f64 {
+        f64::from(self.asked.fetch_add(1, Ordering::Relaxed)) / 100.0
+    }
+}
+
+/// A spec of 12,000 triangles, which are proved anew: no copy of it was.
+fn of_many_triangles() -> Spec {
+    let text = "fraction = 0.02\n[grading]\nd_min_mm = 3\nd_max_mm = 5";
+    Spec { specimen: cubed_cubes(10, 8.0), ..Spec::from_toml(text).unwrap() }
+}
+
+#[test]
+fn the_proof_of_a_surface_is_a_stage_before_the_others_and_changes_nothing() {
+    let diary = Diary::default();
+    let model = pack(&of_many_triangles(), &diary).unwrap();
+    assert!(model.aggregates == pack(&of_many_triangles(), &Silent).unwrap().aggregates);
+    let told = diary.told.into_inner().unwrap();
+    let reading = told.iter().take_while(|(stage, _)| *stage == Stage::Read).count();
+    assert!(told[reading..].iter().all(|(stage, _)| *stage != Stage::Read) && told[reading].0 == Stage::Take);
+    assert_eq!(told[reading - 1].1, 1.0);
+    // A share of the triangles after every 1,024.
+    let within = told[..reading].iter().filter(|(_, share)| (0.41..0.8).contains(share)).count();
+    assert!((10..=12).contains(&within), "{:?}", &told[..reading]);
+}
+
+#[test]
+fn a_time_limit_ends_the_proof_of_a_surface_and_says_how_far_it_came() {
+    let mut spec = of_many_triangles();
+    spec.placement.time_limit_s = Some(0.05);
+    let diary = Diary::default();
+    let error = pack(&spec, &diary).unwrap_err();
+    assert!(error.is_late, "{error}");
+    let text = error.to_string();
+    let start = "placement.time_limit_s is 0.05, which was over before the specimen's surface was proved: ";
+    let percent =
+        text.strip_prefix(start).and_then(|rest| rest.split_once(" % of its 12000 triangles were; allow more"));
+    let percent: u32 = percent.unwrap_or_else(|| panic!("{text}")).0.parse().unwrap();
+    assert!((10..90).contains(&percent), "{text}");
+    // Without a clock there is no limit.
+    assert!(pack(&spec, &Silent).is_ok());
 }
 
 #[test]

@@ -156,6 +156,31 @@ def test_threads_change_nothing_and_a_time_limit_ends_a_packing():
         mc.pack(spec, time_limit="1 s")
 
 
+def test_reading_a_surface_is_a_stage_and_a_time_limit_ends_it(packing, tmp_path):
+    """Of a file and of a dict; a fraction that is given or read is the whole from the first call on."""
+    packing.write(tmp_path / "grains.stl")
+    sizes = mc.Grading.fuller(2, 3)
+    spec = {"specimen": mc.Specimen.stl(tmp_path / "grains.stl"), "fraction": 0.02, "grading": sizes}
+    (tmp_path / "spec.toml").write_text(
+        "fraction = 0.02\nspecimen = { kind = 'mesh', file = 'grains.stl' }\n[grading]\nd_min_mm = 2\nd_max_mm = 3\n"
+    )
+    silent = mc.pack(spec, fraction=0.01)
+    for given in (spec, tmp_path / "spec.toml"):
+        seen = []
+        inside = mc.pack(given, fraction=0.01, progress=lambda *told, stage: seen.append((*told, stage)))
+        assert inside == silent
+        assert {total for _, total, _ in seen} == {0.01}
+        assert [done for done, *_ in seen] == sorted(done for done, *_ in seen)
+        stages = list(dict.fromkeys(stage for *_, stage in seen))
+        assert stages[0] == "read" and stages == [stage for stage in ("read", "take", "place", "prove") if stage in stages]
+        with pytest.raises(TimeoutError, match="time_limit is 0.001, which was over before the specimen's surface was proved"):
+            mc.pack(given, time_limit=0.001)
+    # Without a surface there is no such stage.
+    stages = []
+    mc.pack({"specimen": mc.Specimen.cube(40)}, progress=lambda *_, stage: stages.append(stage))
+    assert "read" not in stages
+
+
 def test_bodies_of_the_package_collide():
     spec = {"specimen": mc.Specimen.cube(40), "fraction": 0.2, "grading": {"d_max_mm": 12.0}}
     packing = mc.pack(spec)

@@ -131,6 +131,28 @@ def test_failures_are_kept_with_their_message_and_done_again_on_request(tmp_path
     assert calls == [(2, 3), (3, 3)]
 
 
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_the_tables_are_frames_by_a_word_and_keep_what_is_missing(tmp_path, library):
+    module = pytest.importorskip(library)
+    study = mc.study(TINY, {"seed": [1, 2, 3]}, then=failing, out=tmp_path / "s")
+    frame, groups = study.table(library), study.ensemble(frame=library)
+    assert isinstance(frame, module.DataFrame) and isinstance(groups, module.DataFrame)
+    assert list(frame.columns) == list(study.table()) and list(groups.columns) == list(study.ensemble())
+    missing = getattr(frame["seed_squared"], "isna" if library == "pandas" else "is_null")()
+    assert missing.to_list() == [False, True, False]
+    assert frame["seed"].to_list() == [1, 2, 3] and frame["status"].to_list() == ["done", "failed", "done"]
+    assert groups["mean"].to_list() == [5.0]
+
+
+def test_a_missing_library_is_reported_before_a_study_reads_its_folder(tmp_path, monkeypatch):
+    study = mc.study(TINY, {"seed": [1]}, then=largest, out=tmp_path / "s")
+    (tmp_path / "s" / "table.csv").unlink()
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(ImportError, match="polars is not installed; get it with: pip install polars"):
+        study.table("polars")
+    assert not (tmp_path / "s" / "table.csv").exists()
+
+
 def test_done_cases_are_skipped_and_longer_axes_add_to_them(tmp_path):
     first = mc.study(TINY, {"seed": [1, 2]}, then=largest, out=tmp_path / "s")
     times = [(folder / "model.json").stat().st_mtime_ns for folder in first.folders]

@@ -24,6 +24,43 @@ def test_a_table_has_the_columns_and_values_of_the_csv(packing, tmp_path):
     assert table["id"].dtype == np.int64 and table["volume_mm3"].dtype == np.float64
 
 
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_a_word_makes_a_frame_of_the_table(packing, library):
+    """The columns, their order, values and kinds are those of the arrays."""
+    module = pytest.importorskip(library)
+    frame, table = packing.table(library), packing.table()
+    assert isinstance(frame, module.DataFrame)
+    assert list(frame.columns) == list(table) and frame.shape == (len(packing), len(table))
+    for name, column in table.items():
+        assert np.array_equal(frame[name].to_numpy().astype(column.dtype), column), name
+        kind = str(frame[name].dtype).lower()
+        assert kind == str(column.dtype) or (name == "phase" and kind.startswith(("str", "object"))), f"{name} is {kind}"
+    assert packing.table(frame=library).equals(frame)
+
+
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_the_curve_of_a_test_is_a_frame_by_a_word(library):
+    """It has the columns of `curve`."""
+    module = pytest.importorskip(library)
+    small = mc.pack({"specimen": {"kind": "cube", "side_mm": 20.0}, "fraction": 0.1}, seed=1)
+    response = small.mesh(element_size=4.0, itz="none", accept_phase_error=True).solve(strain=0.0005)
+    frame, curve = response.table(library), response.curve
+    assert isinstance(frame, module.DataFrame) and list(frame.columns) == list(curve) == list(response.table())
+    assert np.array_equal(frame["stress_mpa"].to_numpy(), curve["stress_mpa"]) and len(frame) > 10
+
+
+def test_a_frame_that_cannot_be_had_is_refused_with_the_way_out(packing, monkeypatch):
+    """Of a library that is missing, of a name that is none, and of a type that is no name."""
+    for library in ("pandas", "polars"):
+        monkeypatch.setitem(sys.modules, library, None)
+        with pytest.raises(ImportError, match=f"{library} is not installed; get it with: pip install {library}"):
+            packing.table(library)
+    with pytest.raises(ValueError, match='frame is "panda"; it must be "pandas", "polars" or None'):
+        packing.table("panda")
+    with pytest.raises(TypeError, match="frame is of type bool; it must be"):
+        packing.table(True)
+
+
 def test_arrays_of_all_aggregates_are_those_of_each(packing):
     """No loop is needed."""
     aggregates = packing.aggregates

@@ -20,6 +20,8 @@ pub(crate) enum Failure {
     Usage(String),
     /// Something that could not be done.
     Run(String),
+    /// The time limit came before there was anything to keep.
+    Late(String),
     /// A panic: our mistake.
     Bug,
 }
@@ -33,7 +35,7 @@ impl Failure {
     /// The fault, and the way out.
     pub(crate) fn message(&self) -> &str {
         match self {
-            Self::Usage(message) | Self::Run(message) => message,
+            Self::Usage(message) | Self::Run(message) | Self::Late(message) => message,
             Self::Bug => "this is a mistake in mesocrete; please report it with the command and the spec",
         }
     }

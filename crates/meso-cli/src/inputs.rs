@@ -1,7 +1,7 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
-use meso_core::{Model, Spec, SpecError, saved};
+use meso_core::{Model, Progress, Spec, SpecError, saved};
 use meso_files::{Beside, missing_recipe};
 use std::fs::File;
 use std::io::{self, Read};
@@ -16,14 +16,19 @@ const HEAD: u64 = 4096;
 /// A compressed one begins so.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// Reads a SPEC.toml, `-` for standard input. Values that cannot be are named with their line.
-pub(crate) fn spec(path: &Path) -> Result<Spec, Failure> {
+/// Reads a SPEC.toml, `-` for standard input, while `progress` waits for it; a time limit may take the place of the spec's.
+/// Values that cannot be are named with their line.
+pub(crate) fn spec(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> Result<Spec, Failure> {
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(name) = missing_recipe(path) {
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
-    toml(path, |text| Spec::from_toml_with(text, &mut Beside(folder)))
+    let by_flag = |error: SpecError| match (error.is_late, time_limit_s) {
+        (true, Some(_)) => SpecError { key: "--time-limit".to_owned(), line: None, ..error },
+        _ => error,
+    };
+    toml(path, |text| Spec::from_toml_while(text, &mut Beside(folder), progress, time_limit_s).map_err(by_flag))
 }
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.
@@ -34,7 +39,10 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
         let position = error.utf8_error().valid_up_to();
         Failure::Usage(format!("{name}: byte {position} is not UTF-8; save it as plain text"))
     })?;
-    parse(&text).map_err(|error| Failure::Usage(format!("{name}: {error}")))
+    parse(&text).map_err(|error| {
+        let message = format!("{name}: {error}");
+        if error.is_late { Failure::Late(message) } else { Failure::Usage(message) }
+    })
 }
 
 /// Reads a saved model, `-` for standard input. What does not begin like one is not read to its end.

@@ -5,7 +5,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use meso_core::Progress;
 use meso_core::packing::{Measure, Stage};
 use std::io::{self, IsTerminal, Write};
-use std::sync::Mutex;
+use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
 
 /// Back to the start of the line, which is emptied.
@@ -20,7 +20,9 @@ const WIDE: u16 = 72;
 const LINE: Duration = Duration::from_secs(10);
 
 /// The stages of a packing that is meshed and written, with their weights in the default run.
-pub(crate) const PACK: [(Stage, f64); 6] = [
+pub(crate) const PACK: [(Stage, f64); 7] = [
+    // Of a surface; other specimens have no such stage.
+    (Stage::Read, 8.0),
     (Stage::Take, 2.0),
     (Stage::Place, 4.0),
     (Stage::Prove, 1.0),
@@ -29,11 +31,9 @@ pub(crate) const PACK: [(Stage, f64); 6] = [
     (Stage::Write, 2.0),
 ];
 
-/// Watches one run.
+/// Watches one run, and counts its time limit from its own beginning on.
 pub(crate) struct Watch {
     started: Instant,
-    /// Seconds before the start that count for a time limit.
-    spent: f64,
     measure: Measure,
     shown: Shown,
     polling: Option<interrupt::Polling>,
@@ -42,7 +42,8 @@ pub(crate) struct Watch {
 /// Form in which the user sees it.
 enum Shown {
     Nothing,
-    Bar(ProgressBar),
+    /// Drawn from the first stage on.
+    Bar(ProgressBar, Once),
     /// When the last line was written.
     Lines(Mutex<Instant>),
 }
@@ -52,26 +53,26 @@ impl Watch {
     /// `quiet` is false.
     pub(crate) fn start(quiet: bool, plan: &[(Stage, f64)]) -> Self {
         let mut watch = Self::of_files(quiet, plan);
-        watch.polling = Some(interrupt::Polling::begin());
-        watch.leaves("Ctrl-C keeps what is placed");
+        watch.keeps_the_best();
         watch
+    }
+
+    /// From now on Ctrl-C keeps the best packing.
+    pub(crate) fn keeps_the_best(&mut self) {
+        self.polling = Some(interrupt::Polling::begin());
+        self.leaves("Ctrl-C keeps what is placed");
     }
 
     /// Starts the clock of work that Ctrl-C ends without a file.
     pub(crate) fn of_files(quiet: bool, plan: &[(Stage, f64)]) -> Self {
         let shown = match (quiet, io::stderr().is_terminal()) {
             (true, _) => Shown::Nothing,
-            (_, true) => Shown::Bar(bar_on_terminal()),
+            (_, true) => Shown::Bar(bar_on_terminal(), Once::new()),
             (_, false) => Shown::Lines(Mutex::new(Instant::now())),
         };
-        let watch = Self { started: Instant::now(), spent: 0.0, measure: Measure::new(plan), shown, polling: None };
+        let watch = Self { started: Instant::now(), measure: Measure::new(plan), shown, polling: None };
         watch.leaves("Ctrl-C leaves no file");
         watch
-    }
-
-    /// Work that began at this moment has spent some of its time limit already.
-    pub(crate) fn since(self, began: Instant) -> Self {
-        Self { spent: (self.started - began).as_secs_f64(), ..self }
     }
 
     /// Seconds since the start.
@@ -88,15 +89,27 @@ impl Watch {
     /// Takes the bar away.
     pub(crate) fn finish(&mut self) {
         drop(self.polling.take());
-        if let Shown::Bar(bar) = &self.shown {
+        if let Shown::Bar(bar, _) = &self.shown {
             bar.finish_and_clear();
         }
     }
 
+    /// Writes lines where the bar stands, which comes back below them.
+    pub(crate) fn aside<T>(&self, write: impl FnOnce() -> T) -> T {
+        if let Shown::Bar(bar, _) = &self.shown { bar.suspend(write) } else { write() }
+    }
+
     fn leaves(&self, what: &'static str) {
-        if let Shown::Bar(bar) = &self.shown {
+        if let Shown::Bar(bar, _) = &self.shown {
             bar.set_message(what);
         }
+    }
+}
+
+/// An error takes the bar away, too.
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.finish();
     }
 }
 
@@ -109,7 +122,8 @@ impl Progress for Watch {
         self.measure.tell(stage, share);
         match &self.shown {
             Shown::Nothing => {}
-            Shown::Bar(bar) => {
+            Shown::Bar(bar, drawn) => {
+                drawn.call_once(|| draw(bar));
                 bar.set_prefix(self.measure.stage());
                 bar.set_position((self.measure.share() * STEPS as f64) as u64);
             }
@@ -121,8 +135,8 @@ impl Progress for Watch {
         self.elapsed()
     }
 
-    fn spent(&self) -> f64 {
-        self.spent
+    fn began(&self) -> f64 {
+        0.0
     }
 }
 
@@ -139,9 +153,9 @@ impl Watch {
     }
 }
 
-/// A bar as wide as the terminal, on one line of it.
+/// A bar as wide as the terminal, on one line of it; not yet drawn.
 fn bar_on_terminal() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr_with_hz(10));
+    let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::hidden());
     let is_wide = console::Term::stderr().size().1 >= WIDE;
     let template = if is_wide {
         "{prefix:<8}{wide_bar} {percent:>3} % {elapsed:>4}  {msg}"
@@ -150,8 +164,12 @@ fn bar_on_terminal() -> ProgressBar {
     };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     bar.set_style(style.progress_chars("=> "));
-    bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+fn draw(bar: &ProgressBar) {
+    bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(10));
+    bar.enable_steady_tick(Duration::from_millis(200));
 }
 
 /// A bar of which this share, 0 to 1, is full.

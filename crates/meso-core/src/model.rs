@@ -29,11 +29,10 @@ pub struct Model {
 /// # Errors
 /// A spec that cannot be met is named before any work starts.
 pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
-    spec.validate()?;
+    let (start, started) = (progress.seconds(), progress.began());
+    spec.validate_while(progress)?;
     spec.has_room()?;
     spec.is_reachable_at_random()?;
-    let start = progress.seconds();
-    let started = start - progress.spent();
     let (grains, complete) = take_grains(spec, progress, started)?;
     let largest = largest_body(spec, &grains)?;
     let taken = progress.seconds();

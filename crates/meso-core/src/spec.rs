@@ -28,8 +28,16 @@ pub(crate) use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
 
 use crate::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
-use crate::packing::{Placement, Specimen};
+use crate::packing::{Placement, Progress, Silent, Specimen};
 use serde::{Deserialize, Serialize};
+
+/// What reading a spec needs from outside.
+struct Reading<'a> {
+    files: &'a mut dyn Files,
+    progress: &'a dyn Progress,
+    /// In place of the spec's.
+    time_limit_s: Option<f64>,
+}
 
 /// Everything that decides a model, with the paper's specimen as default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,7 +98,21 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml`], and where `files` fail.
     pub fn from_toml_with(text: &str, files: &mut dyn Files) -> Result<Self, SpecError> {
-        Self::from_tree(tree::parse_toml(text)?, files)
+        Self::from_toml_while(text, files, &Silent, None)
+    }
+
+    /// As [`Spec::from_toml_with`], while somebody waits for it: of a specimen of a million triangles that takes seconds.
+    /// `progress` is told of them, and of the fraction asked for; `time_limit_s` takes the place of the spec's.
+    ///
+    /// # Errors
+    /// As [`Spec::from_toml_with`], and where the time limit ends the proof of the surface: see [`SpecError::is_late`].
+    pub fn from_toml_while(
+        text: &str,
+        files: &mut dyn Files,
+        progress: &dyn Progress,
+        time_limit_s: Option<f64>,
+    ) -> Result<Self, SpecError> {
+        Self::from_tree(tree::parse_toml(text)?, &mut Reading { files, progress, time_limit_s })
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -106,7 +128,20 @@ impl Spec {
     /// # Errors
     /// As [`Spec::from_toml_with`], without a line.
     pub fn from_value_with(value: &serde_json::Value, files: &mut dyn Files) -> Result<Self, SpecError> {
-        Self::from_tree(tree::from_json(value), files)
+        Self::from_value_while(value, files, &Silent, None)
+    }
+
+    /// As [`Spec::from_value_with`], while somebody waits for it, as [`Spec::from_toml_while`] has it.
+    ///
+    /// # Errors
+    /// As [`Spec::from_toml_while`], without a line.
+    pub fn from_value_while(
+        value: &serde_json::Value,
+        files: &mut dyn Files,
+        progress: &dyn Progress,
+        time_limit_s: Option<f64>,
+    ) -> Result<Self, SpecError> {
+        Self::from_tree(tree::from_json(value), &mut Reading { files, progress, time_limit_s })
     }
 
     /// The further phases.
@@ -114,10 +149,13 @@ impl Spec {
         Inclusions { voids: self.voids, fibres: self.fibres }
     }
 
-    fn from_tree(mut tree: tree::Node, files: &mut dyn Files) -> Result<Self, SpecError> {
-        sieves::inline(&mut tree, files)?;
-        library::inline(&mut tree, files)?;
-        surface::inline(&mut tree, files)?;
+    fn from_tree(mut tree: tree::Node, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
+        if let Some(fraction) = plain_fraction(&tree) {
+            reading.progress.update(0.0, fraction);
+        }
+        sieves::inline(&mut tree, reading.files)?;
+        library::inline(&mut tree, reading.files)?;
+        surface::inline(&mut tree, reading)?;
         let vertices_given = tree.child("shape").is_some_and(|shape| shape.child("vertices").is_some());
         let mix = mix_design::take(&mut tree)?;
         let mut spec: Self = read::read(&tree)?;
@@ -130,8 +168,19 @@ impl Spec {
         if let Some(mix) = mix {
             spec.fraction = mix.fraction(&spec.grading).map_err(|error| error.at(&tree))?;
         }
-        spec.validate().map_err(|error| error.at(&tree))?;
+        spec.placement.time_limit_s = reading.time_limit_s.or(spec.placement.time_limit_s);
+        reading.progress.update(0.0, spec.fraction);
+        spec.validate_while(reading.progress).map_err(|error| error.at(&tree))?;
         Ok(spec)
+    }
+}
+
+/// The fraction asked for, where it does not follow from a mix design.
+fn plain_fraction(tree: &tree::Node) -> Option<f64> {
+    match tree.child("fraction").map(|node| &node.value) {
+        Some(&tree::Value::Float(fraction)) => Some(fraction),
+        None if tree.child("mix").is_none() => Some(Spec::default().fraction),
+        _ => None,
     }
 }
 

@@ -4,7 +4,6 @@ use meso_core::mesh::MeshError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::any::Any;
-use std::fmt::Display;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -37,18 +36,22 @@ fn reason(error: &io::Error) -> String {
     text.split(" (os error").next().unwrap_or(&text).to_owned()
 }
 
-/// A message about options in Python's keywords: two of them have shorter names than in a spec.
-pub(crate) fn in_keywords(message: impl Display) -> String {
-    message.to_string().replace("element_size_mm", "element_size").replace("voxel_size_mm", "h")
+/// Python's name of an option: two of them are shorter than in a spec.
+pub(crate) fn keyword(key: &str) -> String {
+    match key {
+        "element_size_mm" => "element_size".to_owned(),
+        "voxel_size_mm" => "h".to_owned(),
+        key => key.to_owned(),
+    }
 }
 
 /// The exception for a mesh that cannot be: the files' fault, gmsh's, or the values'.
 pub(crate) fn mesh_error(error: MeshError) -> PyErr {
-    let text = in_keywords(&error);
+    let text = error.message(keyword);
     match error {
         MeshError::Files { folder, error } => file_error(&folder, error),
         MeshError::Option { key, value, accepted } => {
-            PyValueError::new_err(in_keywords(format!("{key} is {value}; {accepted}")))
+            PyValueError::new_err(format!("{} is {value}; {accepted}", keyword(key)))
         }
         MeshError::MissingGmsh { .. } => {
             PyRuntimeError::new_err(format!("{text} for this Python or on the PATH, or mesh with method=\"lattice\""))

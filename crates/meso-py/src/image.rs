@@ -1,7 +1,8 @@
 //! Voxel images and sections as arrays of numpy.
 
-use crate::boundary::{guard, in_keywords};
+use crate::boundary::guard;
 use crate::run::beside_python;
+use crate::spec::spec_error;
 use meso_core::Model;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
 use numpy::{PyArray1, PyArrayMethods};
@@ -71,7 +72,7 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
         let model = Arc::clone(model);
         let made = beside_python(py, None, move |watch| -> PyResult<(Values, Vec<usize>)> {
             watch.stops_soon();
-            let image = VoxelImage::new(&model, &options).map_err(|error| PyValueError::new_err(in_keywords(error)))?;
+            let image = VoxelImage::new(&model, &options).map_err(|error| spec_error(&error))?;
             let shape = image.shape();
             let voxels: usize = shape.iter().product();
             if voxels > MOST {

@@ -58,7 +58,7 @@ pub(crate) fn build(
     let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
-    let built = in_stages(py, progress.as_ref(), Plan(&[(Stage::Mesh, 1.0)], 1.0), move |watch| {
+    let built = in_stages(py, progress.as_ref(), Plan::new(&[(Stage::Mesh, 1.0)], Some(1.0)), move |watch| {
         let fill = |surfaces: &Surfaces| {
             watch.has_files();
             gmsh.run_until(surfaces, &|| !watch.goes_on())

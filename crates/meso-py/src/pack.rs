@@ -4,14 +4,13 @@ use crate::boundary::guard;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
-use meso_core::Spec;
 use meso_core::packing::Stage;
+use meso_core::{Silent, Spec};
 use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use std::ffi::CString;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// Generates and places the aggregates that a spec asks for.
 ///
@@ -30,7 +29,8 @@ use std::time::Instant;
 /// progress : bool or callable, optional
 ///     True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
 ///     `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
-///     name, too: "take", "place" or "prove". When it returns False, the best valid packing found so far is returned.
+///     name, too: "take", "place" or "prove", and before them "read" where the specimen is a surface. When it returns
+///     False, the best valid packing found so far is returned.
 ///
 /// Returns
 /// -------
@@ -43,6 +43,8 @@ use std::time::Instant;
 ///     For a spec that cannot be, before any work starts.
 /// OSError
 ///     Where the spec's file cannot be read.
+/// TimeoutError
+///     Where the time limit ended the proof of the specimen's surface, so that there is nothing to return.
 /// KeyboardInterrupt
 ///     On Ctrl-C, within 0.2 s.
 ///
@@ -63,30 +65,35 @@ pub(crate) fn pack(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<PyPacking> {
     guard(|| {
-        let began = Instant::now();
-        let mut spec = spec::from_any(spec)?;
-        if let Some(seed) = seed {
-            spec.seed = checked_seed(seed)?;
-        }
-        if let Some(fraction) = fraction {
-            spec.fraction = checked_fraction(fraction)?;
-        }
-        if let Some(seconds) = time_limit {
-            spec.placement.time_limit_s = Some(checked_number("time_limit", "a number of seconds", seconds)?);
-        }
+        let given = spec::given(spec)?;
+        let seed = seed.map(checked_seed).transpose()?;
+        let fraction = fraction.map(checked_fraction).transpose()?;
+        let seconds = |limit| checked_number("time_limit", "a number of seconds", limit);
+        let time_limit = time_limit.map(seconds).transpose()?;
         let threads = threads.map(checked_threads).transpose()?;
-        spec.validate().map_err(|error| spec::spec_error(&error))?;
         let progress = listener(py, progress)?;
-        warn_of(py, &spec)?;
-        let plan = Plan(&[(Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)], spec.fraction);
-        let work = move |watch: &Watch| {
-            watch.since(began);
-            meso_core::pack(&spec, watch)
+        let plan = Plan::new(&STAGES, fraction);
+        let mut spec = match given.may_take_long() {
+            true => {
+                let read = move |watch: &Watch| given.read(watch, time_limit);
+                beside_python_on(py, threads, progress.as_ref(), Some(plan.clone()), read)??
+            }
+            false => given.read(&Silent, None)?,
         };
+        spec.seed = seed.unwrap_or(spec.seed);
+        spec.fraction = fraction.unwrap_or(spec.fraction);
+        spec.placement.time_limit_s = time_limit.or(spec.placement.time_limit_s);
+        spec.validate().map_err(|error| spec::spec_error(&error))?;
+        warn_of(py, &spec)?;
+        let plan = plan.of_whole(spec.fraction);
+        let work = move |watch: &Watch| meso_core::pack(&spec, watch);
         let model = beside_python_on(py, threads, progress.as_ref(), Some(plan), work)?;
         Ok(PyPacking(Arc::new(model.map_err(|error| spec::spec_error(&error))?)))
     })
 }
+
+/// The stages with their weights; the first is for surfaces alone.
+const STAGES: [(Stage, f64); 4] = [(Stage::Read, 8.0), (Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)];
 
 /// Hopeless targets and the like are `UserWarning`s at the caller's line, before the work.
 fn warn_of(py: Python<'_>, spec: &Spec) -> PyResult<()> {

@@ -11,7 +11,7 @@ use crate::mesh::{self, PyMesh};
 use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
 use crate::tree::plain;
-use crate::views::call_view;
+use crate::views::{call_view, framing};
 use crate::{arrays, files, image, table};
 use meso_core::check::Check;
 use meso_core::formats::Surfaces;
@@ -118,13 +118,22 @@ impl PyPacking {
         Ok(work)
     }
 
-    /// Every aggregate, void and fibre as a row: a dict of arrays of one length, as `pandas.DataFrame` takes it.
+    /// Every aggregate, void and fibre as a row: a dict of arrays of one length, or a frame of pandas or polars.
+    ///
+    /// `table("pandas")` is a `pandas.DataFrame`, `table("polars")` a `polars.DataFrame`.
     ///
     /// Columns: `id`, `class` (int64), `phase` (str), `size_mm` (longest distance of two vertices), `sieve_size_mm`,
     /// `volume_mm3`, `area_mm2`, `sphericity` (Wadell), `centroid_x_mm`, `centroid_y_mm`, `centroid_z_mm`,
     /// `itz_thickness_mm` (float64), `vertices`, `faces` (int64). They are those of the `.csv`, and the sieve size.
-    fn table<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        table::of(py, &self.0)
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     Where the library is not installed.
+    #[pyo3(signature = (frame=None))]
+    fn table<'py>(&self, py: Python<'py>, frame: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let framed = framing(py, frame)?;
+        framed.call1((table::of(py, &self.0)?,))
     }
 
     /// Writes the packing, whole or not at all; the extension names the format.
@@ -196,7 +205,7 @@ impl PyPacking {
     fn check<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (model, progress) = (Arc::clone(&self.0), listener(py, progress)?);
-            let plan = Plan(&[(Stage::Prove, 1.0)], 1.0);
+            let plan = Plan::new(&[(Stage::Prove, 1.0)], Some(1.0));
             let check = in_stages(py, progress.as_ref(), plan, move |watch| {
                 Check::of(&model, &|share| watch.stage(Stage::Prove, share))
             })?;
@@ -228,7 +237,7 @@ impl PyPacking {
             let (model, options) = (Arc::clone(&self.0), spec::options::<Options>(options)?);
             options.validate().map_err(|error| spec::spec_error(&error))?;
             let progress = listener(py, progress)?;
-            let plan = Plan(&[(Stage::Measure, 1.0)], 1.0);
+            let plan = Plan::new(&[(Stage::Measure, 1.0)], Some(1.0));
             let measured = in_stages(py, progress.as_ref(), plan, move |watch| {
                 Statistics::watched(&model, &options, &|share| watch.stage(Stage::Measure, share))
             })?;

@@ -6,7 +6,7 @@ use crate::files;
 use crate::run::{Watch, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
-use crate::views::{call_view, cell_type};
+use crate::views::{call_view, cell_type, framing};
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Progress as _, thousands};
@@ -165,6 +165,18 @@ impl PyResponse {
             curve.set_item(name, PyArray1::from_vec(py, values))?;
         }
         Ok(curve)
+    }
+
+    /// The curve as `curve` has it, or as a frame: `table("pandas")`, `table("polars")`.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     Where the library is not installed.
+    #[pyo3(signature = (frame=None))]
+    fn table<'py>(&self, py: Python<'py>, frame: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let framed = framing(py, frame)?;
+        framed.call1((self.curve(py)?,))
     }
 
     /// The figures of the test, as in `result.json`: a dict; a copy.

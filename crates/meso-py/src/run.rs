@@ -23,33 +23,47 @@ const FILES_GRACE: u64 = 3000;
 
 /// State that the worker and the waiting thread share.
 pub(crate) struct Watch {
-    go_on: AtomicBool,
+    go_on: Arc<AtomicBool>,
     /// Nobody waits for the result any more.
     abandoned: Arc<AtomicBool>,
     fraction: AtomicU64,
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
     grace: AtomicU64,
+    /// When clock and time limit began to count.
     start: Instant,
-    /// Seconds before the start that count for a time limit.
-    spent: AtomicU64,
-    /// Of work in stages, and what the whole of it counts.
-    staged: Option<(Measure, f64)>,
+    /// Of work in stages.
+    staged: Option<Plan>,
 }
 
-/// The stages of work with their weights, and what the whole of it counts when it is told: 1, or the fraction asked for.
-#[derive(Clone, Copy)]
-pub(crate) struct Plan(pub(crate) &'static [(Stage, f64)], pub(crate) f64);
+/// The stages of work, and how far they are: of a copy, too, which goes on with other work.
+#[derive(Clone)]
+pub(crate) struct Plan {
+    measure: Arc<Measure>,
+    go_on: Arc<AtomicBool>,
+    /// Clock and time limit count from here.
+    began: Instant,
+    /// What the whole of it counts when it is told; none: the fraction asked for, once that is known.
+    whole: Option<f64>,
+}
+
+impl Plan {
+    /// Of stages with their weights.
+    pub(crate) fn new(stages: &[(Stage, f64)], whole: Option<f64>) -> Self {
+        let (measure, go_on) = (Arc::new(Measure::new(stages)), Arc::new(AtomicBool::new(true)));
+        Self { measure, go_on, began: Instant::now(), whole }
+    }
+
+    /// The same, whose whole counts so much.
+    pub(crate) fn of_whole(self, whole: f64) -> Self {
+        Self { whole: Some(whole), ..self }
+    }
+}
 
 impl Watch {
     /// Whether nobody asked to stop.
     pub(crate) fn goes_on(&self) -> bool {
         self.go_on.load(Relaxed)
-    }
-
-    /// A time limit counts from this moment, which was before the start.
-    pub(crate) fn since(&self, began: Instant) {
-        self.spent.store((self.start - began).as_secs_f64().to_bits(), Relaxed);
     }
 
     /// From now on the worker looks whether to stop at every step.
@@ -71,8 +85,8 @@ impl Progress for Watch {
     }
 
     fn stage(&self, stage: Stage, share: f64) {
-        if let Some((measure, _)) = &self.staged {
-            measure.tell(stage, share);
+        if let Some(plan) = &self.staged {
+            plan.measure.tell(stage, share);
         }
     }
 
@@ -80,8 +94,8 @@ impl Progress for Watch {
         self.start.elapsed().as_secs_f64()
     }
 
-    fn spent(&self) -> f64 {
-        f64::from_bits(self.spent.load(Relaxed))
+    fn began(&self) -> f64 {
+        0.0
     }
 }
 
@@ -117,14 +131,13 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
     let watch = Arc::new(Watch {
-        staged: plan.map(|Plan(stages, whole)| (Measure::new(stages), whole)),
-        go_on: AtomicBool::new(true),
+        go_on: plan.as_ref().map_or_else(|| Arc::new(AtomicBool::new(true)), |plan| Arc::clone(&plan.go_on)),
+        start: plan.as_ref().map_or_else(Instant::now, |plan| plan.began),
+        staged: plan,
         abandoned: Arc::new(AtomicBool::new(false)),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
         grace: AtomicU64::new(GRACE),
-        start: Instant::now(),
-        spent: AtomicU64::new(0),
     });
     let abandoned = Arc::clone(&watch.abandoned);
     // Of none, as many as there are cores.
@@ -166,13 +179,18 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
 /// Tells the listener `done`, `total` and the stage; when it returns `False` the work stops with the best it has.
 fn tell(progress: Option<&Bound<'_, PyAny>>, watch: &Watch) -> PyResult<()> {
     let Some(progress) = progress else { return Ok(()) };
+    let [done, target] = [&watch.fraction, &watch.target].map(|bits| f64::from_bits(bits.load(Relaxed)));
     let (done, total, stage) = match &watch.staged {
-        Some((measure, whole)) => (measure.share() * whole, *whole, measure.stage()),
-        None => {
-            let [done, total] = [&watch.fraction, &watch.target].map(|bits| f64::from_bits(bits.load(Relaxed)));
-            (done, total, "solve")
+        Some(Plan { measure, whole, .. }) => {
+            let whole = whole.unwrap_or(target);
+            (measure.share() * whole, whole, measure.stage())
         }
+        None => (done, target, "solve"),
     };
+    // The fraction asked for is not yet read.
+    if watch.staged.is_some() && total == 0.0 {
+        return Ok(());
+    }
     let answer = progress.call1((done, total, stage))?;
     if !answer.is_none() && !answer.is_truthy()? {
         watch.go_on.store(false, Relaxed);

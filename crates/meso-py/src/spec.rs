@@ -1,11 +1,13 @@
 //! `Spec`: everything that decides a model.
 
-use crate::boundary::{file_error, guard, in_keywords};
+use crate::boundary::{file_error, guard, keyword};
+use crate::run::beside_python;
 use crate::tree;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
+use meso_core::{Progress, Silent};
 use meso_files::Beside;
-use pyo3::exceptions::{PyFileNotFoundError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde::de::DeserializeOwned;
@@ -35,11 +37,15 @@ fn from_value(value: &Value) -> PyResult<Spec> {
     Spec::from_value_with(value, &mut Beside(Path::new(""))).map_err(|error| spec_error(&error))
 }
 
-/// The exception of a spec that cannot be.
+/// The exception of a spec that cannot be, or that the time limit left unproved.
 pub(crate) fn spec_error(error: &SpecError) -> PyErr {
-    match error.is_wrong_type {
-        true => PyTypeError::new_err(in_keywords(error)),
-        false => PyValueError::new_err(in_keywords(error)),
+    let meant = |key: &str| format!("did you mean {key}?");
+    let message = error.message.replace(&meant("element_size_mm"), &meant(&keyword("element_size_mm")));
+    let text = SpecError { key: keyword(&error.key), message, ..error.clone() }.to_string();
+    match (error.is_late, error.is_wrong_type) {
+        (true, _) => PyTimeoutError::new_err(text),
+        (false, true) => PyTypeError::new_err(text),
+        (false, false) => PyValueError::new_err(text),
     }
 }
 
@@ -49,16 +55,28 @@ pub(crate) fn options<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>)
     spec::options_from_value(&value).map_err(|error| spec_error(&error))
 }
 
-fn read(path: &Path) -> PyResult<Spec> {
+fn read(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyResult<Spec> {
     if let Some(name) = meso_files::missing_recipe(path) {
         return Err(PyFileNotFoundError::new_err(format!("{name} is a recipe and no file: Spec.recipe({name:?})")));
     }
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
-    let named = |text: String| PyValueError::new_err(format!("{}: {text}", path.display()));
+    let name = path.display();
+    let named = |text: String| PyValueError::new_err(format!("{name}: {text}"));
     let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_with(&text, &mut Beside(folder)).map_err(|error| named(error.to_string()))
+    Spec::from_toml_while(&text, &mut Beside(folder), progress, time_limit_s).map_err(|error| match error.is_late {
+        true => PyTimeoutError::new_err(format!("{name}: {}", by_keyword(error, time_limit_s))),
+        false => named(error.to_string()),
+    })
+}
+
+/// A time limit that a keyword gave is called by its name.
+fn by_keyword(error: SpecError, time_limit_s: Option<f64>) -> SpecError {
+    match (error.is_late, time_limit_s) {
+        (true, Some(_)) => SpecError { key: "time_limit".to_owned(), line: None, ..error },
+        _ => error,
+    }
 }
 
 /// The unresolved tree of what `pack` accepts as its spec, and the folder of the files that it names. Values that follow from
@@ -74,23 +92,66 @@ pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, Pat
     }
     let Some(path) = as_path(object) else { return from_any(Some(object)).map(|_| (Value::Null, here)) };
     // Its errors have lines.
-    read(&path)?;
+    read(&path, &Silent, None)?;
     let text = std::fs::read_to_string(&path).map_err(|error| file_error(&path, error))?;
     let tree = spec::options_from_toml(&text).map_err(|error| spec_error(&error))?;
     Ok((tree, path.parent().unwrap_or(Path::new("")).to_owned()))
 }
 
-/// Reads what `pack` accepts as its spec: nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].
+/// What `pack` accepts as its spec, read as far as that takes Python.
+pub(crate) enum Given {
+    Spec(Box<Spec>),
+    Tree(Value),
+    File(PathBuf),
+}
+
+impl Given {
+    /// Whether it may have a surface, of which a million triangles take seconds.
+    pub(crate) fn may_take_long(&self) -> bool {
+        match self {
+            Self::Spec(_) => false,
+            Self::Tree(tree) => tree["specimen"]["kind"] == "mesh",
+            Self::File(_) => true,
+        }
+    }
+
+    /// The spec; a time limit may take the place of its own.
+    pub(crate) fn read(self, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyResult<Spec> {
+        match self {
+            Self::Spec(spec) => Ok(*spec),
+            Self::Tree(tree) => {
+                let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), progress, time_limit_s);
+                spec.map_err(|error| spec_error(&by_keyword(error, time_limit_s)))
+            }
+            Self::File(path) => read(&path, progress, time_limit_s),
+        }
+    }
+}
+
+/// Reads what `pack` accepts as its spec; Ctrl-C is heard meanwhile.
 pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
-    let Some(object) = object else { return Ok(Spec::default()) };
+    let given = given(object)?;
+    match object.filter(|_| given.may_take_long()) {
+        Some(object) => read_beside(object.py(), given),
+        None => given.read(&Silent, None),
+    }
+}
+
+fn read_beside(py: Python<'_>, given: Given) -> PyResult<Spec> {
+    beside_python(py, None, move |_| given.read(&Silent, None))?
+}
+
+/// Nothing, a dict, the path of a SPEC.toml, or a [`PySpec`].
+pub(crate) fn given(object: Option<&Bound<'_, PyAny>>) -> PyResult<Given> {
+    let Some(object) = object else { return Ok(Given::Spec(Box::default())) };
     if let Ok(spec) = object.cast::<PySpec>() {
-        return Ok(spec.get().0.clone());
+        return Ok(Given::Spec(Box::new(spec.get().0.clone())));
     }
     if object.is_instance_of::<PyDict>() {
-        return from_value(&tree::from_python("", object)?);
+        return Ok(Given::Tree(tree::from_python("", object)?));
     }
     if let Some(path) = as_path(object) {
-        return read(&path);
+        return Ok(Given::File(path));
     }
     let given = tree::type_name(object);
     Err(PyTypeError::new_err(format!("spec is of type {given}; it must be None, a dict, a path or a mesocrete.Spec")))
@@ -142,8 +203,8 @@ impl PySpec {
 
     /// Reads a SPEC.toml.
     #[staticmethod]
-    fn read(path: PathBuf) -> PyResult<Self> {
-        guard(|| read(&path).map(Self))
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        guard(|| read_beside(py, Given::File(path)).map(Self))
     }
 
     /// A specimen of the paper or of a standard, by its name in `recipes()`.

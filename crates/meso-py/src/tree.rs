@@ -1,6 +1,6 @@
 //! Python's dicts, lists and scalars as a JSON tree, and back.
 
-use crate::boundary::in_keywords;
+use crate::boundary::keyword;
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -59,7 +59,7 @@ fn from_scalar(key: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(Value::Bool(object.extract()?));
     }
     if object.is_instance_of::<PyInt>() {
-        let wide = || PyValueError::new_err(in_keywords(format!("{key} is {object}; it does not fit 64 bits")));
+        let wide = || PyValueError::new_err(format!("{} is {object}; it does not fit 64 bits", keyword(key)));
         let number = object.extract::<u64>().map(Number::from).or_else(|_| object.extract::<i64>().map(Number::from));
         return number.map(Value::Number).map_err(|_| wide());
     }
@@ -68,7 +68,7 @@ fn from_scalar(key: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
         let number = Number::from_f64(value);
         return number
             .map(Value::Number)
-            .ok_or_else(|| PyValueError::new_err(in_keywords(format!("{key} is {value}; it must be finite"))));
+            .ok_or_else(|| PyValueError::new_err(format!("{} is {value}; it must be finite", keyword(key))));
     }
     if let Ok(text) = object.cast::<PyString>() {
         return Ok(Value::String(text.to_str()?.to_owned()));

@@ -382,8 +382,7 @@ impl VolumeMesher for Announced {
 
 /// Turns an error of meshing into a failure; wrong options are wrong usage.
 pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
-    // Here it is a flag.
-    let text = error.to_string().replace("element_size_mm", "--element-size-mm");
+    let text = error.message(flag);
     match error {
         MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
         MeshError::MissingGmsh { .. } => {

@@ -4,7 +4,7 @@ use super::mesh_report::MeshReport;
 use super::meshing::{Meshing, wrong_deck};
 use super::shared::{Threads, Writing};
 use super::{mesh, names, values};
-use crate::failure::{Failure, INTERRUPTED, SHORT};
+use crate::failure::{Failure, INTERRUPTED, RUN, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{PACK, Watch};
 use crate::{inputs, stderr};
@@ -16,7 +16,6 @@ use meso_core::page;
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, Progress, Spec, SpecError, thousands};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
@@ -83,18 +82,27 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
-    let began = Instant::now();
-    let spec = args.spec()?;
     let plan = args.plan()?;
+    let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
+    let mut watch = Watch::of_files(args.writing.quiet, &stages);
+    let spec = match args.spec(&watch) {
+        Err(Failure::Late(message)) => {
+            watch.finish();
+            stderr::line(format!("error: {message}; nothing is written"));
+            return Ok(if args.strict { SHORT } else { RUN });
+        }
+        spec => spec?,
+    };
     let deck = args.meshing.deck(&spec)?;
     if plan.has_mesh() {
         args.meshing.check(&spec.specimen)?;
     }
-    args.meshing.warn_unused(plan.has_deck());
-    // Before the work: a hopeless target is reported while nothing is lost.
-    spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
-    let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
-    let mut watch = Watch::start(args.writing.quiet, &stages).since(began);
+    watch.aside(|| {
+        args.meshing.warn_unused(plan.has_deck());
+        // Before the work: a hopeless target is reported while nothing is lost.
+        spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}")));
+    });
+    watch.keeps_the_best();
     let model = meso_core::pack(&spec, &watch);
     watch.placed();
     let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
@@ -127,12 +135,13 @@ impl Args {
     /// Refuses flags that no file can make right.
     pub(super) fn validate(&self) -> Result<(), Failure> {
         self.output.iter().try_for_each(|path| content(path).map(drop))?;
-        if self.spec.is_some() { Ok(()) } else { self.meshing.validate(&self.spec()?) }
+        if self.spec.is_some() { Ok(()) } else { self.meshing.validate(&self.spec(&Watch::of_files(true, &[]))?) }
     }
 
     /// The spec's file, with the changes of the flags.
-    fn spec(&self) -> Result<Spec, Failure> {
-        let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), inputs::spec)?;
+    fn spec(&self, watch: &Watch) -> Result<Spec, Failure> {
+        let read = |path| inputs::spec(path, watch, self.time_limit);
+        let mut spec = self.spec.as_deref().map_or_else(|| Ok(Spec::default()), read)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
         spec.fraction = self.fraction.unwrap_or(spec.fraction);
         spec.placement.strategy = self.strategy.unwrap_or(spec.placement.strategy);
@@ -143,7 +152,7 @@ impl Args {
         spec.placement.time_limit_s = self.time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| self.name_flag(error))?;
         if let Some(said) = self.meshing.leave_room(&mut spec).filter(|_| !self.writing.quiet) {
-            stderr::line(said);
+            watch.aside(|| stderr::line(said));
         }
         spec.validate().map_err(|error| self.name_flag(error))?;
         Ok(spec)

@@ -174,30 +174,34 @@ impl Args {
             let options = options(&model.spec.specimen)?;
             return Ok(Some((model, options)));
         }
-        let spec = self.spec()?;
+        let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
+        let spec = self.spec(&watch)?;
         let options = options(&spec.specimen)?;
         if !self.writing.quiet {
             let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
-            stderr::line(format!(
+            let line = format!(
                 "packing a {kind} of {:.0} mm3: {percent} %, {} to {} mm, gaps of {gap} mm, seed {}",
                 spec.specimen.volume(),
                 sizes.0,
                 sizes.1,
                 spec.seed
-            ));
+            );
+            watch.aside(|| stderr::line(line));
         }
-        let mut watch = Watch::start(self.writing.quiet, &PACK[..3]);
+        watch.keeps_the_best();
+        let begun = watch.elapsed();
         let model = meso_core::pack(&spec, &watch);
         watch.finish();
-        seconds.pack = watch.elapsed();
+        seconds.pack = watch.elapsed() - begun;
         let model = model.map_err(|error| Failure::Usage(error.to_string()))?;
         Ok((!interrupt::asked()).then_some((model, options)))
     }
 
     /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.
-    fn spec(&self) -> Result<Spec, Failure> {
-        let mut spec = self.model.as_deref().map_or_else(|| Ok(paper()), inputs::spec)?;
+    fn spec(&self, watch: &Watch) -> Result<Spec, Failure> {
+        let read = |path| inputs::spec(path, watch, None);
+        let mut spec = self.model.as_deref().map_or_else(|| Ok(paper()), read)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
         spec.fraction = self.fraction.unwrap_or(spec.fraction);
         spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;

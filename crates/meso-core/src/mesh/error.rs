@@ -8,6 +8,9 @@ use std::path::PathBuf;
 /// Gaps that leave gmsh room, mm: seven packings of 30 mm and those of 60 and 150 mm at 0.50 were meshed with them.
 const ADVISED_GAP_MM: f64 = 0.05;
 
+/// The option that ways out speak of.
+const SIZE: &str = "element_size_mm";
+
 /// Why there is no mesh: what, where, and the way out.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
@@ -153,6 +156,18 @@ impl MeshError {
         }
     }
 
+    /// The message, with an option by the name that a front has for it. Only sentences of our own are searched for one: a
+    /// folder may be called what it likes.
+    pub fn message(&self, name: impl Fn(&str) -> String) -> String {
+        let text = self.to_string();
+        match self {
+            Self::Flat { .. } | Self::PhaseError { .. } | Self::Seam { .. } | Self::Unmatched { .. } => {
+                text.replace(SIZE, &name(SIZE))
+            }
+            _ => text,
+        }
+    }
+
     /// Whether gmsh may do better when it is asked for other elements: its own failures, never a stop or a full disk.
     pub(super) fn is_worth_another_try(&self) -> bool {
         matches!(self, Self::Unmatched { .. } | Self::Flat { .. } | Self::Seam { .. } | Self::Gmsh(_))
@@ -163,4 +178,20 @@ impl MeshError {
 fn plain(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_front_names_options_and_no_folders() {
+        let named = |key: &str| format!("--{}", key.replace('_', "-"));
+        let seam = MeshError::Seam { at: [0.0; 3] };
+        assert!(seam.message(named).ends_with("choose another --element-size-mm or fewer slabs"));
+        assert_eq!(seam.message(str::to_owned), seam.to_string());
+        let folder = PathBuf::from("/tmp/element_size_mm");
+        let files = MeshError::Files { folder, error: io::Error::other("full") };
+        assert_eq!(files.message(named), files.to_string());
+    }
 }

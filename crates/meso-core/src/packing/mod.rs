@@ -18,6 +18,7 @@ pub(crate) use images::near as images_near;
 pub(crate) use place::place;
 #[doc(hidden)]
 pub use progress::Measure;
+pub(crate) use progress::Waiting;
 pub use progress::{Progress, Silent, Stage};
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 pub(crate) use report::{NOT_RECORDED, report};

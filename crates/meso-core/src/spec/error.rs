@@ -14,12 +14,14 @@ pub struct SpecError {
     pub line: Option<usize>,
     /// Whether the value has the wrong type: a text where a number belongs, and the like.
     pub is_wrong_type: bool,
+    /// Whether the time limit came before all was proved; the spec may be right.
+    pub is_late: bool,
 }
 
 impl SpecError {
     /// A value that cannot be; `message` continues the sentence that `key` begins.
     pub fn value(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { key: key.into(), message: message.into(), line: None, is_wrong_type: false }
+        Self { key: key.into(), message: message.into(), line: None, is_wrong_type: false, is_late: false }
     }
 
     /// The same error with the line its key stands on in `tree`, where it is there.

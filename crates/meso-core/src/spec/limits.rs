@@ -6,7 +6,7 @@ mod inclusions;
 use super::messages::number;
 use super::{Spec, SpecError};
 use crate::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
-use crate::packing::{Placement, Specimen};
+use crate::packing::{ContainerError, Placement, Progress, Silent, Specimen, Waiting};
 use grading::grading;
 pub(super) use inclusions::RANDOM_RODS;
 
@@ -17,6 +17,7 @@ pub(crate) const MAX_LENGTH_MM: f64 = 1e6;
 /// Most aggregates a spec may ask for; about 1.3 KB each while they are placed, so 13 GB.
 pub(crate) const MAX_AGGREGATES: f64 = 1e7;
 
+const TIME_LIMIT: &str = "placement.time_limit_s";
 /// Most corners of a specimen's surface.
 const MAX_VERTICES: usize = 1_000_000;
 
@@ -28,15 +29,31 @@ impl Spec {
     /// # Errors
     /// See [`SpecError`].
     pub fn validate(&self) -> Result<(), SpecError> {
+        self.validate_while(&Silent)
+    }
+
+    /// As [`Spec::validate`]; the proof of a surface says how far it is, and ends at the time limit.
+    pub(crate) fn validate_while(&self, progress: &dyn Progress) -> Result<(), SpecError> {
         fraction(self.fraction)?;
-        specimen(&self.specimen)?;
+        placement(&self.placement)?;
+        let deadline = self.placement.deadline(progress.began());
+        specimen(&self.specimen, Waiting { progress, deadline }).map_err(|error| self.with_limit(error))?;
         grading(&self.grading)?;
         shape(&self.shape)?;
         itz(&self.itz, &self.grading)?;
-        placement(&self.placement)?;
         largest_fits(self)?;
         count(self)?;
         inclusions::check(self)
+    }
+
+    /// An error of the time limit says how long that is.
+    fn with_limit(&self, error: SpecError) -> SpecError {
+        if !error.is_late {
+            return error;
+        }
+        let limit = number(self.placement.time_limit_s.unwrap_or(f64::INFINITY));
+        let message = format!("is {limit}, which was over before the specimen's surface was proved: {}", error.message);
+        SpecError { message, ..error }
     }
 
     /// Finds the fault of an aggregate `longest` mm long in a periodic specimen: it would meet its own
@@ -88,7 +105,7 @@ pub(super) fn share(key: &str, what: &str, value: f64) -> Checked {
     Err(SpecError::value(key, format!("is {}; {accepted}", number(value))))
 }
 
-fn specimen(specimen: &Specimen) -> Checked {
+fn specimen(specimen: &Specimen, waiting: Waiting<'_>) -> Checked {
     let lengths =
         |named: &[(&str, f64)]| named.iter().try_for_each(|(key, mm)| length(&format!("specimen.{key}"), *mm));
     match specimen {
@@ -108,7 +125,9 @@ fn specimen(specimen: &Specimen) -> Checked {
             below("specimen.notch_width_mm", notch_width_mm, "the prism is only", length_mm, "long")
         }
         Specimen::Dogbone { .. } => dogbone(specimen),
-        Specimen::Polyhedron { vertices_mm } | Specimen::Mesh { vertices_mm, .. } => points(specimen, vertices_mm),
+        Specimen::Polyhedron { vertices_mm } | Specimen::Mesh { vertices_mm, .. } => {
+            points(specimen, vertices_mm, waiting)
+        }
     }
 }
 
@@ -156,7 +175,7 @@ fn dogbone(specimen: &Specimen) -> Checked {
 }
 
 /// Points within reach that enclose something.
-fn points(specimen: &Specimen, vertices: &[[f64; 3]]) -> Checked {
+fn points(specimen: &Specimen, vertices: &[[f64; 3]], waiting: Waiting<'_>) -> Checked {
     const KEY: &str = "specimen.vertices_mm";
     if vertices.len() > MAX_VERTICES {
         let message = format!("has {} points; at most {MAX_VERTICES} are accepted: simplify it", vertices.len());
@@ -164,7 +183,10 @@ fn points(specimen: &Specimen, vertices: &[[f64; 3]]) -> Checked {
     }
     vertices.iter().flatten().try_for_each(|x| within(KEY, *x, -MAX_LENGTH_MM, MAX_LENGTH_MM))?;
     let key = if matches!(specimen, Specimen::Mesh { .. }) { "specimen.triangles" } else { KEY };
-    let container = specimen.check().map_err(|error| SpecError::value(key, format!("enclose nothing: {error}")))?;
+    let container = specimen.check_while(waiting).map_err(|error| match error {
+        ContainerError::Late { .. } => SpecError { is_late: true, ..SpecError::value(TIME_LIMIT, error.to_string()) },
+        _ => SpecError::value(key, format!("enclose nothing: {error}")),
+    })?;
     container.aabb().size().iter().try_for_each(|edge| length(KEY, *edge))
 }
 
@@ -266,7 +288,7 @@ fn placement(placement: &Placement) -> Checked {
     within("placement.surplus", placement.surplus, 0.0, 1.0)?;
     within("placement.min_gap_mm", placement.min_gap_mm, 0.0, MAX_LENGTH_MM)?;
     within("placement.wall_gap_mm", placement.wall_gap_mm, 0.0, MAX_LENGTH_MM)?;
-    placement.time_limit_s.map_or(Ok(()), |seconds| within("placement.time_limit_s", seconds, 1e-3, 1e9))
+    placement.time_limit_s.map_or(Ok(()), |seconds| within(TIME_LIMIT, seconds, 1e-3, 1e9))
 }
 
 /// The largest aggregate fits, with its distance to the walls and to its own images.

@@ -54,7 +54,7 @@ impl Fault {
         self.path.extend(self.lost_path(tree));
         let (name, message, is_wrong_type) = self.what.describe(&self.path);
         self.path.extend(name);
-        SpecError { key: self.path.join("."), message, line: None, is_wrong_type }.at(tree)
+        SpecError { is_wrong_type, ..SpecError::value(self.path.join("."), message) }.at(tree)
     }
 
     /// serde buffers tables that carry a tag and forgets which key it was at: find the value it stumbled over.

@@ -67,7 +67,7 @@ pub(super) fn parse_toml(text: &str) -> Result<Node, SpecError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim_start().starts_with('{') {
         let message = "this is JSON, not TOML; a saved model needs no packing, and holds its spec under the key spec";
-        return Err(SpecError { key: String::new(), message: message.to_owned(), line: Some(1), is_wrong_type: false });
+        return Err(SpecError { line: Some(1), ..SpecError::value("", message) });
     }
     let lines = Lines::of(text);
     let document = DeTable::parse(text).map_err(|error| lines.syntax_error(&error))?;
@@ -97,18 +97,14 @@ impl<'a> Lines<'a> {
         let token = self.text.get(span.clone()).map(str::trim).filter(|t| !t.is_empty() && t.len() <= 40);
         let message = match token {
             Some(token) if error.message().contains("duplicate") => {
-                return SpecError {
-                    key: token.to_owned(),
-                    message: "is given twice; keep one of the two".to_owned(),
-                    line: Some(self.number(span.start)),
-                    is_wrong_type: false,
-                };
+                let error = SpecError::value(token, "is given twice; keep one of the two");
+                return SpecError { line: Some(self.number(span.start)), ..error };
             }
             Some(token) => format!("{} at {token:?}", error.message()),
             None => error.message().to_owned(),
         };
         let message = format!("this is not TOML: {message}");
-        SpecError { key: String::new(), message, line: Some(self.number(span.start)), is_wrong_type: false }
+        SpecError { line: Some(self.number(span.start)), ..SpecError::value("", message) }
     }
 
     fn table(&self, table: &DeTable<'_>) -> Result<Vec<(String, Node)>, SpecError> {

@@ -6,6 +6,8 @@ from typing import Any, Literal, TypeAlias, TypedDict, final, overload
 
 import meshio  # type: ignore[import-not-found, import-untyped, unused-ignore]
 import numpy as np
+import pandas as pd  # type: ignore[import-not-found, import-untyped, unused-ignore]
+import polars as pl  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from matplotlib.axes import Axes  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from numpy.typing import ArrayLike, NDArray
 from pyvista import Plotter, PolyData, UnstructuredGrid  # type: ignore[import-not-found, import-untyped, unused-ignore]
@@ -334,13 +336,26 @@ class Packing:
         new dict.
         """
 
-    def table(self) -> _results.Table:
-        """Every aggregate, void and fibre as a row: a dict of arrays of one length, as `pandas.DataFrame` takes it.
+    @overload
+    def table(self, frame: None = None) -> _results.Table:
+        """Every aggregate, void and fibre as a row: a dict of arrays of one length, or a frame of pandas or polars.
+
+        `table("pandas")` is a `pandas.DataFrame`, `table("polars")` a `polars.DataFrame`.
 
         Columns: `id`, `class` (int64), `phase` (str), `size_mm` (longest distance of two vertices), `sieve_size_mm`,
         `volume_mm3`, `area_mm2`, `sphericity` (Wadell), `centroid_x_mm`, `centroid_y_mm`, `centroid_z_mm`,
         `itz_thickness_mm` (float64), `vertices`, `faces` (int64). They are those of the `.csv`, and the sieve size.
+
+        Raises
+        ------
+        ImportError
+            Where the library is not installed.
         """
+
+    @overload
+    def table(self, frame: Literal["pandas"]) -> pd.DataFrame: ...
+    @overload
+    def table(self, frame: Literal["polars"]) -> pl.DataFrame: ...
 
     @overload
     def voxelize(
@@ -781,6 +796,21 @@ class Response:
         `hourglass` and `dissipated` are energies in mJ.
         """
 
+    @overload
+    def table(self, frame: None = None) -> dict[str, NDArray[np.float64]]:
+        """The curve as `curve` has it, or as a frame: `table("pandas")`, `table("polars")`.
+
+        Raises
+        ------
+        ImportError
+            Where the library is not installed.
+        """
+
+    @overload
+    def table(self, frame: Literal["pandas"]) -> pd.DataFrame: ...
+    @overload
+    def table(self, frame: Literal["polars"]) -> pl.DataFrame: ...
+
     @property
     def result(self) -> _results.TestResult:
         """The figures of the test, as in `result.json`: a dict; a copy."""
@@ -901,7 +931,8 @@ def pack(
     progress : bool or callable, optional
         True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
         `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
-        name, too: "take", "place" or "prove". When it returns False, the best valid packing found so far is returned.
+        name, too: "take", "place" or "prove", and before them "read" where the specimen is a surface. When it returns
+        False, the best valid packing found so far is returned.
 
     Returns
     -------
@@ -914,6 +945,8 @@ def pack(
         For a spec that cannot be, before any work starts.
     OSError
         Where the spec's file cannot be read.
+    TimeoutError
+        Where the time limit ended the proof of the specimen's surface, so that there is nothing to return.
     KeyboardInterrupt
         On Ctrl-C, within 0.2 s.
 

@@ -10,15 +10,18 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict
+from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._frames import framing
 from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, load, pack
 from ._progress import Bar
 
 if TYPE_CHECKING:
+    import pandas as _pandas  # type: ignore[import-not-found, import-untyped, unused-ignore]
+    import polars as _polars  # type: ignore[import-not-found, import-untyped, unused-ignore]
     from typing_extensions import NotRequired
 
 _MODEL = "model.json"
@@ -93,21 +96,38 @@ class Study:
         """Read the packing of a case from its folder."""
         return load(self.folders[number] / _MODEL)
 
-    def table(self) -> dict[str, NDArray[np.generic]]:
-        """Return one row a case as a dict of arrays of equal length, as in `table.csv`; also writes the files anew.
+    @overload
+    def table(self, frame: None = None) -> dict[str, NDArray[np.generic]]: ...
+    @overload
+    def table(self, frame: Literal["pandas"]) -> _pandas.DataFrame: ...
+    @overload
+    def table(self, frame: Literal["polars"]) -> _polars.DataFrame: ...
+    def table(self, frame: str | None = None) -> object:
+        """Return one row a case, as in `table.csv`: a dict of arrays, or a frame; also writes the files anew.
 
-        Missing numbers are NaN, missing texts "". `pandas.DataFrame(study.table())` makes a frame.
+        `table("pandas")` is a `pandas.DataFrame`, `table("polars")` a `polars.DataFrame`; values that a case lacks are
+        missing there, and in arrays NaN, or "" among texts. ImportError where the library is not installed.
         """
-        return _arrays(self._plan.tables(self._then, self.out)[0])
+        framed = framing(frame)
+        columns = self._plan.tables(self._then, self.out)[0]
+        return framed(_arrays(columns) if frame is None else columns)
 
-    def ensemble(self, replicate: str = "seed") -> dict[str, NDArray[np.generic]]:
+    @overload
+    def ensemble(self, replicate: str = "seed", *, frame: None = None) -> dict[str, NDArray[np.generic]]: ...
+    @overload
+    def ensemble(self, replicate: str = "seed", *, frame: Literal["pandas"]) -> _pandas.DataFrame: ...
+    @overload
+    def ensemble(self, replicate: str = "seed", *, frame: Literal["polars"]) -> _polars.DataFrame: ...
+    def ensemble(self, replicate: str = "seed", *, frame: str | None = None) -> object:
         """Return mean and scatter over the axis `replicate`, for each combination of the others and each figure.
 
         The columns are the other axes, `figure`, `n`, `mean`, `std`, `cv`, `low` and `high` (95 % confidence interval of the
         mean, Student's t), and `needed`: how many repetitions of this scatter it takes until that interval's half-width is
-        1 % of the mean.
+        1 % of the mean. `frame` is as for `table`.
         """
-        return _arrays(self._plan.ensemble(self._then, self.out, replicate))
+        framed = framing(frame)
+        columns = self._plan.ensemble(self._then, self.out, replicate)
+        return framed(_arrays(columns) if frame is None else columns)
 
     def __len__(self) -> int:
         """Return the number of cases."""

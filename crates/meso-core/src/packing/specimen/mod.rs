@@ -22,6 +22,7 @@ pub use container::{Container, Surface};
 pub(crate) use largest::Largest;
 pub use period::{Period, Periodic};
 
+use super::progress::{Silent, Stage, Waiting};
 use crate::geometry::{HullError, SurfaceError, TriangleMesh};
 use crate::math::{Aabb, Vec3};
 use convex::Convex;
@@ -170,6 +171,16 @@ pub enum ContainerError {
         /// A corner of one of the two triangles, mm, in the specimen's frame.
         at: [f64; 3],
     },
+    /// The time limit came first.
+    #[error(
+        "{:.0} % of its {triangles} triangles were; allow more time, or simplify the surface", 100.0 * share
+    )]
+    Late {
+        /// How many triangles it has.
+        triangles: usize,
+        /// Share of them that is proved, 0 to 1.
+        share: f64,
+    },
     /// A component of the surface that is nested the wrong way.
     #[error(
         "a component of its surface, at ({}, {}, {}), is nested the wrong way: it bounds a volume inside another's, or a \
@@ -259,6 +270,11 @@ impl Specimen {
     /// # Errors
     /// See [`ContainerError`].
     pub fn check(&self) -> Result<Arc<dyn Container>, ContainerError> {
+        self.check_while(Waiting { progress: &Silent, deadline: f64::INFINITY })
+    }
+
+    /// As [`Specimen::check`], while somebody waits for it.
+    pub(crate) fn check_while(&self, waiting: Waiting<'_>) -> Result<Arc<dyn Container>, ContainerError> {
         let Self::Mesh { vertices_mm, triangles, built } = self else { return Ok(self.build()?.into()) };
         let fingerprint = fingerprint(vertices_mm, triangles);
         if let (Some(checked), Some(container)) = (built.checked.get(), built.container.get())
@@ -266,15 +282,20 @@ impl Specimen {
         {
             return Ok(Arc::clone(container));
         }
+        if waiting.is_over_at(READ) {
+            return Err(ContainerError::Late { triangles: triangles.len(), share: 0.0 });
+        }
         let closed = Triangulated::new(surface(vertices_mm, triangles)?);
-        if let Some([triangle, _]) = closed.crossing() {
+        if let Some([triangle, _]) = closed.crossing(waiting)? {
             return Err(ContainerError::Crossing { at: triangle[0].into() });
         }
         if let Some(corner) = closed.nested() {
             return Err(ContainerError::Nested { at: corner.into() });
         }
         built.checked.get_or_init(|| fingerprint);
-        Ok(Arc::clone(built.container.get_or_init(|| convex_or(closed).into())))
+        let container = built.container.get_or_init(|| convex_or(closed).into());
+        waiting.progress.stage(Stage::Read, 1.0);
+        Ok(Arc::clone(container))
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -336,6 +357,9 @@ fn fingerprint(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> u64 {
     let words = corners.chain(triangles.iter().flatten().map(|&index| u64::from(index)));
     words.fold(0, |hash: u64, word| (hash.rotate_left(23) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
+
+/// Share of the stage that is over when the proof of a surface begins; see [`Triangulated::crossing`].
+const READ: f64 = 0.25;
 
 /// A closed surface that lacks no more than this share of its hull's volume is its hull.
 const CONVEX: f64 = 1e-12;

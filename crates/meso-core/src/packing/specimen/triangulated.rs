@@ -7,12 +7,14 @@ use super::box_minus_convex::{clear_of, within_box};
 use super::container::{Container, Obstacle, Surface};
 use super::facets::Facets;
 use super::largest::{self, Largest};
+use super::{ContainerError, Waiting};
 use crate::geometry::{HullError, Polyhedron, TriangleMesh, orient3d};
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
 use crate::parallel;
 use robust::{Coord, orient2d};
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// The region that a closed surface of triangles encloses, moved to the origin.
 #[derive(Clone, Debug)]
@@ -44,13 +46,31 @@ impl Triangulated {
     }
 
     /// Two triangles that cross each other, or touch where they are not neighbours, if there are any.
-    pub(super) fn crossing(&self) -> Option<[[Vec3; 3]; 2]> {
-        let found = parallel::find(self.mesh.triangles.len(), |a| {
+    ///
+    /// # Errors
+    /// [`ContainerError::Late`].
+    pub(super) fn crossing(&self, waiting: Waiting<'_>) -> Result<Option<[[Vec3; 3]; 2]>, ContainerError> {
+        let triangles = self.mesh.triangles.len();
+        let (looked_at, is_late) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let share = || looked_at.load(Ordering::Relaxed).min(triangles) as f64 / triangles as f64;
+        let first = |a: usize| {
+            if a.is_multiple_of(RUN) {
+                looked_at.fetch_add(RUN, Ordering::Relaxed);
+                is_late.fetch_or(waiting.is_over_at(BEFORE + WITHIN * share()), Ordering::Relaxed);
+            }
+            // Whatever is found ends the search.
+            if is_late.load(Ordering::Relaxed) {
+                return Some([a as u32; 2]);
+            }
             let a = a as u32;
             let crosses = |&b: &u32| b > a && self.cross(a, b);
             self.facets.around(a).filter(crosses).min().map(|b| [a, b])
-        });
-        Some(found?.map(|t| *self.facets.of(t)))
+        };
+        let found = parallel::find(triangles, first);
+        if is_late.into_inner() {
+            return Err(ContainerError::Late { triangles, share: share() });
+        }
+        Ok(found.map(|pair| pair.map(|t| *self.facets.of(t))))
     }
 
     /// A corner of a component that is nested wrongly. An outer surface lies in no other's interior; the surface of a
@@ -242,6 +262,12 @@ fn longest(component: &TriangleMesh) -> f64 {
     aabb.size().norm().min(2.0 * radius)
 }
 
+/// Of a surface of a million triangles, the share of the time that reading takes before its triangles are compared, and that
+/// these then take; its hull takes the rest.
+const BEFORE: f64 = 0.4;
+const WITHIN: f64 = 0.4;
+/// Triangles from one look at the clock to the next: some 10 ms of work.
+const RUN: usize = 1 << 10;
 /// Samples along each axis for [`Container::share_within`].
 const SAMPLES: usize = 24;
 /// How far inside a returned centre starts, as a share of the container's size.
@@ -292,6 +318,7 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};
+    use crate::packing::Silent;
 
     /// A box from the origin with a hollow, whose faces are reversed.
     fn hollow() -> Triangulated {
@@ -325,12 +352,14 @@ mod tests {
 
     #[test]
     fn surfaces_that_cross_themselves_are_found() {
-        assert_eq!(hollow().crossing(), None);
+        let patient = Waiting { progress: &Silent, deadline: f64::INFINITY };
+        assert_eq!(hollow().crossing(patient), Ok(None));
         let boxes = [(0.0, 6.0), (3.0, 9.0)].map(|(from, to)| {
             let surface = Surface::cuboid(&Vec3::repeat(from), &Vec3::repeat(to));
             surface.triangles().flat_map(|t| t.map(|i| surface.points[i as usize])).collect::<Vec<_>>()
         });
-        assert!(Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing().is_some());
+        let found = Triangulated::new(TriangleMesh::welded(&boxes.concat())).crossing(patient);
+        assert!(found.is_ok_and(|pair| pair.is_some()));
     }
 
     /// Triangles on a grid of 4 x 4 x 2 points, so that many lie in one plane.
