@@ -38,7 +38,7 @@ ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in (
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
 
 # Unit tests need no speed: optimised, their code took four times as long to compile as they gain in running.
-UNOPTIMISED = [f"profile.dev.package.{crate}.opt-level=0" for crate in ("meso-core", "meso-solve")]
+UNOPTIMISED = [f"profile.dev.package.{crate}.opt-level=0" for crate in ("meso-core", "meso-solve", "meso-study", "meso-cli")]
 
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
@@ -86,9 +86,9 @@ def main() -> int:
         beside.submit(in_turn, build_stages(slow=args.slow), live=False)
         install_packages(python)
     if not args.slow:
-        must(*wheel(python, "dev"))
+        must(*wheel(python))
     # The release wheel is linked on one core for minutes, so beside the tests.
-    first = [wheel(python, "release")] if args.slow else []
+    first = shipped_wheel(python) if args.slow else []
     results = in_turn([*supply_chain(), *packaging()])
     results += side_by_side(rust_stages(slow=args.slow), [*first, *python_stages(python, slow=args.slow)])
     if args.slow:
@@ -144,12 +144,26 @@ def install_packages(python: Path) -> None:
                 print(f"   {package}: not to be had here; the tests that need it skip", flush=True)
 
 
-def wheel(python: Path, profile: str) -> Stage:
-    """Name the command that installs mesocrete as a user gets it."""
-    # The dev profile is that of the tests, compiled once for Rust and Python; the release profile that of published wheels.
-    os.environ["MATURIN_PEP517_ARGS"] = f"--profile {profile}"
-    # A rebuilt wheel has the same version as the last one, so pip must be told to take it.
-    return "the wheel", [*pip(python), "--no-build-isolation", "--force-reinstall", "--no-deps", str(ROOT)]
+# A rebuilt wheel has the same version as the last one, so pip must be told to take it.
+AGAIN = ["--force-reinstall", "--no-deps"]
+
+# Where a release's wheel and source archive lie.
+SHIPPED = ROOT / "target" / "shipped"
+
+
+def wheel(python: Path) -> Stage:
+    """Name the command that installs mesocrete in the tests' profile, compiled once for Rust and Python."""
+    os.environ["MATURIN_PEP517_ARGS"] = "--profile dev"
+    return "the wheel", [*pip(python), "--no-build-isolation", *AGAIN, str(ROOT)]
+
+
+def shipped_wheel(python: Path) -> list[Stage]:
+    """Name the commands that build the release's wheel and source archive, and install the wheel."""
+    shutil.rmtree(SHIPPED, ignore_errors=True)
+    return [
+        ("release wheel", ["maturin", "build", "--release", "--sdist", "--out", str(SHIPPED)]),
+        ("the wheel", [*pip(python), *AGAIN, "--no-index", "--find-links", str(SHIPPED), "mesocrete"]),
+    ]
 
 
 def read_requirements(path: Path) -> list[str]:
@@ -206,20 +220,18 @@ ACTIONLINT = "github.com/rhysd/actionlint/cmd/actionlint@v1.7.12"
 
 
 def shipping(python: Path) -> list[Stage]:
-    """Name the commands that build the release's wheel and source archive, check them, and install the wheel afresh."""
-    built, clean = ROOT / "target" / "shipped", ROOT / "target" / "clean"
-    shutil.rmtree(built, ignore_errors=True)
+    """Name the commands that check the release's wheel and source archive, and install the wheel afresh."""
+    clean = ROOT / "target" / "clean"
     programs = clean / ("Scripts" if os.name == "nt" else "bin")
     pip = [str(programs / "python"), "-m", "pip", "--disable-pip-version-check", "install", "--only-binary", ":all:"]
     stages = [
-        ("release wheel", ["maturin", "build", "--release", "--sdist", "--out", str(built)]),
         ("an empty environment", [str(python), "-m", "venv", "--clear", str(clean)]),
-        ("install from the wheel", [*pip, "--find-links", str(built), "mesocrete"]),
+        ("install from the wheel", [*pip, "--find-links", str(SHIPPED), "mesocrete"]),
         ("the installed command", [str(programs / "mesocrete"), "recipes"]),
     ]
     if subprocess.run([str(python), "-c", "import twine"], check=False, capture_output=True).returncode == 0:
         check = "import glob, sys, twine.__main__ as t; sys.argv = ['twine', 'check', '--strict', *glob.glob(sys.argv[1])]; sys.exit(t.main())"
-        stages.insert(1, ("twine check", [str(python), "-c", check, str(built / "*")]))
+        stages.insert(0, ("twine check", [str(python), "-c", check, str(SHIPPED / "*")]))
     else:
         print("skipped, for want of twine: the metadata of wheel and source archive")
     return stages
