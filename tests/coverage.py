@@ -131,6 +131,7 @@ def export(tools: Path, programs: list[str]) -> None:
     raw = [str(path) for path in sorted(RAW.glob("*.profraw"))]
     output([str(tools / "llvm-profdata"), "merge", "--sparse", "--output", str(merged), *raw])
     objects = [word for program in programs[1:] for word in ("--object", program)]
+    # llvm-cov warns of functions that one program uses and another leaves out; those that are used count.
     profile = ["--format=lcov", "--instr-profile", str(merged)]
     COUNTS.write_text(output([str(tools / "llvm-cov"), "export", *profile, programs[0], *objects]), encoding="utf-8")
 
