@@ -130,10 +130,10 @@ def export(tools: Path, programs: list[str]) -> None:
     merged = OUTPUT / "merged.profdata"
     raw = [str(path) for path in sorted(RAW.glob("*.profraw"))]
     output([str(tools / "llvm-profdata"), "merge", "--sparse", "--output", str(merged), *raw])
-    objects = [word for program in programs[1:] for word in ("--object", program)]
-    # llvm-cov warns of functions that one program uses and another leaves out; those that are used count.
+    # A program at a time: of a function that one program leaves out and another runs, llvm-cov drops the second, or not,
+    # by the order of the programs. It warns of those, and `read_lcov` joins what it gives.
     profile = ["--format=lcov", "--instr-profile", str(merged)]
-    COUNTS.write_text(output([str(tools / "llvm-cov"), "export", *profile, programs[0], *objects]), encoding="utf-8")
+    COUNTS.write_text("".join(output([str(tools / "llvm-cov"), "export", *profile, program]) for program in programs), encoding="utf-8")
 
 
 def output(command: list[str]) -> str:
