@@ -29,6 +29,7 @@ mod mesh_distance;
 mod mesh_itz;
 mod mesh_lattice;
 mod mesh_periodic;
+mod mesh_report;
 mod mesh_specimens;
 mod models;
 mod offset;
