@@ -6,7 +6,7 @@
     python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel, sanitizers
 
 On two cores the tiers are meant to take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built, and the
-second took 12 from a fresh clone.
+second took 10 from a fresh clone.
 Each needs the standard library alone, and reports at the end which tests failed, and which were skipped and why. The exit code is 0
 when every stage passed.
 """
@@ -36,9 +36,6 @@ TESTED = ["--workspace", "--exclude", "meso-bench"]
 # The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
 ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in ("meso-collision", "meso-core"))
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
-
-# Unit tests need no speed: optimised, their code took four times as long to compile as they gain in running.
-UNOPTIMISED = [f"profile.dev.package.{crate}.opt-level=0" for crate in ("meso-core", "meso-solve", "meso-study", "meso-cli")]
 
 # What is said of a command, and the command.
 Stage = tuple[str, list[str]]
@@ -83,7 +80,7 @@ def main() -> int:
     python = make_venv()
     # Packages come over the network while the compiler works.
     with ThreadPoolExecutor() as beside:
-        beside.submit(in_turn, build_stages(slow=args.slow), live=False)
+        beside.submit(run, "cargo build of the tests", [*cargo_test(slow=args.slow), "--no-run", "--quiet"], live=False)
         install_packages(python)
     if not args.slow:
         must(*wheel(python))
@@ -180,7 +177,7 @@ def quick_stages() -> list[Stage]:
         ("cargo clippy", ["cargo", "clippy", "--quiet", "--all-targets", "--", "--deny", "warnings"]),
         ("cargo doc", ["cargo", "doc", "--no-deps", "--quiet", "--config", 'build.rustdocflags=["-D", "warnings"]']),
         ("collision alone", ["cargo", "check", "-p", "meso-collision"]),
-        ("quick cargo test", ["cargo", "test", *TESTED, "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
+        ("quick cargo test", [*cargo_test(slow=False), "--quiet", "--lib", "--tests", "--no-fail-fast", "--", *skipped]),
     ]
 
 
@@ -239,25 +236,12 @@ def shipping(python: Path) -> list[Stage]:
 
 def rust_stages(*, slow: bool) -> list[Stage]:
     """Name the commands of Rust's tests, in order."""
-    ignored = ["--", "--include-ignored"] if slow else []
-    return [(name, [*command, "--no-fail-fast", *ignored]) for name, command in cargo_tests(slow=slow).items()]
+    return [("cargo test", [*cargo_test(slow=slow), "--no-fail-fast", *(["--", "--include-ignored"] if slow else [])])]
 
 
-def build_stages(*, slow: bool) -> list[Stage]:
-    """Name the commands that compile Rust's tests; those of the documentation are compiled as they run."""
-    commands = [(name, command) for name, command in cargo_tests(slow=slow).items() if "--doc" not in command]
-    return [(f"building {name}", [*command, "--no-run", "--quiet"]) for name, command in commands]
-
-
-def cargo_tests(*, slow: bool) -> dict[str, list[str]]:
-    """Begin the commands of Rust's tests, by their names."""
-    command = ["cargo", "test", *(WATCHED if slow else TESTED)]
-    unoptimised = [word for setting in UNOPTIMISED for word in ("--config", setting)]
-    return {
-        "cargo test": [*command, "--test", "*"],
-        "unit tests": [*command, *unoptimised, "--lib"],
-        "doc tests": [*command, "--doc"],
-    }
+def cargo_test(*, slow: bool) -> list[str]:
+    """Begin the command of Rust's tests."""
+    return ["cargo", "test", *(WATCHED if slow else TESTED)]
 
 
 def python_stages(python: Path, *, slow: bool) -> list[Stage]:
