@@ -198,7 +198,7 @@ fn voids_are_holes_and_fibres_bodies_of_their_exact_volumes_in_a_conforming_mesh
     let count = |kind| bodies.iter().filter(|body| body.kind == kind).count();
     assert!(count(Kind::Void) > 10 && count(Kind::Fibre) > 10, "{} {}", count(Kind::Void), count(Kind::Fibre));
     for itz in [ItzForm::None, ItzForm::Solid, ItzForm::Cohesive] {
-        let options = MeshOptions { itz, element_size_mm: 4.0, ..Default::default() };
+        let options = MeshOptions { itz, element_size_mm: 6.0, ..Default::default() };
         let Some(mesh) = with_options(&model, options) else { return };
         let [meshed, exact] = [
             PhaseVolumes::of_mesh(&mesh),

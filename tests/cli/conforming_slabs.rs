@@ -19,7 +19,7 @@ fn packed(specimen: &str, others: &str) -> Model {
 
 fn in_slabs(model: &Model, itz: ItzForm, slabs: u32) -> Option<Mesh> {
     let method = Method::Conforming { order: Order::Linear, slabs: Some(slabs) };
-    with_options(model, MeshOptions { itz, element_size_mm: 3.0, method, ..Default::default() })
+    with_options(model, MeshOptions { itz, element_size_mm: 6.0, method, ..Default::default() })
 }
 
 /// A packing without further phases, and its mesh in three slabs by three threads.

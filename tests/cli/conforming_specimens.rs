@@ -75,7 +75,7 @@ fn meshed_within(specimen: &Specimen, off_mm: f64) -> Option<Mesh> {
     let model = packed(specimen);
     let kind = specimen.kind();
     assert!(model.aggregates.len() > 15, "{kind}: {} aggregates", model.aggregates.len());
-    let mesh = with_options(&model, MeshOptions { itz: ItzForm::None, element_size_mm: 3.0, ..Default::default() })?;
+    let mesh = with_options(&model, MeshOptions { itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() })?;
     assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0), "{kind}");
     let (container, outside) = (specimen.container(), outside(&mesh));
     let off = outside.iter().map(|x| container.depth(x).abs()).fold(0.0, f64::max);

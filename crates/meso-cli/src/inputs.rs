@@ -24,11 +24,8 @@ pub(crate) fn spec(path: &Path, progress: &dyn Progress, time_limit_s: Option<f6
     if let Some(name) = missing_recipe(path) {
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
-    let by_flag = |error: SpecError| match (error.is_late, time_limit_s) {
-        (true, Some(_)) => SpecError { key: "--time-limit".to_owned(), line: None, ..error },
-        _ => error,
-    };
-    toml(path, |text| Spec::from_toml_while(text, &mut Beside(folder), progress, time_limit_s).map_err(by_flag))
+    let named = |error: SpecError| error.of_limit(time_limit_s, "--time-limit");
+    toml(path, |text| Spec::from_toml_while(text, &mut Beside(folder), progress, time_limit_s).map_err(named))
 }
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.

@@ -61,22 +61,15 @@ fn read(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyRe
     }
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
     let name = path.display();
-    let named = |text: String| PyValueError::new_err(format!("{name}: {text}"));
-    let text = String::from_utf8(bytes).map_err(|_| named("the file is not UTF-8 text".to_owned()))?;
+    let not_text = |_| PyValueError::new_err(format!("{name}: the file is not UTF-8 text"));
+    let text = String::from_utf8(bytes).map_err(not_text)?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_while(&text, &mut Beside(folder), progress, time_limit_s).map_err(|error| match error.is_late {
-        true => PyTimeoutError::new_err(format!("{name}: {}", by_keyword(error, time_limit_s))),
-        false => named(error.to_string()),
+    Spec::from_toml_while(&text, &mut Beside(folder), progress, time_limit_s).map_err(|error| {
+        let error = error.of_limit(time_limit_s, "time_limit");
+        let text = format!("{name}: {error}");
+        if error.is_late { PyTimeoutError::new_err(text) } else { PyValueError::new_err(text) }
     })
-}
-
-/// A time limit that a keyword gave is called by its name.
-fn by_keyword(error: SpecError, time_limit_s: Option<f64>) -> SpecError {
-    match (error.is_late, time_limit_s) {
-        (true, Some(_)) => SpecError { key: "time_limit".to_owned(), line: None, ..error },
-        _ => error,
-    }
 }
 
 /// The unresolved tree of what `pack` accepts as its spec, and the folder of the files that it names. Values that follow from
@@ -121,7 +114,7 @@ impl Given {
             Self::Spec(spec) => Ok(*spec),
             Self::Tree(tree) => {
                 let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), progress, time_limit_s);
-                spec.map_err(|error| spec_error(&by_keyword(error, time_limit_s)))
+                spec.map_err(|error| spec_error(&error.of_limit(time_limit_s, "time_limit")))
             }
             Self::File(path) => read(&path, progress, time_limit_s),
         }

@@ -24,6 +24,15 @@ impl SpecError {
         Self { key: key.into(), message: message.into(), line: None, is_wrong_type: false, is_late: false }
     }
 
+    /// The same error; one of a time limit that was `given` beside the spec bears the `name` of that option, and no line.
+    #[must_use]
+    pub fn of_limit(self, given: Option<f64>, name: &str) -> Self {
+        match (self.is_late, given) {
+            (true, Some(_)) => Self { key: name.to_owned(), line: None, ..self },
+            _ => self,
+        }
+    }
+
     /// The same error with the line its key stands on in `tree`, where it is there.
     pub(super) fn at(mut self, tree: &Node) -> Self {
         self.line = self.line.or_else(|| tree.line_of(&self.key));

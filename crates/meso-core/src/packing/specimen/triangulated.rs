@@ -60,17 +60,13 @@ impl Triangulated {
             }
             // Whatever is found ends the search.
             if is_late.load(Ordering::Relaxed) {
-                return Some([a as u32; 2]);
+                return Some(Err(ContainerError::Late { triangles, share: share() }));
             }
             let a = a as u32;
             let crosses = |&b: &u32| b > a && self.cross(a, b);
-            self.facets.around(a).filter(crosses).min().map(|b| [a, b])
+            self.facets.around(a).filter(crosses).min().map(|b| Ok([a, b].map(|t| *self.facets.of(t))))
         };
-        let found = parallel::find(triangles, first);
-        if is_late.into_inner() {
-            return Err(ContainerError::Late { triangles, share: share() });
-        }
-        Ok(found.map(|pair| pair.map(|t| *self.facets.of(t))))
+        parallel::find(triangles, first).transpose()
     }
 
     /// A corner of a component that is nested wrongly. An outer surface lies in no other's interior; the surface of a
