@@ -193,8 +193,10 @@ def supply_chain() -> list[Stage]:
     else:
         print("skipped, for want of cargo-deny (cargo install cargo-deny): advisories, licences and sources of dependencies")
     oldest = re.search(r'^rust-version = "(.*)"', (ROOT / "Cargo.toml").read_text(encoding="utf-8"), re.MULTILINE)[1]
-    if re.search(rf"^{oldest}\b", toolchains(), re.MULTILINE):
-        found.append((f"Rust {oldest}", ["rustup", "run", oldest, "cargo", "check", "--workspace", "--target-dir", "target/oldest"]))
+    # As `1.89`, or with its patch as `1.89.0`.
+    if installed := re.search(rf"^{re.escape(oldest)}(\.\d+)?-\S+", toolchains(), re.MULTILINE):
+        check = ["cargo", "check", "--workspace", "--target-dir", "target/oldest"]
+        found.append((f"Rust {oldest}", ["rustup", "run", installed[0], *check]))
     else:
         print(f"skipped, for want of Rust {oldest} (rustup toolchain install {oldest}): the oldest compiler promised")
     return found

@@ -62,15 +62,17 @@ fn a_command_that_has_nothing_to_keep_ends_at_once() {
 /// A gmsh that writes its process number beside itself, and then is never done.
 const ENDLESS: &str =
     "#!/bin/sh\ncase \"$*\" in *--version*) exit 0;; esac\necho $$ > \"$(dirname \"$0\")/running\"\nexec sleep 100\n";
+/// One that is not even done with its version.
+const ENDLESS_AT_ONCE: &str = "#!/bin/sh\necho $$ > \"$(dirname \"$0\")/running\"\nexec sleep 100\n";
 
 /// A folder with `model.json` and `gaps.toml`, whose gaps gmsh can mesh, and the program `./endless`.
-fn with_endless_gmsh() -> Folder {
+fn with_endless_gmsh(program: &str) -> Folder {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new();
     let gaps = "placement = { min_gap_mm = 0.1, wall_gap_mm = 0.1 }\n";
     folder.write("gaps.toml", format!("fraction = 0.2\nspecimen = {{ kind = 'cube', side_mm = 30 }}\n{gaps}"));
     assert_eq!(folder.run(&["pack", "gaps.toml", "-o", "model.json"]).code, 0);
-    folder.write("endless", ENDLESS);
+    folder.write("endless", program);
     std::fs::set_permissions(folder.path("endless"), PermissionsExt::from_mode(0o755)).unwrap();
     std::fs::create_dir(folder.path("temporary")).unwrap();
     folder
@@ -97,29 +99,31 @@ fn gmsh_runs(folder: &Folder) -> bool {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_kill_that_nobody_can_catch_ends_gmsh_too() {
-    let folder = with_endless_gmsh();
-    let mut child = until_gmsh_runs(&folder, &["mesh", "model.json"]);
-    signal(&child, "-KILL");
-    assert_eq!(child.wait().unwrap().code(), None);
-    let killed = Instant::now();
-    // Whoever takes over its children has to look after the dead one first.
-    while gmsh_runs(&folder) {
-        assert!(killed.elapsed() < Duration::from_secs(20), "gmsh goes on without us");
-        std::thread::sleep(Duration::from_millis(20));
+    for program in [ENDLESS, ENDLESS_AT_ONCE] {
+        let folder = with_endless_gmsh(program);
+        let mut child = until_gmsh_runs(&folder, &["mesh", "model.json"]);
+        signal(&child, "-KILL");
+        assert_eq!(child.wait().unwrap().code(), None);
+        let killed = Instant::now();
+        // Whoever takes over its children has to look after the dead one first.
+        while gmsh_runs(&folder) {
+            assert!(killed.elapsed() < Duration::from_secs(20), "gmsh goes on without us");
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 }
 
 #[test]
 fn an_interrupt_during_gmsh_ends_gmsh_and_leaves_nothing() {
-    let folder = with_endless_gmsh();
     // After the packing, too, the first one counts.
-    for command in [["mesh", "model.json"], ["pack", "gaps.toml"]] {
+    let (mesh, pack) = (["mesh", "model.json"], ["pack", "gaps.toml"]);
+    for (program, command) in [(ENDLESS, mesh), (ENDLESS, pack), (ENDLESS_AT_ONCE, mesh)] {
+        let folder = with_endless_gmsh(program);
         let mut child = until_gmsh_runs(&folder, &command);
         signal(&child, "-INT");
         assert_eq!(child.wait().unwrap().code(), Some(130));
         assert!(!gmsh_runs(&folder), "gmsh goes on without us");
         assert_eq!(std::fs::read_dir(folder.path("temporary")).unwrap().count(), 0, "its folder is left");
         assert!(!folder.names().iter().any(|name| name == "m.inp" || name.ends_with(".tmp")), "{:?}", folder.names());
-        std::fs::remove_file(folder.path("running")).unwrap();
     }
 }

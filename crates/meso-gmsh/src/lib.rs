@@ -59,14 +59,14 @@ impl Gmsh {
     /// Tests whether gmsh is there and runs.
     ///
     /// # Errors
-    /// [`MeshError::MissingGmsh`], with what it said where it does not run.
+    /// [`MeshError::MissingGmsh`], with what it said where it does not run, and [`MeshError::Files`].
     pub fn check(&self) -> Result<(), MeshError> {
-        let asked = self.command().arg("--version").output().map_err(|error| self.missing(&error))?;
+        let running = in_new_folder()?;
+        let asked = self.outcome(self.command().arg("--version"), &running, &|| false)?;
         if asked.status.success() {
             return Ok(());
         }
-        let said = String::from_utf8_lossy(&asked.stderr);
-        Err(self.missing_since(format!("--version failed ({}), saying {:?}", asked.status, said.trim())))
+        Err(self.missing_since(format!("--version failed ({}), saying {:?}", asked.status, asked.said)))
     }
 
     /// Fills `surfaces` with tetrahedra until `stop` says so; the bytes of gmsh's output.
@@ -75,22 +75,21 @@ impl Gmsh {
     /// [`MeshError::MissingGmsh`], [`MeshError::Stopped`], [`MeshError::Files`] (a full disk, too), and [`MeshError::Gmsh`]
     /// with what gmsh had to say where it failed.
     pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
-        let running = Running::in_new_folder().map_err(|error| files(&std::env::temp_dir(), error))?;
-        self.run(&Task { surfaces, running: &running, stop })
-    }
-
-    fn run(&self, task: &Task) -> Result<Vec<u8>, MeshError> {
-        let in_folder = |error| files(task.running.folder(), error);
-        let create = |name| task.running.in_folder(|folder| File::create(folder.join(name)));
+        let running = in_new_folder()?;
+        let in_folder = |error| files(running.folder(), error);
+        let create = |name| running.in_folder(|folder| File::create(folder.join(name)));
         let (mesh, script) = (create("surfaces.msh").map_err(in_folder)?, create("volumes.geo").map_err(in_folder)?);
-        write_input(task.surfaces, mesh, script).map_err(in_folder)?;
-        let outcome = self.call(task)?;
-        let output = std::fs::read(task.running.folder().join("volumes.msh")).unwrap_or_default();
+        write_input(surfaces, mesh, script).map_err(in_folder)?;
+        let mut command = self.command();
+        command.arg("volumes.geo").args(Surfaces::GMSH_OPTIONS);
+        command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
+        let outcome = self.outcome(&mut command, &running, stop)?;
+        let output = std::fs::read(running.folder().join("volumes.msh")).unwrap_or_default();
         if outcome.status.success() && output.ends_with(END) {
             return Ok(output);
         }
         // A full disk ends gmsh in many ways, and another element size does not help.
-        task.running.in_folder(probe_disk).map_err(in_folder)?;
+        running.in_folder(probe_disk).map_err(in_folder)?;
         let what = match (outcome.status.success(), output.is_empty()) {
             (false, _) => format!("gmsh failed ({})", outcome.status),
             (true, true) => "gmsh made no mesh".to_owned(),
@@ -99,18 +98,16 @@ impl Gmsh {
         Err(MeshError::Gmsh(format!("{what}; it said:\n{}", outcome.said)))
     }
 
-    fn call(&self, task: &Task) -> Result<Outcome, MeshError> {
-        let in_folder = |error| files(task.running.folder(), error);
+    /// Runs `command` in the folder of `running` until it ends, or `stop` says so.
+    fn outcome(&self, command: &mut Command, running: &Running, stop: &dyn Fn() -> bool) -> Result<Outcome, MeshError> {
+        let in_folder = |error| files(running.folder(), error);
         // Not through pipes: nobody would empty them in the meantime.
-        let mut saying = task.running.in_folder(|folder| open_anew(&folder.join("said.txt"))).map_err(in_folder)?;
-        let mut command = self.command();
-        command.current_dir(task.running.folder()).arg("volumes.geo").args(Surfaces::GMSH_OPTIONS);
-        command.args(["-nt", &rayon::current_num_threads().to_string(), "-o", "volumes.msh"]);
-        command.stdin(Stdio::null());
+        let mut saying = running.in_folder(|folder| open_anew(&folder.join("said.txt"))).map_err(in_folder)?;
+        command.current_dir(running.folder()).stdin(Stdio::null());
         command.stderr(saying.try_clone().map_err(in_folder)?).stdout(saying.try_clone().map_err(in_folder)?);
-        ends_with_us::arrange(&mut command);
-        task.running.start(&mut command).map_err(|error| self.missing(&error))?;
-        let status = task.wait()?;
+        ends_with_us::arrange(command);
+        running.start(command).map_err(|error| self.missing(&error))?;
+        let status = wait(running, stop)?;
         let mut said = Vec::new();
         saying.seek(SeekFrom::Start(0)).and_then(|_| saying.read_to_end(&mut said)).map_err(in_folder)?;
         Ok(Outcome { status, said: String::from_utf8_lossy(&said).trim().to_owned() })
@@ -136,32 +133,27 @@ impl VolumeMesher for Gmsh {
     }
 }
 
-/// One run of gmsh.
-struct Task<'a> {
-    surfaces: &'a Surfaces,
-    running: &'a Running,
-    stop: &'a dyn Fn() -> bool,
-}
-
 /// How gmsh ended.
 struct Outcome {
     status: ExitStatus,
     said: String,
 }
 
-impl Task<'_> {
-    /// Waits for the process, or ends it when the caller or the user says so.
-    fn wait(&self) -> Result<ExitStatus, MeshError> {
-        loop {
-            if let Some(status) = self.running.status().map_err(|error| files(self.running.folder(), error))? {
-                return Ok(status);
-            }
-            if (self.stop)() {
-                self.running.end();
-                return Err(MeshError::Stopped);
-            }
-            thread::sleep(POLL);
+fn in_new_folder() -> Result<Running, MeshError> {
+    Running::in_new_folder().map_err(|error| files(&std::env::temp_dir(), error))
+}
+
+/// Waits for the process, or ends it when the caller or the user says so.
+fn wait(running: &Running, stop: &dyn Fn() -> bool) -> Result<ExitStatus, MeshError> {
+    loop {
+        if let Some(status) = running.status().map_err(|error| files(running.folder(), error))? {
+            return Ok(status);
         }
+        if stop() {
+            running.end();
+            return Err(MeshError::Stopped);
+        }
+        thread::sleep(POLL);
     }
 }
 
