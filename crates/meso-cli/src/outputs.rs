@@ -140,6 +140,11 @@ impl Keeper for Signals {
 }
 
 impl Unit {
+    /// For a case of a study: see [`whole::Unit::unforced`].
+    pub(crate) fn unforced() -> Self {
+        Self(whole::Unit::unforced(Signals))
+    }
+
     /// Lets `write` fill one output. A failure discards every file of the unit.
     pub(crate) fn fill(
         &mut self,

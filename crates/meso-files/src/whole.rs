@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all, several of them as one unit.
 //!
-//! Every file is written beside its place under a temporary name, forced to disk, and renamed when all of them are
-//! complete. Where one cannot get its name, those before it get their old contents back.
+//! Every file is written beside its place under a temporary name, as a rule forced to disk, and renamed when all of them
+//! are complete. Where one cannot get its name, those before it get their old contents back.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -46,6 +46,7 @@ impl Keeper for () {}
 #[derive(Default)]
 pub struct Unit<K> {
     keeper: K,
+    is_forced: bool,
     complete: Vec<Complete>,
 }
 
@@ -59,7 +60,13 @@ struct Complete {
 impl<K: Keeper> Unit<K> {
     /// A unit without files.
     pub fn new(keeper: K) -> Self {
-        Self { keeper, complete: Vec::new() }
+        Self { keeper, is_forced: true, complete: Vec::new() }
+    }
+
+    /// One whose files are not forced to disk: the system writes them within half a minute. For files that a power failure
+    /// may take, since whoever looks for them knows their lengths and makes them again.
+    pub fn unforced(keeper: K) -> Self {
+        Self { is_forced: false, ..Self::new(keeper) }
     }
 
     /// Lets `write` fill the file that will be `path`; `replace` says whether one may be there when it gets its name.
@@ -72,7 +79,7 @@ impl<K: Keeper> Unit<K> {
         replace: bool,
         write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let temporary = fill_beside(path, &self.keeper, write)?;
+        let temporary = fill_beside(path, &self.keeper, self.is_forced, write)?;
         self.complete.push(Complete { temporary, path: path.to_owned(), replace });
         Ok(())
     }
@@ -82,7 +89,7 @@ impl<K: Keeper> Unit<K> {
     /// # Errors
     /// Where one cannot get it; those before it are then what they were. The file is named.
     pub fn commit(self) -> Result<(), (PathBuf, io::Error)> {
-        let Self { keeper, complete } = self;
+        let Self { keeper, is_forced, complete } = self;
         keeper.hold(|temporary| {
             let mut done = Vec::new();
             for file in complete {
@@ -95,7 +102,7 @@ impl<K: Keeper> Unit<K> {
                     }
                 }
             }
-            done.iter().for_each(|renamed| sync_folder(folder(&renamed.path)));
+            done.iter().filter(|_| is_forced).for_each(|renamed| sync_folder(folder(&renamed.path)));
             Ok(())
         })
     }
@@ -165,6 +172,7 @@ impl<K> Seek for Output<'_, K> {
 fn fill_beside<K: Keeper>(
     path: &Path,
     keeper: &K,
+    is_forced: bool,
     write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
 ) -> io::Result<TempPath> {
     keeper.step()?;
@@ -182,7 +190,10 @@ fn fill_beside<K: Keeper>(
     let mut out = BufWriter::with_capacity(BLOCK, Output { file, keeper });
     write(&mut out)?;
     keeper.step()?;
-    out.into_inner().map_err(io::IntoInnerError::into_error)?.file.sync_all()?;
+    let file = out.into_inner().map_err(io::IntoInnerError::into_error)?.file;
+    if is_forced {
+        file.sync_all()?;
+    }
     keeper.step()?;
     Ok(temporary)
 }

@@ -77,6 +77,17 @@ pub(crate) fn write_model(
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp", "html"]].concat()))
 }
 
+/// Writes the saved model of a study's case; what is there is replaced.
+///
+/// # Errors
+/// `OSError`.
+pub(crate) fn write_case(model: &Model, path: &Path, watch: &Watch) -> PyResult<()> {
+    let mut unit = Unit::unforced(Stop(watch));
+    let write = |out: &mut dyn Write| Format::Json.write(model, Surfaces::default(), out);
+    fill(&mut unit, path, true, write).map_err(|error| file_error(path, error))?;
+    unit.commit().map_err(|(path, error)| file_error(&path, error))
+}
+
 fn is_page(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html"))
 }

@@ -1,7 +1,9 @@
 //! The Rust part of `mesocrete.study`: cases with hashes and folder names, their state, records and tables.
 
 use crate::boundary::{file_error, guard};
+use crate::files;
 use crate::packing::PyPacking;
+use crate::run::beside_python;
 use crate::spec::{self, spec_error};
 use crate::tree::{self, plain};
 use meso_files::Beside;
@@ -11,6 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The cases of a study.
 #[pyclass(name = "_StudyPlan", module = "mesocrete._mesocrete", frozen)]
@@ -190,6 +193,13 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
         dict.set_item(&column.name, PyList::new(py, cells.collect::<PyResult<Vec<_>>>()?)?)?;
     }
     Ok(dict)
+}
+
+/// Writes a packing into the folder of its case.
+#[pyfunction(name = "_study_write")]
+pub(crate) fn study_write(py: Python<'_>, packing: &PyPacking, folder: PathBuf) -> PyResult<()> {
+    let model = Arc::clone(&packing.0);
+    guard(|| beside_python(py, None, move |watch| files::write_case(&model, &folder.join(meso_study::MODEL), watch))?)
 }
 
 /// Results that a study records of a packing, where nothing else is done with it.

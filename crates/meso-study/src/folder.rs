@@ -3,7 +3,7 @@
 use crate::ensemble::{REPLICATE, ensemble};
 use crate::record::{Record, save};
 use crate::table::{Table, tabulate};
-use meso_files::whole::Keeper;
+use meso_files::whole::{Keeper, Unit};
 use std::io;
 use std::path::Path;
 
@@ -18,8 +18,8 @@ pub const TABLES: [&str; 3] = ["table.csv", "table.parquet", "ensemble.csv"];
 pub fn save_tables<K: Keeper + Copy>(out: &Path, keys: &[String], records: &[Record], keeper: K) -> io::Result<Table> {
     let table = tabulate(keys, records);
     let groups = ensemble(&table, keys, REPLICATE);
-    save(out, TABLES[0], keeper, |file| table.write_csv(file))?;
-    save(out, TABLES[1], keeper, |file| table.write_parquet(file))?;
-    save(out, TABLES[2], keeper, |file| groups.write_csv(file))?;
+    save(out, TABLES[0], Unit::new(keeper), |file| table.write_csv(file))?;
+    save(out, TABLES[1], Unit::new(keeper), |file| table.write_parquet(file))?;
+    save(out, TABLES[2], Unit::new(keeper), |file| groups.write_csv(file))?;
     Ok(table)
 }

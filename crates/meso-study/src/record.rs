@@ -87,7 +87,7 @@ impl Record {
     /// # Errors
     /// Those of the file system.
     pub fn save<K: Keeper>(&self, folder: &Path, keeper: K) -> io::Result<()> {
-        save(folder, RECORD, keeper, |file| {
+        save(folder, RECORD, Unit::unforced(keeper), |file| {
             serde_json::to_writer_pretty(&mut *file, self)?;
             writeln!(file)
         })
@@ -159,14 +159,13 @@ fn files(folder: &Path) -> io::Result<BTreeMap<String, u64>> {
     Ok(found)
 }
 
-/// Writes a file into `out`, whole or not at all.
+/// Writes a file into `out` as the only one of `unit`, whole or not at all.
 pub(crate) fn save<K: Keeper>(
     out: &Path,
     name: &str,
-    keeper: K,
+    mut unit: Unit<K>,
     write: impl FnOnce(&mut BufWriter<Output<'_, K>>) -> io::Result<()>,
 ) -> io::Result<()> {
-    let mut unit = Unit::new(keeper);
     unit.fill(&out.join(name), true, write)?;
     unit.commit().map_err(|(_, error)| error)
 }

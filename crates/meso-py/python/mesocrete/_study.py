@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._frames import framing
-from ._mesocrete import Packing, Spec, _study_results, _StudyPlan, load, pack
+from ._mesocrete import Packing, Spec, _study_results, _study_write, _StudyPlan, load, pack
 from ._progress import Bar
 
 if TYPE_CHECKING:
@@ -229,7 +229,7 @@ def _run(job: _Job) -> _Ended:
     try:
         packing = load(folder / _MODEL) if packed else pack(spec, threads=threads)
         if not packed:
-            packing.write(folder / _MODEL)
+            _study_write(packing, folder)
         if then is None:
             return number, _study_results(packing), None
         return number, _as_dict(then(packing, folder) if _takes_folder(then) else then(packing)), None

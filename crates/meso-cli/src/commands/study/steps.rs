@@ -104,7 +104,7 @@ impl Steps {
     }
 
     fn write(&self, model: &Model, folder: &Path) -> Result<(), Failure> {
-        let mut unit = Unit::default();
+        let mut unit = Unit::unforced();
         let saved = (folder.join(MODEL), Format::Json);
         for (path, format) in std::iter::once(&saved).chain(&self.outputs) {
             let target = Target::new(path, true)?;
