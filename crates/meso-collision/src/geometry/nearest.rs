@@ -29,20 +29,15 @@ impl ConvexSurface {
         self.distance_below(x, f64::INFINITY).unwrap_or(f64::INFINITY)
     }
 
-    /// Above the highest face plane, mm: no more than the distance of an outer `x`, negative inside.
-    pub fn height(&self, x: &Vec3) -> f64 {
-        Plane::height_over(&self.planes, x)
+    /// The face plane that is farthest below `x`, or nearest above an inner one: an outer `x` is no nearer to the body than
+    /// to it.
+    pub fn plane_under(&self, x: &Vec3) -> &Plane {
+        &self.planes[self.highest(x).0]
     }
 
     /// As [`ConvexSurface::distance`]; `None` where a face plane shows that an outer `x` is no nearer than `limit`.
     pub fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
-        let (mut highest, mut most) = (0, f64::NEG_INFINITY);
-        for (triangle, plane) in self.planes.iter().enumerate() {
-            let above = plane.height(x);
-            if above > most {
-                (highest, most) = (triangle, above);
-            }
-        }
+        let (highest, most) = self.highest(x);
         if most <= 0.0 {
             return Some(-most);
         }
@@ -64,6 +59,18 @@ impl ConvexSurface {
             }
         }
         Some(least)
+    }
+
+    /// The triangle above whose plane `x` is highest, and that height, mm.
+    fn highest(&self, x: &Vec3) -> (usize, f64) {
+        let (mut highest, mut most) = (0, f64::NEG_INFINITY);
+        for (triangle, plane) in self.planes.iter().enumerate() {
+            let above = plane.height(x);
+            if above > most {
+                (highest, most) = (triangle, above);
+            }
+        }
+        (highest, most)
     }
 }
 

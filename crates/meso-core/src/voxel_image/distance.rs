@@ -4,7 +4,7 @@
 //! distances from it change by no more than the way from the tile's centre.
 
 use crate::aggregate::Aggregate;
-use crate::geometry::{BoxTree, ConvexSurface};
+use crate::geometry::{BoxTree, ConvexSurface, Plane};
 use crate::location::{Label, PointGrid, Scan};
 use crate::math::{Aabb, Vec3};
 use crate::parallel;
@@ -96,10 +96,18 @@ impl Tile {
 struct Nearby<'a> {
     surfaces: &'a Surfaces,
     centre: Vec3,
-    /// With the height of the centre above their planes, which is no more than its distance; the lowest first.
-    bodies: Vec<(f64, u32)>,
+    /// The lowest below the centre first.
+    bodies: Vec<Candidate>,
     /// The nearest one to the last point, which is often that to the next one.
     last: Option<u32>,
+}
+
+struct Candidate {
+    body: u32,
+    /// Of the body's planes the one that is farthest below the centre.
+    plane: Plane,
+    /// Of the centre above it, mm: no more than its distance from the body.
+    height: f64,
 }
 
 impl<'a> Nearby<'a> {
@@ -116,7 +124,7 @@ impl<'a> Nearby<'a> {
         let most = if known < FAR * tile.radius { known } else { self.surfaces.near(&tile.centre) };
         self.find_within(most + 2.0 * tile.radius);
         let least = self.distance(&tile.centre);
-        self.bodies.retain(|(height, _)| *height <= least + 2.0 * tile.radius);
+        self.bodies.retain(|candidate| candidate.height <= least + 2.0 * tile.radius);
     }
 
     fn find_within(&mut self, reach: f64) {
@@ -124,9 +132,12 @@ impl<'a> Nearby<'a> {
         let near = tree.near(Aabb { min: *centre, max: *centre }.grown(reach));
         let near = near.filter(|&body| boxes[body as usize].distance(centre) <= reach);
         self.bodies.clear();
-        self.bodies.extend(near.map(|body| (bodies[body as usize].height(centre), body)));
-        self.bodies.retain(|(height, _)| *height <= reach);
-        self.bodies.sort_unstable_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+        self.bodies.extend(near.map(|body| {
+            let plane = *bodies[body as usize].plane_under(centre);
+            Candidate { body, plane, height: plane.height(centre) }
+        }));
+        self.bodies.retain(|candidate| candidate.height <= reach);
+        self.bodies.sort_unstable_by(|p, q| p.height.total_cmp(&q.height).then(p.body.cmp(&q.body)));
     }
 
     /// From a point outside all bodies to the nearest of these.
@@ -134,16 +145,18 @@ impl<'a> Nearby<'a> {
         let body = |body: u32| &self.surfaces.bodies[body as usize];
         let way = (point - self.centre).norm();
         let mut least = self.last.map_or(f64::INFINITY, |last| body(last).distance(point));
-        for &(height, candidate) in &self.bodies {
-            if height - way > least {
+        for candidate in &self.bodies {
+            if candidate.height - way > least {
                 break;
             }
-            if Some(candidate) == self.last {
+            // The plane under the centre tells of most bodies that they are too far, without their other planes.
+            if Some(candidate.body) == self.last || candidate.plane.height(point) > least {
                 continue;
             }
-            if let Some(distance) = body(candidate).distance_below(point, least).filter(|found| *found < least) {
+            let found = body(candidate.body).distance_below(point, least).filter(|found| *found < least);
+            if let Some(distance) = found {
                 least = distance;
-                self.last = Some(candidate);
+                self.last = Some(candidate.body);
             }
         }
         least
