@@ -85,7 +85,7 @@ def main() -> int:
     if not args.slow:
         must(*wheel(python))
     # The release wheel is linked on one core for minutes, so beside the tests.
-    first = shipped_wheel(python) if args.slow else []
+    first = [*oldest_compiler(), *shipped_wheel(python)] if args.slow else []
     results = in_turn([*supply_chain(), *packaging()])
     results += side_by_side(rust_stages(slow=args.slow), [*first, *python_stages(python, slow=args.slow)])
     if args.slow:
@@ -182,7 +182,7 @@ def quick_stages() -> list[Stage]:
 
 
 def supply_chain() -> list[Stage]:
-    """Name the checks of dependencies and of the oldest compiler, as far as their tools are installed."""
+    """Name the checks of dependencies, as far as their tools are installed."""
     found = []
     if shutil.which("cargo-deny"):
         # Advisories need a database from the network; without one the rest is looked at.
@@ -192,14 +192,18 @@ def supply_chain() -> list[Stage]:
         found.append(("cargo deny", ["cargo", "deny", "check", *(["advisories"] if fetched else []), "bans", "licenses", "sources"]))
     else:
         print("skipped, for want of cargo-deny (cargo install cargo-deny): advisories, licences and sources of dependencies")
+    return found
+
+
+def oldest_compiler() -> list[Stage]:
+    """Name the check by the oldest compiler that is promised, where it is installed."""
     oldest = re.search(r'^rust-version = "(.*)"', (ROOT / "Cargo.toml").read_text(encoding="utf-8"), re.MULTILINE)[1]
     # As `1.89`, or with its patch as `1.89.0`.
-    if installed := re.search(rf"^{re.escape(oldest)}(\.\d+)?-\S+", toolchains(), re.MULTILINE):
-        check = ["cargo", "check", "--workspace", "--target-dir", "target/oldest"]
-        found.append((f"Rust {oldest}", ["rustup", "run", installed[0], *check]))
-    else:
+    installed = re.search(rf"^{re.escape(oldest)}(\.\d+)?-\S+", toolchains(), re.MULTILINE)
+    if not installed:
         print(f"skipped, for want of Rust {oldest} (rustup toolchain install {oldest}): the oldest compiler promised")
-    return found
+        return []
+    return [(f"Rust {oldest}", ["rustup", "run", installed[0], "cargo", "check", "--workspace", "--target-dir", "target/oldest"])]
 
 
 def packaging() -> list[Stage]:

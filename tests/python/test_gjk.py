@@ -65,13 +65,13 @@ def test_answers_match_a_linear_program_on_random_integer_pairs():
     pytest.importorskip("scipy")
     rng = np.random.default_rng(11)
     hits = 0
-    for _ in range(300):
+    for _ in range(150):
         a, b = (rng.integers(-4, 5, size=(rng.integers(1, 9), 3)).astype(float) for _ in range(2))
         b = b + rng.integers(-3, 4, size=3)
         expected = linear_program_says_they_intersect(a, b)
         hits += expected
         assert gjk.intersects(a, b) == expected
-    assert 90 < hits < 210, "the pairs must be neither all apart nor all overlapping"
+    assert 45 < hits < 105, "the pairs must be neither all apart nor all overlapping"
 
 
 def test_distance_of_boxes_is_the_exact_one():
