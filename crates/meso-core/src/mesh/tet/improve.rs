@@ -29,7 +29,7 @@ impl Star {
             let at = nodes.iter().position(|&n| n == node).expect("a star's cells hold its node");
             // Even permutations that bring the node to the front.
             let [i, j, k] = [[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]][at];
-            ([nodes[i], nodes[j], nodes[k]].map(&position), owner)
+            ([position(nodes[i]), position(nodes[j]), position(nodes[k])], owner)
         };
         Self { centre: position(node), faces: cells.map(face).collect() }
     }

@@ -43,7 +43,9 @@ impl TetMesh {
     }
 
     pub(in crate::mesh) fn corners(&self, nodes: [u32; 4]) -> [Vec3; 4] {
-        nodes.map(|node| self.points[node as usize])
+        // By name: `map` is a call for each in the tests' profile, and this is where meshing spends its time.
+        let [a, b, c, d] = nodes;
+        [self.position(a), self.position(b), self.position(c), self.position(d)]
     }
 
     /// The [`min_dihedral_cos2`] of a cell.
@@ -124,7 +126,10 @@ pub(in crate::mesh) fn min_dihedral_cos2([a, b, c, d]: [Vec3; 4]) -> f64 {
     }
     // Face vectors; over a closed surface they sum to nothing.
     let faces = [-vw, -wu, -uv, vw + wu + uv];
-    let inverse = faces.map(|face| 1.0 / face.norm_squared());
+    let mut inverse = [0.0; 4];
+    for i in 0..4 {
+        inverse[i] = 1.0 / faces[i].norm_squared();
+    }
     let mut worst: f64 = -1.0;
     for i in 0..4 {
         for j in 0..i {
