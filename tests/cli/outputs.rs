@@ -94,6 +94,19 @@ fn a_full_device_and_a_read_only_folder_are_named() {
 }
 
 #[test]
+fn a_file_beyond_the_systems_limit_fails_and_leaves_the_old_one() {
+    let folder = Folder::with_model();
+    folder.write("model.json", "old");
+    let script = format!("ulimit -f 1; exec {} convert small.json -o model.json -f", env!("CARGO_BIN_EXE_mesocrete"));
+    let output = Command::new("sh").args(["-c", &script]).current_dir(folder.path("")).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("model.json: File too large"), "{message}");
+    assert_eq!(folder.read("model.json"), b"old");
+    assert!(folder.names().iter().all(|name| !name.starts_with('.')), "{:?}", folder.names());
+}
+
+#[test]
 fn a_closed_standard_output_is_no_place_for_data() {
     let folder = Folder::with_spec();
     let script = format!("{} init -o - >&-", env!("CARGO_BIN_EXE_mesocrete"));

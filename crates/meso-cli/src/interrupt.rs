@@ -31,6 +31,9 @@ pub(crate) fn install() {
             std::process::exit(INTERRUPTED.into());
         }
     });
+    // A write beyond `ulimit -f` then fails like one on a full disk, and does not end the process.
+    #[cfg(unix)]
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
 }
 
 /// True once the user asked to stop.
