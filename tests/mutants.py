@@ -36,9 +36,10 @@ TESTS = {
     "gjk": [("meso-collision", "lib", ["gjk::"]), ("meso-collision", "collision", [])],
     "geometry": [
         ("meso-collision", "lib", ["geometry::"]),
-        ("meso-core", "core", ["hull::", "exact::", "shapes::", "offset::", "erosion::"]),
+        ("meso-collision", "collision", ["hull::", "offset::"]),
+        ("meso-core", "core", ["shapes::"]),
     ],
-    "grading": [("meso-core", "core", ["grading::", "sieve::", "spec::"])],
+    "grading": [("meso-core", "core", ["grading::", "spec::"]), ("meso-collision", "collision", ["sieve::"])],
     "specimens": [("meso-core", "lib", ["packing::specimen"]), ("meso-core", "core", ["specimens::"])],
     "check": [("meso-core", "lib", ["check::"]), ("meso-core", "core", ["check::", "lies::", "inclusions::"])],
     "solver": [("meso-solve", "lib", []), ("meso-solve", "solve", ["elastic::", "softening::"])],

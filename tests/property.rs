@@ -3,8 +3,6 @@
 //! The whole suite draws the same cases every time, so that it fails for a change alone. With `CASES=new` before the command
 //! they are new ones, and ten times as many: the slow tier's. A failure names its seed, and `CASES=seed` draws that again.
 
-use nalgebra::Vector3;
-use proptest::array::uniform3;
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngSeed, TestCaseResult, TestRunner};
 use std::cell::Cell;
@@ -47,9 +45,4 @@ impl Share {
     pub(crate) fn get(&self) -> f64 {
         f64::from(self.these.get()) / f64::from(self.all.get())
     }
-}
-
-/// A point of whole coordinates up to `reach`; it shrinks to the origin.
-pub(crate) fn whole_point(reach: i32) -> impl Strategy<Value = Vector3<f64>> {
-    uniform3(-reach..=reach).prop_map(|p| Vector3::from(p.map(f64::from)))
 }

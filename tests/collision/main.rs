@@ -1,15 +1,21 @@
-//! The collision tests against independent references.
+//! Tests of meso-collision through its public interface, against independent references.
 
 mod answers;
 mod batches;
 mod bodies;
+mod erosion;
+mod exact;
 mod families;
+mod hull;
 mod invariance;
+mod offset;
 mod oracle;
 mod packed;
 mod properties;
 #[path = "../property.rs"]
 mod property;
 mod reference;
+mod sieve;
 mod slow;
+mod solids;
 mod witnesses;

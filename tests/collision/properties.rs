@@ -1,10 +1,12 @@
-//! Overlaps, distances and hulls of drawn bodies against the references in integers.
+//! Overlaps, distances, hulls and offsets of drawn bodies against the references in integers.
 
-use super::property::{Share, holds, whole_point};
+use super::erosion::Planes;
+use super::property::{Share, holds};
 use super::reference;
 use meso_collision::geometry::{Polyhedron, convex_hull};
 use meso_collision::gjk::{self, Method};
 use meso_collision::math::Vec3;
+use proptest::array::uniform3;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -13,6 +15,11 @@ type Points = Vec<Vec3>;
 
 /// Fine coordinates are multiples of this up to 1024, so that moving them by whole numbers below 2^30 rounds nothing.
 const GRID: f64 = 1.0 / 1024.0;
+
+/// A point of whole coordinates up to `reach`; it shrinks to the origin.
+fn whole_point(reach: i32) -> impl Strategy<Value = Vec3> {
+    uniform3(-reach..=reach).prop_map(|p| Vec3::from(p.map(f64::from)))
+}
 
 /// Points of a small lattice, which repeat, line up and touch.
 fn lattice(most: usize) -> impl Strategy<Value = Points> {
@@ -138,4 +145,27 @@ fn on_grid(p: &Vec3) -> [i64; 3] {
 fn faces(hull: &Polyhedron) -> BTreeSet<BTreeSet<[i64; 3]>> {
     let corner = |i: u32| on_grid(&hull.vertices()[i as usize]);
     hull.faces().map(|face| face.iter().map(corner).collect()).collect()
+}
+
+#[test]
+fn an_offset_is_the_body_within_all_planes_moved_inwards_and_has_its_vertices_on_three_of_them() {
+    let left = Share::default();
+    holds(400, &(vec(whole_point(4), 4..=7), 0..=24_u8), |(points, thickness)| {
+        let Ok(body) = convex_hull(&points) else { return Ok(()) };
+        let thickness = f64::from(thickness) / 16.0;
+        let expected = Planes::of(&body).eroded_volume(thickness);
+        let core = body.inward_offset(thickness)?;
+        prop_assert_eq!(core.is_none(), expected == 0.0, "{} mm3 are left", expected);
+        left.count(core.is_some());
+        let Some(core) = core else { return Ok(()) };
+        prop_assert!(thickness > 0.0 || core == body);
+        prop_assert!((core.volume() / expected - 1.0).abs() <= 1e-9, "{} for {}", core.volume(), expected);
+        for vertex in core.vertices() {
+            let heights = || body.planes().map(|plane| plane.height(vertex) + thickness);
+            prop_assert!(heights().all(|height| height < 1e-13), "{} is outside", vertex);
+            prop_assert!(heights().filter(|height| height.abs() < 1e-13).count() >= 3, "{} is inside", vertex);
+        }
+        Ok(())
+    });
+    assert!((0.2..0.8).contains(&left.get()), "of {} something is left", left.get());
 }

@@ -1,5 +1,6 @@
 //! Answers from first principles, in integers: they share no code and no idea with the crate's exact search.
 
+use super::exact::{Big3, cross, dot, minus};
 use meso_collision::math::Vec3;
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
@@ -7,7 +8,7 @@ use num_traits::{One, Signed, Zero};
 type Int = BigInt;
 
 /// Coordinates as integers in units of a common power of two, 2^`exponent`.
-fn integers(sets: [&[Vec3]; 2]) -> ([Vec<[Int; 3]>; 2], i32) {
+fn integers(sets: [&[Vec3]; 2]) -> ([Vec<Big3>; 2], i32) {
     let parts = |v: f64| {
         let bits = v.abs().to_bits();
         let (field, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
@@ -66,7 +67,7 @@ fn pivot(rows: &mut [Vec<Int>], r: usize, s: usize, previous: &mut Int) {
 /// The distance of two hulls that share no point: the least over all points, edges and triangles of A - B.
 pub(super) fn distance_of_disjoint(a: &[Vec3], b: &[Vec3]) -> f64 {
     let ([a, b], exponent) = integers([a, b]);
-    let w: Vec<[Int; 3]> = a.iter().flat_map(|p| b.iter().map(move |q| minus(p, q))).collect();
+    let w: Vec<Big3> = a.iter().flat_map(|p| b.iter().map(move |q| minus(p, q))).collect();
     let mut best: Option<(Int, Int)> = None;
     let mut offer = |(n, d): (Int, Int)| {
         if best.as_ref().is_none_or(|(bn, bd)| &n * bd < bn * &d) {
@@ -104,18 +105,6 @@ fn root(n: &Int, d: &Int, exponent: i32) -> f64 {
     let head = (&root >> surplus).iter_u64_digits().next().unwrap_or(0) as f64;
     let power = i64::from(exponent) + surplus - shift / 2;
     (0..power.unsigned_abs()).fold(head, |x, _| if power > 0 { x * 2.0 } else { x / 2.0 })
-}
-
-fn minus(p: &[Int; 3], q: &[Int; 3]) -> [Int; 3] {
-    std::array::from_fn(|k| &p[k] - &q[k])
-}
-
-fn dot(p: &[Int; 3], q: &[Int; 3]) -> Int {
-    (0..3).map(|k| &p[k] * &q[k]).sum()
-}
-
-fn cross(p: &[Int; 3], q: &[Int; 3]) -> [Int; 3] {
-    std::array::from_fn(|k| &p[(k + 1) % 3] * &q[(k + 2) % 3] - &p[(k + 2) % 3] * &q[(k + 1) % 3])
 }
 
 #[test]

@@ -1,13 +1,11 @@
-//! Properties of offsets, gradings, specs and saved models, for whatever may be asked of them.
+//! Properties of gradings, specs and saved models, for whatever may be asked of them.
 
-use crate::erosion::Planes;
 use crate::models::{box_body, model_of};
-use crate::property::{Share, holds, whole_point};
+use crate::property::{Share, holds};
 use meso_core::aggregate::{
     AspectRatio, Curve, Fibres, Form, Grading, Itz, Shape, ShapeKind, SizeLaw, Standard, Voids,
 };
 use meso_core::check::check;
-use meso_core::geometry::convex_hull;
 use meso_core::packing::{Periodic, Placement, Specimen, Strategy as Placing};
 use meso_core::{Model, Silent, Spec, pack, saved};
 use proptest::array::{uniform2, uniform3, uniform6};
@@ -16,29 +14,6 @@ use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
 use proptest::option;
 use proptest::prelude::*;
 use proptest::sample::select;
-
-#[test]
-fn an_offset_is_the_body_within_all_planes_moved_inwards_and_has_its_vertices_on_three_of_them() {
-    let left = Share::default();
-    holds(400, &(vec(whole_point(4), 4..=7), 0..=24_u8), |(points, thickness)| {
-        let Ok(body) = convex_hull(&points) else { return Ok(()) };
-        let thickness = f64::from(thickness) / 16.0;
-        let expected = Planes::of(&body).eroded_volume(thickness);
-        let core = body.inward_offset(thickness)?;
-        prop_assert_eq!(core.is_none(), expected == 0.0, "{} mm3 are left", expected);
-        left.count(core.is_some());
-        let Some(core) = core else { return Ok(()) };
-        prop_assert!(thickness > 0.0 || core == body);
-        prop_assert!((core.volume() / expected - 1.0).abs() <= 1e-9, "{} for {}", core.volume(), expected);
-        for vertex in core.vertices() {
-            let heights = || body.planes().map(|plane| plane.height(vertex) + thickness);
-            prop_assert!(heights().all(|height| height < 1e-13), "{} is outside", vertex);
-            prop_assert!(heights().filter(|height| height.abs() < 1e-13).count() >= 3, "{} is inside", vertex);
-        }
-        Ok(())
-    });
-    assert!((0.2..0.8).contains(&left.get()), "of {} something is left", left.get());
-}
 
 /// A sieve table: openings that grow by a ratio, and shares that rise in whole steps, some of them by nothing.
 fn sieves() -> impl Strategy<Value = Curve> {

@@ -1,9 +1,9 @@
 //! Statistics of packings whose figures are known.
 
-use crate::solids::{Source, block};
+use crate::models::box_body;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::{Polyhedron, convex_hull};
-use meso_core::math::Vec3;
+use meso_core::math::{Rotation, Vec3};
 use meso_core::packing::{Periodic, Specimen};
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, Silent, Spec, pack};
@@ -157,8 +157,7 @@ fn the_nearest_aggregate_may_be_an_image_far_beyond_a_face() {
 
 #[test]
 fn a_block_in_the_middle_shows_where_the_wall_effect_ends() {
-    let points: Vec<Vec3> = block([10.0; 3]).iter().map(|p| p + Vec3::repeat(20.0)).collect();
-    let wall = measured(40.0, vec![convex_hull(&points).unwrap()]).wall_effect;
+    let wall = measured(40.0, vec![box_body([10.0; 3], [30.0; 3])]).wall_effect;
     assert_eq!(wall.depth_mm.len(), 20);
     assert!(wall.fraction[..10].iter().all(|f| *f == 0.0) && wall.fraction[10..].iter().all(|f| *f == 1.0), "{wall:?}");
     assert_eq!(wall.points.iter().sum::<u64>(), 100_000);
@@ -166,11 +165,10 @@ fn a_block_in_the_middle_shows_where_the_wall_effect_ends() {
 
 #[test]
 fn shapes_and_orientation_of_turned_blocks_are_theirs() {
-    let mut source = Source::new(50);
-    let turn = source.rotation();
+    let turn = Rotation::from_euler_angles(0.4, -0.7, 1.1);
     let at = |k: i32| Vec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) * 20.0 + Vec3::repeat(10.0);
-    let brick = |k: i32| block([4.0, 2.0, 1.0]).iter().map(|p| turn * p + at(k)).collect::<Vec<_>>();
-    let found = measured(60.0, (0..27).map(|k| convex_hull(&brick(k)).unwrap()).collect());
+    let brick = box_body([-4.0, -2.0, -1.0], [4.0, 2.0, 1.0]).rotated(&turn);
+    let found = measured(60.0, (0..27).map(|k| brick.translated(&at(k))).collect());
     let mean = |d: Option<meso_core::statistics::Distribution>| d.unwrap().mean;
     assert!(close(mean(found.shapes.length_mm), 8.0, 1e-9));
     assert!(close(mean(found.shapes.elongation), 0.5, 1e-9) && close(mean(found.shapes.flatness), 0.5, 1e-9));

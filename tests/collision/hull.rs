@@ -2,9 +2,9 @@
 
 use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
 use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
-use meso_core::geometry::HullBuilder;
-use meso_core::geometry::{Face, HullError, Plane, Polyhedron, convex_hull};
-use meso_core::math::Vec3;
+use meso_collision::geometry::HullBuilder;
+use meso_collision::geometry::{Face, HullError, Plane, Polyhedron, convex_hull};
+use meso_collision::math::Vec3;
 use num_bigint::BigInt;
 use std::collections::BTreeSet;
 

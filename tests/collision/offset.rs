@@ -3,8 +3,8 @@
 use crate::erosion::Planes;
 use crate::hull::assert_closed;
 use crate::solids::{Cloud, Source, block, coplanar, duplicates, hard, issues, lattices, near_flat, paper, scaled};
-use meso_core::geometry::{OffsetError, Polyhedron, convex_hull};
-use meso_core::math::Vec3;
+use meso_collision::geometry::{OffsetError, Polyhedron, convex_hull};
+use meso_collision::math::Vec3;
 
 /// How the offsets of a family came out.
 #[derive(Debug, Default)]

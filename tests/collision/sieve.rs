@@ -1,9 +1,9 @@
 //! The sieve size of bodies whose square hole is known.
 
 use crate::solids::{Source, block};
-use meso_core::geometry::convex_hull;
-use meso_core::geometry::principal_axes;
-use meso_core::math::{Mat3, Vec3};
+use meso_collision::geometry::convex_hull;
+use meso_collision::geometry::principal_axes;
+use meso_collision::math::{Mat3, Vec3};
 
 #[test]
 fn a_block_passes_a_square_as_wide_as_its_middle_edge() {

@@ -1,6 +1,6 @@
 //! Exact integer vectors for reference computations: coordinates in units of 2^-300.
 
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 use num_bigint::BigInt;
 use num_traits::ToPrimitive;
 

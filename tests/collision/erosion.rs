@@ -5,7 +5,7 @@
 //! Planes are pushed outwards by 2^-400 and less, each by a different amount, so that every vertex is simple.
 
 use crate::exact::{cross as integer_cross, dot as integer_dot, in_units, minus};
-use meso_core::geometry::Polyhedron;
+use meso_collision::geometry::Polyhedron;
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive, Zero};
 

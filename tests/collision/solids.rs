@@ -1,6 +1,6 @@
 //! Point sets that hulls, offsets and collision tests get wrong elsewhere, in named families.
 
-use meso_core::math::{Rotation, Vec3};
+use meso_collision::math::{Rotation, Vec3};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{RngCore, SeedableRng};
 
