@@ -1,8 +1,11 @@
 //! The saved model: what is written is read back, and what is not a model is refused by name.
 
 use crate::models::two_boxes;
+use meso_core::packing::{Built, Specimen, Stage};
 use meso_core::saved::{self, ReadError};
+use meso_core::{Progress, Spec, pack};
 use serde_json::{Value, json};
+use std::sync::Mutex;
 
 fn bytes() -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -135,4 +138,43 @@ fn no_changed_byte_makes_reading_panic() {
             let _ = saved::read(&torn);
         }
     }
+}
+
+/// Writes down how far reading is. Its clock is past every limit.
+struct Late(Mutex<Vec<f64>>);
+
+impl Progress for Late {
+    fn update(&self, _: f64, _: f64) -> bool {
+        false
+    }
+
+    fn stage(&self, stage: Stage, share: f64) {
+        assert_eq!(stage, Stage::Read);
+        self.0.lock().unwrap().push(share);
+    }
+
+    fn seconds(&self) -> f64 {
+        1e9
+    }
+
+    fn began(&self) -> f64 {
+        0.0
+    }
+}
+
+#[test]
+fn whoever_waits_hears_of_the_surface_and_no_time_limit_of_the_packing_counts() {
+    let mut spec = Spec { fraction: 0.1, ..Spec::default() };
+    let corners = [[0.0, 0.0, 0.0], [150.0, 0.0, 0.0], [0.0, 150.0, 0.0], [0.0, 0.0, 150.0]];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let (vertices_mm, triangles, built) = (corners.to_vec(), faces.to_vec(), Built::default());
+    spec.specimen = Specimen::Mesh { vertices_mm, triangles, built };
+    spec.placement.time_limit_s = Some(100.0);
+    let model = pack(&spec, &meso_core::Silent).unwrap();
+    let mut bytes = Vec::new();
+    saved::write(&model, &mut bytes).unwrap();
+    let late = Late(Mutex::default());
+    assert_eq!(saved::read_while(&bytes, &late).unwrap().aggregates, model.aggregates);
+    let shares = late.0.into_inner().unwrap();
+    assert!(shares.is_sorted() && shares.first() < shares.last() && shares.last() == Some(&1.0), "{shares:?}");
 }

@@ -1,9 +1,12 @@
 """The bar of the command on a terminal: one line, as wide as the terminal, gone at the end."""
 
+import itertools
 import os
 import re
+import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 pty = pytest.importorskip("pty")
@@ -13,7 +16,6 @@ def on_terminal(command, args, columns, cwd):
     """Run the command with stderr on a terminal of so many columns; everything it wrote there."""
     import fcntl
     import struct
-    import subprocess
     import termios
 
     main, side = pty.openpty()
@@ -36,19 +38,67 @@ def on_terminal(command, args, columns, cwd):
     return text.decode()
 
 
+def drawn(text, stages):
+    """The bars in what a command wrote, which rise and have their stages in this order."""
+    drawings = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", part) for part in re.split(r"[\r\n]", text)]
+    bars = [drawing for drawing in drawings if re.match(rf"({'|'.join(stages)}) ", drawing)]
+    assert bars, text[:500]
+    percent = [percent_of(bar) for bar in bars]
+    assert percent == sorted(percent)
+    order = list(dict.fromkeys(bar.split()[0] for bar in bars))
+    assert order == [stage for stage in stages if stage in order]
+    return bars
+
+
+def percent_of(bar):
+    return int(re.search(r"(\d+) %", bar).group(1))
+
+
+@pytest.fixture(scope="session")
+def large_surface(command, tmp_path_factory):
+    """A folder with a packing in a ball of 307,200 triangles: each face of a cube in 160 x 160 squares, drawn to the sphere."""
+    folder = tmp_path_factory.mktemp("surface")
+    grid = np.tan(np.linspace(-1, 1, 161) * np.pi / 4)
+    u, v = np.meshgrid(grid, grid, indexing="ij")
+    triangles = []
+    for axis, side in itertools.product(range(3), (-1, 1)):
+        points = np.empty((*u.shape, 3))
+        points[..., axis], points[..., axis - 2], points[..., axis - 1] = side, u, v
+        points = np.round(20 * points / np.linalg.norm(points, axis=-1, keepdims=True), 9).astype(np.float32)
+        corners = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
+        for three in ((0, 1, 2), (0, 2, 3)):
+            triangles.append(np.stack([corners[k] for k in three[::side]], -2).reshape(-1, 3, 3))
+    triangles = np.concatenate(triangles)
+    records = np.zeros(len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    records["corners"] = triangles
+    (folder / "ball.stl").write_bytes(bytes(80) + np.uint32(len(triangles)).tobytes() + records.tobytes())
+    spec = "fraction = 0.1\n[specimen]\nkind = \"mesh\"\nfile = \"ball.stl\"\n[grading]\nd_min_mm = 5\nd_max_mm = 8\n"
+    (folder / "spec.toml").write_text(spec)
+    subprocess.run([command, "pack", "spec.toml", "-q", "-o", "model.json"], cwd=folder, check=True)
+    return folder
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
+@pytest.mark.parametrize(("args", "stages"), [
+    (["check", "model.json"], ("read", "prove")),
+    (["convert", "model.json", "-fo", "model.csv"], ("read",)),
+    (["image", "model.json", "--voxel-size-mm", "2", "-fo", "model.npy"], ("read", "image")),
+    (["mesh", "model.json", "--method", "voxel", "--element-size-mm", "4", "--accept-phase-error", "-fo", "model.vtu"], ("read", "mesh")),
+])
+def test_who_reads_a_model_shows_the_proof_of_its_surface(command, large_surface, args, stages):
+    """The bar stands there from the start of the proof, which is most of the time of these commands."""
+    bars = drawn(on_terminal(command, args, 100, large_surface), stages)
+    assert bars[0].startswith("read ") and percent_of(bars[0]) < 50, bars
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no pseudo-terminals")
 @pytest.mark.parametrize("columns", [40, 100])
 def test_the_bar_stays_on_one_line_and_never_falls(command, tmp_path, columns):
     """Every drawing fits the terminal; percentages rise; the stages come in their order."""
     text = on_terminal(command, ["pack", "--fraction", "0.5", "-o", "model.json"], columns, tmp_path)
-    drawings = [re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", part) for part in re.split(r"[\r\n]", text)]
-    bars = [drawing for drawing in drawings if re.match(r"(take|place|prove|measure|write) ", drawing)]
-    assert bars, text[:500]
+    bars = drawn(text, ("take", "place", "prove", "measure", "write"))
     assert max(map(len, bars)) <= columns
-    percent = [int(re.search(r"(\d+) %", bar).group(1)) for bar in bars]
-    assert percent == sorted(percent) and percent[-1] > 50
-    order = list(dict.fromkeys(bar.split()[0] for bar in bars))
-    assert order == [stage for stage in ("take", "place", "prove", "measure", "write") if stage in order]
+    assert percent_of(bars[-1]) > 50
     assert "Ctrl-C keeps what is placed" in text or columns < 72
     assert "\x1b[3" not in text, "there is no colour"
 

@@ -175,6 +175,10 @@ def test_reading_a_surface_is_a_stage_and_a_time_limit_ends_it(packing, tmp_path
         assert stages[0] == "read" and stages == [stage for stage in ("read", "take", "place", "prove") if stage in stages]
         with pytest.raises(TimeoutError, match="time_limit is 0.001, which was over before the specimen's surface was proved"):
             mc.pack(given, time_limit=0.001)
+    inside.write(tmp_path / "inside.json")
+    seen = []
+    assert mc.load(tmp_path / "inside.json", progress=lambda *told, stage: seen.append((*told, stage))) == inside
+    assert seen[-1] == (1.0, 1.0, "read") and [done for done, *_ in seen] == sorted(done for done, *_ in seen)
     # Without a surface there is no such stage.
     stages = []
     mc.pack({"specimen": mc.Specimen.cube(40)}, progress=lambda *_, stage: stages.append(stage))

@@ -42,8 +42,9 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
     })
 }
 
-/// Reads a saved model, `-` for standard input. What does not begin like one is not read to its end.
-pub(crate) fn model(path: &Path) -> Result<Model, Failure> {
+/// Reads a saved model, `-` for standard input, and tells `progress` how far the proof of its specimen's surface is. What does
+/// not begin like a model is not read to its end.
+pub(crate) fn model(path: &Path, progress: &dyn Progress) -> Result<Model, Failure> {
     let fail = |error: io::Error| Failure::file(path, &error);
     let mut source = source(path)?;
     let mut bytes = Vec::new();
@@ -51,7 +52,7 @@ pub(crate) fn model(path: &Path) -> Result<Model, Failure> {
     if bytes.trim_ascii_start().starts_with(b"{") || bytes.starts_with(&GZIP) {
         read_rest(path, source, &mut bytes, LONGEST_MODEL, "a saved model")?;
     }
-    saved::read(&bytes).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
+    saved::read_while(&bytes, progress).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
 }
 
 fn name(path: &Path) -> String {

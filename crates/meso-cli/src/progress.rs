@@ -31,6 +31,11 @@ pub(crate) const PACK: [(Stage, f64); 7] = [
     (Stage::Write, 2.0),
 ];
 
+/// The stages of work on a saved model, with the weight of `stage` beside that of reading a large surface.
+pub(crate) fn of_model(stage: Stage, weight: f64) -> [(Stage, f64); 2] {
+    [(Stage::Read, 1.0), (stage, weight)]
+}
+
 /// Watches one run, and counts its time limit from its own beginning on.
 pub(crate) struct Watch {
     started: Instant,

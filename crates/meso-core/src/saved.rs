@@ -13,6 +13,8 @@ mod gzip;
 mod polygons;
 mod read;
 
+#[doc(hidden)]
+pub use read::read_while;
 pub use read::{ReadError, read};
 
 use crate::aggregate::Aggregate;

@@ -23,7 +23,7 @@ mod tree;
 
 pub use error::SpecError;
 pub use files::Files;
-use files::NoFiles;
+pub(crate) use files::NoFiles;
 pub(crate) use limits::MAX_LENGTH_MM;
 pub use mix_design::MixDesign;
 

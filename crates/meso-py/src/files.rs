@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// `OSError` where the file cannot be read, `ValueError` with its name where it is no model.
 pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
     let bytes = read(path, watch).map_err(|error| file_error(path, error))?;
-    saved::read(&bytes).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
+    saved::read_while(&bytes, watch).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
 }
 
 /// Bytes that are read at a time: about a millisecond's worth.

@@ -52,6 +52,14 @@ fn named_images(name: &str) -> PyResult<Images> {
 
 /// Reads a saved model.
 ///
+/// Parameters
+/// ----------
+/// path : path-like
+///     A `.json` or `.json.gz` that `save` or the command wrote.
+/// progress : bool or callable, optional
+///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. The time goes into the proof of the
+///     specimen's surface, where it is one.
+///
 /// Raises
 /// ------
 /// OSError
@@ -59,8 +67,18 @@ fn named_images(name: &str) -> PyResult<Images> {
 /// ValueError
 ///     Where it is no model; the message says what is wrong and where.
 #[pyfunction]
-pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<PyPacking> {
-    guard(|| Ok(PyPacking(Arc::new(beside_python(py, None, move |watch| files::load(&path, watch))??))))
+#[pyo3(signature = (path, *, progress=None))]
+pub(crate) fn load(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyPacking> {
+    guard(|| {
+        let progress = listener(py, progress)?;
+        let plan = Plan::new(&[(Stage::Read, 1.0)], Some(1.0));
+        let model = in_stages(py, progress.as_ref(), plan, move |watch| {
+            let model = files::load(&path, watch);
+            watch.stage(Stage::Read, 1.0);
+            model
+        })?;
+        Ok(PyPacking(Arc::new(model?)))
+    })
 }
 
 #[pymethods]

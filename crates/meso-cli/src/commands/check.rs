@@ -3,7 +3,7 @@
 use super::shared::Threads;
 use crate::failure::{Failure, RUN};
 use crate::outputs::{Target, Unit};
-use crate::progress::Watch;
+use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
 use meso_core::check::{Check, Finding};
 use meso_core::packing::Stage;
@@ -30,8 +30,8 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
-    let model = inputs::model(&args.model)?;
-    let mut watch = Watch::of_files(args.quiet, &[(Stage::Prove, 1.0)]);
+    let mut watch = Watch::of_files(args.quiet, &of_model(Stage::Prove, 0.5));
+    let model = inputs::model(&args.model, &watch)?;
     let found = args.threads.run(|| Check::of(&model, &|share| watch.stage(Stage::Prove, share)))?;
     watch.finish();
     Unit::default()

@@ -3,11 +3,11 @@
 use super::names;
 use super::shared::{Threads, Writing};
 use crate::failure::Failure;
-use crate::inputs;
 use crate::outputs::{self, Target, Unit};
-use crate::stderr;
+use crate::progress::Watch;
+use crate::{inputs, stderr};
 use meso_core::formats::{Format, Surfaces};
-use meso_core::packing::Images;
+use meso_core::packing::{Images, Stage};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -50,7 +50,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let plan = args.output.iter().map(|path| plan(path, args)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
     args.validate()?;
-    let model = inputs::model(&args.model)?;
+    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Read, 1.0)]);
+    let model = inputs::model(&args.model, &watch)?;
+    watch.finish();
     let surfaces =
         Surfaces { compress: args.compress, images: args.images, mortar: args.mortar, named_solids: args.named_solids };
     let mut unit = Unit::default();

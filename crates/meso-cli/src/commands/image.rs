@@ -4,7 +4,7 @@ use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
-use crate::progress::Watch;
+use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
 use meso_core::formats::ImageFormat;
 use meso_core::packing::Stage;
@@ -66,10 +66,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let options = args.options()?;
     let plan = args.output.iter().map(|path| plan(path, args, &options)).collect::<Result<Vec<_>, _>>()?;
     outputs::distinct(&plan.iter().map(|(target, _)| target).collect::<Vec<_>>(), &[&args.model])?;
-    let model = inputs::model(&args.model)?;
+    let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Image, 2.0));
+    let model = inputs::model(&args.model, &watch)?;
     let image = VoxelImage::new(&model, &options).map_err(|error| wrong(&error))?;
     let mut unit = Unit::default();
-    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Image, 1.0)]);
     let progress = |share| watch.stage(Stage::Image, share);
     for (target, format) in &plan {
         match format {

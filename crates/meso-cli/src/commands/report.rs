@@ -3,7 +3,7 @@
 use super::shared::{Threads, Writing};
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
-use crate::progress::Watch;
+use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
 use meso_core::Progress;
 use meso_core::packing::Stage;
@@ -29,8 +29,8 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let content = content(&args.output)?;
     let target = Target::new(&args.output, args.writing.force)?;
     outputs::distinct(&[&target], &[&args.model])?;
-    let model = inputs::model(&args.model)?;
-    let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Measure, 1.0)]);
+    let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Measure, 5.0));
+    let model = inputs::model(&args.model, &watch)?;
     let progress = |share| watch.stage(Stage::Measure, share);
     let figures = args.threads.run(|| Statistics::watched(&model, &Options::default(), &progress))?;
     watch.finish();

@@ -12,7 +12,7 @@ use crate::{inputs, interrupt, stderr};
 use division::Division;
 use folder::{Folder, Kept};
 use meso_core::mesh::{Mesh, MeshOptions};
-use meso_core::packing::Specimen;
+use meso_core::packing::{Specimen, Stage};
 use meso_core::{Model, Spec, thousands};
 use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Ended, Kind, LawName, Response, Run, SolveError, Test};
@@ -170,7 +170,9 @@ impl Args {
     fn model(&self, seconds: &mut Seconds) -> Result<Option<(Model, MeshOptions)>, Failure> {
         let options = |specimen: &Specimen| self.division.options(self.model.is_none(), specimen);
         if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
-            let model = inputs::model(path)?;
+            let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
+            let model = inputs::model(path, &watch)?;
+            watch.finish();
             let options = options(&model.spec.specimen)?;
             return Ok(Some((model, options)));
         }

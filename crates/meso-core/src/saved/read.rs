@@ -8,8 +8,10 @@ use crate::aggregate::{Aggregate, Kind};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
 use crate::model::Model;
-use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
-use crate::spec::{MAX_LENGTH_MM, Spec, SpecError, options_from_value};
+use crate::packing::{
+    ClassReport, NOT_RECORDED, PhaseReport, Progress, Report, Seconds, Silent, SpecimenReport, Stage, StopReason, Work,
+};
+use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
 use crate::stop;
 use serde::Deserialize;
 use std::borrow::Cow;
@@ -90,6 +92,15 @@ struct FileInclusion {
 /// # Errors
 /// See [`ReadError`].
 pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
+    read_while(bytes, &Silent)
+}
+
+/// As [`read`], while somebody waits for it: to prove a specimen's surface of a million triangles takes seconds, of which
+/// `progress` is told. A time limit of the model's spec was its packing's, and does not count here.
+///
+/// # Errors
+/// See [`ReadError`].
+pub fn read_while(bytes: &[u8], progress: &dyn Progress) -> Result<Model, ReadError> {
     let text = if bytes.starts_with(&gzip::MAGIC) {
         Cow::Owned(gzip::expand(bytes).map_err(ReadError::NotAModel)?)
     } else {
@@ -101,7 +112,7 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
     drop(text);
     accept_version(&file.mesocrete)?;
-    let spec = Spec::from_value(&file.spec)?;
+    let spec = Spec::from_value_while(&file.spec, &mut NoFiles, &Timeless(progress), None)?;
     accept_repeats(&file, &spec)?;
     let classes = spec.grading.classes().len();
     let aggregates = file.aggregates.into_iter().enumerate();
@@ -113,6 +124,23 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
         None => figures(&spec, &aggregates, &inclusions),
     };
     Ok(Model { spec, aggregates, inclusions, report })
+}
+
+/// Hears how far reading is, and has no clock.
+struct Timeless<'a>(&'a dyn Progress);
+
+impl Progress for Timeless<'_> {
+    fn update(&self, _: f64, _: f64) -> bool {
+        true
+    }
+
+    fn stage(&self, stage: Stage, share: f64) {
+        self.0.stage(stage, share);
+    }
+
+    fn seconds(&self) -> f64 {
+        0.0
+    }
 }
 
 /// Guesses the kind of a file that does not begin like a model, and names the way out.

@@ -958,8 +958,16 @@ def pack(
         too small for a single aggregate.
     """
 
-def load(path: _Path) -> Packing:
+def load(path: _Path, *, progress: bool | Callable[..., object] | None = None) -> Packing:
     """Reads a saved model.
+
+    Parameters
+    ----------
+    path : path-like
+        A `.json` or `.json.gz` that `save` or the command wrote.
+    progress : bool or callable, optional
+        True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. The time goes into the proof of the
+        specimen's surface, where it is one.
 
     Raises
     ------
