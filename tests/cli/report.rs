@@ -74,3 +74,28 @@ fn a_report_is_a_page_by_name() {
         run.stderr
     );
 }
+
+#[test]
+fn a_page_lists_the_beginning_of_a_long_surface() {
+    let folder = Folder::new();
+    let ring = |z: f64| (0..12).map(move |k| (f64::from(k) * std::f64::consts::FRAC_PI_6, z));
+    let corners: Vec<String> = ring(0.0)
+        .chain(ring(40.0))
+        .map(|(a, z)| format!("[{:.3}, {:.3}, {z}]", 20.0 * a.cos(), 20.0 * a.sin()))
+        .collect();
+    let corners = corners.join(", ");
+    folder.write(
+        "column.toml",
+        format!("fraction = 0.2\nspecimen = {{ kind = 'polyhedron', vertices_mm = [{corners}] }}\n[grading]\nd_min_mm = 5\nd_max_mm = 9\n"),
+    );
+    assert_eq!(folder.run(&["pack", "column.toml", "-o", "column.json"]).code, 0);
+    assert_eq!(folder.run(&["report", "column.json", "-o", "column.html"]).code, 0);
+    let page = String::from_utf8(folder.read("column.html")).unwrap();
+    assert!(page.contains("the first 20 are listed; the saved model has them all"));
+    let (_, listed) = page.split_once("\"vertices_mm\": [").unwrap();
+    let (listed, _) = listed.split_once("]\n").unwrap();
+    assert_eq!(listed.matches('[').count(), 20);
+    let whole = Folder::with_model();
+    whole.run(&["report", "small.json", "-o", "page.html"]);
+    assert!(!String::from_utf8(whole.read("page.html")).unwrap().contains("are listed"));
+}

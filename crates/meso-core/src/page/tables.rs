@@ -3,6 +3,8 @@
 use super::plot::escape;
 use crate::mesh::PhaseVolumes;
 use crate::model::Model;
+use crate::packing::Specimen;
+use crate::spec::Spec;
 use crate::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
 use crate::thousands;
 use std::io::{self, Write};
@@ -111,8 +113,31 @@ fn further(figures: &PhaseFigures, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, ".</p>")
 }
 
-/// The spec, to the letter.
+/// Corners and triangles of a surface, and grains of a library, that the page's spec shows: a scan has 100,000.
+const LISTED: usize = 20;
+
+/// The spec, its longest lists cut.
 pub(super) fn spec(model: &Model, out: &mut impl Write) -> io::Result<()> {
-    let text = serde_json::to_string_pretty(&model.spec)?;
-    writeln!(out, "<details><summary>The spec</summary><pre>{}</pre></details>", escape(&text))
+    let brief = brief(&model.spec);
+    write!(out, "<details><summary>The spec</summary>")?;
+    if brief != model.spec {
+        let what = "Of corners, triangles and grains the first";
+        write!(out, "<p>{what} {LISTED} are listed; the saved model has them all.</p>")?;
+    }
+    writeln!(out, "<pre>{}</pre></details>", escape(&serde_json::to_string_pretty(&brief)?))
+}
+
+/// The spec with the beginning of every list that may be long.
+fn brief(spec: &Spec) -> Spec {
+    let mut brief = spec.clone();
+    match &mut brief.specimen {
+        Specimen::Polyhedron { vertices_mm } => vertices_mm.truncate(LISTED),
+        Specimen::Mesh { vertices_mm, triangles, .. } => {
+            vertices_mm.truncate(LISTED);
+            triangles.truncate(LISTED);
+        }
+        _ => {}
+    }
+    brief.shape.grains.truncate(LISTED);
+    brief
 }

@@ -95,12 +95,21 @@ pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
     read_while(bytes, &Silent)
 }
 
-/// As [`read`], while somebody waits for it: to prove a specimen's surface of a million triangles takes seconds, of which
-/// `progress` is told. A time limit of the model's spec was its packing's, and does not count here.
+/// Bytes of a model that takes a good part of a second to read.
+const LONG: usize = 16 << 20;
+/// Shares of the stage [`Stage::Read`] that are over when the bytes are there, and when they are parsed and the proof of a
+/// surface begins.
+const LOADED: f64 = 0.05;
+const PARSED: f64 = 0.3;
+
+/// As [`read`], while somebody waits for it: a long file and the proof of a specimen's surface of a million triangles take
+/// seconds, of which `progress` is told. A time limit of the model's spec was its packing's, and does not count here.
 ///
 /// # Errors
 /// See [`ReadError`].
 pub fn read_while(bytes: &[u8], progress: &dyn Progress) -> Result<Model, ReadError> {
+    let reading = Reading { progress, is_long: bytes.len() >= LONG };
+    reading.tell(LOADED);
     let text = if bytes.starts_with(&gzip::MAGIC) {
         Cow::Owned(gzip::expand(bytes).map_err(ReadError::NotAModel)?)
     } else {
@@ -111,8 +120,9 @@ pub fn read_while(bytes: &[u8], progress: &dyn Progress) -> Result<Model, ReadEr
     }
     let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
     drop(text);
+    reading.tell(PARSED);
     accept_version(&file.mesocrete)?;
-    let spec = Spec::from_value_while(&file.spec, &mut NoFiles, &Timeless(progress), None)?;
+    let spec = Spec::from_value_while(&file.spec, &mut NoFiles, &reading, None)?;
     accept_repeats(&file, &spec)?;
     let classes = spec.grading.classes().len();
     let aggregates = file.aggregates.into_iter().enumerate();
@@ -127,15 +137,27 @@ pub fn read_while(bytes: &[u8], progress: &dyn Progress) -> Result<Model, ReadEr
 }
 
 /// Hears how far reading is, and has no clock.
-struct Timeless<'a>(&'a dyn Progress);
+struct Reading<'a> {
+    progress: &'a dyn Progress,
+    is_long: bool,
+}
 
-impl Progress for Timeless<'_> {
+impl Reading<'_> {
+    /// This share of the stage is over; a short file is read before anybody looks.
+    fn tell(&self, share: f64) {
+        if self.is_long {
+            self.progress.stage(Stage::Read, share);
+        }
+    }
+}
+
+impl Progress for Reading<'_> {
     fn update(&self, _: f64, _: f64) -> bool {
         true
     }
 
     fn stage(&self, stage: Stage, share: f64) {
-        self.0.stage(stage, share);
+        self.progress.stage(stage, PARSED + (1.0 - PARSED) * share);
     }
 
     fn seconds(&self) -> f64 {
