@@ -143,6 +143,7 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
     ("[grading]\ndmin_mm = 5", "grading.dmin_mm", "did you mean d_min_mm?"),
     ("[grading]\nseed = 5", "grading.seed", "it belongs at the top, before any [table]"),
     ("d_min_mm = 5", "d_min_mm", "it belongs under [grading]"),
+    ("kind = 'cube'", "kind", "it belongs under [shape] or [specimen] or [grading.curve]"),
     ("[grading]\nexponent = 0.5", "grading.exponent", "it belongs under [grading.curve]"),
     ("[grading]\nwindows = 5", "grading.windows", "the keys here are"),
     (

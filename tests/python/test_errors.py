@@ -121,3 +121,10 @@ def test_a_gap_without_room_is_named():
     # What the spec leaves open counts only in the end.
     spec.pop("fraction")
     assert mc.pack(spec, fraction=0.02).fraction < 0.03
+
+
+def test_sections_that_are_given_to_pack_get_the_way_out():
+    with pytest.raises(TypeError, match=r"pack\(\) has no argument specimen; what to pack is one argument, as mc\.pack\(mc\.Spec\("):
+        mc.pack(specimen=mc.Specimen.cube(50))
+    with pytest.raises(ValueError, match=r"kind is not a known key here; it belongs under \[shape\] or \[specimen\]"):
+        mc.pack(mc.Specimen.cube(50))

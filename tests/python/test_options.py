@@ -136,6 +136,9 @@ def test_arrays_are_sieve_tables():
     assert mc.Spec(grading=grading).grading["curve"]["sieves_mm"] == [2.0, 8.0, 16.0]
     whole = mc.Grading.sieves([2, 8, 16], [0, 0.6, 1])
     assert (whole["d_min_mm"], whole["d_max_mm"]) == (2.0, 16.0)
+    assert mc.Grading.sieves(table, d_min_mm=4) == mc.Grading.sieves(table[:, 0], table[:, 1], 4)
+    with pytest.raises(ValueError, match=r"passing is missing, and sieve_mm has shape \(3,\); give two rows"):
+        mc.Grading.sieves([2, 8, 16])
     with pytest.raises(ValueError, match="sieve_mm is empty"):
         mc.Grading.sieves([], [])
     with pytest.raises(ValueError, match=r"sieve_mm has shape \(3, 2\); it must be one row of numbers"):

@@ -8,7 +8,7 @@ use meso_core::packing::Stage;
 use meso_core::{Silent, Spec};
 use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyBool;
+use pyo3::types::{PyBool, PyDict};
 use std::ffi::CString;
 use std::sync::Arc;
 
@@ -54,7 +54,11 @@ use std::sync::Arc;
 ///     Before the work, where the target exceeds the fraction that the strategy was measured to reach, or a class is
 ///     too small for a single aggregate.
 #[pyfunction]
-#[pyo3(signature = (spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, progress=None))]
+#[pyo3(
+    signature = (spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, progress=None, **others),
+    text_signature = "(spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, progress=None)"
+)]
+#[allow(clippy::too_many_arguments, reason = "keywords of one call")]
 pub(crate) fn pack(
     py: Python<'_>,
     spec: Option<&Bound<'_, PyAny>>,
@@ -63,8 +67,10 @@ pub(crate) fn pack(
     threads: Option<&Bound<'_, PyAny>>,
     time_limit: Option<&Bound<'_, PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
+    others: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyPacking> {
     guard(|| {
+        others.and_then(|others| others.keys().iter().next()).map_or(Ok(()), |name| Err(unknown(&name)))?;
         let given = spec::given(spec)?;
         let seed = seed.map(checked_seed).transpose()?;
         let fraction = fraction.map(checked_fraction).transpose()?;
@@ -94,6 +100,12 @@ pub(crate) fn pack(
 
 /// The stages with their weights; the first is for surfaces alone.
 const STAGES: [(Stage, f64); 4] = [(Stage::Read, 8.0), (Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)];
+
+/// What to pack is one argument.
+fn unknown(name: &Bound<'_, PyAny>) -> PyErr {
+    let way_out = "what to pack is one argument, as mc.pack(mc.Spec(specimen=mc.Specimen.cube(100)))";
+    PyTypeError::new_err(format!("pack() has no argument {name}; {way_out}"))
+}
 
 /// Hopeless targets and the like are `UserWarning`s at the caller's line, before the work.
 fn warn_of(py: Python<'_>, spec: &Spec) -> PyResult<()> {

@@ -3,7 +3,7 @@
 mod grading;
 mod inclusions;
 
-use super::messages::number;
+use super::messages::{at_most, number};
 use super::{Spec, SpecError};
 use crate::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
 use crate::packing::{ContainerError, Placement, Progress, Silent, Specimen, Waiting};
@@ -298,21 +298,21 @@ fn largest_fits(spec: &Spec) -> Checked {
     let inner = narrowest - 2.0 * gap;
     if inner <= 0.0 {
         let message =
-            format!("is {} but the specimen is only {} wide; the walls leave no room", number(gap), number(narrowest));
+            format!("is {} but the specimen is only {} wide; the walls leave no room", number(gap), at_most(narrowest));
         return Err(SpecError::value("placement.wall_gap_mm", message));
     }
     let shortest = (0..3).filter_map(|axis| period.along(axis)).fold(f64::INFINITY, f64::min);
     let narrowest = narrowest.min(shortest);
     if spec.placement.min_gap_mm >= narrowest {
         let gap = number(spec.placement.min_gap_mm);
-        let message = format!("is {gap} but the specimen is only {} wide; the gap must be smaller", number(narrowest));
+        let message = format!("is {gap} but the specimen is only {} wide; the gap must be smaller", at_most(narrowest));
         return Err(SpecError::value("placement.min_gap_mm", message));
     }
     if spec.grading.d_max_mm > inner {
         let message = format!(
             "is {} but the specimen has only {} mm of room; take smaller aggregates or a larger specimen",
             number(spec.grading.d_max_mm),
-            number(inner)
+            at_most(inner)
         );
         return Err(SpecError::value("grading.d_max_mm", message));
     }

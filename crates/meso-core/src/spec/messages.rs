@@ -8,6 +8,12 @@ pub(super) fn number(value: f64) -> String {
     if plain { format!("{value}").to_lowercase() } else { format!("{value:e}") }
 }
 
+/// A length that there is at most, mm: to a micrometre, and never more than it is.
+pub(super) fn at_most(length: f64) -> String {
+    let near = (length * 1e3).round() / 1e3;
+    number(if near <= length { near } else { ((length * 1e3).floor()) / 1e3 })
+}
+
 /// An unexpected value; long texts are cut.
 pub(super) fn found(value: &Unexpected<'_>) -> String {
     match value {
@@ -102,6 +108,15 @@ mod tests {
     fn edits_are_counted_as_levenshtein_does() {
         assert_eq!(edits("kitten", "sitting"), 3);
         assert_eq!(edits("", "abc"), 3);
+    }
+
+    #[test]
+    fn lengths_that_there_are_at_most_are_cut_to_a_micrometre() {
+        assert_eq!(
+            [15.0, 20.1, 33.3, 18.025073931097815, 7.7699999].map(at_most),
+            ["15", "20.1", "33.3", "18.025", "7.769"]
+        );
+        assert_eq!([0.001, 1e6].map(at_most), ["0.001", "1000000"]);
     }
 
     #[test]

@@ -129,30 +129,31 @@ fn unknown_key(name: &str, known: &[&str], path: &[String]) -> String {
     if !wider.is_empty() {
         return format!("is not a known key; did you mean {}?", wider.join(" or "));
     }
-    match home_of(name) {
-        Some(home) if home != path => {
-            let table = if home.is_empty() {
-                "at the top, before any [table]".to_owned()
-            } else {
-                format!("under [{}]", home.join("."))
-            };
-            format!("is not a known key here; it belongs {table}")
-        }
-        _ => format!("is not a known key; the keys here are {}", known.join(", ")),
+    let homes = homes_of(name);
+    if homes.is_empty() || homes.iter().any(|home| home == path) {
+        return format!("is not a known key; the keys here are {}", known.join(", "));
     }
+    if homes[0].is_empty() {
+        return "is not a known key here; it belongs at the top, before any [table]".to_owned();
+    }
+    let tables: Vec<String> = homes.iter().map(|home| format!("[{}]", home.join("."))).collect();
+    format!("is not a known key here; it belongs under {}", tables.join(" or "))
 }
 
-/// The table in which the default spec has a key of this name.
-fn home_of(name: &str) -> Option<Vec<String>> {
-    home_in(&serde_json::to_value(Spec::default()).ok()?, name)
+/// The tables in which the default spec has a key of this name, the outermost first.
+fn homes_of(name: &str) -> Vec<Vec<String>> {
+    let mut homes = Vec::new();
+    homes_in(&serde_json::to_value(Spec::default()).unwrap_or_default(), name, &[], &mut homes);
+    homes.sort_by_key(Vec::len);
+    homes
 }
 
-fn home_in(table: &serde_json::Value, name: &str) -> Option<Vec<String>> {
-    let entries = table.as_object()?;
+fn homes_in(table: &serde_json::Value, name: &str, path: &[String], homes: &mut Vec<Vec<String>>) {
+    let Some(entries) = table.as_object() else { return };
     if entries.contains_key(name) {
-        return Some(Vec::new());
+        homes.push(path.to_vec());
     }
-    entries.iter().find_map(|(key, child)| Some([vec![key.clone()], home_in(child, name)?].concat()))
+    entries.iter().for_each(|(key, child)| homes_in(child, name, &[path, std::slice::from_ref(key)].concat(), homes));
 }
 
 impl Display for Fault {

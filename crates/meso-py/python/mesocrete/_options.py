@@ -46,15 +46,21 @@ class Grading:
     @staticmethod
     def sieves(
         sieve_mm: ArrayLike,
-        passing: ArrayLike,
+        passing: ArrayLike | None = None,
         d_min_mm: float | None = None,
         d_max_mm: float | None = None,
         **options: Unpack[GradingOptions],
     ) -> _types.Grading:
         """Return a sieve table: openings, mm, ascending, and the share that passes each, 0 to 1; arrays of shape (n,).
 
-        The limits of the sizes are the first and the last opening, unless they are given.
+        Both may be the columns of one array of shape (n, 2), given first. The limits of the sizes are the first and the last opening, unless they are given.
         """
+        if passing is None:
+            table = np.asarray(sieve_mm, float)
+            if table.ndim != 2 or table.shape[1] != 2:
+                message = f"passing is missing, and sieve_mm has shape {table.shape}; give two rows, or one table of shape (n, 2)"
+                raise ValueError(message)
+            sieve_mm, passing = table[:, 0], table[:, 1]
         sieves = _row("sieve_mm", sieve_mm)
         if not sieves:
             message = "sieve_mm is empty; give openings in mm, e.g. [5, 10, 20]"

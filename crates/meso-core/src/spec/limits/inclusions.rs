@@ -3,7 +3,7 @@
 use super::{Checked, MAX_AGGREGATES, MAX_LENGTH_MM, MIN_LENGTH_MM, length, share, within};
 use crate::aggregate::{Cone, Fibres, Voids};
 use crate::math::Vec3;
-use crate::spec::messages::number;
+use crate::spec::messages::{at_most, number};
 use crate::spec::{Spec, SpecError};
 
 /// Straight rods that lie at random fill a space to 5.4 times their diameter over their length, and no further: half
@@ -82,7 +82,7 @@ fn longest_fits(spec: &Spec, key: &str, longest: f64) -> Checked {
         return Ok(());
     }
     let why = if inner <= repeat {
-        format!("the specimen has only {} mm of room", number(inner))
+        format!("the specimen has only {} mm of room", at_most(inner))
     } else {
         format!("the specimen is periodic after {}, and they would meet their own images", number(repeat))
     };
