@@ -1,6 +1,7 @@
 //! Every yes, no and distance against references in integers.
 
-use super::families::{self, Dice};
+use super::dice::Dice;
+use super::families;
 use super::reference;
 use meso_collision::gjk::{self, Method, Verdict};
 use meso_collision::math::Vec3;

@@ -1,6 +1,6 @@
 //! Many at a time, the answers are those of one at a time, on every instruction set.
 
-use super::families::Dice;
+use super::dice::Dice;
 use meso_collision::geometry::convex_hull;
 use meso_collision::gjk::{Body, Method, PairQuery};
 use meso_collision::math::{Mat3, Vec3};
@@ -10,7 +10,7 @@ use meso_collision::simd::{Isa, choose};
 fn bodies(dice: &mut Dice) -> Vec<Body> {
     let mut bodies = Vec::new();
     for i in 0..60 {
-        let n = if i % 10 == 9 { 50 } else { 20 + dice.below(11) as usize };
+        let n = if i % 10 == 9 { 50 } else { 20 + dice.below(11) };
         let size = 1.0 + 4.0 * dice.unit();
         let points = dice.body(n, size);
         let radius = points.iter().map(Vec3::norm).fold(0.0, f64::max);
@@ -23,7 +23,7 @@ fn bodies(dice: &mut Dice) -> Vec<Body> {
 
 fn questions<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<PairQuery<'a>> {
     let mut one = || {
-        let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len() as u64) as usize]);
+        let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len())]);
         let reach = a.circumradius() + b.circumradius();
         let x = dice.direction() * (1.05 * reach * dice.unit());
         PairQuery { a, b, b_from_a: if dice.below(20) == 0 { x.map(f64::round) } else { x } }
@@ -54,7 +54,7 @@ fn many_answers_are_the_single_ones() {
 /// Pairs at 1e-16 to 1e-2 of their size from touching, on either side.
 fn near_touch<'a>(dice: &mut Dice, bodies: &'a [Body], n: usize) -> Vec<PairQuery<'a>> {
     let mut one = || {
-        let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len() as u64) as usize]);
+        let [a, b] = [0, 1].map(|_| &bodies[dice.below(bodies.len())]);
         let v = dice.direction();
         let (mut inside, mut outside) = (0.0, 1.01 * (a.circumradius() + b.circumradius()));
         for _ in 0..60 {

@@ -1,6 +1,6 @@
 //! The form for packing: bodies in their own frames and a displacement between them.
 
-use super::families::Dice;
+use super::dice::Dice;
 use meso_collision::geometry::convex_hull;
 use meso_collision::gjk::Counters;
 use meso_collision::gjk::{self, Body, PairQuery, Support};
@@ -8,7 +8,7 @@ use meso_collision::math::{Mat3, Vec3};
 
 /// Two bodies on ellipsoids and a displacement at which they may or may not overlap.
 fn pair(dice: &mut Dice) -> ([Vec<Vec3>; 2], Vec3) {
-    let sizes = [0, 1].map(|_| 20 + dice.below(30) as usize);
+    let sizes = [0, 1].map(|_| 20 + dice.below(30));
     let bodies = sizes.map(|n| dice.body(n, 5.0));
     (bodies, dice.direction() * (12.0 * dice.unit()))
 }

@@ -1,60 +1,10 @@
 //! Pairs of bodies of the kinds that have broken collision libraries, seeded.
 
+use crate::dice::Dice;
 use meso_collision::math::Vec3;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 /// The points of two bodies.
 pub(super) type Pair = (Vec<Vec3>, Vec<Vec3>);
-
-/// A seeded source of numbers.
-pub(super) struct Dice(ChaCha8Rng);
-
-impl Dice {
-    /// A source of its own for every seed.
-    pub(super) fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-    /// In 0..n.
-    pub(super) fn below(&mut self, n: u64) -> u64 {
-        self.0.next_u64() % n
-    }
-    /// In 0..1.
-    pub(super) fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    /// In -1..1.
-    pub(super) fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-    /// In -n..=n, whole.
-    pub(super) fn integer(&mut self, n: i64) -> f64 {
-        (self.below(2 * n as u64 + 1) as i64 - n) as f64
-    }
-    /// 10 to a power between the two.
-    pub(super) fn decade(&mut self, from: f64, to: f64) -> f64 {
-        libm::pow(10.0, from + (to - from) * self.unit())
-    }
-    pub(super) fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.signed(), self.signed(), self.signed())
-    }
-    pub(super) fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = self.vector();
-            if (0.01..1.0).contains(&v.norm_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-    pub(super) fn integers(&mut self, n: i64) -> Vec3 {
-        Vec3::new(self.integer(n), self.integer(n), self.integer(n))
-    }
-    /// Points on an ellipsoid of semi-axes up to `size`.
-    pub(super) fn body(&mut self, n: usize, size: f64) -> Vec<Vec3> {
-        let axes = Vec3::new(size, size * (0.5 + 0.5 * self.unit()), size * (0.5 + 0.5 * self.unit()));
-        (0..n).map(|_| self.direction().component_mul(&axes)).collect()
-    }
-}
 
 /// A named kind of pairs.
 pub(super) type Family = (&'static str, fn(&mut Dice) -> Pair);
@@ -87,7 +37,7 @@ fn moved(points: &[Vec3], by: &Vec3) -> Vec<Vec3> {
 }
 
 pub(super) fn random_bodies(dice: &mut Dice) -> Pair {
-    let n = 4 + dice.below(27) as usize;
+    let n = 4 + dice.below(27);
     let (a, b) = (dice.body(n, 1.0), dice.body(24, 1.0));
     let x = dice.direction() * (2.2 * dice.unit());
     (a, moved(&b, &x))
@@ -115,7 +65,7 @@ fn near_touch(dice: &mut Dice) -> Pair {
 
 fn small_integers(dice: &mut Dice) -> Pair {
     let range = 1 + dice.below(4) as i64;
-    let mut body = |max: u64| -> Vec<Vec3> { (0..1 + dice.below(max)).map(|_| dice.integers(range)).collect() };
+    let mut body = |max: usize| -> Vec<Vec3> { (0..1 + dice.below(max)).map(|_| dice.integers(range)).collect() };
     let (a, b) = (body(9), body(9));
     let shift = dice.integers(2 * range);
     (a, moved(&b, &shift))
@@ -139,7 +89,7 @@ fn exact_touch(dice: &mut Dice) -> Pair {
         body.into_iter().map(tilt).collect()
     };
     let pair = (half(-1.0), half(1.0));
-    let scale = [1.0, 0.1, 1.0 / 3.0, 1e-9][dice.below(4) as usize];
+    let scale = [1.0, 0.1, 1.0 / 3.0, 1e-9][dice.below(4)];
     (pair.0.iter().map(|p| p * scale).collect(), pair.1.iter().map(|p| p * scale).collect())
 }
 
@@ -158,7 +108,7 @@ fn one_ulp_from_touch(dice: &mut Dice) -> Pair {
 fn any_basic(dice: &mut Dice) -> Pair {
     let basic: [fn(&mut Dice) -> Pair; 6] =
         [random_bodies, near_touch, small_integers, exact_touch, one_ulp_from_touch, low_dimension];
-    basic[dice.below(6) as usize](dice)
+    basic[dice.below(6)](dice)
 }
 
 fn scaled(dice: &mut Dice) -> Pair {
@@ -191,7 +141,7 @@ fn low_dimension(dice: &mut Dice) -> Pair {
             2 => (0..3 + dice.below(4)).map(|_| o + u * dice.integer(2) + v * dice.integer(2)).collect(),
             _ => (0..4 + dice.below(4)).map(|_| vector(dice)).collect(),
         };
-        let again = points[dice.below(points.len() as u64) as usize];
+        let again = points[dice.below(points.len())];
         points.extend((0..dice.below(3)).map(|_| again));
         points
     };
@@ -213,7 +163,7 @@ fn box_at(corner: &Vec3, size: &Vec3) -> Vec<Vec3> {
 }
 
 fn lattice_boxes(dice: &mut Dice) -> Pair {
-    let step = [1.0, 0.5, 0.1, 0.3][dice.below(4) as usize];
+    let step = [1.0, 0.5, 0.1, 0.3][dice.below(4)];
     let mut one = || {
         let size = Vec3::new(1.0 + dice.below(3) as f64, 1.0 + dice.below(3) as f64, 1.0 + dice.below(3) as f64);
         box_at(&(dice.integers(3) * step), &(size * step))
@@ -224,10 +174,10 @@ fn lattice_boxes(dice: &mut Dice) -> Pair {
 /// B = 2p - A for a vertex, an edge's middle, or any p; and A itself, moved or not.
 fn reflected(dice: &mut Dice) -> Pair {
     let whole = dice.below(2) == 0;
-    let n = 4 + dice.below(12) as usize;
+    let n = 4 + dice.below(12);
     let a: Vec<Vec3> = if whole { (0..n).map(|_| dice.integers(4)).collect() } else { dice.body(n, 1.0) };
-    let (p, q) = (a[dice.below(n as u64) as usize], a[dice.below(n as u64) as usize]);
-    let centre = [p, (p + q) * 0.5, dice.vector(), Vec3::zeros()][dice.below(4) as usize];
+    let (p, q) = (a[dice.below(n)], a[dice.below(n)]);
+    let centre = [p, (p + q) * 0.5, dice.vector(), Vec3::zeros()][dice.below(4)];
     let b = if dice.below(3) == 0 { moved(&a, &(p - q)) } else { a.iter().map(|v| centre * 2.0 - v).collect() };
     (a, b)
 }
@@ -255,9 +205,9 @@ fn regular_solids(dice: &mut Dice) -> Pair {
         })
         .collect();
     let solids = [octahedron.to_vec(), icosahedron, truncated, box_at(&Vec3::repeat(-1.0), &Vec3::repeat(2.0))];
-    let (a, b) = (&solids[dice.below(4) as usize], &solids[dice.below(4) as usize]);
-    let pick = |dice: &mut Dice, s: &[Vec3]| s[dice.below(s.len() as u64) as usize];
-    let shift = pick(dice, a) - pick(dice, b) * [1.0, 1.0, 0.5][dice.below(3) as usize];
+    let (a, b) = (&solids[dice.below(4)], &solids[dice.below(4)]);
+    let pick = |dice: &mut Dice, s: &[Vec3]| s[dice.below(s.len())];
+    let shift = pick(dice, a) - pick(dice, b) * [1.0, 1.0, 0.5][dice.below(3)];
     (a.clone(), moved(b, &shift))
 }
 
@@ -270,7 +220,7 @@ fn contained(dice: &mut Dice) -> Pair {
 fn thin_boxes(dice: &mut Dice) -> Pair {
     let thickness = dice.decade(-8.0, -1.0);
     let a = box_at(&Vec3::new(-1.0, -1.0, -thickness), &Vec3::new(2.0, 2.0, thickness));
-    let gap = [0.0, dice.decade(-17.0, -8.0), -dice.decade(-17.0, -8.0)][dice.below(3) as usize];
+    let gap = [0.0, dice.decade(-17.0, -8.0), -dice.decade(-17.0, -8.0)][dice.below(3)];
     let b = box_at(&Vec3::new(dice.signed(), dice.signed(), gap), &Vec3::new(2.0, 2.0, thickness));
     let turn = nalgebra::UnitQuaternion::from_scaled_axis(dice.vector() * 3.0);
     let turned = dice.below(2) == 0;

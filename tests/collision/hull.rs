@@ -1,7 +1,8 @@
 //! The convex hull, proved in exact arithmetic, on everything that breaks hull codes.
 
+use crate::dice::Dice;
 use crate::exact::{Big3, cross, dot, exact, in_units, is_zero, minus, ratio};
-use crate::solids::{Source, block, coplanar, hard, lower_dimensional, solids};
+use crate::solids::{block, coplanar, hard, lower_dimensional, solids};
 use meso_collision::geometry::HullBuilder;
 use meso_collision::geometry::{Face, HullError, Plane, Polyhedron, convex_hull};
 use meso_collision::math::Vec3;
@@ -94,9 +95,9 @@ fn hulls_of_every_family_are_proved() {
 
 #[test]
 fn small_lattice_sets_are_proved_or_flat() {
-    let (mut source, mut flat, mut merged) = (Source::new(1), 0, 0);
+    let (mut dice, mut flat, mut merged) = (Dice::new(1), 0, 0);
     for case in 0..4000 {
-        let points = source.lattice(4 + case % 9, 2 + case % 3);
+        let points = dice.lattice(4 + case % 9, 2 + case % 3);
         match convex_hull(&points) {
             Err(HullError::LowerDimensional { dimension }) => {
                 assert_eq!(HullBuilder::affine_dimension(&points), Ok(dimension));
@@ -110,10 +111,10 @@ fn small_lattice_sets_are_proved_or_flat() {
 
 /// Hard sets, proved; returns how many were flat.
 fn prove_hard_sets(seed: u64, sets: usize) -> usize {
-    let mut source = Source::new(seed);
+    let mut dice = Dice::new(seed);
     let mut flat = 0;
     for kind in 0..sets {
-        let cloud = hard(&mut source, kind);
+        let cloud = hard(&mut dice, kind);
         match convex_hull(&cloud.points) {
             Err(HullError::LowerDimensional { dimension }) => {
                 assert_eq!(exact_dimension(&exact(&cloud.points)), dimension, "{}", cloud.name);
@@ -155,12 +156,12 @@ fn fewer_than_three_dimensions_are_named() {
 
 #[test]
 fn order_and_duplicates_do_not_change_the_hull() {
-    let mut source = Source::new(2);
+    let mut dice = Dice::new(2);
     for mut cloud in solids(12) {
         let expected = unordered(&convex_hull(&cloud.points).unwrap());
         cloud.points.push(cloud.points[0]);
         cloud.points.push(cloud.points[cloud.points.len() / 2]);
-        source.shuffle(&mut cloud.points);
+        dice.shuffle(&mut cloud.points);
         assert_eq!(unordered(&convex_hull(&cloud.points).unwrap()), expected, "{}", cloud.name);
     }
 }
@@ -216,9 +217,9 @@ fn a_builder_gives_the_same_hulls_whatever_it_built_before() {
 
 #[test]
 fn wrapping_and_growing_give_the_same_hull() {
-    let mut source = Source::new(11);
+    let mut dice = Dice::new(11);
     for vertices in (4..=96).step_by(4) {
-        let grain = source.grain(vertices);
+        let grain = dice.grain(vertices);
         // With a point inside it the hull is grown.
         let inside = grain.iter().sum::<Vec3>() / grain.len() as f64;
         let more: Vec<Vec3> = grain.iter().copied().chain([inside]).collect();
@@ -228,9 +229,9 @@ fn wrapping_and_growing_give_the_same_hull() {
 
 #[test]
 fn planes_and_areas_are_those_of_the_faces_one_by_one() {
-    let mut source = Source::new(12);
+    let mut dice = Dice::new(12);
     for vertices in [4, 7, 24, 30, 300] {
-        let hull = convex_hull(&source.grain(vertices)).unwrap();
+        let hull = convex_hull(&dice.grain(vertices)).unwrap();
         let planes: Vec<Plane> = hull.planes().collect();
         assert_eq!(planes.len(), hull.faces().len());
         let mut area = 0.0;
@@ -247,14 +248,14 @@ fn planes_and_areas_are_those_of_the_faces_one_by_one() {
 
 #[test]
 fn a_hundred_thousand_points_take_no_time_to_speak_of() {
-    let mut source = Source::new(3);
-    let sphere: Vec<Vec3> = (0..100_000).map(|_| source.direction()).collect();
+    let mut dice = Dice::new(3);
+    let sphere: Vec<Vec3> = (0..100_000).map(|_| dice.direction()).collect();
     assert!(convex_hull(&sphere).unwrap().vertices().len() > 99_990);
     let mut plane: Vec<Vec3> = (0..30_000).map(|k| Vec3::new(f64::from(k % 173), f64::from(k / 173), 0.0)).collect();
     assert_eq!(convex_hull(&plane), Err(HullError::LowerDimensional { dimension: 2 }));
     plane.push(Vec3::new(40.0, 60.0, 70.0));
     assert_eq!(convex_hull(&plane).unwrap().faces().len(), 6);
-    let disc: Vec<Vec3> = (0..20_000).map(|_| source.direction()).map(|d| Vec3::new(d.x, d.y, 0.0)).collect();
+    let disc: Vec<Vec3> = (0..20_000).map(|_| dice.direction()).map(|d| Vec3::new(d.x, d.y, 0.0)).collect();
     let cone = [disc, vec![Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, -1e-9)]].concat();
     assert!(convex_hull(&cone).is_ok());
 }
@@ -311,7 +312,7 @@ fn the_faces_of_known_solids_are_counted() {
         (hull.vertices().len(), hull.faces().len())
     };
     assert_eq!(count(&block([1.0, 2.0, 3.0])), (8, 6));
-    for cloud in coplanar(&mut Source::new(4)).iter().filter(|cloud| cloud.name.contains("box")) {
+    for cloud in coplanar(&mut Dice::new(4)).iter().filter(|cloud| cloud.name.contains("box")) {
         assert_eq!(count(&cloud.points), (8, 6), "{}", cloud.name);
     }
 }

@@ -1,6 +1,7 @@
 //! What must not change an answer, and what a verdict's witness must show.
 
-use super::families::{self, Dice};
+use super::dice::Dice;
+use super::families;
 use super::reference;
 use meso_collision::gjk::{self, GjkError, Method, Operand, Verdict};
 use meso_collision::math::Vec3;

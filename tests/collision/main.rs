@@ -3,6 +3,7 @@
 mod answers;
 mod batches;
 mod bodies;
+mod dice;
 mod erosion;
 mod exact;
 mod families;

@@ -1,8 +1,9 @@
 //! The inward offset against erosions to hundreds of digits.
 
+use crate::dice::Dice;
 use crate::erosion::Planes;
 use crate::hull::assert_closed;
-use crate::solids::{Cloud, Source, block, coplanar, duplicates, hard, issues, lattices, near_flat, paper, scaled};
+use crate::solids::{Cloud, block, coplanar, duplicates, hard, issues, lattices, near_flat, paper, scaled};
 use meso_collision::geometry::{OffsetError, Polyhedron, convex_hull};
 use meso_collision::math::Vec3;
 
@@ -72,14 +73,14 @@ fn many_well_shaped_bodies_keep_twelve_digits() {
 
 /// Of `many` times the least number of bodies.
 fn keep_twelve_digits(many: usize) {
-    let mut source = Source::new(30);
+    let mut dice = Dice::new(30);
     let few = |clouds: Vec<Cloud>| clouds.into_iter().filter(|c| c.points.len() < 16).collect::<Vec<_>>();
     let families = [
-        few(paper(&mut source, 4 * many)),
-        few(lattices(&mut source, 10 * many)),
-        few(duplicates(&mut source, 6 * many)),
-        few(coplanar(&mut source)),
-        few(scaled(&mut source, 8 * many)),
+        few(paper(&mut dice, 4 * many)),
+        few(lattices(&mut dice, 10 * many)),
+        few(duplicates(&mut dice, 6 * many)),
+        few(coplanar(&mut dice)),
+        few(scaled(&mut dice, 8 * many)),
     ];
     for family in families {
         let score = score(&family);
@@ -131,16 +132,15 @@ fn regular_solids() -> Vec<(String, Vec<Vec3>)> {
 }
 
 /// `count` of them, turned, scaled and moved; every third with up to 2,000 points strewn over its faces, up to `noise` off.
-fn solids_of_known_erosion(source: &mut Source, count: usize, noise: f64) -> Vec<Regular> {
+fn solids_of_known_erosion(dice: &mut Dice, count: usize, noise: f64) -> Vec<Regular> {
     let kinds = regular_solids();
     let regular = |k: usize| {
         let (name, corners) = &kinds[k % kinds.len()];
-        let (turn, scale, away) =
-            (source.rotation(), 1.0 + 9.0 * source.unit(), source.direction() * 10.0 * source.unit());
+        let (turn, scale, away) = (dice.rotation(), 1.0 + 9.0 * dice.unit(), dice.direction() * 10.0 * dice.unit());
         let body = convex_hull(corners).unwrap();
         let radius = body.inscribed_ball().radius;
         let strewn = if k.is_multiple_of(3) { [100, 500, 2000][k / 3 % 3] } else { 0 };
-        let points: Vec<Vec3> = corners.iter().copied().chain(on_faces(source, &body, strewn, noise)).collect();
+        let points: Vec<Vec3> = corners.iter().copied().chain(on_faces(dice, &body, strewn, noise)).collect();
         let points = points.iter().map(|p| turn * p * scale + away).collect();
         Regular { name: format!("{name} {k}, {strewn} points on it"), points, radius: radius * scale }
     };
@@ -148,14 +148,14 @@ fn solids_of_known_erosion(source: &mut Source, count: usize, noise: f64) -> Vec
 }
 
 /// Points of the faces, each up to `noise` inside or outside.
-fn on_faces(source: &mut Source, body: &Polyhedron, count: usize, noise: f64) -> Vec<Vec3> {
+fn on_faces(dice: &mut Dice, body: &Polyhedron, count: usize, noise: f64) -> Vec<Vec3> {
     let triangles: Vec<[Vec3; 3]> = body.triangles().map(|t| t.map(|i| body.vertices()[i as usize])).collect();
     (0..count)
         .map(|k| {
             let [a, b, c] = triangles[k % triangles.len()];
-            let (u, v) = (source.unit(), source.unit());
+            let (u, v) = (dice.unit(), dice.unit());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-            a + (b - a) * u + (c - a) * v + source.direction() * noise * source.unit()
+            a + (b - a) * u + (c - a) * v + dice.direction() * noise * dice.unit()
         })
         .collect()
 }
@@ -179,28 +179,28 @@ fn worst_of_regular(solids: &[Regular]) -> f64 {
 
 #[test]
 fn turned_prisms_and_platonic_solids_shrink_as_geometry_says() {
-    let worst = worst_of_regular(&solids_of_known_erosion(&mut Source::new(37), 300, 0.0));
+    let worst = worst_of_regular(&solids_of_known_erosion(&mut Dice::new(37), 300, 0.0));
     assert!(worst < 1e-12, "{worst:e}");
 }
 
 #[test]
 #[ignore = "slow tier"]
 fn a_thousand_turned_prisms_platonic_solids_and_nearly_flat_hulls_shrink_as_geometry_says() {
-    let worst = worst_of_regular(&solids_of_known_erosion(&mut Source::new(38), 1000, 0.0));
+    let worst = worst_of_regular(&solids_of_known_erosion(&mut Dice::new(38), 1000, 0.0));
     assert!(worst < 1e-12, "{worst:e}");
 }
 
 #[test]
 fn nearly_coplanar_clouds_have_an_offset_at_every_noise() {
     for noise in [1e-15, 1e-13, 1e-11] {
-        let worst = worst_of_regular(&solids_of_known_erosion(&mut Source::new(39), 40, noise));
+        let worst = worst_of_regular(&solids_of_known_erosion(&mut Dice::new(39), 40, noise));
         assert!(worst < 1e-12 + 1e2 * noise, "{noise:e}: {worst:e}");
     }
 }
 
 #[test]
 fn plates_keep_nine_digits_or_are_refused() {
-    let mut plates = near_flat(&mut Source::new(31), 12);
+    let mut plates = near_flat(&mut Dice::new(31), 12);
     plates.extend(issues());
     plates.retain(|cloud| cloud.points.len() < 20);
     let score = score(&plates);
@@ -211,13 +211,13 @@ fn plates_keep_nine_digits_or_are_refused() {
 
 #[test]
 fn vanishing_is_decided_to_the_last_bit() {
-    let mut source = Source::new(32);
+    let mut dice = Dice::new(32);
     let families = [
-        paper(&mut source, 6),
-        lattices(&mut source, 6),
-        coplanar(&mut source),
-        near_flat(&mut source, 6),
-        scaled(&mut source, 6),
+        paper(&mut dice, 6),
+        lattices(&mut dice, 6),
+        coplanar(&mut dice),
+        near_flat(&mut dice, 6),
+        scaled(&mut dice, 6),
     ];
     let (mut vanished, mut left) = (0, 0);
     for cloud in families.into_iter().flatten().filter(|cloud| cloud.points.len() < 14) {
@@ -236,10 +236,10 @@ fn vanishing_is_decided_to_the_last_bit() {
 
 /// Offsets of hard sets, at shares of the inradius and at its neighbours, against the reference.
 fn score_hard_sets(seed: u64, sets: usize) -> Score {
-    let mut source = Source::new(seed);
+    let mut dice = Dice::new(seed);
     let mut score = Score::default();
     for kind in (0..sets).filter(|kind| kind % 7 != 3) {
-        let cloud = hard(&mut source, kind);
+        let cloud = hard(&mut dice, kind);
         let Some(body) = convex_hull(&cloud.points).ok().filter(|body| body.faces().len() < 20) else { continue };
         let planes = Planes::of(&body);
         let radius = body.inscribed_ball().radius;
@@ -265,8 +265,8 @@ fn offsets_of_many_hard_sets_are_right_or_refused() {
 
 #[test]
 fn cores_are_closed_and_inside_their_bodies() {
-    let mut source = Source::new(33);
-    let families = [paper(&mut source, 60), lattices(&mut source, 60), coplanar(&mut source)];
+    let mut dice = Dice::new(33);
+    let families = [paper(&mut dice, 60), lattices(&mut dice, 60), coplanar(&mut dice)];
     for cloud in families.into_iter().flatten() {
         let body = convex_hull(&cloud.points).unwrap();
         let radius = body.inscribed_ball().radius;
@@ -299,7 +299,7 @@ fn faces_that_shrink_to_an_edge_disappear() {
 #[test]
 fn an_octahedron_keeps_its_six_vertices() {
     let points: Vec<Vec3> = [Vec3::x(), Vec3::y(), Vec3::z()].iter().flat_map(|axis| [*axis, -axis]).collect();
-    let turn = Source::new(34).rotation();
+    let turn = Dice::new(34).rotation();
     let body = convex_hull(&points.iter().map(|p| turn * p * 3.0 + Vec3::repeat(70.0)).collect::<Vec<_>>()).unwrap();
     let core = body.inward_offset(0.7).unwrap().unwrap();
     // Four planes meet in every vertex: rounding must not split them.
@@ -324,7 +324,7 @@ fn an_octahedron_is_right_when_1e30ths_of_it_are_left() {
 
 #[test]
 fn what_is_left_far_from_the_origin_is_shown_by_its_vertices_or_refused() {
-    let turn = Source::new(37).rotation();
+    let turn = Dice::new(37).rotation();
     let corners = (0..3).flat_map(|i| [1.0, -1.0].map(|x| turn * Vec3::ith(i, x) + Vec3::repeat(1e6)));
     let body = convex_hull(&corners.collect::<Vec<_>>()).unwrap();
     let radius = body.inscribed_ball().radius;

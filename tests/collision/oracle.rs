@@ -1,6 +1,6 @@
 //! parry as an independent witness, outside its tolerance.
 
-use super::families::Dice;
+use super::dice::Dice;
 use meso_collision::gjk;
 use meso_collision::math::Vec3;
 use nalgebra::{Isometry3, Point3};
@@ -12,7 +12,7 @@ fn parry_agrees_on_ten_thousand_pairs_outside_its_tolerance() {
     let mut dice = Dice::new(2025);
     let (mut hits, mut asked) = (0, 0);
     while asked < 10_000 {
-        let sizes = [0, 1].map(|_| 20 + dice.below(11) as usize);
+        let sizes = [0, 1].map(|_| 20 + dice.below(11));
         let radii = [0, 1].map(|_| 2.5 + 7.5 * dice.unit());
         let [a, b] = [0, 1].map(|i| dice.body(sizes[i], radii[i]));
         let x = dice.direction() * (16.0 * dice.unit());

@@ -1,6 +1,7 @@
 //! Bodies that are laid out once answer as plain points do, wherever they lie.
 
-use super::families::{self, Dice};
+use super::dice::Dice;
+use super::families;
 use meso_collision::gjk::{self, Bodies, GjkError, Method, Operand};
 use meso_collision::math::Vec3;
 use meso_collision::simd::{Isa, choose};

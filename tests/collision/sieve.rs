@@ -1,15 +1,16 @@
 //! The sieve size of bodies whose square hole is known.
 
-use crate::solids::{Source, block};
+use crate::dice::Dice;
+use crate::solids::block;
 use meso_collision::geometry::convex_hull;
 use meso_collision::geometry::principal_axes;
 use meso_collision::math::{Mat3, Vec3};
 
 #[test]
 fn a_block_passes_a_square_as_wide_as_its_middle_edge() {
-    let mut source = Source::new(40);
+    let mut dice = Dice::new(40);
     for half in [[3.0, 2.0, 1.0], [5.0, 2.0, 2.0], [4.0, 1.0, 0.9]] {
-        let turn = source.rotation();
+        let turn = dice.rotation();
         let points: Vec<Vec3> = block(half).iter().map(|p| turn * p).collect();
         let size = convex_hull(&points).unwrap().sieve_size();
         // A flat cross-section (2b, 2c) fits a square turned by 45 degrees where that is smaller.
@@ -26,9 +27,9 @@ fn a_plank_passes_cornerwise() {
 
 #[test]
 fn a_sieve_size_is_no_larger_than_the_longest_and_no_smaller_than_the_shortest_extent() {
-    let mut source = Source::new(41);
+    let mut dice = Dice::new(41);
     for _ in 0..200 {
-        let body = convex_hull(&source.grain(25)).unwrap();
+        let body = convex_hull(&dice.grain(25)).unwrap();
         let axes = principal_axes(&body.mass_properties().inertia);
         let extent = |k: usize| {
             let along = body.vertices().iter().map(|v| v.dot(&axes.column(k)));
@@ -42,9 +43,9 @@ fn a_sieve_size_is_no_larger_than_the_longest_and_no_smaller_than_the_shortest_e
 
 #[test]
 fn principal_axes_are_an_orthonormal_eigenbasis() {
-    let mut source = Source::new(42);
+    let mut dice = Dice::new(42);
     for _ in 0..200 {
-        let inertia = convex_hull(&source.grain(25)).unwrap().mass_properties().inertia;
+        let inertia = convex_hull(&dice.grain(25)).unwrap().mass_properties().inertia;
         let axes = principal_axes(&inertia);
         assert!((axes.transpose() * axes - Mat3::identity()).amax() < 1e-14);
         let diagonal = axes.transpose() * inertia * axes;

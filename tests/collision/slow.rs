@@ -1,7 +1,8 @@
 //! The slow tier: `cargo test --release -p meso-core --test collision -- --ignored slow`. It takes a million pairs; `PAIRS=10000000`
 //! before the command takes as many as `docs/accuracy.md` tells of.
 
-use super::families::{self, Dice};
+use super::dice::Dice;
+use super::families;
 use super::reference;
 use meso_collision::gjk::{self, Method};
 use rayon::prelude::*;

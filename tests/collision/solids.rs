@@ -1,67 +1,12 @@
 //! Point sets that hulls, offsets and collision tests get wrong elsewhere, in named families.
 
-use meso_collision::math::{Rotation, Vec3};
-use rand_chacha::ChaCha8Rng;
-use rand_core::{RngCore, SeedableRng};
+use crate::dice::Dice;
+use meso_collision::math::Vec3;
 
 /// A named point set.
 pub(crate) struct Cloud {
     pub(crate) name: String,
     pub(crate) points: Vec<Vec3>,
-}
-
-/// A source of random numbers for test inputs.
-pub(crate) struct Source(ChaCha8Rng);
-
-impl Source {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// Uniform in 0..1.
-    pub(crate) fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Uniform in -1..1.
-    pub(crate) fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-
-    /// 0 to `n` - 1.
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        (self.0.next_u64() % n as u64) as usize
-    }
-
-    pub(crate) fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = Vec3::new(self.signed(), self.signed(), self.signed());
-            if (0.01..1.0).contains(&v.norm_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-
-    pub(crate) fn rotation(&mut self) -> Rotation {
-        Rotation::new(self.direction() * (3.0 * self.unit()))
-    }
-
-    pub(crate) fn shuffle<T>(&mut self, items: &mut [T]) {
-        for i in (1..items.len()).rev() {
-            items.swap(i, self.below(i + 1));
-        }
-    }
-
-    /// Points on a turned ellipsoid: the paper's aggregates.
-    pub(crate) fn grain(&mut self, vertices: usize) -> Vec<Vec3> {
-        let axes = Vec3::new(1.0, 0.5 + 0.5 * self.unit(), 0.3 + 0.2 * self.unit()) * (2.5 + 7.5 * self.unit());
-        let turn = self.rotation();
-        (0..vertices).map(|_| turn * self.direction().component_mul(&axes)).collect()
-    }
-
-    pub(crate) fn lattice(&mut self, n: usize, side: usize) -> Vec<Vec3> {
-        (0..n).map(|_| Vec3::from([(); 3].map(|()| self.below(side) as f64))).collect()
-    }
 }
 
 fn cloud(name: impl Into<String>, points: Vec<Vec3>) -> Cloud {
@@ -79,48 +24,48 @@ pub(crate) fn block(half: [f64; 3]) -> Vec<Vec3> {
 
 /// Every solid family; `size` sets of each random kind.
 pub(crate) fn solids(size: usize) -> Vec<Cloud> {
-    let mut source = Source::new(20);
+    let mut dice = Dice::new(20);
     let mut all = Vec::new();
-    all.extend(paper(&mut source, size));
-    all.extend(lattices(&mut source, size));
-    all.extend(duplicates(&mut source, size));
-    all.extend(coplanar(&mut source));
-    all.extend(near_flat(&mut source, size));
-    all.extend(scaled(&mut source, size));
-    all.extend(spheres(&mut source));
+    all.extend(paper(&mut dice, size));
+    all.extend(lattices(&mut dice, size));
+    all.extend(duplicates(&mut dice, size));
+    all.extend(coplanar(&mut dice));
+    all.extend(near_flat(&mut dice, size));
+    all.extend(scaled(&mut dice, size));
+    all.extend(spheres(&mut dice));
     all.extend(issues());
     all
 }
 
-pub(crate) fn paper(source: &mut Source, size: usize) -> Vec<Cloud> {
-    (0..size).map(|k| cloud(format!("paper {k}"), source.grain(4 + k % 27))).collect()
+pub(crate) fn paper(dice: &mut Dice, size: usize) -> Vec<Cloud> {
+    (0..size).map(|k| cloud(format!("paper {k}"), dice.grain(4 + k % 27))).collect()
 }
 
-pub(crate) fn lattices(source: &mut Source, size: usize) -> Vec<Cloud> {
+pub(crate) fn lattices(dice: &mut Dice, size: usize) -> Vec<Cloud> {
     let lattice = |k: usize| {
-        let mut points = source.lattice(8 + k % 25, 2 + k % 5);
+        let mut points = dice.lattice(8 + k % 25, 2 + k % 5);
         points.extend(vectors(&[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
         cloud(format!("lattice {k}"), points)
     };
     (0..size).map(lattice).collect()
 }
 
-pub(crate) fn duplicates(source: &mut Source, size: usize) -> Vec<Cloud> {
+pub(crate) fn duplicates(dice: &mut Dice, size: usize) -> Vec<Cloud> {
     (0..size)
         .map(|k| {
-            let mut points = if k % 2 == 0 { source.grain(6 + k % 20) } else { source.lattice(10, 3) };
+            let mut points = if k % 2 == 0 { dice.grain(6 + k % 20) } else { dice.lattice(10, 3) };
             points.extend(block([0.5, 0.75, 0.25]));
             for _ in 0..1 + k % 20 {
-                points.push(points[source.below(points.len())]);
+                points.push(points[dice.below(points.len())]);
             }
-            source.shuffle(&mut points);
+            dice.shuffle(&mut points);
             cloud(format!("duplicates {k}"), points)
         })
         .collect()
 }
 
 /// Many points in few planes: prisms, pyramids, boxes with points in faces and edges; some turned exactly.
-pub(crate) fn coplanar(source: &mut Source) -> Vec<Cloud> {
+pub(crate) fn coplanar(dice: &mut Dice) -> Vec<Cloud> {
     let mut all = Vec::new();
     for n in [3, 4, 5, 8, 12, 24, 60, 240] {
         let ring = |z: f64, radius: f64| -> Vec<Vec3> {
@@ -138,9 +83,9 @@ pub(crate) fn coplanar(source: &mut Source) -> Vec<Cloud> {
     for k in 0..12 {
         let mut points = block([2.0, 3.0, 4.0]);
         for _ in 0..4 * k {
-            let mut p = [source.below(5) as f64 - 2.0, source.below(7) as f64 - 3.0, source.below(9) as f64 - 4.0];
-            let axis = source.below(3);
-            p[axis] = [2.0, 3.0, 4.0][axis] * if source.below(2) == 0 { 1.0 } else { -1.0 };
+            let mut p = [dice.below(5) as f64 - 2.0, dice.below(7) as f64 - 3.0, dice.below(9) as f64 - 4.0];
+            let axis = dice.below(3);
+            p[axis] = [2.0, 3.0, 4.0][axis] * if dice.below(2) == 0 { 1.0 } else { -1.0 };
             points.push(p.into());
         }
         // A rotation by the quaternion (1, 2, 3, k) without its denominator keeps integers integers.
@@ -163,13 +108,13 @@ pub(crate) fn coplanar(source: &mut Source) -> Vec<Cloud> {
 }
 
 /// Plates from 1e-4 to 1e-15 of their width, level and tilted.
-pub(crate) fn near_flat(source: &mut Source, size: usize) -> Vec<Cloud> {
+pub(crate) fn near_flat(dice: &mut Dice, size: usize) -> Vec<Cloud> {
     (0..size)
         .map(|k| {
             let thickness = libm::exp10(-4.0 - (k % 12) as f64);
-            let turn = source.rotation();
+            let turn = dice.rotation();
             let points: Vec<Vec3> = (0..10 + k % 20)
-                .map(|_| Vec3::new(source.signed(), source.signed(), thickness * source.signed()))
+                .map(|_| Vec3::new(dice.signed(), dice.signed(), thickness * dice.signed()))
                 .map(|p| if k % 2 == 0 { p } else { turn * p })
                 .collect();
             cloud(format!("plate {k} of thickness {thickness:e}"), points)
@@ -178,25 +123,25 @@ pub(crate) fn near_flat(source: &mut Source, size: usize) -> Vec<Cloud> {
 }
 
 /// Sizes from 1e-57 to 1e57, and bodies up to 1e8 sizes from the origin.
-pub(crate) fn scaled(source: &mut Source, size: usize) -> Vec<Cloud> {
+pub(crate) fn scaled(dice: &mut Dice, size: usize) -> Vec<Cloud> {
     (0..size)
         .map(|k| {
-            let grain = source.grain(8 + k % 20);
+            let grain = dice.grain(8 + k % 20);
             if k % 2 == 0 {
                 let scale = libm::exp10([-50.0, -23.0, -9.0, -3.0, 3.0, 9.0, 23.0, 57.0][k / 2 % 8]);
                 cloud(format!("grain times {scale:e}"), grain.iter().map(|p| p * scale).collect())
             } else {
-                let away = source.direction() * libm::exp10((2 + k / 2 % 8) as f64);
+                let away = dice.direction() * libm::exp10((2 + k / 2 % 8) as f64);
                 cloud(format!("grain {k} at {:e}", away.norm()), grain.iter().map(|p| p + away).collect())
             }
         })
         .collect()
 }
 
-pub(crate) fn spheres(source: &mut Source) -> Vec<Cloud> {
+pub(crate) fn spheres(dice: &mut Dice) -> Vec<Cloud> {
     let mut all = Vec::new();
     for n in [50, 150, 400] {
-        all.push(cloud(format!("random sphere {n}"), (0..n).map(|_| source.direction()).collect()));
+        all.push(cloud(format!("random sphere {n}"), (0..n).map(|_| dice.direction()).collect()));
     }
     for n in [4, 8, 12] {
         let at = |i: usize, j: usize| {
@@ -268,16 +213,16 @@ fn cylinder_plus_sphere() -> Vec<Vec3> {
 
 /// A random set of one of the kinds that are hard to decide: lattices nudged by ulps, points nearly in planes or on
 /// lines, magnitudes from 1e-60 to 1e60, few planes, repeated and reflected points.
-pub(crate) fn hard(source: &mut Source, kind: usize) -> Cloud {
-    let n = 5 + source.below(20);
-    let mut points = source.lattice(n, 2 + kind % 4);
+pub(crate) fn hard(dice: &mut Dice, kind: usize) -> Cloud {
+    let n = 5 + dice.below(20);
+    let mut points = dice.lattice(n, 2 + kind % 4);
     match kind % 7 {
-        0 => points.iter_mut().for_each(|p| *p = p.map(|x| nudged(source, x))),
-        1 => points.iter_mut().for_each(|p| *p = p.map(|x| nudged(source, x / 3.0 + 100.0))),
-        2 => points.iter_mut().for_each(|p| p.z = nudged(source, (p.x + 2.0 * p.y) / 7.0)),
-        3 => points.iter_mut().for_each(|p| *p = p.map(|_| wild(source))),
+        0 => points.iter_mut().for_each(|p| *p = p.map(|x| nudged(dice, x))),
+        1 => points.iter_mut().for_each(|p| *p = p.map(|x| nudged(dice, x / 3.0 + 100.0))),
+        2 => points.iter_mut().for_each(|p| p.z = nudged(dice, (p.x + 2.0 * p.y) / 7.0)),
+        3 => points.iter_mut().for_each(|p| *p = p.map(|_| wild(dice))),
         4 => {
-            let turn = source.rotation();
+            let turn = dice.rotation();
             points.iter_mut().for_each(|p| *p = turn * *p);
         }
         5 => {
@@ -285,39 +230,38 @@ pub(crate) fn hard(source: &mut Source, kind: usize) -> Cloud {
             points.extend(points.clone().iter().map(|p| center - p));
         }
         _ => {
-            let along = source.direction();
+            let along = dice.direction();
             points.iter_mut().for_each(|p| *p = along * p.x + along.yzx() * (p.y * 1e-9) + along.zxy() * (p.z * 1e-12));
         }
     }
     cloud(format!("hard {kind}"), points)
 }
 
-fn nudged(source: &mut Source, x: f64) -> f64 {
-    match source.below(4) {
+fn nudged(dice: &mut Dice, x: f64) -> f64 {
+    match dice.below(4) {
         0 if x != 0.0 => x.next_up(),
         1 if x != 0.0 => x.next_down(),
         _ => x,
     }
 }
 
-fn wild(source: &mut Source) -> f64 {
-    let magnitude = libm::exp10(120.0 * source.unit() - 60.0).clamp(1e-60, 1e60);
-    [0.0, magnitude, -magnitude][source.below(3)]
+fn wild(dice: &mut Dice) -> f64 {
+    let magnitude = libm::exp10(120.0 * dice.unit() - 60.0).clamp(1e-60, 1e60);
+    [0.0, magnitude, -magnitude][dice.below(3)]
 }
 
 /// Sets of fewer than three dimensions, each with its dimension.
 pub(crate) fn lower_dimensional() -> Vec<(u8, Cloud)> {
-    let mut source = Source::new(21);
+    let mut dice = Dice::new(21);
     let mut all = Vec::new();
     for k in 0..40 {
         // Steps in integers times a power of two: sums are exact, and so is the dimension.
-        let mut step =
-            || Vec3::from([(); 3].map(|()| source.below(2001) as f64 - 1000.0)) + Vec3::new(0.0, 0.0, 1500.0);
+        let mut step = || Vec3::from([(); 3].map(|()| dice.below(2001) as f64 - 1000.0)) + Vec3::new(0.0, 0.0, 1500.0);
         let (origin, u, v) = (step(), step(), step().xzy().component_mul(&Vec3::new(1.0, -1.0, 3.0)));
         let scale = libm::scalbn(1.0, 13 * (k % 20) - 130);
         let n = 1 + k as usize % 30;
         let mut set = |dimension: u8| -> Vec<Vec3> {
-            let mut coefficient = |on: bool| if on { source.below(200) as f64 } else { 0.0 };
+            let mut coefficient = |on: bool| if on { dice.below(200) as f64 } else { 0.0 };
             let mut points: Vec<Vec3> = (0..n)
                 .map(|_| (origin + u * coefficient(dimension > 0) + v * coefficient(dimension > 1)) * scale)
                 .collect();

@@ -1,6 +1,7 @@
 //! Closest points, penetration depth and time of impact, against the Minkowski difference in whole numbers.
 
-use super::families::{self, Dice};
+use super::dice::Dice;
+use super::families;
 use meso_collision::geometry::{Plane, convex_hull};
 use meso_collision::gjk::{self, Impact, Penetration};
 use meso_collision::math::Vec3;
@@ -15,7 +16,7 @@ fn difference(a: &[Vec3], b: &[Vec3]) -> Option<Vec<Plane>> {
 
 /// Two bodies of whole numbers, which often touch.
 fn whole(dice: &mut Dice, apart: f64) -> (Points, Points) {
-    let mut body = |n: u64| (0..4 + dice.below(n)).map(|_| dice.integers(6)).collect::<Points>();
+    let mut body = |n: usize| (0..4 + dice.below(n)).map(|_| dice.integers(6)).collect::<Points>();
     let (a, b) = (body(12), body(20));
     let by = (dice.direction() * (apart * dice.unit())).map(f64::round);
     (a, b.iter().map(|p| p + by).collect())
