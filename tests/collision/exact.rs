@@ -6,14 +6,20 @@ use num_traits::ToPrimitive;
 
 pub(crate) type Big3 = [BigInt; 3];
 
+/// A whole number and an exponent: `x` is the number times 2 to the exponent.
+pub(crate) fn parts(x: f64) -> (i64, i32) {
+    let bits = x.abs().to_bits();
+    let (field, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
+    let mantissa = if field == 0 { fraction } else { fraction | (1 << 52) } as i64;
+    (if x < 0.0 { -mantissa } else { mantissa }, field.max(1) - 1075)
+}
+
 /// `x` in units of 2^-`unit`, rounded down in magnitude.
 pub(crate) fn in_units(x: f64, unit: i32) -> BigInt {
-    let bits = x.abs().to_bits();
-    let (exponent, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
-    let mantissa = BigInt::from(if exponent == 0 { fraction } else { fraction | (1 << 52) });
-    let shift = exponent.max(1) - 1075 + unit;
-    let magnitude = if shift >= 0 { mantissa << shift } else { mantissa >> -shift };
-    if x < 0.0 { -magnitude } else { magnitude }
+    let (mantissa, exponent) = parts(x);
+    let (magnitude, shift) = (BigInt::from(mantissa.abs()), exponent + unit);
+    let magnitude = if shift >= 0 { magnitude << shift } else { magnitude >> -shift };
+    if mantissa < 0 { -magnitude } else { magnitude }
 }
 
 pub(crate) fn exact(points: &[Vec3]) -> Vec<Big3> {

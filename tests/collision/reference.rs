@@ -1,6 +1,6 @@
 //! Answers from first principles, in integers: they share no code and no idea with the crate's exact search.
 
-use super::exact::{Big3, cross, dot, minus};
+use super::exact::{Big3, cross, dot, minus, parts};
 use meso_collision::math::Vec3;
 use num_bigint::BigInt;
 use num_traits::{One, Signed, Zero};
@@ -9,12 +9,6 @@ type Int = BigInt;
 
 /// Coordinates as integers in units of a common power of two, 2^`exponent`.
 fn integers(sets: [&[Vec3]; 2]) -> ([Vec<Big3>; 2], i32) {
-    let parts = |v: f64| {
-        let bits = v.abs().to_bits();
-        let (field, fraction) = ((bits >> 52) as i32, bits & ((1 << 52) - 1));
-        let mantissa = if field == 0 { fraction } else { fraction | 1 << 52 } as i64;
-        (if v < 0.0 { -mantissa } else { mantissa }, field.max(1) - 1075)
-    };
     let all = sets.iter().flat_map(|s| s.iter().flat_map(|p| p.iter().copied()));
     let exponent = all.filter(|&v| v != 0.0).map(|v| parts(v).1).min().unwrap_or(0);
     let integer = |v: f64| if v == 0.0 { Int::zero() } else { Int::from(parts(v).0) << (parts(v).1 - exponent) };
@@ -54,9 +48,8 @@ pub(super) fn intersects(a: &[Vec3], b: &[Vec3]) -> bool {
 
 fn pivot(rows: &mut [Vec<Int>], r: usize, s: usize, previous: &mut Int) {
     let row = rows[r].clone();
-    for (i, other) in rows.iter_mut().enumerate().filter(|(i, _)| *i != r) {
+    for (_, other) in rows.iter_mut().enumerate().filter(|(i, _)| *i != r) {
         let factor = other[s].clone();
-        let _ = i;
         for (value, at_pivot) in other.iter_mut().zip(&row) {
             *value = (&*value * &row[s] - &factor * at_pivot) / &*previous;
         }
