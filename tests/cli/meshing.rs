@@ -65,7 +65,7 @@ fn an_analysis_alone_gives_the_deck_that_a_mechanician_would_run() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     let told = json(&folder, "s.json");
     let option = |name: &str| told["options"][name].as_str().unwrap().to_owned();
-    assert_eq!(["itz", "joined", "volumes"].map(option), ["smeared", "cut", "exact"]);
+    assert_eq!(["itz", "joined", "volumes"].map(option), ["smeared", "mortar", "exact"]);
     let volume = |of: &str, phase: &str| told["quality"][of][phase].as_f64().unwrap();
     let aggregate = volume("volumes_mm3", "aggregate") / volume("exact_volumes_mm3", "aggregate");
     assert!((aggregate - 1.0).abs() < 0.005, "{aggregate}");

@@ -258,7 +258,7 @@ fn defaults() -> MeshOptions {
     MeshOptions {
         method: Method::FITTED,
         itz: ItzForm::Smeared,
-        joined: Joined::Cut,
+        joined: Joined::Mortar,
         volumes: Volumes::Exact,
         narrow_gaps: NarrowGaps::Split,
         ..MeshOptions::default()

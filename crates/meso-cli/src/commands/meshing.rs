@@ -39,7 +39,7 @@ pub(super) struct Meshing {
     #[arg(skip)]
     thickness: OnceLock<Itz>,
     #[arg(long, value_parser = names::parse::<Joined>)]
-    #[arg(help = format!("Treatment of aggregates that would share nodes: {} [default: keep; with an analysis cut]", names::list::<Joined>()))]
+    #[arg(help = format!("Treatment of aggregates that would share nodes: {} [default: keep; with an analysis mortar]", names::list::<Joined>()))]
     joined: Option<Joined>,
     #[arg(long, value_parser = names::parse::<Volumes>)]
     #[arg(help = format!("Volume of the aggregates in a fitted lattice: {} [default: fitted; with an analysis exact]", names::list::<Volumes>()))]
@@ -111,6 +111,7 @@ pub(super) struct Meshing {
 impl Meshing {
     /// The options as typed, those of other methods included.
     fn table(&self) -> MeshTable {
+        let usual = self.usual();
         MeshTable {
             method: self.method(),
             element_size_mm: self.element_size_mm,
@@ -119,12 +120,17 @@ impl Meshing {
             subsamples: self.subsamples,
             fit: self.fit,
             order: self.order,
-            joined: self.joined.unwrap_or(if self.analyses() { Joined::Cut } else { Joined::Keep }),
-            volumes: self.volumes.unwrap_or(if self.analyses() { Volumes::Exact } else { Volumes::Fitted }),
-            narrow_gaps: self.narrow_gaps.unwrap_or(if self.analyses() { NarrowGaps::Split } else { NarrowGaps::Keep }),
+            joined: self.joined.unwrap_or(usual.joined),
+            volumes: self.volumes.unwrap_or(usual.volumes),
+            narrow_gaps: self.narrow_gaps.unwrap_or(usual.narrow_gaps),
             slabs: self.slabs,
         }
         .with_itz_for(self.thickness.get().unwrap_or(&Itz::default()))
+    }
+
+    /// Choices that no flag makes.
+    fn usual(&self) -> MeshTable {
+        if self.analyses() { MeshTable::of_a_test() } else { MeshTable::default() }
     }
 
     /// Whether the deck computes something: then what is not asked for is what a mechanician would choose.
@@ -138,7 +144,7 @@ impl Meshing {
     }
 
     fn method(&self) -> MethodName {
-        self.method.unwrap_or(if self.analyses() { MethodName::Lattice } else { MethodName::Voxel })
+        self.method.unwrap_or(self.usual().method)
     }
 
     fn itz(&self) -> ItzForm {

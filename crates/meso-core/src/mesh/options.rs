@@ -321,6 +321,18 @@ impl TryFrom<MeshTable> for MeshOptions {
 }
 
 impl MeshTable {
+    /// The defaults of a test, in a deck with an analysis and in the solver alike: interfaces without steps, no skeleton of
+    /// joined aggregates, phases of their own volumes, and gaps in which mortar can flow. `itz` stays open.
+    pub fn of_a_test() -> Self {
+        Self {
+            method: MethodName::Lattice,
+            joined: Joined::Mortar,
+            volumes: Volumes::Exact,
+            narrow_gaps: NarrowGaps::Split,
+            ..Self::default()
+        }
+    }
+
     /// The options that this table gives to a method which does not have them: name, value and that method.
     pub fn foreign(&self) -> impl Iterator<Item = (&'static str, String, MethodName)> {
         let slabs = self.slabs.map_or_else(String::new, |slabs| slabs.to_string());

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::Watch;
 use meso_core::Model;
 use meso_core::materials::Materials;
-use meso_core::mesh::{Fit, ItzForm, Joined, Mesh, MeshOptions, MeshTable, MethodName, NarrowGaps, Volumes};
+use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName, NarrowGaps};
 use meso_core::packing::{Specimen, Stage};
 use meso_solve::Itz;
 use serde::Deserialize;
@@ -68,7 +68,7 @@ impl Division {
 
     /// Options of the mesh of any specimen.
     pub(super) fn for_any(&self, is_quick: bool) -> Result<MeshOptions, Failure> {
-        let usual = MeshTable::default();
+        let usual = MeshTable::of_a_test();
         let table = MeshTable {
             method: self.method,
             element_size_mm: self.element_size_mm.unwrap_or(if is_quick { QUICK_MM } else { usual.element_size_mm }),
@@ -77,9 +77,7 @@ impl Division {
                 Zone::Solid => ItzForm::Solid,
                 Zone::Cohesive => ItzForm::Cohesive,
             }),
-            joined: Joined::Mortar,
-            volumes: Volumes::Exact,
-            narrow_gaps: self.narrow_gaps.unwrap_or(if is_quick { NarrowGaps::Keep } else { NarrowGaps::Split }),
+            narrow_gaps: self.narrow_gaps.unwrap_or(if is_quick { NarrowGaps::Keep } else { usual.narrow_gaps }),
             fit: self.fit,
             subsamples: self.subsamples,
             ..usual
