@@ -5,6 +5,7 @@ use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec};
+use meso_gmsh::Gmsh;
 use meso_solve::{Observer, Response, Run, Sample, Test};
 
 /// A mesh and what it was built of.
@@ -24,6 +25,27 @@ impl Meshed {
     /// Mortar alone.
     pub(crate) fn mortar(size_mm: [f64; 3], method: Method, element_size_mm: f64) -> Self {
         Self::of(&[], Specimen::cuboid(size_mm), options(method, element_size_mm, ItzForm::None))
+    }
+
+    /// Mortar alone, filled by gmsh; `None` without it.
+    pub(crate) fn filled_by_gmsh(side_mm: f64, element_size_mm: f64) -> Option<Self> {
+        let gmsh = Gmsh::program("gmsh");
+        if gmsh.check().is_err() {
+            eprintln!("skipped: no `gmsh` here (Debian: gmsh)");
+            return None;
+        }
+        let mut model = small_cube(0.0);
+        model.aggregates.clear();
+        let specimen = Specimen::cube(side_mm);
+        model.spec.specimen = specimen.clone();
+        let options = options(Method::CONFORMING, element_size_mm, ItzForm::None);
+        let mesh = mesh::build_with(&model, &options, &gmsh, &|_| {}).unwrap();
+        Some(Self { mesh, specimen, options })
+    }
+
+    /// Edge of a cube.
+    pub(crate) fn side_mm(&self) -> f64 {
+        self.specimen.aabb().size().z
     }
 
     pub(crate) fn sample(&self) -> Sample<'_> {
