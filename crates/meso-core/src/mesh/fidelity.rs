@@ -10,7 +10,7 @@ use super::sides::FlatSides;
 use crate::aggregate::Aggregate;
 use crate::geometry::ConvexSurface;
 use crate::gjk;
-use crate::packing::{Specimen, images_near};
+use crate::packing::{ById, Specimen, images_near};
 use crate::parallel;
 use crate::stop;
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
     let owners = Owners::of(mesh.by_aggregate());
     let on_side = |node: u32| sides.have(&mesh.points[node as usize]);
     let members = owners.bodies(|node| owners.are_several(node) || on_side(node));
-    let bodies = ById::new(bodies);
+    let bodies = ById::new(bodies, |body| body);
     let (pairs, mut at_sides) = (pairs(&members), Vec::new());
     let notes = &mut mesh.notes;
     for meet in members.chunk_by(|a, b| a.0 == b.0) {
@@ -36,52 +36,31 @@ pub(super) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
         }
     }
     notes.closed_gap_pairs = pairs.len();
-    notes.widest_closed_gap_mm = bodies.widest(&pairs);
+    notes.widest_closed_gap_mm = widest(&bodies, &pairs);
     at_sides.sort_unstable();
     at_sides.dedup();
     notes.closed_side_gap_aggregates = at_sides.chunk_by(|a, b| a.0 == b.0).count();
-    let gaps = at_sides.iter().map(|(id, across)| bodies.gap_to_side(*id, *across, sides));
-    notes.widest_closed_side_gap_mm = gaps.fold(0.0, f64::max);
+    let gap = |&(id, across): &(u32, u8)| {
+        bodies.images(id).map(|body| sides.gap(&body.body.aabb(), across)).fold(f64::INFINITY, f64::min)
+    };
+    notes.widest_closed_side_gap_mm = at_sides.iter().map(gap).fold(0.0, f64::max);
 }
 
 /// Pairs whose widest gap is kept together.
 const RUN: usize = 1 << 12;
 
-/// Bodies, those of one id beside each other: images have the id of their body.
-pub(super) struct ById<'a>(Vec<&'a Aggregate>);
-
-impl<'a> ById<'a> {
-    pub(super) fn new(bodies: &'a [Aggregate]) -> Self {
-        let mut by_id: Vec<&Aggregate> = bodies.iter().collect();
-        by_id.sort_by_key(|body| body.id);
-        Self(by_id)
-    }
-
-    /// Body `id` and its images.
-    pub(super) fn images(&self, id: u32) -> impl Iterator<Item = &'a Aggregate> {
-        let start = self.0.partition_point(|body| body.id < id);
-        self.0[start..].iter().copied().take_while(move |body| body.id == id)
-    }
-
-    /// The widest gap between the bodies of a pair, mm.
-    fn widest(&self, pairs: &[(u32, u32)]) -> f64 {
-        let wider = |widest: f64, &(a, b): &(u32, u32)| {
-            let all =
-                || self.images(a).flat_map(|a| self.images(b).map(move |b| [a, b].map(|body| body.body.vertices())));
-            // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
-            let is_wider = all().all(|[a, b]| gjk::distance_exceeds(a, b, widest).unwrap_or(false));
-            let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
-            if is_wider { gap() } else { widest }
-        };
-        let runs: Vec<&[(u32, u32)]> = pairs.chunks(RUN).collect();
-        parallel::map_each(&runs, |run| run.iter().fold(0.0, wider)).into_iter().fold(0.0, f64::max)
-    }
-
-    /// Between a body and the farthest of the sides `across`, mm.
-    fn gap_to_side(&self, id: u32, across: u8, sides: &FlatSides) -> f64 {
-        let gaps = self.images(id).map(|body| sides.gap(&body.body.aabb(), across));
-        gaps.fold(f64::INFINITY, f64::min)
-    }
+/// The widest gap between the `bodies` of a pair, mm.
+fn widest(bodies: &ById<&Aggregate>, pairs: &[(u32, u32)]) -> f64 {
+    let wider = |widest: f64, &(a, b): &(u32, u32)| {
+        let all =
+            || bodies.images(a).flat_map(|a| bodies.images(b).map(move |b| [a, b].map(|body| body.body.vertices())));
+        // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
+        let is_wider = all().all(|[a, b]| gjk::distance_exceeds(a, b, widest).unwrap_or(false));
+        let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);
+        if is_wider { gap() } else { widest }
+    };
+    let runs: Vec<&[(u32, u32)]> = pairs.chunks(RUN).collect();
+    parallel::map_each(&runs, |run| run.iter().fold(0.0, wider)).into_iter().fold(0.0, f64::max)
 }
 
 /// How far the nodes where aggregates meet other materials lie from the exact surfaces; in voxels and plain lattices it is
@@ -111,15 +90,12 @@ const ROUNDING: f64 = 1e-9;
 impl InterfaceDistance {
     /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
-        let surface = |body: &Aggregate| (body.id, ConvexSurface::new(&body.body));
-        let mut bodies: Vec<(u32, ConvexSurface)> =
-            images_near(aggregates, specimen, 0.0).iter().map(surface).collect();
-        bodies.sort_by_key(|body| body.0);
+        let bodies = images_near(aggregates, specimen, 0.0);
+        let surfaces = ById::new(&bodies, |body| ConvexSurface::new(&body.body));
         let distance = |&(node, id): &(u32, u32)| {
             stop::point();
-            let start = bodies.partition_point(|body| body.0 < id);
-            let images = bodies[start..].iter().take_while(|body| body.0 == id);
-            images.map(|(_, body)| body.distance(&mesh.points[node as usize])).fold(f64::INFINITY, f64::min)
+            let images = surfaces.images(id).map(|surface| surface.distance(&mesh.points[node as usize]));
+            images.fold(f64::INFINITY, f64::min)
         };
         let mut pairs = interface_nodes(mesh);
         let position = |node: u32| -> [u64; 3] { mesh.points[node as usize].map(f64::to_bits).into() };

@@ -15,12 +15,13 @@
 //! them. Edges in faces across which a specimen repeats itself stay, so that opposite faces still match.
 
 use super::cells::{CellKind, EDGES, Mesh, NO_AGGREGATE, Phase};
-use super::fidelity::ById;
 use super::interface::{Owners, pairs};
-use super::sides::Sides;
+use super::sides::{Sides, repeating};
+use super::tet::Incidence;
 use crate::aggregate::Aggregate;
 use crate::geometry::Plane;
 use crate::math::Vec3;
+use crate::packing::ById;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Mesh {
@@ -61,7 +62,7 @@ fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
 pub(super) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) {
     (mesh.notes.parted_nodes, mesh.notes.parted_pairs) = mesh.joined_aggregates();
     if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
-        let bodies = ById::new(bodies);
+        let bodies = ById::new(bodies, |body| body);
         for _ in 0..CUTS {
             let left = left(mesh, &bodies, &joined(mesh));
             cut(mesh, &bodies, &left);
@@ -135,7 +136,7 @@ impl Shared {
 const CUTS: usize = 2;
 
 /// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.
-fn left(mesh: &Mesh, bodies: &ById, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
+fn left(mesh: &Mesh, bodies: &ById<&Aggregate>, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let stays = |meet: &[(u32, u32)]| {
         let x = mesh.points[meet[0].0 as usize];
         let depth = |id: u32| beyond(bodies, id, &x).abs();
@@ -146,8 +147,8 @@ fn left(mesh: &Mesh, bodies: &ById, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
 }
 
 /// How far `x` lies beyond the outermost plane of body `id` or of its nearest image, mm; negative inside.
-fn beyond(bodies: &ById, id: u32, x: &Vec3) -> f64 {
-    let beyond = |body: &Aggregate| Plane::height_over(body.body.planes(), x);
+fn beyond(bodies: &ById<&Aggregate>, id: u32, x: &Vec3) -> f64 {
+    let beyond = |body: &&Aggregate| Plane::height_over(body.body.planes(), x);
     bodies.images(id).map(beyond).fold(f64::INFINITY, f64::min)
 }
 
@@ -155,7 +156,7 @@ fn beyond(bodies: &ById, id: u32, x: &Vec3) -> f64 {
 const CUT: [f64; 2] = [0.35, 0.65];
 
 /// Cuts the edges that lead from the nodes which aggregates leave into these aggregates.
-fn cut(mesh: &mut Mesh, bodies: &ById, left: &[(u32, u32)]) {
+fn cut(mesh: &mut Mesh, bodies: &ById<&Aggregate>, left: &[(u32, u32)]) {
     let leaves = |node: u32, aggregate: u32| left.binary_search(&(node, aggregate)).is_ok();
     let mut edges: Vec<([u32; 2], u32)> = Vec::new();
     for ((cell, phase), &aggregate) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
@@ -171,55 +172,34 @@ fn cut(mesh: &mut Mesh, bodies: &ById, left: &[(u32, u32)]) {
     // An edge that two aggregates leave from its two ends is cut once.
     let mut seen = BTreeMap::new();
     edges.retain(|([a, b], _)| seen.insert([*a.min(b), *a.max(b)], ()).is_none());
-    let mut star = Star::of(mesh, edges.iter().flat_map(|(edge, _)| *edge));
+    let (cells, _) = mesh.cells.as_chunks();
+    let mut around = Incidence::around(cells, mesh.points.len(), edges.iter().flat_map(|(edge, _)| *edge));
     for ([from, to], aggregate) in edges {
         let [near, far] = [from, to].map(|node| beyond(bodies, aggregate, &mesh.points[node as usize]));
         let share = if near > far { near / (near - far) } else { 0.5 };
         let share = share.clamp(CUT[0], CUT[1]);
         let position = mesh.points[from as usize] * (1.0 - share) + mesh.points[to as usize] * share;
-        star.cut(mesh, [from, to], position);
+        cut_edge(mesh, &mut around, [from, to], position);
     }
 }
 
-/// The cells around some nodes.
-struct Star(BTreeMap<u32, Vec<u32>>);
-
-impl Star {
-    fn of(mesh: &Mesh, nodes: impl Iterator<Item = u32>) -> Self {
-        let mut around: BTreeMap<u32, Vec<u32>> = nodes.map(|node| (node, Vec::new())).collect();
-        let mut wanted = vec![false; mesh.points.len()];
-        around.keys().for_each(|&node| wanted[node as usize] = true);
-        for (number, cell) in (0..).zip(mesh.cells()) {
-            for node in cell.iter().filter(|&&node| wanted[node as usize]) {
-                around.get_mut(node).expect("it is wanted").push(number);
-            }
-        }
-        Self(around)
-    }
-
-    /// Puts a node at `position` on the edge between `a` and `b`, and splits every cell there in two.
-    fn cut(&mut self, mesh: &mut Mesh, [a, b]: [u32; 2], position: Vec3) {
-        let middle = mesh.points.len() as u32;
-        mesh.points.push(position);
-        let cells: Vec<u32> = self.0[&a].iter().copied().filter(|cell| self.0[&b].contains(cell)).collect();
-        for cell in cells {
-            let new = mesh.cell_count() as u32;
-            let old: [u32; 4] = std::array::from_fn(|i| mesh.cells[4 * cell as usize + i]);
-            let with = |gone: u32| old.map(|node| if node == gone { middle } else { node });
-            mesh.cells[4 * cell as usize..][..4].copy_from_slice(&with(b));
-            mesh.cells.extend(with(a));
-            mesh.phase.push(mesh.phase[cell as usize]);
-            mesh.aggregate.push(mesh.aggregate[cell as usize]);
-            for node in old {
-                let Some(around) = self.0.get_mut(&node) else { continue };
-                if node == b {
-                    around.retain(|other| *other != cell);
-                }
-                if node != a {
-                    around.push(new);
-                }
-            }
-        }
+/// Puts a node at `position` on the edge between `a` and `b`, and splits every cell there in two.
+fn cut_edge(mesh: &mut Mesh, around: &mut Incidence, [a, b]: [u32; 2], position: Vec3) {
+    let middle = mesh.points.len() as u32;
+    mesh.points.push(position);
+    around.add_node();
+    let at_b = around.cells(b);
+    let cells: Vec<u32> = around.cells(a).iter().copied().filter(|cell| at_b.contains(cell)).collect();
+    for cell in cells {
+        let new = mesh.cell_count() as u32;
+        let old: [u32; 4] = std::array::from_fn(|i| mesh.cells[4 * cell as usize + i]);
+        let with = |gone: u32| old.map(|node| if node == gone { middle } else { node });
+        mesh.cells[4 * cell as usize..][..4].copy_from_slice(&with(b));
+        mesh.cells.extend(with(a));
+        mesh.phase.push(mesh.phase[cell as usize]);
+        mesh.aggregate.push(mesh.aggregate[cell as usize]);
+        around.unlink(cell, &[b]);
+        around.link(new, &with(a));
     }
 }
 
@@ -277,8 +257,7 @@ impl Bridges {
         let owners = mesh.owners(|cell| mesh.aggregate[cell] != NO_AGGREGATE);
         let mut bridges = Self { edges: Vec::new(), rank: Vec::new(), owners };
         let sides = Sides::of_points(&mesh.points);
-        let repeats = (0..3).filter(|axis| mesh.periodic[*axis]).fold(0, |bits, axis| bits | 3 << (2 * axis));
-        let is_fixed = |[a, b]: [u32; 2]| sides.on(a) & sides.on(b) & repeats != 0;
+        let is_fixed = |[a, b]: [u32; 2]| sides.on(a) & sides.on(b) & repeating(mesh.periodic) != 0;
         let mortar = mesh.cells().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar);
         let mut edges: Vec<[u32; 2]> = mortar
             .flat_map(|(cell, _)| EDGES.map(|[i, j]| ordered(cell[i], cell[j])))

@@ -92,18 +92,25 @@ impl Sides {
     }
 }
 
+/// A bit per side, in the order of [`SIDES`], from the answers for the lower and the upper one across each axis.
+pub(super) fn bits(of_axis: impl Fn(usize) -> [bool; 2]) -> u8 {
+    (0..3).fold(0, |bits, axis| {
+        let [low, high] = of_axis(axis).map(u8::from);
+        bits | low << (2 * axis) | high << (2 * axis + 1)
+    })
+}
+
+/// The sides across which a box repeats itself, a bit for each.
+pub(crate) fn repeating(periodic: [bool; 3]) -> u8 {
+    bits(|axis| [periodic[axis]; 2])
+}
+
 /// For every node a bit per bounding plane it lies on.
 fn on_planes(points: &[Vec3]) -> Vec<u8> {
     let aabb = Aabb::around(points);
     let slack = 1e-9 * aabb.size().max();
-    let on = |x: f64, axis: usize, upper: bool| {
-        let plane = if upper { aabb.max[axis] } else { aabb.min[axis] };
-        u8::from((x - plane).abs() <= slack)
-    };
-    let bits = |p: &Vec3| {
-        SIDES.iter().enumerate().fold(0, |bits, (i, &(axis, upper, _))| bits | on(p[axis], axis, upper) << i)
-    };
-    points.iter().map(bits).collect()
+    let on = |p: &Vec3| bits(|axis| [aabb.min, aabb.max].map(|plane| (p[axis] - plane[axis]).abs() <= slack));
+    points.iter().map(on).collect()
 }
 
 /// The cells' faces on every bounding plane, by cell.
@@ -144,14 +151,15 @@ const ROUNDING: f64 = 1e-9;
 /// The flat sides of a specimen's box across which it does not repeat itself, where aggregates end before the mesh does; in the order of [`SIDES`].
 pub(super) struct FlatSides {
     aabb: Aabb,
-    repeats: [bool; 3],
+    /// A bit for each.
+    sides: u8,
     slack: f64,
 }
 
 impl FlatSides {
     pub(super) fn of(specimen: &Specimen) -> Self {
         let aabb = specimen.aabb();
-        Self { aabb, repeats: specimen.periodic().0, slack: ROUNDING * aabb.size().max() }
+        Self { aabb, sides: !repeating(specimen.periodic().0), slack: ROUNDING * aabb.size().max() }
     }
 
     /// Whether `x` lies on one of the sides.
@@ -161,11 +169,8 @@ impl FlatSides {
 
     /// The sides that `x` lies on, a bit for each.
     pub(super) fn across(&self, x: &Vec3) -> u8 {
-        (0..3).filter(|&axis| !self.repeats[axis]).fold(0, |bits, axis| {
-            let (low, high) =
-                (x[axis] <= self.aabb.min[axis] + self.slack, x[axis] >= self.aabb.max[axis] - self.slack);
-            bits | u8::from(low) << (2 * axis) | u8::from(high) << (2 * axis + 1)
-        })
+        let on = |axis| [x[axis] <= self.aabb.min[axis] + self.slack, x[axis] >= self.aabb.max[axis] - self.slack];
+        bits(on) & self.sides
     }
 
     /// From `body` to the farthest of the sides `across`, mm.
@@ -242,13 +247,18 @@ pub(crate) fn owners(mesh: &Mesh, sides: &Sides) -> Vec<u32> {
     }
     let mut owners = by_cells(mesh);
     let twins = twins(&mesh.points, mesh.periodic, sides, &owners);
-    let needed = needed(mesh, &Joins::across(mesh, sides, &twins), &twins);
-    for position in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
+    let needed = needed(mesh, &joins(mesh, sides, &twins), &twins);
+    for position in positions(&twins) {
         // `complete` numbers the nodes it adds at a position by their owners.
         let added = position.iter().filter(|twin| twin.owner == NOBODY);
         added.zip(missing(&needed, position)).for_each(|(twin, owner)| owners[twin.node as usize] = owner);
     }
     owners
+}
+
+/// The nodes at each position.
+fn positions(twins: &[Twin]) -> impl Iterator<Item = &[Twin]> {
+    twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along))
 }
 
 /// Joins the materials that meet across a face by cohesive elements on the upper one, with nodes of their own where those of
@@ -257,10 +267,10 @@ pub(super) fn complete(mesh: &mut Mesh) {
     let sides = Sides::of(mesh);
     let owners = by_cells(mesh);
     let mut twins = twins(&mesh.points, mesh.periodic, &sides, &owners);
-    let joins = Joins::across(mesh, &sides, &twins);
+    let joins = joins(mesh, &sides, &twins);
     let needed = needed(mesh, &joins, &twins);
     let mut added = Vec::new();
-    for position in twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along)) {
+    for position in positions(&twins) {
         for owner in missing(&needed, position) {
             let node = (mesh.points.len() + added.len()) as u32;
             added.push((mesh.points[position[0].node as usize], Twin { owner, node, ..position[0] }));
@@ -270,7 +280,7 @@ pub(super) fn complete(mesh: &mut Mesh) {
     twins.extend(added.iter().map(|(_, twin)| twin));
     twins.sort_unstable();
     let classes = ImageClasses::new(mesh.points.len(), &twins);
-    for Join { own, inside, outside } in joins.0 {
+    for Join { own, inside, outside } in joins {
         if let Some((aggregate, nodes)) = classes.join(own, inside, outside) {
             mesh.cohesive.extend(nodes);
             mesh.cohesive_aggregate.push(aggregate);
@@ -286,39 +296,35 @@ struct Join {
 }
 
 /// Where a cell on an upper face meets another material's on the lower one.
-struct Joins(Vec<Join>);
-
-impl Joins {
-    fn across(mesh: &Mesh, sides: &Sides, twins: &[Twin]) -> Self {
-        let classes = ImageClasses::new(mesh.points.len(), twins);
-        let mut joins = Vec::new();
-        for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
-            let lower =
-                |face: &(u32, usize)| Some((classes.key(&corners(mesh.by_aggregate(), face))?, material(mesh, face.0)));
-            let mut low: Vec<(Vec<u32>, u32)> = sides.faces()[2 * axis].iter().filter_map(lower).collect();
-            low.sort_unstable();
-            let opposite = |own: &[u32]| {
-                let key = classes.key(own)?;
-                low.binary_search_by(|entry| entry.0.cmp(&key)).ok().map(|found| low[found].1)
-            };
-            for face in &sides.faces()[2 * axis + 1] {
-                let (own, inside) = (corners(mesh.by_aggregate(), face), material(mesh, face.0));
-                let outside = opposite(&own).filter(|outside| *outside != inside);
-                joins.extend(outside.map(|outside| Join { own, inside, outside }));
-            }
+fn joins(mesh: &Mesh, sides: &Sides, twins: &[Twin]) -> Vec<Join> {
+    let classes = ImageClasses::new(mesh.points.len(), twins);
+    let corners = |&(cell, face): &(u32, usize)| -> Vec<u32> { mesh.by_aggregate().face(cell, face).collect() };
+    let mut joins = Vec::new();
+    for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
+        let lower = |face: &(u32, usize)| Some((classes.key(&corners(face))?, material(mesh, face.0)));
+        let mut low: Vec<(Vec<u32>, u32)> = sides.faces()[2 * axis].iter().filter_map(lower).collect();
+        low.sort_unstable();
+        let opposite = |own: &[u32]| {
+            let key = classes.key(own)?;
+            low.binary_search_by(|entry| entry.0.cmp(&key)).ok().map(|found| low[found].1)
+        };
+        for face in &sides.faces()[2 * axis + 1] {
+            let (own, inside) = (corners(face), material(mesh, face.0));
+            let outside = opposite(&own).filter(|outside| *outside != inside);
+            joins.extend(outside.map(|outside| Join { own, inside, outside }));
         }
-        Self(joins)
     }
+    joins
 }
 
 /// The positions on upper faces (class and `along`) with the owners that cohesive elements across them need there, ascending.
-fn needed(mesh: &Mesh, joins: &Joins, twins: &[Twin]) -> Vec<(u32, u8, u32)> {
+fn needed(mesh: &Mesh, joins: &[Join], twins: &[Twin]) -> Vec<(u32, u8, u32)> {
     let classes = ImageClasses::new(mesh.points.len(), twins);
     let of_join = |join: &Join| -> Vec<(u32, u8, u32)> {
         let position = |&node: &u32| classes.of[node as usize].map(|(class, along)| (class, along, join.outside));
         join.own.iter().filter_map(position).collect()
     };
-    let mut needed: Vec<(u32, u8, u32)> = joins.0.iter().flat_map(of_join).collect();
+    let mut needed: Vec<(u32, u8, u32)> = joins.iter().flat_map(of_join).collect();
     needed.sort_unstable();
     needed.dedup();
     needed
@@ -330,11 +336,6 @@ fn missing<'a>(needed: &'a [(u32, u8, u32)], position: &'a [Twin]) -> impl Itera
     let start = needed.partition_point(|entry| (entry.0, entry.1) < here);
     let needed = needed[start..].iter().take_while(move |entry| (entry.0, entry.1) == here);
     needed.map(|entry| entry.2).filter(|owner| position.iter().all(|twin| twin.owner != *owner))
-}
-
-/// The corners of a cell's face, counter-clockwise from outside.
-fn corners(cells: Cells, &(cell, face): &(u32, usize)) -> Vec<u32> {
-    cells.face(cell, face).collect()
 }
 
 /// Nodes on the faces by their image classes, and these by nodes.
@@ -378,10 +379,41 @@ impl<'a> ImageClasses<'a> {
     }
 }
 
-/// For every node on a face across which the box repeats itself one number for all images of its position, and the upper
-/// faces that it lies on, a bit per axis. `None` for other nodes, and for those without an image.
-pub(super) fn image_classes(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Vec<Option<(u32, u8)>> {
-    ImageClasses::new(points.len(), &twins(points, periodic, sides, &vec![NO_AGGREGATE; points.len()])).of
+/// The periodic images of nodes, whatever their owners.
+#[derive(Default)]
+pub(super) struct NodeImages {
+    /// The image class of every node, and the upper faces that the node lies on, a bit per axis; empty where nothing
+    /// repeats itself.
+    classes: Vec<Option<(u32, u8)>>,
+    /// Image classes with their nodes, ascending.
+    members: Vec<(u32, u32)>,
+}
+
+impl NodeImages {
+    /// Those of `points` on `sides` of a box across which it is `periodic`.
+    pub(super) fn of(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Self {
+        let twins = twins(points, periodic, sides, &vec![NO_AGGREGATE; points.len()]);
+        let mut members: Vec<(u32, u32)> = twins.iter().map(|twin| (twin.class, twin.node)).collect();
+        members.sort_unstable();
+        Self { classes: ImageClasses::new(points.len(), &twins).of, members }
+    }
+
+    /// The image class of a node, and the upper faces that it lies on, a bit per axis; `None` for nodes without an image.
+    pub(super) fn class(&self, node: u32) -> Option<(u32, u8)> {
+        self.classes.get(node as usize).copied().flatten()
+    }
+
+    /// The nodes of an image class, ascending.
+    pub(super) fn at(&self, class: u32) -> impl ExactSizeIterator<Item = u32> {
+        let start = self.members.partition_point(|member| member.0 < class);
+        let count = self.members[start..].partition_point(|member| member.0 == class);
+        self.members[start..start + count].iter().map(|member| member.1)
+    }
+
+    /// The nodes that have a class.
+    pub(super) fn nodes(&self) -> impl Iterator<Item = u32> {
+        self.members.iter().map(|member| member.1)
+    }
 }
 
 /// The aggregate whose cells have a node, [`NOBODY`] where none does.
@@ -405,7 +437,7 @@ fn material(mesh: &Mesh, cell: u32) -> u32 {
 /// have no image.
 fn twins(points: &[Vec3], periodic: [bool; 3], sides: &Sides, owners: &[u32]) -> Vec<Twin> {
     let size = Aabb::around(points).size();
-    let repeats = |node: &u32| (0..3).any(|axis| periodic[axis] && sides.on(*node) >> (2 * axis) & 3 != 0);
+    let repeats = |node: &u32| sides.on(*node) & repeating(periodic) != 0;
     let nodes: Vec<u32> = (0..points.len() as u32).filter(repeats).collect();
     let upper = |node: u32| upper(periodic, sides, node);
     let is_upper = |node: u32| upper(node) != [false; 3];

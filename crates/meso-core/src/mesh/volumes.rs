@@ -74,10 +74,9 @@ impl PhaseVolumes {
         specimen: &Specimen,
         shell: impl Fn(&Aggregate) -> f64 + Sync,
     ) -> Result<Self, OffsetError> {
-        let core = |index: usize| -> Result<f64, OffsetError> {
+        let core = |index: usize| {
             let aggregate = &aggregates[index];
-            let inner = if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 };
-            Ok(aggregate.body.inward_offset(inner)?.map_or(0.0, |body| body.volume()))
+            core_volume(aggregate, if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 })
         };
         // Summed in the aggregates' order: the same on any number of threads.
         let cores = parallel::try_map(aggregates.len(), core)?;
@@ -106,6 +105,14 @@ impl PhaseVolumes {
     pub fn total(&self) -> f64 {
         self.aggregate + self.itz + self.mortar + self.fibre
     }
+}
+
+/// The volume of an aggregate below a shell of `thickness` mm, mm3.
+///
+/// # Errors
+/// Where it is not to be trusted.
+pub(super) fn core_volume(aggregate: &Aggregate, thickness: f64) -> Result<f64, OffsetError> {
+    Ok(aggregate.body.inward_offset(thickness)?.map_or(0.0, |core| core.volume()))
 }
 
 /// The phase of a mesh that is farthest from its exact volume.

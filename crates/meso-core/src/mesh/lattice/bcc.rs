@@ -5,6 +5,7 @@
 //! box's own faces the pyramid below a face is halved by a diagonal, 45 degrees at worst.
 
 use crate::math::{Aabb, Vec3};
+use crate::mesh::sides::bits as side_bits;
 
 /// The lattice of a box.
 pub(super) struct Bcc {
@@ -94,10 +95,7 @@ impl Bcc {
             return 0;
         }
         let at = self.indices(node);
-        (0..3).fold(0, |bits, axis| {
-            let (low, high) = (at[axis] == 0, at[axis] == self.counts[axis]);
-            bits | u8::from(low) << (2 * axis) | u8::from(high) << (2 * axis + 1)
-        })
+        side_bits(|axis| [at[axis] == 0, at[axis] == self.counts[axis]])
     }
 
     pub(super) fn kind(&self, a: u32, b: u32) -> EdgeKind {

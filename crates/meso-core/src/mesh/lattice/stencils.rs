@@ -9,7 +9,7 @@ use super::warp::{Field, OUTSIDE, alpha};
 use crate::location::Locator;
 use crate::math::Vec3;
 use crate::mesh::cells::{DROPPED, NO_BODY};
-use crate::mesh::tet::{TetMesh, oriented};
+use crate::mesh::tet::{TetMesh, centroid, oriented};
 use crate::parallel;
 use crate::stop;
 use std::cmp::Reverse;
@@ -104,14 +104,10 @@ impl<'a> Cutter<'a> {
             return NO_BODY;
         }
         if let Some(boundary) = self.field.boundary.filter(|_| cell.iter().any(|&node| self.is_outer(node))) {
-            let kept = cell.iter().any(|&node| !self.is_outer(node)) || boundary.contains(&self.centroid(cell));
+            let kept = cell.iter().any(|&node| !self.is_outer(node)) || boundary.contains(&centroid(*cell, &self.points));
             return if kept { NO_BODY } else { OUTSIDE };
         }
-        self.locator.find(&self.centroid(cell)).map_or(NO_BODY, |(body, _)| body as u32)
-    }
-
-    fn centroid(&self, cell: &[u32; 4]) -> Vec3 {
-        cell.iter().map(|&node| self.points[node as usize]).sum::<Vec3>() / 4.0
+        self.locator.find(&centroid(*cell, &self.points)).map_or(NO_BODY, |(body, _)| body as u32)
     }
 
     /// Whether a node lies on the specimen's own surface.

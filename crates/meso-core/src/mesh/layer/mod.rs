@@ -17,6 +17,7 @@ mod prisms;
 
 use super::cells::NO_BODY;
 use super::interface::{self, Owners, separate};
+use super::volumes::core_volume;
 use crate::aggregate::Aggregate;
 use crate::math::Aabb;
 use crate::parallel;
@@ -64,9 +65,8 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
 /// The exact volume of all layers, mm3, those of a body and its images once.
 fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
     let shell = |&body: &u32| {
-        let whole = &bodies.get(body).body;
-        let core = whole.inward_offset(thickness(body)).ok()?.map_or(0.0, |core| core.volume());
-        Some(whole.volume() - core)
+        let whole = bodies.get(body);
+        Some(whole.body.volume() - core_volume(whole, thickness(body)).ok()?)
     };
     let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
     parallel::map_each(&ones, shell).into_iter().sum()

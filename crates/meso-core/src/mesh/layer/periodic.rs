@@ -10,7 +10,7 @@
 use crate::aggregate::Aggregate;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::cells::NO_BODY;
-use crate::mesh::sides::{Sides, image_classes};
+use crate::mesh::sides::{NodeImages, Sides, repeating};
 use crate::mesh::tet::{TetMesh, ascending};
 
 /// Which nodes move together.
@@ -141,10 +141,7 @@ pub(super) struct Faces {
     walls: Aabb,
     /// The faces that each node has to stay in.
     flat: Vec<Flat>,
-    /// The image class of every node, and the upper faces that the node lies on, a bit per axis.
-    classes: Vec<Option<(u32, u8)>>,
-    /// Image classes with their nodes, ascending.
-    images: Vec<(u32, u32)>,
+    images: NodeImages,
 }
 
 impl Faces {
@@ -152,19 +149,16 @@ impl Faces {
     pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3]) -> Self {
         if periodic == [false; 3] {
             let walls = Aabb::around(&mesh.points);
-            return Self { walls, flat: Vec::new(), classes: Vec::new(), images: Vec::new() };
+            return Self { walls, flat: Vec::new(), images: NodeImages::default() };
         }
         Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()))
     }
 
     /// Those of a mesh with these `sides`.
     pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
-        let classes = image_classes(&mesh.points, periodic, sides);
-        let mut images: Vec<(u32, u32)> =
-            (0..).zip(&classes).filter_map(|(node, class)| class.map(|(class, _)| (class, node))).collect();
-        images.sort_unstable();
-        let flat = (0..classes.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
-        Self { walls: Aabb::around(&mesh.points), flat, classes, images }
+        let images = NodeImages::of(&mesh.points, periodic, sides);
+        let flat = (0..mesh.points.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
+        Self { walls: Aabb::around(&mesh.points), flat, images }
     }
 
     pub(super) fn walls(&self) -> &Aabb {
@@ -179,14 +173,12 @@ impl Faces {
     /// The node's image class, and the upper faces that the node lies on, a bit per axis; `None` away from the faces, and
     /// where opposite faces do not match.
     pub(super) fn class(&self, node: u32) -> Option<(u32, u8)> {
-        self.classes.get(node as usize).copied().flatten()
+        self.images.class(node)
     }
 
     /// The nodes of an image class.
     pub(super) fn at(&self, class: u32) -> impl ExactSizeIterator<Item = u32> {
-        let start = self.images.partition_point(|image| image.0 < class);
-        let count = self.images[start..].partition_point(|image| image.0 == class);
-        self.images[start..start + count].iter().map(|image| image.1)
+        self.images.at(class)
     }
 
     /// The node and its images.
@@ -216,7 +208,7 @@ impl Flat {
 
     /// Those of the `sides` across which the box repeats itself.
     pub(super) fn of(sides: u8, periodic: [bool; 3]) -> Self {
-        Self((0..3).filter(|axis| periodic[*axis]).fold(0, |bits, axis| bits | sides & 3 << (2 * axis)))
+        Self(sides & repeating(periodic))
     }
 
     /// A coordinate that cannot change.

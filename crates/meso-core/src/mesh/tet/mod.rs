@@ -15,7 +15,7 @@ pub(super) use operators::{ON_MM, are_coplanar, contraction, edges, insertion, s
 #[cfg(test)]
 pub(super) use operators::{edge_removal, face_swap};
 pub(super) use tetrahedra::{
-    INVERTED, TetMesh, cos2_of, dihedral_cosines, face_vectors, min_dihedral_cos2, oriented, shortest_altitude,
+    INVERTED, TetMesh, centroid, cos2_of, dihedral_cosines, face_vectors, min_dihedral_cos2, oriented, shortest_altitude,
     stable_length,
 };
 #[cfg(test)]

@@ -113,6 +113,11 @@ pub(in crate::mesh) fn oriented(cell: [u32; 4], points: &[Vec3]) -> [u32; 4] {
     if p(b).cross(&p(c)).dot(&p(d)) < 0.0 { [a, c, b, d] } else { cell }
 }
 
+/// The mean of a tetrahedron's corners.
+pub(in crate::mesh) fn centroid(cell: [u32; 4], points: &[Vec3]) -> Vec3 {
+    cell.into_iter().map(|node| points[node as usize]).sum::<Vec3>() / 4.0
+}
+
 /// The [`min_dihedral_cos2`] of a tetrahedron without a positive volume: above that of any other.
 pub(in crate::mesh) const INVERTED: f64 = 2.0;
 

@@ -187,7 +187,7 @@ impl Incidence {
     }
 
     /// Adds a cell to the lists of its nodes.
-    pub(in crate::mesh) fn link(&mut self, cell: u32, nodes: &[u32; 4]) {
+    pub(in crate::mesh) fn link(&mut self, cell: u32, nodes: &[u32]) {
         for &node in nodes {
             if self.tracks(node) {
                 self.push(node, cell);
@@ -196,7 +196,7 @@ impl Incidence {
     }
 
     /// Takes a cell out of the lists of its nodes.
-    pub(in crate::mesh) fn unlink(&mut self, cell: u32, nodes: &[u32; 4]) {
+    pub(in crate::mesh) fn unlink(&mut self, cell: u32, nodes: &[u32]) {
         for &node in nodes {
             let start = self.start[node as usize] as usize;
             if let Some(at) = self.cells(node).iter().position(|other| *other == cell) {
