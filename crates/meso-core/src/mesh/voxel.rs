@@ -11,9 +11,10 @@
 //! Bodies that are alike are all rounded the same way: each fibre of 1.93 voxels got two, 3.5 % too much. So a kind that got too
 //! much gives voxels back.
 
-use super::cells::{CellKind, Draft, NO_BODY, Phase};
+use super::draft::Draft;
 use super::options::MeshOptions;
 use crate::aggregate::{Aggregate, Kind};
+use crate::cells::{CellKind, NO_BODY, Phase};
 use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::packing::Specimen;

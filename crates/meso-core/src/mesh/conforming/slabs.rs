@@ -6,7 +6,6 @@
 //! Bodies too close to each other or to the specimen's surface for a conforming mesh are refused before gmsh starts.
 
 use crate::aggregate::Aggregate;
-use crate::aggregate::grain::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
@@ -14,6 +13,7 @@ use crate::mesh::error::MeshError;
 use crate::packing::{Container, Obstacle, Period};
 use crate::parallel;
 use crate::stop;
+use crate::triangulation::snap;
 use std::cmp::Ordering;
 
 /// Triangles of bodies that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
@@ -22,14 +22,6 @@ const MOST_TRIANGLES: f64 = 500_000.0;
 const WINDOW: f64 = 0.25;
 /// A corner this much nearer to the plane counts as an outermost point: it leaves one short edge, not a sliver all around.
 const CORNER: f64 = 20.0;
-
-/// New nodes are multiples of 2^-40 mm: so sums with bodies' coordinates and periods are exact up to 8 m.
-const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// Rounds to the lattice of new nodes.
-pub(super) fn snap(position: Vec3) -> Vec3 {
-    rounded_to(LATTICE_MM, &position)
-}
 
 /// The planes between slabs.
 pub(super) struct Slabs {

@@ -8,12 +8,12 @@
 //!    face: one is an edge of the surface, the other was Delaunay's. A node at their crossing splits every cell around both
 //!    and removes the flat one; the opposite face gets the same node.
 
-use super::facets::{Nodes, key};
 use super::slabs::Slabs;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::error::MeshError;
-use crate::mesh::tet::{Incidence, TetMesh, ascending};
 use crate::packing::Period;
+use crate::tet::{Incidence, TetMesh, ascending};
+use crate::triangulation::{Nodes, key};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes this near to a plane are on it, mm: those that gmsh adds there are rounded.

@@ -4,8 +4,8 @@
 //! tetrahedra, each spanned by the two centres and one edge of the face: dihedral angles 60 and 90 degrees. On the
 //! box's own faces the pyramid below a face is halved by a diagonal, 45 degrees at worst.
 
+use crate::cells::side_bits;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::sides::bits as side_bits;
 
 /// The lattice of a box.
 pub(super) struct Bcc {

@@ -5,8 +5,8 @@
 //! polygons tell where it has edges.
 
 use crate::math::Vec3;
-use crate::mesh::tet::Star;
 use crate::packing::{Container, Surface};
+use crate::tet::Star;
 
 /// Surfaces that meet at more than this angle have an edge between them: its cosine, 30 degrees.
 const SHARP: f64 = 0.866;

@@ -20,15 +20,16 @@ mod surface;
 mod sweeps;
 mod warp;
 
-use super::cells::{CellKind, Draft, NO_BODY, Notes, Phase};
+use super::draft::Draft;
 use super::options::MeshOptions;
-use super::tet::{TetMesh, centroid, oriented};
 use crate::aggregate::Aggregate;
+use crate::cells::{CellKind, NO_BODY, Notes, Phase};
 use crate::location::{Facets, Locator};
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{TetMesh, centroid, oriented};
 use bcc::Bcc;
 use boundary::{Boundary, BoundarySurface};
 use surface::Surface;

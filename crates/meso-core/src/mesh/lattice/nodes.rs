@@ -6,14 +6,14 @@
 
 use super::boundary::{Boundary, Hold};
 use super::surface::Surface;
+use crate::cells::NO_BODY;
+use crate::cells::Owners;
+use crate::cells::{NodeImages, Sides};
 use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::interface::Owners;
-use crate::mesh::sides::{NodeImages, Sides};
-use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, centroid, directions};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{Incidence, Star, TetMesh, ascending, centroid, directions};
 
 /// Surfaces that the nodes are fitted to.
 pub(super) struct Exact<'a> {

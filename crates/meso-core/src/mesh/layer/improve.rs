@@ -17,14 +17,14 @@
 
 use super::periodic::{Faces, Flat};
 use super::prisms::{Layer, Layered};
+use crate::cells::Phase;
 use crate::math::Vec3;
-use crate::mesh::cells::Phase;
-use crate::mesh::tet::{
+use crate::parallel;
+use crate::stop;
+use crate::tet::{
     Constraint, Improver, Incidence, Star, TetMesh, ascending, cos2_of, directions, improve as improve_cells,
     min_dihedral_cos2, smoothed, volume,
 };
-use crate::parallel;
-use crate::stop;
 
 /// Rounds of smoothing and collapsing rails.
 const ROUNDS: usize = 5;

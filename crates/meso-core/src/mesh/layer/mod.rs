@@ -15,10 +15,8 @@ mod offset;
 mod periodic;
 mod prisms;
 
-use super::cells::NO_BODY;
-use super::interface::{self, Owners, separate};
-use super::volumes::core_volume;
 use crate::aggregate::Aggregate;
+use crate::cells::{NO_BODY, Owners, copies, faces};
 use crate::math::Aabb;
 use crate::parallel;
 pub(super) use improve::improve;
@@ -35,9 +33,10 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let Layered { mesh, periodic, .. } = layered;
     let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
     let thickness = |body: u32| thickness(bodies.get(body));
-    let mut faces = interface::faces(mesh.by_body());
+    let mut faces = faces(mesh.by_body());
     faces.retain(|face| thickness(mesh.owner[face.cell as usize]) > 0.0);
-    let copies = separate(mesh, &faces);
+    let copies = copies(mesh.by_body(), &faces, None);
+    copies.part(&mut mesh.points, 4, mesh.cells.as_flattened_mut(), &mesh.owner);
     // Nodes of the mortar, and of interfaces, have none.
     let owners = Owners::among(mesh.by_body(), |cell| mesh.owner[cell] != NO_BODY);
     let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
@@ -66,7 +65,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
 fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
     let shell = |&body: &u32| {
         let whole = bodies.get(body);
-        Some(whole.body.volume() - core_volume(whole, thickness(body)).ok()?)
+        Some(whole.body.volume() - whole.core_volume(thickness(body)).ok()?)
     };
     let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
     parallel::map_each(&ones, shell).into_iter().sum()

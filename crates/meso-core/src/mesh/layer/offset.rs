@@ -16,14 +16,14 @@
 
 use super::periodic::{Bodies, Flat, Ties};
 use crate::aggregate::Aggregate;
+use crate::cells::NO_BODY;
+use crate::cells::side_bits;
+use crate::cells::{Copies, InterfaceFace};
 use crate::geometry::Plane;
 use crate::math::{Aabb, Mat3, Vec3};
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::interface::{Copies, InterfaceFace};
-use crate::mesh::sides::bits as side_bits;
-use crate::mesh::tet::TetMesh;
 use crate::parallel;
 use crate::stop;
+use crate::tet::TetMesh;
 use std::collections::{BTreeSet, HashMap};
 
 /// A layer takes at most this share of the depth of an aggregate's centre below its surface.
@@ -54,8 +54,7 @@ impl RadialOffset {
                 deepest(&planes, flat.put(&aabb.min, walls), &free, &aabb).0
             }
         };
-        let planes: Vec<(Vec3, f64)> =
-            planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
+        let planes: Vec<(Vec3, f64)> = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
         let shallowest = planes.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
         let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);

@@ -8,10 +8,10 @@
 //! there.
 
 use crate::aggregate::Aggregate;
+use crate::cells::NO_BODY;
+use crate::cells::{NodeImages, Sides, repeating};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::sides::{NodeImages, Sides, repeating};
-use crate::mesh::tet::{TetMesh, ascending};
+use crate::tet::{TetMesh, ascending};
 
 /// Which nodes move together.
 pub(super) struct Ties {
@@ -198,7 +198,7 @@ impl Faces {
     }
 }
 
-/// The faces that a node has to stay in: a bit per side, in the order of [`SIDES`](crate::mesh::sides::SIDES).
+/// The faces that a node has to stay in: a bit per side, in the order of [`SIDES`](crate::cells::SIDES).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Flat(u8);
 

@@ -12,12 +12,12 @@
 //! and a layer cell is left out with its rail.
 
 use super::periodic::Ties;
+use crate::cells::Phase;
+use crate::cells::{Copies, InterfaceFace};
 use crate::math::Vec3;
-use crate::mesh::cells::Phase;
-use crate::mesh::interface::{Copies, InterfaceFace};
-use crate::mesh::tet::{TetMesh, volume};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{TetMesh, volume};
 use rayon::prelude::*;
 
 /// Tetrahedra with their phases, in a specimen that may repeat itself.
