@@ -48,7 +48,7 @@ impl<'a> Spots<'a> {
 
 /// A node on a face across which the box repeats itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Twin {
+pub(super) struct NodeImage {
     /// The lowest node at the image that lies on no upper face, or, where a void left none there, of all images: one number
     /// for all images of a position.
     pub(super) class: u32,
@@ -64,22 +64,22 @@ pub(crate) fn upper(periodic: [bool; 3], sides: &Sides, node: u32) -> [bool; 3] 
 }
 
 /// The nodes at each position.
-pub(super) fn positions(twins: &[Twin]) -> impl Iterator<Item = &[Twin]> {
-    twins.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along))
+pub(super) fn positions(images: &[NodeImage]) -> impl Iterator<Item = &[NodeImage]> {
+    images.chunk_by(|a, b| (a.class, a.along) == (b.class, b.along))
 }
 
 /// Nodes on the faces by their image classes, and these by nodes.
 pub(super) struct ImageClasses<'a> {
-    twins: &'a [Twin],
+    images: &'a [NodeImage],
     /// Class and upper faces of every node that has them.
     pub(super) of: Vec<Option<(u32, u8)>>,
 }
 
 impl<'a> ImageClasses<'a> {
-    pub(super) fn new(nodes: usize, twins: &'a [Twin]) -> Self {
+    pub(super) fn new(nodes: usize, images: &'a [NodeImage]) -> Self {
         let mut of = vec![None; nodes];
-        twins.iter().for_each(|twin| of[twin.node as usize] = Some((twin.class, twin.along)));
-        Self { twins, of }
+        images.iter().for_each(|image| of[image.node as usize] = Some((image.class, image.along)));
+        Self { images, of }
     }
 
     /// The classes of a face's corners: those of the face opposite to it, too.
@@ -94,8 +94,8 @@ impl<'a> ImageClasses<'a> {
     fn owned(&self, node: u32, owner: u32) -> Option<u32> {
         let (class, along) = self.of[node as usize]?;
         let wanted = (class, along, owner);
-        let start = self.twins.partition_point(|twin| (twin.class, twin.along, twin.owner) < wanted);
-        self.twins.get(start).filter(|twin| (twin.class, twin.along, twin.owner) == wanted).map(|twin| twin.node)
+        let start = self.images.partition_point(|image| (image.class, image.along, image.owner) < wanted);
+        self.images.get(start).filter(|image| (image.class, image.along, image.owner) == wanted).map(|image| image.node)
     }
 
     /// A cohesive element, with its aggregate, between the face `own` of a cell of `inside` and `outside` beyond it. The
@@ -122,10 +122,10 @@ pub(crate) struct NodeImages {
 impl NodeImages {
     /// Those of `points` on `sides` of a box across which it is `periodic`.
     pub(crate) fn of(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Self {
-        let twins = twins(points, periodic, sides, &vec![NO_AGGREGATE; points.len()]);
-        let mut members: Vec<(u32, u32)> = twins.iter().map(|twin| (twin.class, twin.node)).collect();
+        let images = images(points, periodic, sides, &vec![NO_AGGREGATE; points.len()]);
+        let mut members: Vec<(u32, u32)> = images.iter().map(|image| (image.class, image.node)).collect();
         members.sort_unstable();
-        Self { classes: ImageClasses::new(points.len(), &twins).of, members }
+        Self { classes: ImageClasses::new(points.len(), &images).of, members }
     }
 
     /// The image class of a node, and the upper faces that it lies on, a bit per axis; `None` for nodes without an image.
@@ -148,7 +148,7 @@ impl NodeImages {
 
 /// The nodes on faces across which the box repeats itself, by class, upper faces, owner and number; without those that
 /// have no image.
-pub(super) fn twins(points: &[Vec3], periodic: [bool; 3], sides: &Sides, owners: &[u32]) -> Vec<Twin> {
+pub(super) fn images(points: &[Vec3], periodic: [bool; 3], sides: &Sides, owners: &[u32]) -> Vec<NodeImage> {
     let size = Aabb::around(points).size();
     let repeats = |node: &u32| sides.on(*node) & repeating(periodic) != 0;
     let nodes: Vec<u32> = (0..points.len() as u32).filter(repeats).collect();
@@ -160,15 +160,15 @@ pub(super) fn twins(points: &[Vec3], periodic: [bool; 3], sides: &Sides, owners:
         let along = upper(node);
         lowest[node as usize] -= Vec3::from_fn(|axis, _| if along[axis] { size[axis] } else { 0.0 });
     }
-    let images = Spots::new(&lowest, nodes.iter().copied());
-    let twin = |&node: &u32| {
-        let here = || images.at(lowest[node as usize]);
+    let spots = Spots::new(&lowest, nodes.iter().copied());
+    let image = |&node: &u32| {
+        let here = || spots.at(lowest[node as usize]);
         let class = here().min_by_key(|&image| (is_upper(image), image))?;
         let along = (0..3).fold(0, |bits, axis| bits | u8::from(upper(node)[axis]) << axis);
         let has_image = !is_upper(node) || here().nth(1).is_some();
-        has_image.then_some(Twin { class, along, owner: owners[node as usize], node })
+        has_image.then_some(NodeImage { class, along, owner: owners[node as usize], node })
     };
-    let mut twins: Vec<Twin> = nodes.iter().filter_map(twin).collect();
-    twins.sort_unstable();
-    twins
+    let mut images: Vec<NodeImage> = nodes.iter().filter_map(image).collect();
+    images.sort_unstable();
+    images
 }

@@ -3,7 +3,7 @@
 //! [`complete`] gives an image on an upper face a node for each owner that a cohesive element across the face needs there. Every
 //! node has cells or cohesive elements.
 
-use super::images::{ImageClasses, Twin, positions, twins};
+use super::images::{ImageClasses, NodeImage, images, positions};
 use super::mesh::{Mesh, NO_AGGREGATE, Phase};
 use super::sides::Sides;
 
@@ -17,12 +17,12 @@ pub(crate) fn owners(mesh: &Mesh, sides: &Sides) -> Vec<u32> {
         return vec![NO_AGGREGATE; mesh.points.len()];
     }
     let mut owners = by_cells(mesh);
-    let twins = twins(&mesh.points, mesh.periodic, sides, &owners);
-    let needed = needed(mesh, &joins(mesh, sides, &twins), &twins);
-    for position in positions(&twins) {
+    let images = images(&mesh.points, mesh.periodic, sides, &owners);
+    let needed = needed(mesh, &joins(mesh, sides, &images), &images);
+    for position in positions(&images) {
         // `complete` numbers the nodes it adds at a position by their owners.
-        let added = position.iter().filter(|twin| twin.owner == NOBODY);
-        added.zip(missing(&needed, position)).for_each(|(twin, owner)| owners[twin.node as usize] = owner);
+        let added = position.iter().filter(|image| image.owner == NOBODY);
+        added.zip(missing(&needed, position)).for_each(|(image, owner)| owners[image.node as usize] = owner);
     }
     owners
 }
@@ -32,20 +32,20 @@ pub(crate) fn owners(mesh: &Mesh, sides: &Sides) -> Vec<u32> {
 pub(crate) fn complete(mesh: &mut Mesh) {
     let sides = Sides::of(mesh);
     let owners = by_cells(mesh);
-    let mut twins = twins(&mesh.points, mesh.periodic, &sides, &owners);
-    let joins = joins(mesh, &sides, &twins);
-    let needed = needed(mesh, &joins, &twins);
+    let mut images = images(&mesh.points, mesh.periodic, &sides, &owners);
+    let joins = joins(mesh, &sides, &images);
+    let needed = needed(mesh, &joins, &images);
     let mut added = Vec::new();
-    for position in positions(&twins) {
+    for position in positions(&images) {
         for owner in missing(&needed, position) {
             let node = (mesh.points.len() + added.len()) as u32;
-            added.push((mesh.points[position[0].node as usize], Twin { owner, node, ..position[0] }));
+            added.push((mesh.points[position[0].node as usize], NodeImage { owner, node, ..position[0] }));
         }
     }
     mesh.points.extend(added.iter().map(|(point, _)| point));
-    twins.extend(added.iter().map(|(_, twin)| twin));
-    twins.sort_unstable();
-    let classes = ImageClasses::new(mesh.points.len(), &twins);
+    images.extend(added.iter().map(|(_, image)| image));
+    images.sort_unstable();
+    let classes = ImageClasses::new(mesh.points.len(), &images);
     for Join { own, inside, outside } in joins {
         if let Some((aggregate, nodes)) = classes.join(own, inside, outside) {
             mesh.cohesive.extend(nodes);
@@ -62,8 +62,8 @@ struct Join {
 }
 
 /// Where a cell on an upper face meets another material's on the lower one.
-fn joins(mesh: &Mesh, sides: &Sides, twins: &[Twin]) -> Vec<Join> {
-    let classes = ImageClasses::new(mesh.points.len(), twins);
+fn joins(mesh: &Mesh, sides: &Sides, images: &[NodeImage]) -> Vec<Join> {
+    let classes = ImageClasses::new(mesh.points.len(), images);
     let corners = |&(cell, face): &(u32, usize)| -> Vec<u32> { mesh.by_aggregate().face(cell, face).collect() };
     let mut joins = Vec::new();
     for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
@@ -84,8 +84,8 @@ fn joins(mesh: &Mesh, sides: &Sides, twins: &[Twin]) -> Vec<Join> {
 }
 
 /// The positions on upper faces (class and `along`) with the owners that cohesive elements across them need there, ascending.
-fn needed(mesh: &Mesh, joins: &[Join], twins: &[Twin]) -> Vec<(u32, u8, u32)> {
-    let classes = ImageClasses::new(mesh.points.len(), twins);
+fn needed(mesh: &Mesh, joins: &[Join], images: &[NodeImage]) -> Vec<(u32, u8, u32)> {
+    let classes = ImageClasses::new(mesh.points.len(), images);
     let of_join = |join: &Join| -> Vec<(u32, u8, u32)> {
         let position = |&node: &u32| classes.of[node as usize].map(|(class, along)| (class, along, join.outside));
         join.own.iter().filter_map(position).collect()
@@ -97,11 +97,11 @@ fn needed(mesh: &Mesh, joins: &[Join], twins: &[Twin]) -> Vec<(u32, u8, u32)> {
 }
 
 /// The owners needed at a position, given by its nodes, that have no cells there, ascending.
-fn missing<'a>(needed: &'a [(u32, u8, u32)], position: &'a [Twin]) -> impl Iterator<Item = u32> + 'a {
+fn missing<'a>(needed: &'a [(u32, u8, u32)], position: &'a [NodeImage]) -> impl Iterator<Item = u32> + 'a {
     let here = (position[0].class, position[0].along);
     let start = needed.partition_point(|entry| (entry.0, entry.1) < here);
     let needed = needed[start..].iter().take_while(move |entry| (entry.0, entry.1) == here);
-    needed.map(|entry| entry.2).filter(|owner| position.iter().all(|twin| twin.owner != *owner))
+    needed.map(|entry| entry.2).filter(|owner| position.iter().all(|image| image.owner != *owner))
 }
 
 /// The aggregate whose cells have a node, [`NOBODY`] where none does.

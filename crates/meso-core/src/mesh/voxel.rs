@@ -4,7 +4,7 @@
 //! offset by the shell's thickness: max_i (n_i . x - d_i) > -t. By default t is at least the voxel's edge, so that along
 //! every axis one ITZ voxel or more lies between core and mortar (a shell h thick is crossed over a length of at least h).
 //!
-//! Where each voxel has several samples, a body takes as many as its samples fill, the fullest ones first ([`settle`]). The
+//! Where each voxel has several samples, a body takes as many as its samples fill, the fullest ones first ([`assign`]). The
 //! majority of the samples in each voxel would shrink convex bodies, since less than half of a voxel centred on a curved
 //! surface lies inside: the aggregates of the paper's specimen lost 5.8 % in voxels of 2 mm. So volumes are kept instead,
 //! body by body to half a voxel, and over all bodies of a kind. Core and shell divide a body's voxels in the same way.
@@ -92,7 +92,7 @@ impl Voxels {
                 *claims = self.sample_layer(&scan, grid, n, k, layer);
             });
             let claims: Vec<_> = layers.into_iter().map(|(_, claims)| claims).collect();
-            settle(claims.concat(), n * n * n, bodies, &mut labels);
+            assign(claims.concat(), n * n * n, bodies, &mut labels);
         }
         labels
     }
@@ -200,7 +200,7 @@ impl Account {
 }
 
 /// Gives the voxels of `claims` their labels; the others have theirs. Voxels have `samples` each.
-fn settle(mut claims: Vec<Claim>, samples: usize, bodies: &[Aggregate], labels: &mut [Label]) {
+fn assign(mut claims: Vec<Claim>, samples: usize, bodies: &[Aggregate], labels: &mut [Label]) {
     let samples = samples as i64;
     let mut accounts = vec![Account::default(); bodies.len()];
     for claim in &claims {

@@ -3,7 +3,7 @@
 //! 1. Gaps too narrow for a mesh are refused (`slabs`).
 //! 2. Large specimens are divided into slabs; bodies are cut at the planes and at the faces of a box that repeats itself
 //!    (`clipped`).
-//! 3. All facets are cut into triangles ([`triangulation`]) and put together to what gmsh is given (`sections`,
+//! 3. All facets are cut into triangles (`triangulation`) and put together to what gmsh is given (`sections`,
 //!    `plc`, `msh`): discrete surfaces, without CAD and without booleans.
 //! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
 //! 5. The slabs' meshes become one and flat cells on periodic faces are opened (`stitch`), and small angles are enlarged

@@ -192,7 +192,7 @@ const RINGS: usize = 4;
 /// all do.)
 const POSITIONS: usize = 48;
 const APART: f64 = 0.05;
-/// Rounds of moves and swaps at each place. More moves before each round's swaps find less.
+/// Rounds of moves and swaps at each position. More moves before each round's swaps find less.
 const PATCH_ROUNDS: usize = 30;
 
 /// Other cells in the place of some.

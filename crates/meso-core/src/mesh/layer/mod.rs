@@ -1,7 +1,7 @@
 //! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every body.
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
-//! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its image stands a
+//! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its offset stands a
 //! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
 //! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
 //! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
@@ -23,7 +23,7 @@ pub(super) use improve::improve;
 use offset::RadialOffsets;
 use periodic::{Bodies, Ties};
 pub(super) use prisms::Layered;
-use prisms::{Layer, LayerCell, append, prism, settle, untangle};
+use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
 /// Splits a layer of `thickness(body)` mm off the inside of every body.
 ///
@@ -50,7 +50,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let mut loose = offset::project(mesh, &copies, &offsets, &ties, &mut targets);
     loose.sort_unstable();
     untangle(mesh, &layer, &ties, &on_rays, &mut targets);
-    let back = settle(mesh, &targets, &layer, &ties);
+    let back = step_back(mesh, &targets, &layer, &ties);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
     let (short_nodes, pinched_nodes) = (count(&|copy| back.is_short(copy)), count(&|copy| back.is_pinched(copy)));
     parallel::each_short_mut(&mut mesh.points, |node, p| *p = back.position(node as u32, p, &targets[node]));

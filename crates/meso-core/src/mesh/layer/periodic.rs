@@ -230,17 +230,17 @@ impl Flat {
         })
     }
 
-    /// The position of a node that moves from `x` towards `image` and stays on its side of these faces: at most half of the
+    /// The position of a node that moves from `x` towards `target` and stays on its side of these faces: at most half of the
     /// distance to each, and so that nodes on one line across a face keep their order.
-    pub(super) fn hold_off(self, x: &Vec3, image: &Vec3, walls: &Aabb) -> Vec3 {
+    pub(super) fn hold_off(self, x: &Vec3, target: &Vec3, walls: &Aabb) -> Vec3 {
         Vec3::from_fn(|axis, _| {
-            let step = image[axis] - x[axis];
+            let step = target[axis] - x[axis];
             let clearance = if step < 0.0 { x[axis] - walls.min[axis] } else { walls.max[axis] - x[axis] };
             let ahead = self.0 >> (2 * axis + usize::from(step > 0.0)) & 1 == 1;
             if ahead && clearance > 0.0 {
                 x[axis] + step * (clearance / (clearance + 2.0 * step.abs()))
             } else {
-                image[axis]
+                target[axis]
             }
         })
     }
@@ -306,11 +306,11 @@ mod tests {
     fn nodes_held_off_a_face_keep_their_side_and_their_order() {
         let walls = Aabb { min: Vec3::zeros(), max: Vec3::repeat(10.0) };
         let flat = Flat::of(0b11_0001, [true, true, false]);
-        let image = |x: f64| flat.hold_off(&Vec3::new(x, 5.0, 5.0), &Vec3::new(x - 0.4, 5.0, 4.0), &walls);
-        let images: Vec<f64> = (1..100).map(|i| image(f64::from(i) * 0.05).x).collect();
-        assert!(images[0] > 0.0 && images.is_sorted());
-        assert!((images[98] - (4.95 - 0.4)).abs() < 0.06, "far from the face hardly anything changes");
-        assert_eq!(image(3.0).z, 4.0, "the box does not repeat itself there");
+        let held = |x: f64| flat.hold_off(&Vec3::new(x, 5.0, 5.0), &Vec3::new(x - 0.4, 5.0, 4.0), &walls);
+        let all: Vec<f64> = (1..100).map(|i| held(f64::from(i) * 0.05).x).collect();
+        assert!(all[0] > 0.0 && all.is_sorted());
+        assert!((all[98] - (4.95 - 0.4)).abs() < 0.06, "far from the face hardly anything changes");
+        assert_eq!(held(3.0).z, 4.0, "the box does not repeat itself there");
         assert!(flat.holds(0) && !flat.holds(1) && !flat.holds(2));
     }
 }
