@@ -4,8 +4,10 @@ use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::{Plane, Polyhedron};
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, quality};
 use meso_core::packing::Specimen;
+use std::io;
+use std::path::PathBuf;
 
 /// The axis-aligned block between two corners.
 pub(crate) fn block(min: [f64; 3], max: [f64; 3]) -> Polyhedron {
@@ -233,4 +235,15 @@ fn a_plain_lattice_has_the_phase_of_every_centroid() {
         let inside = |(_, planes): &&(u32, Vec<Plane>)| planes.iter().all(|p| p.normal.dot(&centre) <= p.offset);
         assert_eq!(mesh.aggregate[c], planes.iter().find(inside).map_or(Mesh::NO_AGGREGATE, |(id, _)| *id));
     }
+}
+
+#[test]
+fn a_front_names_options_and_no_folders() {
+    let named = |key: &str| format!("--{}", key.replace('_', "-"));
+    let seam = MeshError::Seam { at: [0.0; 3] };
+    assert!(seam.message(named).ends_with("choose another --element-size-mm or fewer slabs"));
+    assert_eq!(seam.message(str::to_owned), seam.to_string());
+    let folder = PathBuf::from("/tmp/element_size_mm");
+    let files = MeshError::Files { folder, error: io::Error::other("full") };
+    assert_eq!(files.message(named), files.to_string());
 }

@@ -1,11 +1,11 @@
 //! Formats of packings, meshes and images; the file's extension names the format.
 
+use crate::cells::Mesh;
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Values, npy, png, tif, vti};
 use crate::export::step::Block;
 use crate::export::vtk::Encoding;
 use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
-use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::packing::{Images, Specimen, Surface};
 use crate::page;

@@ -23,6 +23,8 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
 
 pub mod aggregate;
+mod analysis_mesh;
+mod cells;
 pub mod check;
 pub mod export;
 pub mod formats;
@@ -30,6 +32,7 @@ mod import;
 mod location;
 pub mod materials;
 pub mod mesh;
+mod mesh_figures;
 pub mod model;
 pub mod packing;
 pub mod page;
@@ -40,7 +43,9 @@ pub mod spec;
 pub mod statistics;
 #[doc(hidden)]
 pub mod stop;
+mod tet;
 mod thousands;
+mod triangulation;
 pub mod voxel_image;
 
 /// Internals for the tests and benches of this workspace; no promise covers them.

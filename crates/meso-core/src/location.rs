@@ -4,9 +4,9 @@
 //! ny y - nz z. So a body costs its planes times its rows, and no point is ever tested against a body.
 
 use crate::aggregate::Aggregate;
+use crate::cells::{NO_BODY, Phase};
 use crate::geometry::Plane;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::{NO_BODY, Phase};
 use crate::parallel;
 use crate::stop;
 use std::borrow::Cow;

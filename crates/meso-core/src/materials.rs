@@ -4,7 +4,7 @@
 //! available. docs/decks.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
 //! range (Sec. 3.1).
 
-use crate::mesh::cells::{CellKind, Mesh, Phase};
+use crate::cells::{CellKind, Mesh, Phase};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// Values of the phases.

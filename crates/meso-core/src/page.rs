@@ -10,8 +10,8 @@ mod slice;
 mod tables;
 
 use crate::aggregate::{Aggregate, SizeDefinition};
+use crate::cells::Mesh;
 use crate::export::appearance::CLASSES;
-use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::parallel;
 use crate::statistics::Statistics;

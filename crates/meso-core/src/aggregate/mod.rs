@@ -45,4 +45,12 @@ impl Aggregate {
     pub fn core(&self) -> Result<Option<Polyhedron>, OffsetError> {
         self.body.inward_offset(self.itz_thickness_mm)
     }
+
+    /// The volume inside a shell of `thickness` mm, mm3.
+    ///
+    /// # Errors
+    /// As [`core`](Self::core).
+    pub(crate) fn core_volume(&self, thickness: f64) -> Result<f64, OffsetError> {
+        Ok(self.body.inward_offset(thickness)?.map_or(0.0, |core| core.volume()))
+    }
 }

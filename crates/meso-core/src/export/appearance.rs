@@ -5,7 +5,7 @@
 //! material is `class_1`, `void` or `fibre`, coloured as in the pages and pictures.
 
 use crate::aggregate::{Aggregate, Kind};
-use crate::mesh::Phase;
+use crate::cells::Phase;
 
 /// Colour of a phase by its label, sRGB; in images the voxels outside the specimen are transparent.
 pub const PALETTE: [[u8; 3]; 5] =

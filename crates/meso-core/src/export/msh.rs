@@ -5,9 +5,9 @@
 //! hexahedra without volume, in the ITZ. The view `aggregate` gives every element its grain, -1 in the mortar; a face
 //! on a bounding plane has that of its cell (meshio reads a view only where it names all elements in their order).
 
+use crate::cells::{CellKind, Mesh, Phase};
+use crate::cells::{SIDES, Sides};
 use crate::math::Aabb;
-use crate::mesh::sides::{SIDES, Sides};
-use crate::mesh::{CellKind, Mesh, Phase};
 use std::io::{self, BufWriter, Write};
 
 /// Elements of one entity: dimension, tag, gmsh's element type, nodes each, and all their nodes.

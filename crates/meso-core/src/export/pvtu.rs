@@ -3,7 +3,7 @@
 //! A piece has its own nodes; those between two pieces are in both.
 
 use super::vtu_mesh;
-use crate::mesh::Mesh;
+use crate::cells::Mesh;
 use crate::parallel;
 use rayon::prelude::*;
 use std::io::{self, Write};

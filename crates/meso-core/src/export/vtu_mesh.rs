@@ -4,7 +4,8 @@
 //! `radius_ratio` and `min_dihedral_deg`.
 
 use super::vtk::{Array, Encoding, Grid, Layout};
-use crate::mesh::{CellKind, Mesh, Phase, quality};
+use crate::cells::{CellKind, Mesh, Phase};
+use crate::mesh_figures::CellQuality;
 use std::io::{self, Write};
 
 /// Writes `mesh` with its phases and quality to `out`; `compress` is by zlib.
@@ -14,11 +15,11 @@ use std::io::{self, Write};
 pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
     let quality = match mesh.kind {
         CellKind::Hexahedron => Vec::new(),
-        _ => quality::CellQuality::of_cells(mesh),
+        _ => CellQuality::of_cells(mesh),
     };
     let mut cell_data: Vec<Array> = bodies(mesh, &mesh.phase).collect();
     if !quality.is_empty() {
-        let measure = |name, value: fn(&quality::CellQuality) -> f64| {
+        let measure = |name, value: fn(&CellQuality) -> f64| {
             let quality = &quality;
             Array::new("Float32", name, quality.len(), move || {
                 quality.iter().map(move |q| (value(q) as f32).to_le_bytes())

@@ -4,18 +4,20 @@
 //! one of whole cells: as far as half an element from the specimen's own. (A fitted lattice is cut at the specimen's
 //! surface instead.) Voids are left out of every mesh.
 
-use super::cells::{CellKind, Draft, Mesh, NO_BODY, Notes, Phase, drop_lone_nodes};
+use super::acceptance::{PhaseOff, all_positive};
 use super::conforming::{self, VolumeMesher};
+use super::draft::Draft;
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
-use super::sides::FlatSides;
-use super::tet::TetMesh;
-use super::volumes::{self, PhaseOff};
-use super::{clip, fidelity, gaps, interface, lattice, layer, quality, sides, voxel};
+use super::{clip, lattice, layer, voxel};
 use crate::aggregate::{Aggregate, Kind};
+use crate::analysis_mesh::{add_cohesive, part_joined, restore_volumes, smear_itz, split_narrow};
+use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, drop_lone_nodes};
+use crate::mesh_figures::note_closed_gaps;
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
 use crate::parallel;
+use crate::tet::TetMesh;
 use std::cmp::Ordering;
 
 /// Meshes a packed specimen by a method of our own.
@@ -90,18 +92,15 @@ fn assemble(
         clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, bodies);
-    fidelity::note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
+    note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
     progress(0.75);
     make_fit(&mut mesh, bodies, options);
     progress(0.85);
     if options.itz == ItzForm::Cohesive {
-        interface::add_cohesive(&mut mesh);
-        if mesh.periodic != [false; 3] {
-            sides::complete(&mut mesh);
-        }
+        add_cohesive(&mut mesh);
     }
     progress(0.95);
-    quality::all_positive(mesh.by_aggregate())?;
+    all_positive(mesh.by_aggregate())?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -111,17 +110,17 @@ fn assemble(
 /// Parts joined aggregates, restores volumes, splits narrow gaps and names the smeared ITZ, as far as each is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
-        gaps::part(mesh, bodies, options.joined == Joined::Cut);
+        part_joined(mesh, bodies, options.joined == Joined::Cut);
     }
     let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
-        volumes::restore(mesh, bodies, options.element_size_mm);
+        restore_volumes(mesh, bodies, options.element_size_mm);
     }
     if options.narrow_gaps == NarrowGaps::Split {
-        mesh.notes.split_gap_edges = gaps::split_narrow(mesh);
+        mesh.notes.split_gap_edges = split_narrow(mesh);
     }
     if options.itz == ItzForm::Smeared {
-        interface::smear_itz(mesh);
+        smear_itz(mesh);
     }
 }
 

@@ -4,7 +4,7 @@
 //! about a circle of 100 mm 0.6 % too many have their centres in it, which the mortar, half of the specimen, has to hold. Then
 //! every voxel is sampled, and the ones with the largest shares inside are kept, as many as come closest to the volume.
 
-use super::cells::{CellKind, Mesh, NO_AGGREGATE};
+use crate::cells::{CellKind, Mesh, NO_AGGREGATE};
 use crate::math::{Aabb, Vec3};
 use crate::packing::Container;
 use crate::parallel;

@@ -1,7 +1,7 @@
 //! Why a mesh cannot be made.
 
-use crate::math::Vec3;
 use crate::thousands;
+use crate::triangulation::Untriangulated;
 use std::io;
 use std::path::PathBuf;
 
@@ -144,10 +144,6 @@ impl MeshError {
         Self::Option { key, value: value.to_string(), accepted: accepted.into() }
     }
 
-    pub(super) fn triangulation(what: &'static str, at: &Vec3) -> Self {
-        Self::Triangulation { what, at: (*at).into() }
-    }
-
     /// The name of the option at fault, if one is.
     pub fn key(&self) -> Option<&'static str> {
         match self {
@@ -174,24 +170,14 @@ impl MeshError {
     }
 }
 
+impl From<Untriangulated> for MeshError {
+    fn from(Untriangulated { what, at }: Untriangulated) -> Self {
+        Self::Triangulation { what, at }
+    }
+}
+
 /// The system's message without Rust's "(os error 28)".
 fn plain(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_front_names_options_and_no_folders() {
-        let named = |key: &str| format!("--{}", key.replace('_', "-"));
-        let seam = MeshError::Seam { at: [0.0; 3] };
-        assert!(seam.message(named).ends_with("choose another --element-size-mm or fewer slabs"));
-        assert_eq!(seam.message(str::to_owned), seam.to_string());
-        let folder = PathBuf::from("/tmp/element_size_mm");
-        let files = MeshError::Files { folder, error: io::Error::other("full") };
-        assert_eq!(files.message(named), files.to_string());
-    }
 }

@@ -4,16 +4,17 @@
 //! offset by the shell's thickness: max_i (n_i . x - d_i) > -t. By default t is at least the voxel's edge, so that along
 //! every axis one ITZ voxel or more lies between core and mortar (a shell h thick is crossed over a length of at least h).
 //!
-//! Where each voxel has several samples, a body takes as many as its samples fill, the fullest ones first ([`settle`]). The
+//! Where each voxel has several samples, a body takes as many as its samples fill, the fullest ones first ([`assign`]). The
 //! majority of the samples in each voxel would shrink convex bodies, since less than half of a voxel centred on a curved
 //! surface lies inside: the aggregates of the paper's specimen lost 5.8 % in voxels of 2 mm. So volumes are kept instead,
 //! body by body to half a voxel, and over all bodies of a kind. Core and shell divide a body's voxels in the same way.
 //! Bodies that are alike are all rounded the same way: each fibre of 1.93 voxels got two, 3.5 % too much. So a kind that got too
 //! much gives voxels back.
 
-use super::cells::{CellKind, Draft, NO_BODY, Phase};
+use super::draft::Draft;
 use super::options::MeshOptions;
 use crate::aggregate::{Aggregate, Kind};
+use crate::cells::{CellKind, NO_BODY, Phase};
 use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
 use crate::packing::Specimen;
@@ -91,7 +92,7 @@ impl Voxels {
                 *claims = self.sample_layer(&scan, grid, n, k, layer);
             });
             let claims: Vec<_> = layers.into_iter().map(|(_, claims)| claims).collect();
-            settle(claims.concat(), n * n * n, bodies, &mut labels);
+            assign(claims.concat(), n * n * n, bodies, &mut labels);
         }
         labels
     }
@@ -199,7 +200,7 @@ impl Account {
 }
 
 /// Gives the voxels of `claims` their labels; the others have theirs. Voxels have `samples` each.
-fn settle(mut claims: Vec<Claim>, samples: usize, bodies: &[Aggregate], labels: &mut [Label]) {
+fn assign(mut claims: Vec<Claim>, samples: usize, bodies: &[Aggregate], labels: &mut [Label]) {
     let samples = samples as i64;
     let mut accounts = vec![Account::default(); bodies.len()];
     for claim in &claims {

@@ -61,3 +61,21 @@ pub(crate) fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -
     let images = parallel::flat_map(aggregates.len(), |number| images(&aggregates[number]));
     aggregates.iter().cloned().chain(images).collect()
 }
+
+/// What is made of bodies, by their ids; images have the id of their body.
+pub(crate) struct ById<T>(Vec<(u32, T)>);
+
+impl<T> ById<T> {
+    /// What `made` makes of each of `bodies`; their order stays among those of one id.
+    pub(crate) fn new<'a>(bodies: &'a [Aggregate], made: impl Fn(&'a Aggregate) -> T) -> Self {
+        let mut by_id: Vec<(u32, T)> = bodies.iter().map(|body| (body.id, made(body))).collect();
+        by_id.sort_by_key(|body| body.0);
+        Self(by_id)
+    }
+
+    /// That of body `id` and of its images.
+    pub(crate) fn images(&self, id: u32) -> impl Iterator<Item = &T> {
+        let start = self.0.partition_point(|body| body.0 < id);
+        self.0[start..].iter().take_while(move |body| body.0 == id).map(|(_, made)| made)
+    }
+}

@@ -14,7 +14,7 @@ mod task;
 
 pub(crate) use face_shift::keep_off_faces;
 pub use images::Images;
-pub(crate) use images::near as images_near;
+pub(crate) use images::{ById, near as images_near};
 pub(crate) use place::place;
 #[doc(hidden)]
 pub use progress::Measure;

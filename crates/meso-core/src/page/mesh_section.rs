@@ -1,8 +1,8 @@
 //! Where a plane meets a mesh: the cells that it cuts, as SVG.
 
 use super::slice::{self, WIDTH};
+use crate::cells::{CellKind, Mesh, Phase};
 use crate::export::appearance::CLASSES;
-use crate::mesh::{CellKind, Mesh, Phase};
 use crate::model::Model;
 use crate::thousands;
 use std::collections::BTreeMap;

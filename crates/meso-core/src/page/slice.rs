@@ -1,10 +1,10 @@
 //! Where a plane meets the aggregates: exact polygons as SVG.
 
 use crate::aggregate::{Aggregate, Kind};
+use crate::cells::Phase;
 use crate::export::appearance::{CLASSES, PALETTE, VOID, fill};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
-use crate::mesh::Phase;
 use crate::model::Model;
 use crate::packing::{Images, Surface};
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! The page's tables.
 
 use super::plot::escape;
-use crate::mesh::PhaseVolumes;
+use crate::mesh_figures::PhaseVolumes;
 use crate::model::Model;
 use crate::packing::Specimen;
 use crate::spec::Spec;

@@ -17,9 +17,9 @@ use crate::export::appearance::phase;
 pub use crate::export::raster::Values;
 use crate::export::raster::{Frame, ValueKind};
 
+use crate::cells::Phase;
 use crate::location::{Facets, PointGrid, Scan};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::Phase;
 use crate::model::Model;
 use crate::packing::{Container, images_near};
 use crate::parallel;

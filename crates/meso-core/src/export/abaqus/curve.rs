@@ -2,8 +2,9 @@
 
 use super::lines::real;
 use super::{Analysis, DeckOptions};
+use crate::cells::Mesh;
 use crate::math::Aabb;
-use crate::mesh::{Mesh, PhaseVolumes};
+use crate::mesh_figures::PhaseVolumes;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

@@ -6,9 +6,9 @@
 
 use super::lines::Lines;
 use super::periodic::REFERENCES;
+use crate::cells::Mesh;
+use crate::cells::Sides;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::Mesh;
-use crate::mesh::sides::Sides;
 use std::io::{self, Write};
 
 /// The step: displacement of ZMAX by -`strain` times the height, reactions of both planes.

@@ -6,9 +6,9 @@
 use super::geometry::present;
 use super::lines::{Lines, real};
 use super::{Analysis, DeckError, DeckOptions};
+use crate::cells::Sides;
+use crate::cells::{Mesh, Phase};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::sides::Sides;
-use crate::mesh::{Mesh, Phase};
 use std::io::{self, Write};
 
 /// The plates reach beyond the specimen by this share of its width, so that its sides can bulge.

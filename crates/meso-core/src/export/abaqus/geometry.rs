@@ -2,8 +2,8 @@
 
 use super::DeckOptions;
 use super::lines::Lines;
-use crate::mesh::sides::{SIDES, Sides};
-use crate::mesh::{CellKind, Mesh, Phase};
+use crate::cells::{CellKind, Mesh, Phase};
+use crate::cells::{SIDES, Sides};
 use std::io::{self, Write};
 
 /// The deck's heading; of geometry alone comments, since a deck that includes it, perhaps within a part, has its own.

@@ -1,8 +1,8 @@
 //! Limits of a deck's values; one out of its range is named.
 
 use super::{Analysis, DeckOptions};
+use crate::cells::Phase;
 use crate::materials::{Elastic, Materials};
-use crate::mesh::Phase;
 
 /// An option that a deck cannot hold.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -5,8 +5,9 @@ use super::damage::{self, Band, Row};
 use super::geometry::present;
 use super::limits::{self, DeckError};
 use super::lines::{Lines, real};
+use crate::cells::{Mesh, Phase};
 use crate::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
-use crate::mesh::{Mesh, Phase, PhaseVolumes};
+use crate::mesh_figures::PhaseVolumes;
 use std::io::{self, Write};
 
 /// Material and section of every phase the mesh has, and of the cohesive elements.

@@ -16,9 +16,10 @@ mod lines;
 mod materials;
 mod periodic;
 
+use crate::cells::Sides;
+use crate::cells::{Mesh, Phase};
 use crate::materials::Materials;
-use crate::mesh::sides::Sides;
-use crate::mesh::{Mesh, Phase, PhaseVolumes};
+use crate::mesh_figures::PhaseVolumes;
 use crate::thousands;
 pub(crate) use curve::write_curve;
 pub use limits::DeckError;

@@ -10,10 +10,10 @@
 
 use super::DeckError;
 use super::lines::Lines;
+use crate::cells::Mesh;
+use crate::cells::{SIDES, Sides, Spots, owners, upper};
 use crate::geometry::BoxTree;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::Mesh;
-use crate::mesh::sides::{SIDES, Sides, Spots, owners, upper};
 use std::cell::LazyCell;
 use std::collections::BTreeMap;
 use std::io::{self, Write};

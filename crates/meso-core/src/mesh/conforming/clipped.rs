@@ -3,18 +3,20 @@
 //! Cut points lie on a lattice on which moving them by whole periods is exact, and both sides of a face take them from
 //! the same edges in the same direction. So what two pieces share across a face is the same, bit for bit.
 
-use super::slabs::{Slabs, snap};
+use super::slabs::Slabs;
 use crate::aggregate::Aggregate;
+use crate::cells::NO_BODY;
 use crate::geometry::Polyhedron;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::NO_BODY;
 use crate::mesh::error::MeshError;
 use crate::packing::{Period, Surface};
 use crate::parallel;
+use crate::triangulation::snap;
 use std::collections::BTreeMap;
 
 /// Edges shorter than this do not come out of gmsh as they went in, mm.
 const SHORTEST_MM: f64 = 1e-6;
+
 /// Finds the index of a body among all that are in the specimen, images included.
 pub(super) struct BodyIndex {
     /// By id, and by the periods from the body as it was placed.
@@ -28,7 +30,7 @@ impl BodyIndex {
         let home: BTreeMap<u32, Vec3> = placed.iter().map(|body| (body.id, corner(body))).collect();
         let steps = |body: &Aggregate| {
             let shift = corner(body) - home.get(&body.id).copied().unwrap_or_else(|| corner(body));
-            [0, 1, 2].map(|axis| period.along(axis).map_or(0, |length| (shift[axis] / length).round() as i32))
+            period.steps(&shift)
         };
         Self { by_steps: (0..).zip(bodies).map(|(index, body)| ((body.id, steps(body)), index)).collect() }
     }
@@ -190,7 +192,7 @@ impl Shape {
         let mut piece = Piece {
             placed,
             body: NO_BODY,
-            steps: [0, 1, 2].map(|axis| period.along(axis).map_or(0, |length| (shift[axis] / length).round() as i32)),
+            steps: period.steps(&shift),
             points: Vec::new(),
             facets: Vec::new(),
             caps: Vec::new(),

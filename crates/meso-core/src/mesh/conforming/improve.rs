@@ -4,14 +4,14 @@
 //! facet move within it, those on its edges along these, and both sides of a facet's triangles change alike ([`VertexClass`]): so
 //! every body stays as it is. The outside of the mesh stays, too, for it may have to match the opposite side.
 
+use crate::cells::NO_BODY;
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::tet::{
+use crate::parallel;
+use crate::stop;
+use crate::tet::{
     Constraint, Improver, NEW, ON_MM, Star, TetMesh, Topology, are_coplanar, ascending, best_position, contraction,
     cos2_of, directions, edges, improve, insertion, smoothed, swapped,
 };
-use crate::parallel;
-use crate::stop;
 
 /// Cells with a smaller angle are improved, degrees (somewhat more than the limit of bad ones), and for how many rounds; the worst
 /// once more at the end.
@@ -276,22 +276,21 @@ fn largest(normals: impl Iterator<Item = Vec3>) -> Option<Vec3> {
     normals.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
 }
 
-/// The eight octants between points on the axes and `centre`, node 6, with the owners of those where x, y and z are
-/// positive or not.
-#[cfg(test)]
-fn octants(centre: Vec3, owner: impl Fn([bool; 3]) -> u32) -> crate::mesh::tet::TetMesh {
-    let ends = (0..3).flat_map(|i| [Vec3::ith(i, 1.0), Vec3::ith(i, -1.0)]);
-    let points: Vec<Vec3> = ends.chain([centre]).collect();
-    let of = |octant: u32| [octant >> 2 & 1, 2 + (octant >> 1 & 1), 4 + (octant & 1), 6];
-    let cells = (0..8).map(|octant| crate::mesh::tet::oriented(of(octant), &points)).collect();
-    let owner = (0..8).map(|octant| owner([octant & 4 == 0, octant & 2 == 0, octant & 1 == 0])).collect();
-    crate::mesh::tet::TetMesh { points, cells, owner }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::tet::{Replacement, edge_removal, face_swap, oriented};
+    use crate::tet::{Replacement, edge_removal, face_swap, oriented};
+
+    /// The eight octants between points on the axes and `centre`, node 6, with the owners of those where x, y and z are
+    /// positive or not.
+    fn octants(centre: Vec3, owner: impl Fn([bool; 3]) -> u32) -> TetMesh {
+        let ends = (0..3).flat_map(|i| [Vec3::ith(i, 1.0), Vec3::ith(i, -1.0)]);
+        let points: Vec<Vec3> = ends.chain([centre]).collect();
+        let of = |octant: u32| [octant >> 2 & 1, 2 + (octant >> 1 & 1), 4 + (octant & 1), 6];
+        let cells = (0..8).map(|octant| oriented(of(octant), &points)).collect();
+        let owner = (0..8).map(|octant| owner([octant & 4 == 0, octant & 2 == 0, octant & 1 == 0])).collect();
+        TetMesh { points, cells, owner }
+    }
 
     /// Two apexes over and under a triangle of this radius, `height` from it.
     fn spindle(radius: f64, height: f64) -> Vec<Vec3> {

@@ -3,7 +3,7 @@
 //! 1. Gaps too narrow for a mesh are refused (`slabs`).
 //! 2. Large specimens are divided into slabs; bodies are cut at the planes and at the faces of a box that repeats itself
 //!    (`clipped`).
-//! 3. All facets are cut into triangles (`facets`, `plane`) and put together to what gmsh is given (`sections`,
+//! 3. All facets are cut into triangles (`triangulation`) and put together to what gmsh is given (`sections`,
 //!    `plc`, `msh`): discrete surfaces, without CAD and without booleans.
 //! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
 //! 5. The slabs' meshes become one and flat cells on periodic faces are opened (`stitch`), and small angles are enlarged
@@ -13,25 +13,23 @@
 //! [`Surfaces::GMSH_OPTIONS`] and hands its output back ([`VolumeMesher`]).
 
 mod clipped;
-mod facets;
 mod improve;
 mod msh;
-mod plane;
 mod plc;
 mod sections;
 mod slabs;
 mod stitch;
 
-use super::cells::NO_BODY;
+use super::acceptance::all_positive;
 use super::error::MeshError;
-use super::quality::all_positive;
-use super::tet::{TetMesh, oriented};
 use crate::aggregate::{Aggregate, Kind};
+use crate::cells::NO_BODY;
 use crate::math::Aabb;
 use crate::packing::{Container, Period, Specimen};
 use crate::parallel;
+use crate::tet::{TetMesh, oriented};
+use crate::triangulation::{self, Triangles};
 use clipped::{BodyIndex, Cuts};
-use plane::Triangles;
 use plc::{Filled, Shells};
 use rayon::prelude::*;
 use slabs::Slabs;
@@ -113,9 +111,9 @@ impl Division {
         let container = specimen.container();
         let (period, domain) = (specimen.period(), container.aabb());
         let bodies = BodyIndex::new(aggregates, images, &period);
-        slabs::refuse_near_touching(images, &*container, sections::chord(specimen))?;
+        slabs::refuse_near_touching(images, &*container, triangulation::chord(specimen))?;
         slabs::refuse_grazed(aggregates, &period)?;
-        let walls = sections::polygons(specimen, &*container, size);
+        let walls = triangulation::polygons(specimen, &*container, size);
         let corners = walls.as_ref().map_or(&[][..], |walls| &walls.points);
         let slabs = match specimen {
             Specimen::Sphere { .. } => Slabs::one(),
@@ -199,10 +197,10 @@ impl Surfaces {
 /// Aggregates within a specimen's surface that none of them meets.
 ///
 /// # Errors
-/// As [`facets::facets`].
+/// As [`triangulation::facets`].
 fn walled(cuts: Cuts, specimen: &Specimen, container: &dyn Container) -> Result<Shells, MeshError> {
     let Cuts { placed, bodies, size, .. } = cuts;
-    let surfaces: Vec<Triangles> = parallel::try_map(placed.len(), |i| facets::of_body(&placed[i].body, size))?;
+    let surfaces: Vec<Triangles> = parallel::try_map(placed.len(), |i| triangulation::of_body(&placed[i].body, size))?;
     let mut shells = Shells::default();
     let mut holes = Vec::new();
     for (aggregate, surface) in placed.iter().zip(&surfaces) {
@@ -215,7 +213,7 @@ fn walled(cuts: Cuts, specimen: &Specimen, container: &dyn Container) -> Result<
         }
     }
     // The specimen's surface first, then those that bound holes.
-    let outer = shells.closed(&sections::walls(specimen, container, size)?);
+    let outer = shells.closed(&triangulation::walls(specimen, container, size)?);
     shells.volumes.push(Filled { loops: [vec![outer], holes].concat(), centre: None, owner: NO_BODY });
     Ok(shells)
 }

@@ -5,13 +5,12 @@
 //! several parts: a flat body can cut a corner off a box.
 
 use super::clipped::Piece;
-use super::facets::{Face, Nodes, facets};
-use super::plane::Triangles;
 use crate::aggregate::{Aggregate, Kind};
+use crate::cells::NO_BODY;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::NO_BODY;
 use crate::mesh::error::MeshError;
 use crate::parallel;
+use crate::triangulation::{Nodes, Triangles, Untriangulated, facets};
 use std::collections::BTreeMap;
 
 /// The shells of `pieces` and of the sides that `add` puts around them; edges are at most `limit` mm long.
@@ -32,8 +31,14 @@ pub(super) fn shells(
     sheets.shells(pieces, aggregates, &mut shells).map(|()| shells)
 }
 
+/// A face of a box, or a plane between slabs: its triangles counter-clockwise seen from above, each with the piece whose cap it is part of.
+pub(super) struct Face {
+    pub(super) points: Vec<Vec3>,
+    pub(super) triangles: Vec<([u32; 3], Option<usize>)>,
+}
+
 /// A piece's own facets in triangles, its rims cut as the faces on the other side have them.
-pub(super) fn surface(piece: &Piece, limit: f64) -> Result<Triangles, MeshError> {
+pub(super) fn surface(piece: &Piece, limit: f64) -> Result<Triangles, Untriangulated> {
     facets(&piece.points, piece.facets.iter().cloned(), limit)
 }
 
@@ -231,7 +236,7 @@ struct Part {
 fn parts(
     sheets: impl Iterator<Item = (Option<usize>, Vec<[u32; 3]>)>,
     points: &[Vec3],
-) -> Result<Vec<Part>, MeshError> {
+) -> Result<Vec<Part>, Untriangulated> {
     let of_sheet = |(sheet, triangles): (Option<usize>, Vec<[u32; 3]>)| triangles.into_iter().map(move |t| (sheet, t));
     let triangles: Vec<(Option<usize>, [u32; 3])> = sheets.flat_map(of_sheet).collect();
     let mut sides: Vec<([u32; 2], u32)> = Vec::with_capacity(3 * triangles.len());
@@ -242,7 +247,7 @@ fn parts(
     let mut root: Vec<u32> = (0..triangles.len() as u32).collect();
     for pair in sides.chunk_by(|a, b| a.0 == b.0) {
         let [(_, a), (_, b)] = *pair else {
-            return Err(MeshError::triangulation("the surface for gmsh is open", &points[pair[0].0[0] as usize]));
+            return Err(Untriangulated::new("the surface for gmsh is open", &points[pair[0].0[0] as usize]));
         };
         let (a, b) = (find(&mut root, a), find(&mut root, b));
         root[a.max(b) as usize] = a.min(b);

@@ -6,7 +6,6 @@
 //! Bodies too close to each other or to the specimen's surface for a conforming mesh are refused before gmsh starts.
 
 use crate::aggregate::Aggregate;
-use crate::aggregate::grain::rounded_to;
 use crate::geometry::Polyhedron;
 use crate::gjk;
 use crate::math::{Aabb, Vec3};
@@ -14,6 +13,8 @@ use crate::mesh::error::MeshError;
 use crate::packing::{Container, Obstacle, Period};
 use crate::parallel;
 use crate::stop;
+use crate::triangulation::snap;
+use std::cmp::Ordering;
 
 /// Triangles of bodies that one run of gmsh is given, about: 1.4 to 1.8 GB of its memory.
 const MOST_TRIANGLES: f64 = 500_000.0;
@@ -21,14 +22,6 @@ const MOST_TRIANGLES: f64 = 500_000.0;
 const WINDOW: f64 = 0.25;
 /// A corner this much nearer to the plane counts as an outermost point: it leaves one short edge, not a sliver all around.
 const CORNER: f64 = 20.0;
-
-/// New nodes are multiples of 2^-40 mm: so sums with bodies' coordinates and periods are exact up to 8 m.
-const LATTICE_MM: f64 = 1.0 / (1u64 << 40) as f64;
-
-/// Rounds to the lattice of new nodes.
-pub(super) fn snap(position: Vec3) -> Vec3 {
-    rounded_to(LATTICE_MM, &position)
-}
 
 /// The planes between slabs.
 pub(super) struct Slabs {
@@ -137,13 +130,22 @@ pub(super) fn refuse_grazed(aggregates: &[Aggregate], period: &Period) -> Result
             [aabb.min[axis], aabb.max[axis]].map(|x| (x - (x / length).round() * length).abs())
         };
         let periodic = (0..3).filter(|&axis| period.along(axis).is_some());
-        (periodic.flat_map(off).fold(f64::INFINITY, f64::min), aggregate.id)
+        (periodic.flat_map(off).fold(f64::INFINITY, f64::min), aggregate.id, None)
     };
-    let closest =
-        parallel::map_each(aggregates, gap).into_iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    refuse(parallel::map_each(aggregates, gap).into_iter().min_by(closer))
+}
+
+/// A gap, mm, and the ids on both sides of it; of the specimen's surface there is none.
+type Gap = (f64, u32, Option<u32>);
+
+fn closer(a: &Gap, b: &Gap) -> Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+}
+
+fn refuse(closest: Option<Gap>) -> Result<(), MeshError> {
     match closest {
-        Some((gap_mm, aggregate)) if gap_mm <= NARROWEST_MM => {
-            Err(MeshError::NearTouching { gap_mm, aggregate, other: None })
+        Some((gap_mm, aggregate, other)) if gap_mm <= NARROWEST_MM => {
+            Err(MeshError::NearTouching { gap_mm, aggregate, other })
         }
         _ => Ok(()),
     }
@@ -172,16 +174,9 @@ pub(super) fn refuse_near_touching(
         // Bodies that no distance can be told of are as good as touching.
         (gjk::distance(bodies[0], bodies[1]).unwrap_or(0.0), aggregates[a].id, Some(aggregates[b].id))
     };
-    let closer = |a: &(f64, u32, Option<u32>), b: &(f64, u32, Option<u32>)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
     let pairs = parallel::map(order.len(), |position| after(position).map(gap).min_by(closer));
     let walls = parallel::map_each(aggregates, |a| (wall_gap(&a.body, container) - chord, a.id, None));
-    let closest = pairs.into_iter().flatten().chain(walls).min_by(closer);
-    match closest {
-        Some((gap_mm, aggregate, other)) if gap_mm <= NARROWEST_MM => {
-            Err(MeshError::NearTouching { gap_mm, aggregate, other })
-        }
-        _ => Ok(()),
-    }
+    refuse(pairs.into_iter().flatten().chain(walls).min_by(closer))
 }
 
 fn near(a: &Aabb, b: &Aabb) -> bool {

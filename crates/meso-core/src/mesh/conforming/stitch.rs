@@ -8,12 +8,12 @@
 //!    face: one is an edge of the surface, the other was Delaunay's. A node at their crossing splits every cell around both
 //!    and removes the flat one; the opposite face gets the same node.
 
-use super::facets::{Nodes, key};
 use super::slabs::Slabs;
 use crate::math::{Aabb, Vec3};
 use crate::mesh::error::MeshError;
-use crate::mesh::tet::{TetMesh, ascending};
 use crate::packing::Period;
+use crate::tet::{Incidence, TetMesh, ascending};
+use crate::triangulation::{Nodes, key};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes this near to a plane are on it, mm: those that gmsh adds there are rounded.
@@ -302,7 +302,7 @@ struct Opened<'a> {
     /// The nodes on the faces by their positions.
     nodes: BTreeMap<[u64; 3], u32>,
     /// The cells of each of these, and some that are removed.
-    cells: BTreeMap<u32, Vec<u32>>,
+    around: Incidence,
 }
 
 impl<'a> Opened<'a> {
@@ -310,15 +310,8 @@ impl<'a> Opened<'a> {
         let on = |node: &u32| faces.positions.contains(&mesh.points[*node as usize][faces.axis]);
         let nodes = (0..mesh.points.len() as u32).filter(on).map(|node| (key(&mesh.points[node as usize]), node));
         let nodes: BTreeMap<[u64; 3], u32> = nodes.collect();
-        let mut cells: BTreeMap<u32, Vec<u32>> = nodes.values().map(|node| (*node, Vec::new())).collect();
-        for (number, cell) in (0..).zip(&mesh.cells) {
-            for node in cell {
-                if let Some(own) = cells.get_mut(node) {
-                    own.push(number);
-                }
-            }
-        }
-        Self { mesh, faces, nodes, cells }
+        let around = Incidence::around(&mesh.cells, mesh.points.len(), nodes.values().copied());
+        Self { mesh, faces, nodes, around }
     }
 
     /// Opens the cells in `flat`, the last first, and what becomes flat by that.
@@ -349,8 +342,8 @@ impl<'a> Opened<'a> {
         let new = self.mesh.points.len() as u32;
         self.mesh.points.push(middle);
         self.nodes.insert(key(&middle), new);
-        self.cells.insert(new, Vec::new());
-        let around = ascending([&self.cells[&a][..], &self.cells[&c][..]].concat());
+        self.around.add_node();
+        let around = ascending([self.around.cells(a), self.around.cells(c)].concat());
         for number in around.into_iter().filter(|number| !self.mesh.is_removed(*number)).collect::<Vec<_>>() {
             let (cell, owner) = self.mesh.owned(number);
             let has = |p: u32, q: u32| cell.contains(&p) && cell.contains(&q);
@@ -362,17 +355,11 @@ impl<'a> Opened<'a> {
                 (true, true) => vec![],
             };
             self.mesh.remove(number);
-            parts.into_iter().for_each(|part| self.add(part, owner));
-        }
-    }
-
-    fn add(&mut self, cell: [u32; 4], owner: u32) {
-        let number = self.mesh.push(cell, owner);
-        cell.iter().for_each(|node| {
-            if let Some(own) = self.cells.get_mut(node) {
-                own.push(number);
+            for part in parts {
+                let number = self.mesh.push(part, owner);
+                self.around.link(number, &part);
             }
-        });
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! tetrahedra, each spanned by the two centres and one edge of the face: dihedral angles 60 and 90 degrees. On the
 //! box's own faces the pyramid below a face is halved by a diagonal, 45 degrees at worst.
 
+use crate::cells::side_bits;
 use crate::math::{Aabb, Vec3};
 
 /// The lattice of a box.
@@ -94,10 +95,7 @@ impl Bcc {
             return 0;
         }
         let at = self.indices(node);
-        (0..3).fold(0, |bits, axis| {
-            let (low, high) = (at[axis] == 0, at[axis] == self.counts[axis]);
-            bits | u8::from(low) << (2 * axis) | u8::from(high) << (2 * axis + 1)
-        })
+        side_bits(|axis| [at[axis] == 0, at[axis] == self.counts[axis]])
     }
 
     pub(super) fn kind(&self, a: u32, b: u32) -> EdgeKind {

@@ -5,8 +5,8 @@
 //! polygons tell where it has edges.
 
 use crate::math::Vec3;
-use crate::mesh::tet::Star;
 use crate::packing::{Container, Surface};
+use crate::tet::Star;
 
 /// Surfaces that meet at more than this angle have an edge between them: its cosine, 30 degrees.
 const SHARP: f64 = 0.866;
@@ -197,29 +197,29 @@ impl Boundary<'_> {
     }
 }
 
-/// Which coordinates a node keeps, since it lies on a flat side across that axis, and whether it lies on the outline.
+/// Which coordinates a node keeps, since it lies on a flat side across that axis, and whether it lies on the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Hold {
     pub(super) axes: [bool; 3],
     pub(super) outer: bool,
 }
 
-/// How far from a moved node the outline is looked for, in elements.
+/// How far from a moved node the boundary is looked for, in elements.
 const SEARCH: f64 = 0.3;
-/// A node off the outline looks for it this far, in elements.
+/// A node off the boundary looks for it this far, in elements.
 const RETURN: f64 = 0.6;
-/// How far away edges of the outline are looked for, in elements.
+/// How far away edges of the boundary are looked for, in elements.
 const EDGE: f64 = 0.7;
 /// Least gain of six times the volume where a node takes an edge in, in elements' cubes.
 const LEAST: f64 = 1e-6;
-/// A node that moves on the outline stays on its side of an edge: sine of the most that it may rise.
+/// A node that moves on the boundary stays on its side of an edge: sine of the most that it may rise.
 const RISE: f64 = 0.05;
 
 /// Constraint that keeps a moving node on the specimen's surface.
 #[derive(Clone, Copy)]
 pub(super) struct BoundaryTrack {
     axes: [bool; 3],
-    /// Out of the specimen, without what the flat sides forbid; `None` for a node that has not to keep to the outline.
+    /// Out of the specimen, without what the flat sides forbid; `None` for a node that has not to keep to the boundary.
     outwards: Option<Vec3>,
 }
 
@@ -231,7 +231,7 @@ impl BoundaryTrack {
         Self { outwards, ..free }
     }
 
-    /// Let off the outline, but not off the flat sides.
+    /// Let off the boundary, but not off the flat sides.
     pub(super) fn released(self) -> Self {
         Self { outwards: None, ..self }
     }
@@ -245,12 +245,12 @@ impl BoundaryTrack {
         }
     }
 
-    /// Whether a move leaves the outline's faces for an edge, or an edge for a face.
+    /// Whether a move leaves the boundary's faces for an edge, or an edge for a face.
     pub(super) fn rises(&self, step: &Vec3) -> bool {
         self.outwards.is_some_and(|outwards| outwards.dot(step).abs() > RISE * step.norm())
     }
 
-    /// Positions that bring the specimen's volume nearer, with what they bring: onto the outline for a node off it, else
+    /// Positions that bring the specimen's volume nearer, with what they bring: onto the boundary for a node off it, else
     /// onto its edges.
     pub(super) fn positions(&self, boundary: &Boundary, star: &Star, size: f64) -> Vec<(f64, Vec3)> {
         let x = &star.centre;

@@ -20,15 +20,16 @@ mod surface;
 mod sweeps;
 mod warp;
 
-use super::cells::{CellKind, Draft, NO_BODY, Notes, Phase};
+use super::draft::Draft;
 use super::options::MeshOptions;
-use super::tet::{TetMesh, oriented};
 use crate::aggregate::Aggregate;
+use crate::cells::{CellKind, NO_BODY, Notes, Phase};
 use crate::location::{Facets, Locator};
 use crate::math::Vec3;
 use crate::packing::{Container, Specimen};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{TetMesh, centroid, oriented};
 use bcc::Bcc;
 use boundary::{Boundary, BoundarySurface};
 use surface::Surface;
@@ -45,7 +46,7 @@ pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOpt
         cells
     });
     let cells = layers.concat();
-    let located = parallel::map_each(&cells, |cell| locate(&facets, &locator, &centroid(cell, &points)));
+    let located = parallel::map_each(&cells, |cell| locate(&facets, &locator, &centroid(*cell, &points)));
     let (phase, owner) = located.into_iter().unzip();
     Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }
 }
@@ -80,8 +81,4 @@ pub(super) fn fitted(
     let off = sweeps::fit(&mut mesh, &surfaces, &locator, bcc.domain(), element_size, &boundary);
     let off_surface_nodes = off + nodes::count_off(&mesh, &surfaces, bcc.domain(), &boundary);
     (mesh, Notes { off_surface_nodes, ..Notes::default() })
-}
-
-fn centroid(cell: &[u32; 4], points: &[Vec3]) -> Vec3 {
-    cell.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0
 }

@@ -6,14 +6,14 @@
 
 use super::boundary::{Boundary, Hold};
 use super::surface::Surface;
+use crate::cells::NO_BODY;
+use crate::cells::Owners;
+use crate::cells::{NodeImages, Sides};
 use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::interface::Owners;
-use crate::mesh::sides::{Sides, image_classes};
-use crate::mesh::tet::{Incidence, Star, TetMesh, ascending, directions};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{Incidence, Star, TetMesh, ascending, centroid, directions};
 
 /// Surfaces that the nodes are fitted to.
 pub(super) struct Exact<'a> {
@@ -87,8 +87,9 @@ impl Nodes<'_> {
 /// The periodic images of all nodes.
 #[derive(Default)]
 pub(super) struct PeriodicPairs {
-    /// A node, an image of it, and the shift from the one to the other; by node.
-    pairs: Vec<(u32, u32, Vec3)>,
+    images: NodeImages,
+    /// Of the box, mm.
+    size: Vec3,
 }
 
 impl PeriodicPairs {
@@ -97,34 +98,23 @@ impl PeriodicPairs {
         if repeats == [false; 3] {
             return Self::default();
         }
-        let classes = image_classes(points, repeats, &Sides::of_points(points));
-        let mut images: Vec<(u32, u32, u8)> =
-            (0..).zip(classes).filter_map(|(node, at)| at.map(|(class, along)| (class, node, along))).collect();
-        images.sort_unstable();
-        let shift = |from: u8, to: u8| {
-            let steps = |axis: usize| f64::from(to >> axis & 1) - f64::from(from >> axis & 1);
-            Vec3::from_fn(|axis, _| steps(axis) * domain.size()[axis])
-        };
-        let mut pairs = Vec::new();
-        for same in images.chunk_by(|a, b| a.0 == b.0) {
-            for &(_, node, from) in same {
-                let others = same.iter().filter(|image| image.1 != node);
-                pairs.extend(others.map(|&(_, image, to)| (node, image, shift(from, to))));
-            }
-        }
-        pairs.sort_by_key(|pair| (pair.0, pair.1));
-        Self { pairs }
+        Self { images: NodeImages::of(points, repeats, &Sides::of_points(points)), size: domain.size() }
     }
 
-    /// The nodes that have images, each as often as it has.
+    /// The nodes that have images.
     pub(super) fn nodes(&self) -> impl Iterator<Item = u32> {
-        self.pairs.iter().map(|pair| pair.0)
+        self.images.nodes().filter(|&node| self.images(node).next().is_some())
     }
 
     /// The images of a node, with the shifts to them, mm.
     pub(super) fn images(&self, node: u32) -> impl Iterator<Item = (u32, Vec3)> {
-        let start = self.pairs.partition_point(|pair| pair.0 < node);
-        self.pairs[start..].iter().take_while(move |pair| pair.0 == node).map(|pair| (pair.1, pair.2))
+        let class = self.images.class(node);
+        let others = class.into_iter().flat_map(|(class, _)| self.images.at(class)).filter(move |other| *other != node);
+        others.filter_map(move |image| {
+            let [from, to] = [class?, self.images.class(image)?].map(|(_, along)| along);
+            let steps = |axis: usize| f64::from(to >> axis & 1) - f64::from(from >> axis & 1);
+            Some((image, Vec3::from_fn(|axis, _| steps(axis) * self.size[axis])))
+        })
     }
 
     /// The node itself, then its images.
@@ -179,8 +169,7 @@ pub(super) fn relabel(mesh: &mut TetMesh, locator: &Locator) {
         let nodes = &cells[cell];
         if nodes.iter().all(between) {
             stop::point();
-            let centroid = nodes.iter().map(|&node| points[node as usize]).sum::<Vec3>() / 4.0;
-            *owner = locator.find(&centroid).map_or(NO_BODY, |(found, _)| found as u32);
+            *owner = locator.find(&centroid(*nodes, points)).map_or(NO_BODY, |(found, _)| found as u32);
         }
     });
 }

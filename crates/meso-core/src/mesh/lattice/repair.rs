@@ -18,8 +18,8 @@ use super::nodes::{Exact, Nodes, PeriodicPairs, Role};
 use super::reprojection::{Relabelled, positions_apart, relabelled, reproject};
 use super::smoothing::{GUARD_DEG, smooth};
 use crate::math::Vec3;
-use crate::mesh::tet::{Improver, Incidence, Star, TetMesh, Topology, ascending, cos2_of, improve, swapped};
 use crate::stop;
+use crate::tet::{Improver, Incidence, Star, TetMesh, Topology, ascending, cos2_of, improve, swapped};
 
 /// The smallest dihedral angle that contractions may leave, degrees, pass by pass: first those that need nothing else, then those
 /// after which smoothing makes room (of 329 nodes in the paper's specimen at 2 mm 17 are left then).
@@ -192,7 +192,7 @@ const RINGS: usize = 4;
 /// all do.)
 const POSITIONS: usize = 48;
 const APART: f64 = 0.05;
-/// Rounds of moves and swaps at each place. More moves before each round's swaps find less.
+/// Rounds of moves and swaps at each position. More moves before each round's swaps find less.
 const PATCH_ROUNDS: usize = 30;
 
 /// Other cells in the place of some.

@@ -11,11 +11,11 @@
 use super::nodes::{Nodes, Role, paired_is_off, paired_positions, stays_on};
 use super::smoothing::smooth;
 use super::surface::Surface;
+use crate::cells::NO_BODY;
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::tet::{INVERTED, Star, ascending, cos2_of, directions};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{INVERTED, Star, ascending, cos2_of, directions};
 
 /// Turns of all nodes; each one profits from the room that the one before made.
 const TURNS: usize = 2;

@@ -1,14 +1,12 @@
 //! Where one node should go: onto the features of its body, and to larger angles.
 
 use super::boundary::BoundaryTrack;
-use super::nodes::{Exact, Role};
-use super::nodes::{Nodes, paired_after};
+use super::nodes::{Exact, Nodes, Role, paired_after};
 use super::surface::Surface;
+use crate::cells::NO_BODY;
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::tet;
-use crate::mesh::tet::{Constraint, Star, best_position, cos2_of, directions};
 use crate::stop;
+use crate::tet::{self, Constraint, Star, best_position, cos2_of, directions};
 
 /// The smallest dihedral angle that a move may leave, degrees.
 pub(super) const GUARD_DEG: f64 = 10.0;

@@ -6,12 +6,12 @@
 //! order, so the three diagonals around a prism never form a cycle, which would have no tetrahedra.
 
 use super::warp::{Field, OUTSIDE, alpha};
+use crate::cells::{DROPPED, NO_BODY};
 use crate::location::Locator;
 use crate::math::Vec3;
-use crate::mesh::cells::{DROPPED, NO_BODY};
-use crate::mesh::tet::{TetMesh, oriented};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{TetMesh, centroid, oriented};
 use std::cmp::Reverse;
 
 /// A field with all its cut edges.
@@ -104,14 +104,11 @@ impl<'a> Cutter<'a> {
             return NO_BODY;
         }
         if let Some(boundary) = self.field.boundary.filter(|_| cell.iter().any(|&node| self.is_outer(node))) {
-            let kept = cell.iter().any(|&node| !self.is_outer(node)) || boundary.contains(&self.centroid(cell));
+            let kept =
+                cell.iter().any(|&node| !self.is_outer(node)) || boundary.contains(&centroid(*cell, &self.points));
             return if kept { NO_BODY } else { OUTSIDE };
         }
-        self.locator.find(&self.centroid(cell)).map_or(NO_BODY, |(body, _)| body as u32)
-    }
-
-    fn centroid(&self, cell: &[u32; 4]) -> Vec3 {
-        cell.iter().map(|&node| self.points[node as usize]).sum::<Vec3>() / 4.0
+        self.locator.find(&centroid(*cell, &self.points)).map_or(NO_BODY, |(body, _)| body as u32)
     }
 
     /// Whether a node lies on the specimen's own surface.

@@ -1,9 +1,9 @@
 //! A body's surface as the fit needs it: edges and corners near a point, and steps along a face.
 
+use crate::cells::NO_BODY;
 use crate::geometry::{Plane, Polyhedron};
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::tet::TetMesh;
+use crate::tet::TetMesh;
 
 /// Sine of the angle below which planes count as parallel.
 const PARALLEL: f64 = 1e-3;

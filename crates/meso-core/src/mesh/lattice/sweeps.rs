@@ -15,9 +15,9 @@ use super::smoothing::{is_poor, smoothed, snapped};
 use super::surface::{Surface, volume_deficits};
 use crate::location::Locator;
 use crate::math::{Aabb, Vec3};
-use crate::mesh::tet::{Incidence, Star, TetMesh};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{Incidence, Star, TetMesh};
 
 /// Rounds of sliding and smoothing.
 const ROUNDS: usize = 5;

@@ -5,9 +5,9 @@
 
 use super::bcc::{Bcc, EdgeKind};
 use super::boundary::BoundarySurface;
+use crate::cells::NO_BODY;
 use crate::location::{Facets, Label, PointGrid, Scan};
 use crate::math::Vec3;
-use crate::mesh::cells::NO_BODY;
 use crate::parallel;
 use crate::stop;
 

@@ -17,14 +17,14 @@
 
 use super::periodic::{Faces, Flat};
 use super::prisms::{Layer, Layered};
+use crate::cells::Phase;
 use crate::math::Vec3;
-use crate::mesh::cells::Phase;
-use crate::mesh::tet::{
+use crate::parallel;
+use crate::stop;
+use crate::tet::{
     Constraint, Improver, Incidence, Star, TetMesh, ascending, cos2_of, directions, improve as improve_cells,
     min_dihedral_cos2, smoothed, volume,
 };
-use crate::parallel;
-use crate::stop;
 
 /// Rounds of smoothing and collapsing rails.
 const ROUNDS: usize = 5;
@@ -162,11 +162,6 @@ impl Stars {
     fn worst(&self, movable: &Movable, x: &Vec3, limit: f64) -> f64 {
         self.0.iter().map(|(image, star)| star.worst(&movable.faces.put(*image, x), limit)).fold(-1.0, f64::max)
     }
-
-    /// Whether all stay within `limit` when the node moves to `x`.
-    fn all_within(&self, movable: &Movable, x: &Vec3, limit: f64) -> bool {
-        self.0.iter().all(|(image, star)| star.worst(&movable.faces.put(*image, x), limit) <= limit)
-    }
 }
 
 /// Moves the inner ends of rails that are `loose`, with their images, until the layers of `mesh` have `exact` mm3.
@@ -194,7 +189,7 @@ fn balance(layered: &mut Layered, movable: &Movable, loose: &[bool], exact: f64)
             let position = inner + movable.faces.flat(node).along(&(outer - inner)) * share;
             let (mover, mut stars) = (Mover(movable, node), Stars::of(mesh, movable, &incidence, node));
             let limit = stars.worst_first(movable.limit);
-            if stars.all_within(movable, &position, limit) {
+            if stars.worst(movable, &position, limit) <= limit {
                 apply(mesh, mover.moved(&position));
             }
         }

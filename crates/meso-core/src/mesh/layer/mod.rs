@@ -1,7 +1,7 @@
 //! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every body.
 //!
 //! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
-//! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its image stands a
+//! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its offset stands a
 //! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
 //! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
 //! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
@@ -15,16 +15,15 @@ mod offset;
 mod periodic;
 mod prisms;
 
-use super::cells::NO_BODY;
-use super::interface::{self, Owners, separate};
 use crate::aggregate::Aggregate;
+use crate::cells::{NO_BODY, Owners, copies, faces};
 use crate::math::Aabb;
 use crate::parallel;
 pub(super) use improve::improve;
 use offset::RadialOffsets;
 use periodic::{Bodies, Ties};
 pub(super) use prisms::Layered;
-use prisms::{Layer, LayerCell, append, prism, settle, untangle};
+use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
 /// Splits a layer of `thickness(body)` mm off the inside of every body.
 ///
@@ -34,9 +33,10 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let Layered { mesh, periodic, .. } = layered;
     let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
     let thickness = |body: u32| thickness(bodies.get(body));
-    let mut faces = interface::faces(mesh.by_body());
+    let mut faces = faces(mesh.by_body());
     faces.retain(|face| thickness(mesh.owner[face.cell as usize]) > 0.0);
-    let copies = separate(mesh, &faces);
+    let copies = copies(mesh.by_body(), &faces, None);
+    copies.part(&mut mesh.points, 4, mesh.cells.as_flattened_mut(), &mesh.owner);
     // Nodes of the mortar, and of interfaces, have none.
     let owners = Owners::among(mesh.by_body(), |cell| mesh.owner[cell] != NO_BODY);
     let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
@@ -50,7 +50,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let mut loose = offset::project(mesh, &copies, &offsets, &ties, &mut targets);
     loose.sort_unstable();
     untangle(mesh, &layer, &ties, &on_rays, &mut targets);
-    let back = settle(mesh, &targets, &layer, &ties);
+    let back = step_back(mesh, &targets, &layer, &ties);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
     let (short_nodes, pinched_nodes) = (count(&|copy| back.is_short(copy)), count(&|copy| back.is_pinched(copy)));
     parallel::each_short_mut(&mut mesh.points, |node, p| *p = back.position(node as u32, p, &targets[node]));
@@ -64,9 +64,8 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
 /// The exact volume of all layers, mm3, those of a body and its images once.
 fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
     let shell = |&body: &u32| {
-        let whole = &bodies.get(body).body;
-        let core = whole.inward_offset(thickness(body)).ok()?.map_or(0.0, |core| core.volume());
-        Some(whole.volume() - core)
+        let whole = bodies.get(body);
+        Some(whole.body.volume() - whole.core_volume(thickness(body)).ok()?)
     };
     let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
     parallel::map_each(&ones, shell).into_iter().sum()

@@ -16,13 +16,14 @@
 
 use super::periodic::{Bodies, Flat, Ties};
 use crate::aggregate::Aggregate;
+use crate::cells::NO_BODY;
+use crate::cells::side_bits;
+use crate::cells::{Copies, InterfaceFace};
 use crate::geometry::Plane;
 use crate::math::{Aabb, Mat3, Vec3};
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::interface::{Copies, InterfaceFace};
-use crate::mesh::tet::TetMesh;
 use crate::parallel;
 use crate::stop;
+use crate::tet::TetMesh;
 use std::collections::{BTreeSet, HashMap};
 
 /// A layer takes at most this share of the depth of an aggregate's centre below its surface.
@@ -53,13 +54,9 @@ impl RadialOffset {
                 deepest(&planes, flat.put(&aabb.min, walls), &free, &aabb).0
             }
         };
-        let depths = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre)));
-        let planes: Vec<(Vec3, f64)> = depths.collect();
+        let planes: Vec<(Vec3, f64)> = planes.iter().map(|p| (p.normal, p.offset - p.normal.dot(&centre))).collect();
         let shallowest = planes.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-        let beyond = [0, 1, 2].map(|axis| (aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]));
-        let sides = (0..3).fold(0, |bits, axis| {
-            bits | u8::from(beyond[axis].0) << (2 * axis) | u8::from(beyond[axis].1) << (2 * axis + 1)
-        });
+        let sides = side_bits(|axis| [aabb.min[axis] < walls.min[axis], aabb.max[axis] > walls.max[axis]]);
         let thickness = thickness.min(DEEPEST * shallowest);
         (shallowest > 0.0).then_some(Self { centre, planes, thickness, across: Flat::of(sides, periodic) })
     }

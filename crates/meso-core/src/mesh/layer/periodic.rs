@@ -8,10 +8,10 @@
 //! there.
 
 use crate::aggregate::Aggregate;
+use crate::cells::NO_BODY;
+use crate::cells::{NodeImages, Sides, repeating};
 use crate::math::{Aabb, Vec3};
-use crate::mesh::cells::NO_BODY;
-use crate::mesh::sides::{Sides, image_classes};
-use crate::mesh::tet::{TetMesh, ascending};
+use crate::tet::{TetMesh, ascending};
 
 /// Which nodes move together.
 pub(super) struct Ties {
@@ -141,10 +141,7 @@ pub(super) struct Faces {
     walls: Aabb,
     /// The faces that each node has to stay in.
     flat: Vec<Flat>,
-    /// The image class of every node, and the upper faces that the node lies on, a bit per axis.
-    classes: Vec<Option<(u32, u8)>>,
-    /// Image classes with their nodes, ascending.
-    images: Vec<(u32, u32)>,
+    images: NodeImages,
 }
 
 impl Faces {
@@ -152,19 +149,16 @@ impl Faces {
     pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3]) -> Self {
         if periodic == [false; 3] {
             let walls = Aabb::around(&mesh.points);
-            return Self { walls, flat: Vec::new(), classes: Vec::new(), images: Vec::new() };
+            return Self { walls, flat: Vec::new(), images: NodeImages::default() };
         }
         Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()))
     }
 
     /// Those of a mesh with these `sides`.
     pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
-        let classes = image_classes(&mesh.points, periodic, sides);
-        let mut images: Vec<(u32, u32)> =
-            (0..).zip(&classes).filter_map(|(node, class)| class.map(|(class, _)| (class, node))).collect();
-        images.sort_unstable();
-        let flat = (0..classes.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
-        Self { walls: Aabb::around(&mesh.points), flat, classes, images }
+        let images = NodeImages::of(&mesh.points, periodic, sides);
+        let flat = (0..mesh.points.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
+        Self { walls: Aabb::around(&mesh.points), flat, images }
     }
 
     pub(super) fn walls(&self) -> &Aabb {
@@ -179,14 +173,12 @@ impl Faces {
     /// The node's image class, and the upper faces that the node lies on, a bit per axis; `None` away from the faces, and
     /// where opposite faces do not match.
     pub(super) fn class(&self, node: u32) -> Option<(u32, u8)> {
-        self.classes.get(node as usize).copied().flatten()
+        self.images.class(node)
     }
 
     /// The nodes of an image class.
     pub(super) fn at(&self, class: u32) -> impl ExactSizeIterator<Item = u32> {
-        let start = self.images.partition_point(|image| image.0 < class);
-        let count = self.images[start..].partition_point(|image| image.0 == class);
-        self.images[start..start + count].iter().map(|image| image.1)
+        self.images.at(class)
     }
 
     /// The node and its images.
@@ -206,7 +198,7 @@ impl Faces {
     }
 }
 
-/// The faces that a node has to stay in: a bit per side, in the order of [`SIDES`](crate::mesh::sides::SIDES).
+/// The faces that a node has to stay in: a bit per side, in the order of [`SIDES`](crate::cells::SIDES).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Flat(u8);
 
@@ -216,7 +208,7 @@ impl Flat {
 
     /// Those of the `sides` across which the box repeats itself.
     pub(super) fn of(sides: u8, periodic: [bool; 3]) -> Self {
-        Self((0..3).filter(|axis| periodic[*axis]).fold(0, |bits, axis| bits | sides & 3 << (2 * axis)))
+        Self(sides & repeating(periodic))
     }
 
     /// A coordinate that cannot change.
@@ -238,17 +230,17 @@ impl Flat {
         })
     }
 
-    /// The position of a node that moves from `x` towards `image` and stays on its side of these faces: at most half of the
+    /// The position of a node that moves from `x` towards `target` and stays on its side of these faces: at most half of the
     /// distance to each, and so that nodes on one line across a face keep their order.
-    pub(super) fn hold_off(self, x: &Vec3, image: &Vec3, walls: &Aabb) -> Vec3 {
+    pub(super) fn hold_off(self, x: &Vec3, target: &Vec3, walls: &Aabb) -> Vec3 {
         Vec3::from_fn(|axis, _| {
-            let step = image[axis] - x[axis];
+            let step = target[axis] - x[axis];
             let clearance = if step < 0.0 { x[axis] - walls.min[axis] } else { walls.max[axis] - x[axis] };
             let ahead = self.0 >> (2 * axis + usize::from(step > 0.0)) & 1 == 1;
             if ahead && clearance > 0.0 {
                 x[axis] + step * (clearance / (clearance + 2.0 * step.abs()))
             } else {
-                image[axis]
+                target[axis]
             }
         })
     }
@@ -314,11 +306,11 @@ mod tests {
     fn nodes_held_off_a_face_keep_their_side_and_their_order() {
         let walls = Aabb { min: Vec3::zeros(), max: Vec3::repeat(10.0) };
         let flat = Flat::of(0b11_0001, [true, true, false]);
-        let image = |x: f64| flat.hold_off(&Vec3::new(x, 5.0, 5.0), &Vec3::new(x - 0.4, 5.0, 4.0), &walls);
-        let images: Vec<f64> = (1..100).map(|i| image(f64::from(i) * 0.05).x).collect();
-        assert!(images[0] > 0.0 && images.is_sorted());
-        assert!((images[98] - (4.95 - 0.4)).abs() < 0.06, "far from the face hardly anything changes");
-        assert_eq!(image(3.0).z, 4.0, "the box does not repeat itself there");
+        let held = |x: f64| flat.hold_off(&Vec3::new(x, 5.0, 5.0), &Vec3::new(x - 0.4, 5.0, 4.0), &walls);
+        let all: Vec<f64> = (1..100).map(|i| held(f64::from(i) * 0.05).x).collect();
+        assert!(all[0] > 0.0 && all.is_sorted());
+        assert!((all[98] - (4.95 - 0.4)).abs() < 0.06, "far from the face hardly anything changes");
+        assert_eq!(held(3.0).z, 4.0, "the box does not repeat itself there");
         assert!(flat.holds(0) && !flat.holds(1) && !flat.holds(2));
     }
 }

@@ -1,4 +1,4 @@
-//! The prisms between interface triangles and their images, cut into the layer's tetrahedra; and how far these open, so that no
+//! The prisms between interface triangles and their offsets, cut into the layer's tetrahedra; and how far these open, so that no
 //! tetrahedron turns over: nodes are untangled, then they step back.
 //!
 //! Untangling: the flat tetrahedra that a mesher leaves under a surface stand on nodes that go to different faces' offsets, and
@@ -12,12 +12,12 @@
 //! and a layer cell is left out with its rail.
 
 use super::periodic::Ties;
+use crate::cells::Phase;
+use crate::cells::{Copies, InterfaceFace};
 use crate::math::Vec3;
-use crate::mesh::cells::Phase;
-use crate::mesh::interface::{Copies, InterfaceFace};
-use crate::mesh::tet::{TetMesh, volume};
 use crate::parallel;
 use crate::stop;
+use crate::tet::{TetMesh, volume};
 use rayon::prelude::*;
 
 /// Tetrahedra with their phases, in a specimen that may repeat itself.
@@ -28,7 +28,7 @@ pub(in crate::mesh) struct Layered {
     pub(in crate::mesh) periodic: [bool; 3],
 }
 
-/// The prism between an interface triangle and its image. Diagonals start at the lowest image class, so neighbours match,
+/// The prism between an interface triangle and its offset. Diagonals start at the lowest image class, so neighbours match,
 /// and so do the opposite faces of a periodic box.
 pub(super) fn prism(mesh: &TetMesh, face: &InterfaceFace, copies: &Copies, ties: &Ties) -> [LayerCell; 3] {
     stop::point();
@@ -101,7 +101,7 @@ pub(super) struct LayerCell {
     pub(super) area: f64,
 }
 
-/// After each try the nodes of cells that are still bad leave their seats for their images along the ray, which are in
+/// After each try the nodes of cells that are still bad leave their targets for those along the ray, which are in
 /// order everywhere (in a 60 mm cube at 2 mm one more try frees all of 58,987 nodes, where 33 were stuck).
 const TRIES: usize = 4;
 /// Rounds of moves in each try.
@@ -111,23 +111,23 @@ const AIM: f64 = 1.6;
 /// A node moves at most this share of the distance to its old position in one round.
 const FARTHEST: f64 = 0.2;
 
-/// Moves `seats` until no cell is bad, or until the tries are over; `images` are those along the nodes' rays.
-pub(super) fn untangle(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], seats: &mut [Vec3]) {
+/// Moves `targets` until no cell is bad, or until the tries are over; `on_rays` are those along the nodes' rays.
+pub(super) fn untangle(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, on_rays: &[Vec3], targets: &mut [Vec3]) {
     for _ in 0..TRIES {
-        let stuck = untangled(mesh, layer, ties, seats);
+        let stuck = untangled(mesh, layer, ties, targets);
         if stuck.is_empty() {
             return;
         }
-        stuck.into_iter().for_each(|node| seats[node as usize] = images[node as usize]);
-        ties.spread(seats);
+        stuck.into_iter().for_each(|node| targets[node as usize] = on_rays[node as usize]);
+        ties.spread(targets);
     }
 }
 
-/// Moves `images` until no cell is bad, or until the rounds are over; the nodes of cells that still are.
-fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &mut [Vec3]) -> Vec<u32> {
-    let mut stirred = vec![true; images.len()];
+/// Moves `targets` until no cell is bad, or until the rounds are over; the nodes of cells that still are.
+fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, targets: &mut [Vec3]) -> Vec<u32> {
+    let mut stirred = vec![true; targets.len()];
     for _ in 0..ROUNDS {
-        let mut moves = moves(mesh, layer, ties, images, &stirred);
+        let mut moves = moves(mesh, layer, ties, targets, &stirred);
         if moves.is_empty() {
             return Vec::new();
         }
@@ -137,28 +137,29 @@ fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &mut [Vec
         for group in moves.chunk_by(|a, b| a.0 == b.0) {
             let node = group[0].0 as usize;
             let mean = group.iter().map(|(_, step)| *step).sum::<Vec3>() / group.len() as f64;
-            let farthest = FARTHEST * (images[node] - mesh.points[node]).norm();
-            images[node] += mean * (farthest / mean.norm()).min(1.0);
+            let farthest = FARTHEST * (targets[node] - mesh.points[node]).norm();
+            targets[node] += mean * (farthest / mean.norm()).min(1.0);
             stirred[node] = true;
         }
-        ties.spread(images);
+        ties.spread(targets);
         ties.share(&mut stirred);
     }
-    moves(mesh, layer, ties, images, &stirred).into_iter().map(|(node, _)| node).collect()
+    moves(mesh, layer, ties, targets, &stirred).into_iter().map(|(node, _)| node).collect()
 }
 
 /// Leads of the nodes of bad cells with the displacement that each should get; of the cells that have a `stirred` node.
-fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, images: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
-    let now = |nodes: [u32; 4]| nodes.map(|node| images[node as usize]);
+fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, targets: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
+    let now = |nodes: [u32; 4]| nodes.map(|node| targets[node as usize]);
     let near = |nodes: &[u32; 4]| nodes.iter().any(|&node| stirred[node as usize]);
     let core = |nodes: &[u32; 4]| (*nodes, least_of_core(mesh.corners(*nodes), now(*nodes)));
-    let layer_cell = |cell: &LayerCell| (cell.nodes, least_of_layer(cell, cell.rail.map(|node| images[node as usize])));
+    let layer_cell =
+        |cell: &LayerCell| (cell.nodes, least_of_layer(cell, cell.rail.map(|node| targets[node as usize])));
     let is_bad = |(nodes, least): &([u32; 4], f64)| volume(now(*nodes)) <= *least;
     let bad_core = |cell: &[u32; 4]| near(cell).then(|| core(cell)).filter(is_bad);
     let bad_layer_cell = |cell: &LayerCell| near(&cell.nodes).then(|| layer_cell(cell)).filter(is_bad);
     let mut bad = parallel::flat_map(mesh.cells.len(), |cell| bad_core(&mesh.cells[cell]));
     bad.extend(parallel::flat_map(layer.len(), |cell| bad_layer_cell(&layer[cell])));
-    let free = |node: u32| images[node as usize] != mesh.points[node as usize];
+    let free = |node: u32| targets[node as usize] != mesh.points[node as usize];
     let led = |(node, step): (u32, Vec3)| (ties.lead(node), step);
     parallel::flat_map(bad.len(), |cell| {
         let (nodes, least) = bad[cell];
@@ -192,16 +193,16 @@ const STEPS: u8 = 10;
 pub(super) struct StepsBack(Vec<u8>);
 
 impl StepsBack {
-    /// The node's position between the old one and its image.
-    pub(super) fn position(&self, node: u32, from: &Vec3, image: &Vec3) -> Vec3 {
+    /// The node's position between the old one and its target.
+    pub(super) fn position(&self, node: u32, from: &Vec3, target: &Vec3) -> Vec3 {
         match self.0[node as usize] {
-            0 => *image,
+            0 => *target,
             STEPS => *from,
-            steps => from + (image - from) * (0..steps).fold(1.0, |share, _| share * STEP_BACK),
+            steps => from + (target - from) * (0..steps).fold(1.0, |share, _| share * STEP_BACK),
         }
     }
 
-    /// The node stopped before its image.
+    /// The node stopped before its target.
     pub(super) fn is_short(&self, node: u32) -> bool {
         self.0[node as usize] > 0
     }
@@ -212,14 +213,14 @@ impl StepsBack {
     }
 }
 
-/// Shares of the displacements from `mesh`'s points to `images` such that all its cells and `layer`'s keep a positive
+/// Shares of the displacements from `mesh`'s points to `targets` such that all its cells and `layer`'s keep a positive
 /// volume; tied nodes have the same share.
-pub(super) fn settle(mesh: &TetMesh, images: &[Vec3], layer: &[LayerCell], ties: &Ties) -> StepsBack {
+pub(super) fn step_back(mesh: &TetMesh, targets: &[Vec3], layer: &[LayerCell], ties: &Ties) -> StepsBack {
     let start = |node: u32| if ties.is_pinned(node) { STEPS } else { 0 };
-    let mut back = StepsBack((0..images.len() as u32).map(start).collect());
-    let moving = |cell: &[u32; 4]| cell.iter().any(|&node| images[node as usize] != mesh.points[node as usize]);
+    let mut back = StepsBack((0..targets.len() as u32).map(start).collect());
+    let moving = |cell: &[u32; 4]| cell.iter().any(|&node| targets[node as usize] != mesh.points[node as usize]);
     loop {
-        let position = |node: u32| back.position(node, &mesh.points[node as usize], &images[node as usize]);
+        let position = |node: u32| back.position(node, &mesh.points[node as usize], &targets[node as usize]);
         let worse = |cell: &[u32; 4]| {
             let (before, now) = (mesh.corners(*cell), cell.map(&position));
             let fine = volume(now) > least_of_core(before, now);
@@ -235,7 +236,7 @@ pub(super) fn settle(mesh: &TetMesh, images: &[Vec3], layer: &[LayerCell], ties:
         bad.iter_mut().for_each(|node| *node = ties.lead(*node));
         bad.par_sort_unstable();
         bad.dedup();
-        bad.retain(|&node| images[node as usize] != mesh.points[node as usize] && !back.is_pinched(node));
+        bad.retain(|&node| targets[node as usize] != mesh.points[node as usize] && !back.is_pinched(node));
         if bad.is_empty() {
             return back;
         }

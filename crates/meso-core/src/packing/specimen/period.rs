@@ -77,6 +77,11 @@ impl Period {
         self.0 == Vec3::zeros()
     }
 
+    /// The whole periods in a shift between images.
+    pub(crate) fn steps(&self, shift: &Vec3) -> [i32; 3] {
+        [0, 1, 2].map(|axis| self.along(axis).map_or(0, |length| (shift[axis] / length).round() as i32))
+    }
+
     /// The box with the sides of `periodic` along the periodic axes, and those of `walled` along the others.
     pub fn mixed(&self, periodic: &Aabb, walled: &Aabb) -> Aabb {
         let side = |axis: usize| if self.along(axis).is_some() { periodic } else { walled };

@@ -1,12 +1,8 @@
-//! A mesh as everyone outside sees it ([`Mesh`]), and as its makers do ([`Draft`]).
-//!
-//! Second-order tetrahedra have a node in the middle of every edge, shared by all the cells around it. Edges stay straight, so that
-//! volumes, angles and surfaces are those of the first-order mesh.
+//! The mesh itself: points, cells, and the phase and owner of every cell.
 
-use crate::aggregate::{Aggregate, Kind};
+use crate::aggregate::Kind;
 use crate::math::Vec3;
 use crate::parallel;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// The material a cell is made of.
@@ -205,7 +201,7 @@ impl Mesh {
         self.phase.len()
     }
 
-    /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](super::ItzForm::Smeared): its cells
+    /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](crate::mesh::ItzForm::Smeared): its cells
     /// belong to no aggregate.
     pub fn has_smeared_itz(&self) -> bool {
         let mut cells = self.phase.iter().zip(&self.aggregate);
@@ -227,10 +223,10 @@ pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 
 }
 
 /// The new number of a node that is dropped.
-pub(super) const DROPPED: u32 = u32::MAX;
+pub(crate) const DROPPED: u32 = u32::MAX;
 
 /// Takes the nodes without cells out, and numbers the others anew in their order; the new numbers, or [`DROPPED`].
-pub(super) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<u32> {
+pub(crate) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<u32> {
     let mut number = vec![DROPPED; points.len()];
     cells.iter().for_each(|&node| number[node as usize] = 0);
     for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != DROPPED)) {
@@ -243,28 +239,8 @@ pub(super) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<
 }
 
 /// Volume of a tetrahedron, mm3; negative where its corners are out of order.
-pub(super) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
+pub(crate) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
-}
-
-/// Cells before they have their aggregates' ids: each knows its body by the index in the list of bodies and their periodic
-/// images that the mesh is made of.
-pub(super) struct Draft {
-    pub(super) kind: CellKind,
-    pub(super) points: Vec<Vec3>,
-    pub(super) cells: Vec<u32>,
-    pub(super) phase: Vec<Phase>,
-    /// Index of every cell's body, [`NO_BODY`] in the mortar.
-    pub(super) owner: Vec<u32>,
-}
-
-impl Draft {
-    /// The mesh of `bodies`: only here do indices become ids, which a body and its images share.
-    pub(super) fn into_mesh(self, bodies: &[Aggregate], periodic: [bool; 3], notes: Notes) -> Mesh {
-        let id = |&owner: &u32| if owner == NO_BODY { NO_AGGREGATE } else { bodies[owner as usize].id };
-        let aggregate = self.owner.iter().map(id).collect();
-        Mesh { periodic, notes, ..Mesh::of(self.kind, self.points, self.cells, self.phase, aggregate) }
-    }
 }
 
 /// Cells with the body or aggregate that owns each, whoever keeps them.
@@ -284,7 +260,7 @@ impl<'a> Cells<'a> {
     }
 
     /// The node indices of one cell.
-    pub(super) fn cell(&self, cell: usize) -> &'a [u32] {
+    pub(crate) fn cell(&self, cell: usize) -> &'a [u32] {
         let nodes = self.kind.nodes();
         &self.nodes[nodes * cell..][..nodes]
     }
@@ -306,79 +282,15 @@ impl Mesh {
     }
 
     /// Volume of a cell, mm3.
-    pub(super) fn volume(&self, cell: usize) -> f64 {
+    pub(crate) fn volume(&self, cell: usize) -> f64 {
         let nodes = self.kind.nodes();
         cell_volume(self.kind, &self.cells[cell * nodes..][..nodes], &self.points)
     }
 
     /// Applies `of_run` to runs of cells: the number of the first, all nodes, all phases. Runs have one length and their results are
     /// in order, so that sums are the same on any number of threads.
-    pub(super) fn in_runs<T: Send>(&self, of_run: impl Fn(usize, &[u32], &[Phase]) -> T + Sync) -> Vec<T> {
+    pub(crate) fn in_runs<T: Send>(&self, of_run: impl Fn(usize, &[u32], &[Phase]) -> T + Sync) -> Vec<T> {
         let runs: Vec<_> = self.cells.chunks(RUN * self.kind.nodes()).zip(self.phase.chunks(RUN)).collect();
         parallel::map(runs.len(), |run| of_run(run * RUN, runs[run].0, runs[run].1))
-    }
-}
-
-/// A tetrahedron's edges by the numbers of their ends, in the order of their middles, nodes 5 to 10, in Abaqus and VTK.
-pub(super) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
-
-impl Mesh {
-    /// Makes first-order tetrahedra second-order ones; other meshes, and those with cohesive elements, stay as they are.
-    ///
-    /// The new nodes come after the old ones, by the lower end of their edge, then by the upper.
-    pub fn raise_order(&mut self) {
-        if self.kind != CellKind::Tetrahedron || !self.cohesive.is_empty() {
-            return;
-        }
-        let corners = self.points.len() as u32;
-        let edges = Edges::of(self);
-        let middles: Vec<_> = edges.ends().map(|[a, b]| (self.points[a] + self.points[b]) / 2.0).collect();
-        self.points.extend(middles);
-        let nodes = |cell: usize| {
-            let cell = self.by_aggregate().cell(cell);
-            let mut nodes = [0; 10];
-            nodes[..4].copy_from_slice(cell);
-            for (node, [i, j]) in nodes[4..].iter_mut().zip(EDGES) {
-                *node = corners + edges.number(cell[i], cell[j]);
-            }
-            nodes
-        };
-        self.cells = parallel::map_short(self.cell_count(), nodes).into_flattened();
-        self.kind = CellKind::QuadraticTetrahedron;
-    }
-}
-
-/// The edges of a mesh, numbered by their lower end, then by the upper.
-struct Edges {
-    /// Where the edges of every lower end begin, and the end of all.
-    first: Vec<u32>,
-    upper: Vec<u32>,
-}
-
-impl Edges {
-    fn of(mesh: &Mesh) -> Self {
-        let ends = |cell: &[u32], [i, j]: [usize; 2]| (cell[i].min(cell[j]), cell[i].max(cell[j]));
-        let of_cell = |cell: usize| EDGES.map(|edge| ends(mesh.by_aggregate().cell(cell), edge));
-        let mut edges: Vec<(u32, u32)> = parallel::flat_map(mesh.cell_count(), of_cell);
-        edges.par_sort_unstable();
-        edges.dedup();
-        let mut first = vec![0; mesh.points.len() + 1];
-        edges.iter().for_each(|edge| first[edge.0 as usize + 1] += 1);
-        (1..first.len()).for_each(|node| first[node] += first[node - 1]);
-        Self { first, upper: edges.into_iter().map(|edge| edge.1).collect() }
-    }
-
-    /// The edge between two nodes of a cell.
-    fn number(&self, a: u32, b: u32) -> u32 {
-        let (low, high) = (a.min(b) as usize, a.max(b));
-        let (first, end) = (self.first[low], self.first[low + 1]);
-        let of_low = &self.upper[first as usize..end as usize];
-        first + of_low.partition_point(|upper| *upper < high) as u32
-    }
-
-    fn ends(&self) -> impl Iterator<Item = [usize; 2]> {
-        let lower = self.first.windows(2).enumerate();
-        let lower = lower.flat_map(|(node, range)| std::iter::repeat_n(node, (range[1] - range[0]) as usize));
-        lower.zip(&self.upper).map(|(low, high)| [low, *high as usize])
     }
 }

@@ -9,13 +9,13 @@ use super::topology::{NEW, Replacement, Topology};
 use crate::math::Vec3;
 
 /// Nodes this near to a plane or a line are on it, mm: what rounding leaves is a hundredth of it.
-pub(in crate::mesh) const ON_MM: f64 = 1e-10;
+pub(crate) const ON_MM: f64 = 1e-10;
 
 /// Longest ring that is looked at: longer ones seldom gain, and cost the cube of their length.
 const LONGEST_RING: usize = 7;
 
 /// Applies the first swap found that enlarges the smallest angle around `cell`; whether there was one.
-pub(in crate::mesh) fn swapped(topology: &mut Topology, cell: u32) -> bool {
+pub(crate) fn swapped(topology: &mut Topology, cell: u32) -> bool {
     let nodes = topology.cell(cell);
     let apply = |proposed: Option<Replacement>, topology: &mut Topology| {
         proposed.is_some_and(|proposed| topology.replace_thicker(&proposed))
@@ -25,13 +25,13 @@ pub(in crate::mesh) fn swapped(topology: &mut Topology, cell: u32) -> bool {
 }
 
 /// The edges of a cell.
-pub(in crate::mesh) fn edges([a, b, c, d]: [u32; 4]) -> [[u32; 2]; 6] {
+pub(crate) fn edges([a, b, c, d]: [u32; 4]) -> [[u32; 2]; 6] {
     [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]]
 }
 
 /// The cells around the edge from a to b without that edge, where that leaves no angle as small as the smallest there. The cells
 /// are of one owner, or on both sides of a plane facet, in which the edge's two triangles then have the other diagonal.
-pub(in crate::mesh) fn edge_removal(topology: &Topology, a: u32, b: u32) -> Option<Replacement> {
+pub(crate) fn edge_removal(topology: &Topology, a: u32, b: u32) -> Option<Replacement> {
     let old = topology.around(&[a, b]);
     let arcs = arcs(topology, &old, a, b)?;
     let worst = topology.worst(&old);
@@ -44,7 +44,7 @@ pub(in crate::mesh) fn edge_removal(topology: &Topology, a: u32, b: u32) -> Opti
 }
 
 /// Whether four points are in one plane.
-pub(in crate::mesh) fn are_coplanar(points: [Vec3; 4]) -> bool {
+pub(crate) fn are_coplanar(points: [Vec3; 4]) -> bool {
     shortest_altitude(points).abs() <= ON_MM
 }
 
@@ -130,7 +130,7 @@ fn pair(ring: &[u32], [i, j, k]: [usize; 3], a: u32, b: u32) -> [[u32; 4]; 2] {
 
 /// An edge through the face of a cell opposite to its corner `apex`, where both cells there are of one owner and that leaves no
 /// angle as small as the smallest there: the 2-3 swap.
-pub(in crate::mesh) fn face_swap(topology: &Topology, cell: u32, apex: u32) -> Option<Replacement> {
+pub(crate) fn face_swap(topology: &Topology, cell: u32, apex: u32) -> Option<Replacement> {
     let nodes = topology.cell(cell);
     let face: Vec<u32> = nodes.into_iter().filter(|node| *node != apex).collect();
     let old = topology.around(&face);
@@ -150,7 +150,7 @@ pub(in crate::mesh) fn face_swap(topology: &Topology, cell: u32, apex: u32) -> O
 
 /// The cells around `node` once it is contracted onto `into`, where that leaves all of them better than `limit`: those that have
 /// both nodes are gone, the others fill their volume.
-pub(in crate::mesh) fn contraction(topology: &Topology, node: u32, into: u32, limit: f64) -> Option<Replacement> {
+pub(crate) fn contraction(topology: &Topology, node: u32, into: u32, limit: f64) -> Option<Replacement> {
     let old = topology.star(node).to_vec();
     let renamed = |&cell: &u32| (topology.cell(cell).map(|n| if n == node { into } else { n }), topology.owner(cell));
     let rest = old.iter().filter(|&&cell| !topology.cell(cell).contains(&into)).map(renamed);
@@ -162,7 +162,7 @@ pub(in crate::mesh) fn contraction(topology: &Topology, node: u32, into: u32, li
 }
 
 /// The cells around the edge from a to b, each halved at a [`NEW`] node on it.
-pub(in crate::mesh) fn insertion(topology: &Topology, a: u32, b: u32) -> Replacement {
+pub(crate) fn insertion(topology: &Topology, a: u32, b: u32) -> Replacement {
     let old = topology.around(&[a, b]);
     let half = |cell: u32, end: u32| {
         (topology.cell(cell).map(|node| if node == end { NEW } else { node }), topology.owner(cell))

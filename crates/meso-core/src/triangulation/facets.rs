@@ -5,59 +5,25 @@
 //! are bisected, which keeps every angle above half the smallest one of the fan (Rosenberg and Stenger 1975), then flipped
 //! to Delaunay's.
 
-use super::plane::{Frame, Triangles, region};
+use super::nodes::Nodes;
+use super::plane::{Frame, region};
+use super::{Triangles, Untriangulated};
 use crate::geometry::Polyhedron;
 use crate::math::Vec3;
-use crate::mesh::error::MeshError;
 use crate::stop;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap, HashMap};
+use std::collections::{BinaryHeap, HashMap};
 
 /// Edges longer than this share of the element size are bisected: the mean edge then is about the size.
-pub(super) const LONGEST: f64 = 4.0 / 3.0;
+pub(crate) const LONGEST: f64 = 4.0 / 3.0;
 /// Passes of flips; Delaunay's state is usually reached in three.
 const PASSES: usize = 10;
-
-/// A face of a box, or a plane between slabs: its triangles counter-clockwise seen from above, each with the piece whose cap it is part of.
-pub(super) struct Face {
-    pub(super) points: Vec<Vec3>,
-    pub(super) triangles: Vec<([u32; 3], Option<usize>)>,
-}
-
-/// Nodes by their positions, bit for bit.
-#[derive(Default)]
-pub(super) struct Nodes {
-    pub(super) points: Vec<Vec3>,
-    numbers: BTreeMap<[u64; 3], u32>,
-}
-
-impl Nodes {
-    /// The number of the node at `position`, a new one where there is none.
-    pub(super) fn at(&mut self, position: Vec3) -> u32 {
-        stop::point();
-        *self.numbers.entry(key(&position)).or_insert_with(|| {
-            self.points.push(position);
-            self.points.len() as u32 - 1
-        })
-    }
-
-    /// The triangles of a surface on these nodes.
-    pub(super) fn triangles(&mut self, surface: &Triangles) -> Vec<[u32; 3]> {
-        let number: Vec<u32> = surface.points.iter().map(|point| self.at(*point)).collect();
-        surface.triangles.iter().map(|triangle| triangle.map(|node| number[node as usize])).collect()
-    }
-}
-
-/// A position as what can be looked up: -0 and 0 are one.
-pub(super) fn key(position: &Vec3) -> [u64; 3] {
-    position.map(|x| (x + 0.0).to_bits()).into()
-}
 
 /// The facets of `body` with edges of about `size` mm.
 ///
 /// # Errors
 /// As [`facets`].
-pub(super) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, MeshError> {
+pub(crate) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, Untriangulated> {
     facets(body.vertices(), body.faces().map(|face| face.to_vec()), LONGEST * size)
 }
 
@@ -65,17 +31,17 @@ pub(super) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, MeshErr
 ///
 /// # Errors
 /// Where a facet has no area, or its edges cross: those of a convex one do not.
-pub(super) fn facets(
+pub(crate) fn facets(
     points: &[Vec3],
     polygons: impl IntoIterator<Item = Vec<u32>>,
     limit: f64,
-) -> Result<Triangles, MeshError> {
+) -> Result<Triangles, Untriangulated> {
     let (mut nodes, mut triangles) = (Nodes::default(), Vec::new());
     for polygon in polygons {
         let corners: Vec<Vec3> = polygon.iter().map(|&corner| points[corner as usize]).collect();
         let frame = Frame::of(&corners);
         if !frame.is_plane() {
-            return Err(MeshError::triangulation("a facet has no area", &corners[0]));
+            return Err(Untriangulated::new("a facet has no area", &corners[0]));
         }
         triangles.extend(nodes.triangles(&region(frame, &[corners], limit)?));
     }
@@ -84,7 +50,7 @@ pub(super) fn facets(
 
 /// A curved surface, closed or with a rim, its triangles given with their facets, cut until no edge is longer than `limit` mm.
 /// `onto(facet, position)` is where a new node of the facet goes.
-pub(super) fn refined(
+pub(crate) fn refined(
     points: Vec<Vec3>,
     triangles: impl IntoIterator<Item = ([u32; 3], u32)>,
     limit: f64,

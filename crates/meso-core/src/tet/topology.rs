@@ -6,86 +6,86 @@ use crate::math::Vec3;
 use crate::parallel;
 
 /// Stands for a node that is not there yet.
-pub(in crate::mesh) const NEW: u32 = u32::MAX;
+pub(crate) const NEW: u32 = u32::MAX;
 
 /// A proposal: `new` cells with their owners in place of `old` ones.
-pub(in crate::mesh) struct Replacement {
-    pub(in crate::mesh) old: Vec<u32>,
-    pub(in crate::mesh) new: Vec<([u32; 4], u32)>,
+pub(crate) struct Replacement {
+    pub(crate) old: Vec<u32>,
+    pub(crate) new: Vec<([u32; 4], u32)>,
 }
 
 /// A mesh, with the cells around some of its nodes.
-pub(in crate::mesh) struct Topology<'a> {
-    pub(in crate::mesh) mesh: &'a mut TetMesh,
+pub(crate) struct Topology<'a> {
+    pub(crate) mesh: &'a mut TetMesh,
     incidence: Incidence,
 }
 
 impl<'a> Topology<'a> {
     /// With the cells around the corners of `cells`.
-    pub(in crate::mesh) fn new(mesh: &'a mut TetMesh, cells: impl Iterator<Item = u32>) -> Self {
+    pub(crate) fn new(mesh: &'a mut TetMesh, cells: impl Iterator<Item = u32>) -> Self {
         let corners = cells.flat_map(|cell| mesh.cell(cell));
         let incidence = Incidence::around(&mesh.cells, mesh.points.len(), corners);
         Self { incidence, mesh }
     }
 
     /// The cells around a node; none where they are not kept.
-    pub(in crate::mesh) fn star(&self, node: u32) -> &[u32] {
+    pub(crate) fn star(&self, node: u32) -> &[u32] {
         self.incidence.cells(node)
     }
 
     /// The cells that have all of `nodes`.
-    pub(in crate::mesh) fn around(&self, nodes: &[u32]) -> Vec<u32> {
+    pub(crate) fn around(&self, nodes: &[u32]) -> Vec<u32> {
         let Some(first) = nodes.iter().find(|node| self.incidence.tracks(**node)) else { return Vec::new() };
         let has_all = |cell: &u32| nodes.iter().all(|node| self.cell(*cell).contains(node));
         self.star(*first).iter().copied().filter(has_all).collect()
     }
 
-    pub(in crate::mesh) fn cell(&self, cell: u32) -> [u32; 4] {
+    pub(crate) fn cell(&self, cell: u32) -> [u32; 4] {
         self.mesh.cell(cell)
     }
 
-    pub(in crate::mesh) fn is_removed(&self, cell: u32) -> bool {
+    pub(crate) fn is_removed(&self, cell: u32) -> bool {
         self.mesh.is_removed(cell)
     }
 
-    pub(in crate::mesh) fn owner(&self, cell: u32) -> u32 {
+    pub(crate) fn owner(&self, cell: u32) -> u32 {
         self.mesh.owner[cell as usize]
     }
 
-    pub(in crate::mesh) fn point(&self, node: u32) -> Vec3 {
+    pub(crate) fn point(&self, node: u32) -> Vec3 {
         self.mesh.position(node)
     }
 
-    pub(in crate::mesh) fn move_to(&mut self, node: u32, position: Vec3) {
+    pub(crate) fn move_to(&mut self, node: u32, position: Vec3) {
         self.mesh.points[node as usize] = position;
     }
 
-    pub(in crate::mesh) fn cos2(&self, nodes: [u32; 4]) -> f64 {
+    pub(crate) fn cos2(&self, nodes: [u32; 4]) -> f64 {
         min_dihedral_cos2(self.mesh.corners(nodes))
     }
 
     /// Whether a cell is there, and worse than `limit`.
-    pub(in crate::mesh) fn is_worse(&self, cell: u32, limit: f64) -> bool {
+    pub(crate) fn is_worse(&self, cell: u32, limit: f64) -> bool {
         !self.is_removed(cell) && self.mesh.cos2(cell) > limit
     }
 
     /// The cells that are worse than `limit`, ascending.
-    pub(in crate::mesh) fn worse(&self, limit: f64) -> Vec<u32> {
+    pub(crate) fn worse(&self, limit: f64) -> Vec<u32> {
         parallel::filter(self.mesh.cells.len(), |cell| self.is_worse(cell as u32, limit))
     }
 
     /// The [`min_dihedral_cos2`] of the worst of `cells`.
-    pub(in crate::mesh) fn worst(&self, cells: &[u32]) -> f64 {
+    pub(crate) fn worst(&self, cells: &[u32]) -> f64 {
         cells.iter().map(|&cell| self.mesh.cos2(cell)).fold(-1.0, f64::max)
     }
 
     /// The shortest altitude of `cells`, mm.
-    pub(in crate::mesh) fn shortest_altitude(&self, cells: impl Iterator<Item = [u32; 4]>) -> f64 {
+    pub(crate) fn shortest_altitude(&self, cells: impl Iterator<Item = [u32; 4]>) -> f64 {
         cells.map(|nodes| shortest_altitude(self.mesh.corners(nodes))).fold(f64::INFINITY, f64::min)
     }
 
     /// Replaces cells where that makes no altitude, and so no stable time step, shorter; whether it did.
-    pub(in crate::mesh) fn replace_thicker(&mut self, proposed: &Replacement) -> bool {
+    pub(crate) fn replace_thicker(&mut self, proposed: &Replacement) -> bool {
         let Replacement { old, new } = proposed;
         let before = self.shortest_altitude(old.iter().map(|&cell| self.cell(cell)));
         let is_thicker = self.shortest_altitude(new.iter().map(|(nodes, _)| *nodes)) >= before;
@@ -112,7 +112,7 @@ impl<'a> Topology<'a> {
     }
 
     /// The same with a new node at `position` in place of [`NEW`].
-    pub(in crate::mesh) fn insert_thicker(&mut self, position: Vec3, mut proposed: Replacement) -> bool {
+    pub(crate) fn insert_thicker(&mut self, position: Vec3, mut proposed: Replacement) -> bool {
         let node = self.mesh.points.len() as u32;
         self.mesh.points.push(position);
         self.incidence.add_node();
@@ -133,7 +133,7 @@ const UNTRACKED: u32 = u32::MAX;
 const LEAST: u32 = 8;
 
 /// For every tracked node the cells around it, in the order in which they came.
-pub(in crate::mesh) struct Incidence {
+pub(crate) struct Incidence {
     /// Where a node's list begins in `cells`, or [`UNTRACKED`].
     start: Vec<u32>,
     length: Vec<u32>,
@@ -143,7 +143,7 @@ pub(in crate::mesh) struct Incidence {
 
 impl Incidence {
     /// The cells around the nodes that `wanted` marks.
-    pub(in crate::mesh) fn of(mesh: &[[u32; 4]], wanted: &[bool]) -> Self {
+    pub(crate) fn of(mesh: &[[u32; 4]], wanted: &[bool]) -> Self {
         let tracked = |node: u32| wanted.get(node as usize) == Some(&true);
         let mut length = vec![0_u32; wanted.len()];
         let corners = || mesh.iter().flatten().copied().filter(|&node| tracked(node));
@@ -167,18 +167,18 @@ impl Incidence {
     }
 
     /// The cells around `nodes`.
-    pub(in crate::mesh) fn around(mesh: &[[u32; 4]], count: usize, nodes: impl Iterator<Item = u32>) -> Self {
+    pub(crate) fn around(mesh: &[[u32; 4]], count: usize, nodes: impl Iterator<Item = u32>) -> Self {
         let mut wanted = vec![false; count];
         nodes.for_each(|node| wanted[node as usize] = true);
         Self::of(mesh, &wanted)
     }
 
-    pub(in crate::mesh) fn tracks(&self, node: u32) -> bool {
+    pub(crate) fn tracks(&self, node: u32) -> bool {
         self.start[node as usize] != UNTRACKED
     }
 
     /// The cells around a node; none where it is not tracked.
-    pub(in crate::mesh) fn cells(&self, node: u32) -> &[u32] {
+    pub(crate) fn cells(&self, node: u32) -> &[u32] {
         if !self.tracks(node) {
             return &[];
         }
@@ -187,7 +187,7 @@ impl Incidence {
     }
 
     /// Adds a cell to the lists of its nodes.
-    pub(in crate::mesh) fn link(&mut self, cell: u32, nodes: &[u32; 4]) {
+    pub(crate) fn link(&mut self, cell: u32, nodes: &[u32]) {
         for &node in nodes {
             if self.tracks(node) {
                 self.push(node, cell);
@@ -196,7 +196,7 @@ impl Incidence {
     }
 
     /// Takes a cell out of the lists of its nodes.
-    pub(in crate::mesh) fn unlink(&mut self, cell: u32, nodes: &[u32; 4]) {
+    pub(crate) fn unlink(&mut self, cell: u32, nodes: &[u32]) {
         for &node in nodes {
             let start = self.start[node as usize] as usize;
             if let Some(at) = self.cells(node).iter().position(|other| *other == cell) {
@@ -208,7 +208,7 @@ impl Incidence {
     }
 
     /// Gives what `node` has to `into`, before its own, and leaves it nothing.
-    pub(in crate::mesh) fn join(&mut self, node: u32, into: u32) {
+    pub(crate) fn join(&mut self, node: u32, into: u32) {
         let all = [self.cells(node), self.cells(into)].concat();
         self.length[node as usize] = 0;
         self.length[into as usize] = 0;
@@ -216,14 +216,14 @@ impl Incidence {
     }
 
     /// Tracks one node more, without cells.
-    pub(in crate::mesh) fn add_node(&mut self) {
+    pub(crate) fn add_node(&mut self) {
         self.start.push(self.cells.len() as u32);
         self.length.push(0);
         self.capacity.push(0);
     }
 
     /// Forgets the node that was added last.
-    pub(in crate::mesh) fn forget_last_node(&mut self) {
+    pub(crate) fn forget_last_node(&mut self) {
         self.start.pop();
         self.length.pop();
         self.capacity.pop();

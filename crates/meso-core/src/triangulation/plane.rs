@@ -3,9 +3,9 @@
 //! Halving the triangles of a fan would be simpler, but a fan of a polygon with one short edge has needles, and the nodes on
 //! a needle's long sides come as close to each other as that edge is short.
 
-use super::slabs::snap;
+use super::nodes::snap;
+use super::{Triangles, Untriangulated};
 use crate::math::Vec3;
-use crate::mesh::error::MeshError;
 use crate::stop;
 use spade::handles::{FixedVertexHandle, InnerTag};
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, HasPosition, Point2, RefinementParameters, Triangulation};
@@ -19,16 +19,8 @@ const MOST: usize = 10_000_000;
 /// Rounds of smoothing.
 const ROUNDS: usize = 3;
 
-/// A surface of triangles.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Triangles {
-    pub(super) points: Vec<Vec3>,
-    /// Counter-clockwise from outside.
-    pub(super) triangles: Vec<[u32; 3]>,
-}
-
 /// The nodes from `from` to `to`, both included, where an edge is cut.
-pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
+pub(crate) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
     if (to - from).norm_squared() <= limit * limit {
         return vec![from, to];
     }
@@ -40,7 +32,7 @@ pub(super) fn halved(from: Vec3, to: Vec3, limit: f64) -> Vec<Vec3> {
 
 /// Two directions in a plane, and the plane's position.
 #[derive(Clone, Copy)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     u: Vec3,
     v: Vec3,
     /// The plane's point nearest the origin.
@@ -49,13 +41,13 @@ pub(super) struct Frame {
 
 impl Frame {
     /// The plane at `position` across an axis, seen from above.
-    pub(super) fn across(axis: usize, position: f64) -> Self {
+    pub(crate) fn across(axis: usize, position: f64) -> Self {
         let [u, v] = [1, 2].map(|next| Vec3::ith((axis + next) % 3, 1.0));
         Self { u, v, foot: Vec3::ith(axis, position) }
     }
 
     /// The plane of a convex polygon, seen from the side from which it is counter-clockwise.
-    pub(super) fn of(polygon: &[Vec3]) -> Self {
+    pub(crate) fn of(polygon: &[Vec3]) -> Self {
         let edge = |k: usize| polygon[(k + 1) % polygon.len()] - polygon[k];
         let from_first = |k: usize| polygon[k] - polygon[0];
         let area = (2..polygon.len()).map(|k| from_first(k - 1).cross(&from_first(k))).sum::<Vec3>();
@@ -68,7 +60,7 @@ impl Frame {
     }
 
     /// False for a polygon without area.
-    pub(super) fn is_plane(&self) -> bool {
+    pub(crate) fn is_plane(&self) -> bool {
         [self.u, self.v, self.foot].iter().flatten().all(|x| x.is_finite())
     }
 
@@ -102,11 +94,11 @@ impl HasPosition for Vertex {
 }
 
 /// A region in the making.
-pub(super) struct Plane {
+pub(crate) struct Plane {
     frame: Frame,
     cdt: ConstrainedDelaunayTriangulation<Vertex>,
     /// By the vertices' numbers: those of rims first, in their order.
-    pub(super) points: Vec<Vec3>,
+    pub(crate) points: Vec<Vec3>,
 }
 
 impl Plane {
@@ -115,16 +107,20 @@ impl Plane {
     ///
     /// # Errors
     /// Says where rims cross.
-    pub(super) fn new(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, MeshError> {
+    pub(crate) fn new(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, Untriangulated> {
         Self::refined(frame, rims, refinement(limit))
     }
 
     /// The same between rims that go around it and its holes: rounding puts some nodes of the outer ones off the hull.
-    fn inside(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, MeshError> {
+    fn inside(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, Untriangulated> {
         Self::refined(frame, rims, refinement(limit).exclude_outer_faces(true))
     }
 
-    fn refined(frame: Frame, rims: &[Vec<Vec3>], parameters: RefinementParameters<f64>) -> Result<Self, MeshError> {
+    fn refined(
+        frame: Frame,
+        rims: &[Vec<Vec3>],
+        parameters: RefinementParameters<f64>,
+    ) -> Result<Self, Untriangulated> {
         let mut plane = Self::between(frame, rims)?;
         plane.cdt.refine(parameters);
         let inner = smoothed(&plane.cdt, plane.points.len());
@@ -138,7 +134,7 @@ impl Plane {
         Ok(plane)
     }
 
-    fn between(frame: Frame, rims: &[Vec<Vec3>]) -> Result<Self, MeshError> {
+    fn between(frame: Frame, rims: &[Vec<Vec3>]) -> Result<Self, Untriangulated> {
         let mut plane = Self { frame, cdt: ConstrainedDelaunayTriangulation::new(), points: Vec::new() };
         rims.iter().try_for_each(|nodes| plane.keep(nodes))?;
         Ok(plane)
@@ -153,11 +149,11 @@ impl Plane {
     }
 
     /// Makes the edges between consecutive nodes part of the triangulation.
-    fn keep(&mut self, nodes: &[Vec3]) -> Result<(), MeshError> {
+    fn keep(&mut self, nodes: &[Vec3]) -> Result<(), Untriangulated> {
         let vertices: Vec<FixedVertexHandle> = nodes.iter().map(|node| self.vertex(*node)).collect();
         for pair in vertices.windows(2) {
             if !self.cdt.can_add_constraint(pair[0], pair[1]) {
-                return Err(MeshError::triangulation("rims of aggregates cross", &self.points[pair[0].index()]));
+                return Err(Untriangulated::new("rims of aggregates cross", &self.points[pair[0].index()]));
             }
             self.cdt.add_constraint(pair[0], pair[1]);
         }
@@ -169,10 +165,10 @@ impl Plane {
     ///
     /// # Errors
     /// Where there is no such edge.
-    pub(super) fn within(&mut self, from: Vec3, to: Vec3) -> Result<Vec<usize>, MeshError> {
+    pub(crate) fn within(&mut self, from: Vec3, to: Vec3) -> Result<Vec<usize>, Untriangulated> {
         let [a, b] = [from, to].map(|node| self.vertex(node));
         let edge = self.cdt.get_edge_from_neighbors(a, b);
-        let edge = edge.ok_or_else(|| MeshError::triangulation("an edge of a rim is lost", &from))?;
+        let edge = edge.ok_or_else(|| Untriangulated::new("an edge of a rim is lost", &from))?;
         let (mut open, mut seen) = (vec![edge.face().fix()], vec![false; self.cdt.num_all_faces()]);
         let mut found = Vec::new();
         while let Some(face) = open.pop() {
@@ -187,7 +183,7 @@ impl Plane {
     }
 
     /// All triangles with their numbers, counter-clockwise.
-    pub(super) fn triangles(&self) -> impl Iterator<Item = (usize, [u32; 3])> {
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = (usize, [u32; 3])> {
         let corners = |face: spade::handles::FaceHandle<'_, InnerTag, _, _, _, _>| {
             (face.fix().index(), face.vertices().map(|vertex| vertex.fix().index() as u32))
         };
@@ -195,7 +191,7 @@ impl Plane {
     }
 
     /// More than the number of any triangle.
-    pub(super) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.cdt.num_all_faces()
     }
 }
@@ -205,7 +201,7 @@ impl Plane {
 ///
 /// # Errors
 /// Says where loops cross.
-pub(super) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Triangles, MeshError> {
+pub(crate) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Triangles, Untriangulated> {
     let edges = |corners: &Vec<Vec3>| {
         let next = |k: usize| corners[(k + 1) % corners.len()];
         (0..corners.len()).map(|k| halved(corners[k], next(k), limit)).collect::<Vec<_>>()

@@ -8,19 +8,19 @@ use crate::stop;
 use rayon::prelude::*;
 
 /// The tetrahedra around one node as the opposite faces (a, b, c), with positive volume over the node, and their owners.
-pub(in crate::mesh) struct Star {
-    pub(in crate::mesh) centre: Vec3,
+pub(crate) struct Star {
+    pub(crate) centre: Vec3,
     faces: Vec<([Vec3; 3], u32)>,
 }
 
 impl Star {
     /// The star of `node` in a mesh, from the numbers of its cells.
-    pub(in crate::mesh) fn of(mesh: &TetMesh, node: u32, cells: &[u32]) -> Self {
+    pub(crate) fn of(mesh: &TetMesh, node: u32, cells: &[u32]) -> Self {
         Self::of_cells(node, cells.iter().map(|&cell| mesh.owned(cell)), |node| mesh.position(node))
     }
 
     /// The star of `node` from its cells with their owners; `position` finds their corners.
-    pub(in crate::mesh) fn of_cells(
+    pub(crate) fn of_cells(
         node: u32,
         cells: impl Iterator<Item = ([u32; 4], u32)>,
         position: impl Fn(u32) -> Vec3,
@@ -35,13 +35,13 @@ impl Star {
     }
 
     /// With the cells of a periodic image of the node, `shift` mm away.
-    pub(in crate::mesh) fn with_image(mut self, image: Self, shift: &Vec3) -> Self {
+    pub(crate) fn with_image(mut self, image: Self, shift: &Vec3) -> Self {
         self.faces.extend(image.faces.into_iter().map(|(face, owner)| (face.map(|p| p - shift), owner)));
         self
     }
 
     /// [`min_dihedral_cos2`] of the worst tetrahedron with the node at `x`. The search ends at the first above `limit`.
-    pub(in crate::mesh) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
+    pub(crate) fn worst(&self, x: &Vec3, limit: f64) -> f64 {
         let mut worst: f64 = -1.0;
         for ([a, b, c], _) in &self.faces {
             worst = worst.max(min_dihedral_cos2([*x, *a, *b, *c]));
@@ -54,7 +54,7 @@ impl Star {
 
     /// [`worst`](Self::worst) of the node's own position; the worst tetrahedron comes first from now on, where searches
     /// with a limit end soonest.
-    pub(in crate::mesh) fn worst_first(&mut self) -> f64 {
+    pub(crate) fn worst_first(&mut self) -> f64 {
         let x = self.centre;
         let (mut worst, mut at) = (-1.0, 0);
         for (i, ([a, b, c], _)) in self.faces.iter().enumerate() {
@@ -69,36 +69,36 @@ impl Star {
 
     /// The gain of six times the volume of the star's tetrahedra by a unit move of the node, each tetrahedron counted as
     /// often as `weight` of its owner says: volumes are linear in the node's position.
-    pub(in crate::mesh) fn gain(&self, weight: impl Fn(u32) -> f64) -> Vec3 {
+    pub(crate) fn gain(&self, weight: impl Fn(u32) -> f64) -> Vec3 {
         -self.faces.iter().map(|([a, b, c], owner)| (b - a).cross(&(c - a)) * weight(*owner)).sum::<Vec3>()
     }
 
     /// The owners of the star's tetrahedra; each as often as it occurs.
-    pub(in crate::mesh) fn owners(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn owners(&self) -> impl Iterator<Item = u32> + '_ {
         self.faces.iter().map(|(_, owner)| *owner)
     }
 
     /// Mean of the surrounding nodes, each as often as it occurs.
-    pub(in crate::mesh) fn mean(&self) -> Vec3 {
+    pub(crate) fn mean(&self) -> Vec3 {
         let sum: Vec3 = self.faces.iter().flat_map(|(face, _)| face).sum();
         sum / (3 * self.faces.len()) as f64
     }
 }
 
 /// The moves that one node of a mesh may make.
-pub(in crate::mesh) trait Constraint {
+pub(crate) trait Constraint {
     /// The positions that the node may take about one `step` from `x`; the unit of steps is the implementer's.
     fn reachable(&self, x: &Vec3, step: f64) -> Vec<Vec3>;
 }
 
 /// Unit vectors to the 26 neighbours in a grid.
-pub(in crate::mesh) fn directions() -> impl Iterator<Item = Vec3> {
+pub(crate) fn directions() -> impl Iterator<Item = Vec3> {
     let direction = |i: i32| Vec3::new(f64::from(i % 3 - 1), f64::from(i / 3 % 3 - 1), f64::from(i / 9 - 1));
     (0..27).map(direction).filter_map(|direction| direction.try_normalize(0.5))
 }
 
 /// The position at which `worst(position, limit)` is least, and below `before`, with what it is there.
-pub(in crate::mesh) fn best_position(
+pub(crate) fn best_position(
     before: f64,
     positions: impl IntoIterator<Item = Vec3>,
     worst: impl Fn(&Vec3, f64) -> f64,
@@ -115,7 +115,7 @@ pub(in crate::mesh) fn best_position(
 
 /// Where a node at `x` with the worst cell `before` should go: the best position that `constraint` lets it take at one of
 /// `steps`; `None` where it is there already.
-pub(in crate::mesh) fn smoothed(
+pub(crate) fn smoothed(
     constraint: &impl Constraint,
     x: &Vec3,
     steps: impl IntoIterator<Item = f64>,
@@ -128,7 +128,7 @@ pub(in crate::mesh) fn smoothed(
 }
 
 /// Someone who improves a mesh.
-pub(in crate::mesh) trait Improver: Sync {
+pub(crate) trait Improver: Sync {
     /// Whether a cell falls short of what is wanted.
     fn is_poor(&self, cell: u32) -> bool;
 
@@ -141,7 +141,7 @@ pub(in crate::mesh) trait Improver: Sync {
 ///
 /// Cells are taken by their numbers, not by their quality: neighbours then follow each other, and the result does not hang on
 /// ties.
-pub(in crate::mesh) fn improve(improver: &mut impl Improver, mut suspects: Vec<u32>, rounds: usize) -> Vec<u32> {
+pub(crate) fn improve(improver: &mut impl Improver, mut suspects: Vec<u32>, rounds: usize) -> Vec<u32> {
     for _ in 0..rounds {
         let poor = parallel::pick(&suspects, |&cell| improver.is_poor(cell));
         drop(suspects);
@@ -154,7 +154,7 @@ pub(in crate::mesh) fn improve(improver: &mut impl Improver, mut suspects: Vec<u
 }
 
 /// Numbers sorted, each once.
-pub(in crate::mesh) fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
+pub(crate) fn ascending(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     let mut numbers: Vec<u32> = numbers.into_iter().collect();
     numbers.par_sort_unstable();
     numbers.dedup();
