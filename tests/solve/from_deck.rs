@@ -30,7 +30,7 @@ impl Model {
         let mortar = |phase: &Phase| *phase == Phase::Mortar || is_smeared && *phase == Phase::Itz;
         let cells: Vec<f64> =
             volumes(&mesh).into_iter().zip(&mesh.phase).filter(|(_, p)| mortar(p)).map(|(v, _)| v).collect();
-        let materials = materials(&deck, &Band::of(mesh.kind, cells.iter().sum::<f64>() / cells.len() as f64));
+        let materials = materials(&deck, &Band::of(&mesh, cells.iter().sum::<f64>() / cells.len() as f64));
         Self { test: test(&deck), mesh, materials }
     }
 
@@ -42,7 +42,7 @@ impl Model {
             section_mm2: volume_mm3 / aabb.size().z,
             volume_mm3,
             element_size_mm: 2.0,
-            band_factor: band_factor(self.mesh.kind),
+            band_factor: band_factor(&self.mesh),
             exact: None,
         };
         let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent);
@@ -60,8 +60,8 @@ struct Band {
 }
 
 impl Band {
-    fn of(kind: CellKind, volume: f64) -> Self {
-        Self { width: band_factor(kind) * regular_edge(kind, volume), characteristic: volume.cbrt() }
+    fn of(mesh: &Mesh, volume: f64) -> Self {
+        Self { width: band_factor(mesh) * regular_edge(mesh.kind, volume), characteristic: volume.cbrt() }
     }
 }
 
@@ -292,8 +292,8 @@ fn the_deck_of_a_cube_of_24_mm_softens_as_concrete_does() {
     let model = Model::read(&text);
     assert_same(&model.materials.mortar_strength, &Strength::default());
     assert!((model.test.strain() - 0.006).abs() < 1e-12 && model.test.friction == 0.1, "{:?}", model.test);
-    // Grains of 4 mm in elements of 2 mm: 2.9 % of the aggregates are cut away where they meet.
-    assert!(error.abs() < 0.03, "{error}");
+    // Grains of 4 mm in elements of 2 mm: 3.1 % of the aggregates become mortar where they meet.
+    assert!(error.abs() < 0.035, "{error}");
     let figures = model.crush();
     assert!(is_of_concrete(&figures) && (30.0..60.0).contains(&figures.peak_mpa), "{figures:?}");
 }

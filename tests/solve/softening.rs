@@ -60,7 +60,6 @@ fn a_weak_band_of_a_conforming_mesh_spends_its_fracture_energy() {
         .into_iter()
         .filter_map(|size| Some(spent_over_asked(Meshed::filled_by_gmsh(8.0 * size, size)?, 1.6)))
         .collect();
-    eprintln!("conforming {ratios:?}");
     assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{ratios:?}");
 }
 

@@ -31,7 +31,7 @@ impl<'a> Sample<'a> {
             section_mm2: gross_section_mm2(specimen),
             volume_mm3: specimen.volume(),
             element_size_mm: options.element_size_mm,
-            band_factor: band_factor(mesh.kind),
+            band_factor: band_factor(mesh),
             exact: None,
         }
     }

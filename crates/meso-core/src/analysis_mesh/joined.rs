@@ -60,18 +60,23 @@ pub(crate) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) {
             let left = left(mesh, &bodies, &joined(mesh));
             cut(mesh, &bodies, &left);
             let gone = cells_at(mesh, &left);
-            become_mortar(mesh, &gone);
+            leave(mesh, &gone);
         }
     }
     let gone = mesh.joining_cells();
-    become_mortar(mesh, &gone);
+    leave(mesh, &gone);
 }
 
-/// Gives the mortar the cells `gone`.
-fn become_mortar(mesh: &mut Mesh, gone: &[usize]) {
+/// Gives the mortar the cells `gone`, and counts them.
+fn leave(mesh: &mut Mesh, gone: &[usize]) {
     mesh.notes.parted_cells += gone.len();
     mesh.notes.parted_mm3 += gone.iter().map(|&cell| mesh.volume(cell)).sum::<f64>();
-    for &cell in gone {
+    become_mortar(mesh, gone);
+}
+
+/// Gives the mortar `cells`.
+pub(super) fn become_mortar(mesh: &mut Mesh, cells: &[usize]) {
+    for &cell in cells {
         mesh.phase[cell] = Phase::Mortar;
         mesh.aggregate[cell] = NO_AGGREGATE;
     }

@@ -128,6 +128,8 @@ pub struct Mesh {
 /// Decisions of the builder, and how often it took each: every bridged gap and thinned ITZ is counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Notes {
+    /// Whether the cells follow the bodies' facets, in which case they lie in no lattice and crack bands are narrower.
+    pub conforming: bool,
     /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
     pub closed_gaps: usize,
     /// Pairs of aggregates that share nodes.
@@ -142,6 +144,10 @@ pub struct Notes {
     pub parted_cells: usize,
     /// Their volume, mm3, before any volume was made good.
     pub parted_mm3: f64,
+    /// Cells of aggregates that became mortar, since their stable time step was shorter than that of all mortar.
+    pub stiff_cells: usize,
+    /// Their volume, mm3.
+    pub stiff_mm3: f64,
     /// Edges of mortar between two aggregates that got a node in the middle.
     pub split_gap_edges: usize,
     /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the

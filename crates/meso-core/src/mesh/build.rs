@@ -11,7 +11,7 @@ use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
 use super::{clip, lattice, layer, voxel};
 use crate::aggregate::{Aggregate, Kind};
-use crate::analysis_mesh::{add_cohesive, part_joined, restore_volumes, smear_itz, split_narrow};
+use crate::analysis_mesh::{add_cohesive, part_joined, restore_volumes, smear_itz, spare_stiff, split_narrow};
 use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, drop_lone_nodes};
 use crate::mesh_figures::note_closed_gaps;
 use crate::model::Model;
@@ -107,7 +107,8 @@ fn assemble(
     Ok(mesh)
 }
 
-/// Parts joined aggregates, restores volumes, splits narrow gaps and names the smeared ITZ, as far as each is asked for.
+/// Parts joined aggregates, restores volumes, splits narrow gaps, spares stiff cells and names the smeared ITZ, as far as each
+/// is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
         part_joined(mesh, bodies, options.joined == Joined::Cut);
@@ -118,6 +119,9 @@ fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
     }
     if options.narrow_gaps == NarrowGaps::Split {
         mesh.notes.split_gap_edges = split_narrow(mesh);
+    }
+    if options.joined != Joined::Keep && options.itz != ItzForm::Solid {
+        spare_stiff(mesh);
     }
     if options.itz == ItzForm::Smeared {
         smear_itz(mesh);
@@ -144,7 +148,7 @@ fn cells_of(
         }
         Method::Conforming { slabs, .. } => {
             let mesh = conforming::mesh(placed, bodies, specimen, size, slabs, gmsh)?;
-            with_layer(mesh, Notes::default(), bodies, periodic, options)
+            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, bodies, periodic, options)
         }
     };
     Ok(draft.into_mesh(bodies, periodic, notes))

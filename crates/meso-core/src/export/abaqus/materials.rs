@@ -89,7 +89,7 @@ fn crack_band(mesh: &Mesh) -> Band {
         cells => (volumes.mortar, cells),
     };
     let mean = volume / cells as f64;
-    let width_mm = width_mm(mesh.kind, mean);
+    let width_mm = width_mm(mesh, mean);
     Band { width_mm, opening: characteristic_mm(mesh.kind, mean) / width_mm }
 }
 
