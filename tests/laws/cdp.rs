@@ -12,7 +12,7 @@ fn strengths<R: Number>() {
     let of = cdp::<R>(&mortar());
     let crushed = peak(&along(&of, UNIAXIAL, &[-0.004], 2e-6));
     close(crushed.stress, -40.0, 1e-3);
-    close(crushed.strain, -0.0022, 3e-3);
+    close(crushed.strain, -0.0022, 1e-3);
     close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
     close(peak(&along(&of, Held::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
     // Both stresses s, the third 0: s (alpha + (1 - alpha) c / f_t) = (1 - alpha) c where hardening begins, c = 0.4 f_c.
@@ -51,13 +51,13 @@ fn confined_strength_is_the_surfaces_closed_form() {
 fn pulled_on_all_sides<R: Number>() {
     let (of, zero) = (cdp::<R>(&mortar()), R::splat(0.0));
     let mut history = <law::Cdp<R> as Law<R>>::virgin();
-    let stresses = (1..=50).map(|step| {
-        let strain = R::splat(f64::from(step) * 4e-6);
+    let stresses = (1..=500).map(|step| {
+        let strain = R::splat(f64::from(step) * 4e-7);
         of.stress(&[strain, strain, strain, zero, zero, zero], &mut history, R::splat(WIDTH)).stress[0].into()
     });
     let (alpha, c) = (0.16 / 1.32, 16.0);
     let beta = (1.0 - alpha) * c / 3.0 - (1.0 + alpha);
-    close(stresses.fold(0.0, f64::max), (1.0 - alpha) * c / (3.0 * alpha + beta), 3e-3);
+    close(stresses.fold(0.0, f64::max), (1.0 - alpha) * c / (3.0 * alpha + beta), 1e-3);
 }
 
 #[test]
@@ -136,11 +136,14 @@ fn a_band_too_wide_is_named_and_spends_more() {
     // E G_c / f_c^2 = 8.125 mm, less 2 %.
     close(widest, 0.98 * 8.125, 1e-9);
     let spent = |width: f64| {
-        let crushed = curve(&of, width, UNIAXIAL, &ramp(0.0, -0.04, 8000).collect::<Vec<_>>());
+        // Beyond the peak at 0.22 % the stress nearly drops.
+        let corners = [(0.0, -0.0021, 400), (-0.0021, -0.0025, 8000), (-0.0025, -0.04, 8000)];
+        let strains: Vec<f64> = corners.into_iter().flat_map(|(from, to, steps)| ramp(from, to, steps)).collect();
+        let crushed = curve(&of, width, UNIAXIAL, &strains);
         inelastic_energy(from_peak(&crushed), E, width)
     };
-    close(spent(widest), 0.5, 5e-3);
-    close(spent(2.0 * widest), 1.0, 5e-3);
+    close(spent(widest), 0.5, 1e-3);
+    close(spent(2.0 * widest), 1.0, 1e-3);
 }
 
 #[test]

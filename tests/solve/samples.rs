@@ -68,7 +68,12 @@ pub(crate) fn options(method: Method, element_size_mm: f64, itz: ItzForm) -> Mes
 
 /// A cube of 24 mm with aggregates of 4 to 10 mm, `gap` mm apart.
 pub(crate) fn small_cube(gap: f64) -> Model {
-    let mut spec = Spec { specimen: Specimen::cube(24.0), fraction: 0.3, seed: 3, ..Spec::default() };
+    cube(24.0, 3, gap)
+}
+
+/// A cube of `size_mm` with aggregates of 4 to 10 mm, `gap` mm apart.
+pub(crate) fn cube(size_mm: f64, seed: u64, gap: f64) -> Model {
+    let mut spec = Spec { specimen: Specimen::cube(size_mm), fraction: 0.3, seed, ..Spec::default() };
     spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
     spec.placement.min_gap_mm = gap;
     meso_core::pack(&spec, &Silent).unwrap()
@@ -76,8 +81,16 @@ pub(crate) fn small_cube(gap: f64) -> Model {
 
 /// The small cube, meshed.
 pub(crate) fn concrete(gap: f64, method: Method, element_size_mm: f64, itz: ItzForm) -> Meshed {
-    let model = small_cube(gap);
-    Meshed::of(&model.aggregates, model.spec.specimen.clone(), options(method, element_size_mm, itz))
+    meshed(&small_cube(gap), options(method, element_size_mm, itz))
+}
+
+/// A cube in boxes, without ITZ.
+pub(crate) fn voxels(size_mm: f64, seed: u64, element_size_mm: f64) -> Meshed {
+    meshed(&cube(size_mm, seed, 1.0), options(Method::VOXEL, element_size_mm, ItzForm::None))
+}
+
+fn meshed(model: &Model, options: MeshOptions) -> Meshed {
+    Meshed::of(&model.aggregates, model.spec.specimen.clone(), options)
 }
 
 /// Materials that soften within a test of 0.5 % strain.

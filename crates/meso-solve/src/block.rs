@@ -4,11 +4,12 @@
 //! cache and a connectivity fits u16. Displacements are taken relative to the block's first node, in f64, before they
 //! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
 
+use crate::element::bending::Bending;
 use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
 use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::tet::Tets;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
-use crate::law::{Law, Tensor};
+use crate::law::{Elastic, Law, Tensor};
 use crate::matter::{LawTask, Matter};
 use meso_core::mesh::Phase;
 
@@ -23,7 +24,7 @@ pub(crate) const EMPTY: u32 = u32::MAX;
 pub(crate) enum Cells {
     /// C3D4.
     Tets(Vec<Tets>),
-    /// C3D8R.
+    /// C3D8R, and C3D8I where the matter is unbreakable.
     Hexes(Vec<Hexes>),
     /// Cohesive faces of tetrahedra.
     Triangles(Vec<Faces<3>>),
@@ -147,6 +148,7 @@ impl Task for Pass<'_> {
             let matter = &common.matter[*phase as usize];
             match cells {
                 Cells::Tets(cells) => *dissipated += matter.law::<L, _>(TetTask { cells, memory, u, forces }),
+                Cells::Hexes(cells) if matter.is_unbreakable => bend::<L>(cells, matter, &common.shape, u, forces),
                 Cells::Hexes(cells) => {
                     let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
                     let task = HexTask { cells, memory, u, forces, common, stiffness };
@@ -265,6 +267,16 @@ impl LawTask for TetTask<'_> {
             cells.resist(&answer.stress, self.forces);
         }
         spent.eight().sum()
+    }
+}
+
+/// Boxes that bend: C3D8I.
+#[inline(always)]
+fn bend<L: Lanes>(cells: &[Hexes], matter: &Matter, shape: &BoxShape, u: &Vectors, forces: &mut Vectors) {
+    let (law, bending) = (Elastic::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
+    for cells in cells {
+        let (strain, amplitudes) = cells.strain(u, shape);
+        cells.resist(&law.of(&strain), &bending.forces(&amplitudes), L::splat(1.0), shape, forces);
     }
 }
 

@@ -19,6 +19,8 @@ pub(crate) struct Matter {
     pub(crate) elastic: Elastic,
     /// How it answers strain.
     pub(crate) behaviour: Behaviour,
+    /// Whether it is elastic under every law, so that its boxes bend.
+    pub(crate) is_unbreakable: bool,
     /// The law on the lanes of the run.
     prepared: Prepared,
 }
@@ -127,12 +129,13 @@ impl Matter {
             (LawName::Cdp, Some(strength)) => Behaviour::Cdp(strength, materials.plasticity),
             (LawName::Cdpm2, Some(strength)) => Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio),
         };
-        Self::of(*materials.elastic(phase), behaviour)
+        let is_unbreakable = materials.strength(phase).is_none();
+        Self { is_unbreakable, ..Self::of(*materials.elastic(phase), behaviour) }
     }
 
     /// An elasticity and a law.
     pub(crate) fn of(elastic: Elastic, behaviour: Behaviour) -> Self {
-        Self { elastic, behaviour, prepared: Prepared::default() }
+        Self { elastic, behaviour, is_unbreakable: false, prepared: Prepared::default() }
     }
 
     /// Runs `task` with the phase's law.

@@ -31,7 +31,7 @@ pub struct Test {
     pub itz: Itz,
     /// Treatment of aggregates that share nodes.
     pub joined: Joined,
-    /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra alone).
+    /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
     pub hourglass: f64,
     /// Cohesive faces.
     pub interface: Interface,

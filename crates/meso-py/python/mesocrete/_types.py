@@ -493,7 +493,7 @@ class SolveOptions(TypedDict, total=False):
     friction: float
     """Coulomb's coefficient between plates and specimen; in tension the plates are glued on."""
     hourglass: float
-    """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra alone)."""
+    """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
     itz: Literal["smeared", "none"]

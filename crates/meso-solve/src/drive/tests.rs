@@ -7,9 +7,9 @@ use crate::response::Ended;
 use crate::run::Run;
 use crate::sample::Sample;
 use crate::test::{Itz, LawName, Test};
-use meso_core::materials::Materials;
+use meso_core::materials::{Elastic, Materials};
 use meso_core::math::{Aabb, Mat3, Vec3};
-use meso_core::mesh::{self, Mesh, MeshOptions, Method};
+use meso_core::mesh::{self, Mesh, MeshOptions, Method, Phase};
 use meso_core::packing::Specimen;
 use std::cell::Cell;
 
@@ -38,6 +38,13 @@ impl Body {
 
     fn cuboid(method: Method) -> Self {
         Self::of(Specimen::cuboid([10.0, 12.0, 14.0]), method)
+    }
+
+    /// Boxes of aggregate, which bend.
+    fn stone() -> Self {
+        let mut body = Self::cuboid(Method::VOXEL);
+        body.mesh.phase.fill(Phase::Aggregate);
+        body
     }
 
     fn run(&self, law: LawName) -> Run<'_> {
@@ -88,10 +95,9 @@ fn stresses(run: &Run) -> Vec<[f64; 6]> {
     Frame::new(run, 1).cells(|point| point.stress).into_iter().map(|stress| stress.map(f64::from)).collect()
 }
 
-/// Hooke's law for the mortar, MPa.
-fn hooke(gradient: &Mat3) -> Mat3 {
+/// Hooke's law, MPa.
+fn hooke(elastic: &Elastic, gradient: &Mat3) -> Mat3 {
     let strain = 0.5 * (gradient + gradient.transpose());
-    let elastic = Materials::default().mortar;
     let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
     (e / (1.0 + nu)) * (strain + Mat3::identity() * (nu / (1.0 - 2.0 * nu) * strain.trace()))
 }
@@ -143,7 +149,7 @@ fn a_small_rotation_costs_nothing_and_a_finite_one_strains_by_its_cosine_less_1(
         assert!(off(&run, &Mat3::zeros()) < 26_000.0 * 5e-8, "{method:?} {}", off(&run, &Mat3::zeros()));
         // sym(R) - 1 = (cos t - 1) (1 - n n^T): small strains take a finite rotation for a shrinkage.
         displace(&mut run, |x| finite * x);
-        let expected = hooke(&finite);
+        let expected = hooke(&Materials::default().mortar, &finite);
         let size = expected.amax();
         assert!(size > 1.0 && off(&run, &expected) < 2e-3 * size, "{method:?} {} of {size}", off(&run, &expected));
         // Forces of a turned body have neither resultant nor moment.
@@ -183,24 +189,51 @@ fn a_spinning_body_keeps_its_momenta_and_its_energy() {
 #[test]
 fn a_constant_strain_passes_the_patch_test() {
     let gradient = Mat3::new(1.0, 0.4, -0.3, 0.2, -0.8, 0.5, 0.6, -0.1, 0.7) * 1e-3;
-    let stress = hooke(&gradient);
-    for method in METHODS {
-        let body = Body::cuboid(method);
+    let Materials { mortar, aggregate, .. } = Materials::default();
+    let bodies = METHODS.map(|method| (Body::cuboid(method), mortar));
+    for (body, elastic) in bodies.into_iter().chain([(Body::stone(), aggregate)]) {
+        let (what, stress) = (body.options.method, hooke(&elastic, &gradient));
         let mut run = body.free(LawName::Elastic);
         displace(&mut run, |x| gradient * x);
-        assert!(off(&run, &stress) < 1e-4 * stress.amax(), "{method:?} {}", off(&run, &stress));
+        assert!(off(&run, &stress) < 1e-4 * stress.amax(), "{what:?} {}", off(&run, &stress));
         let (forces, places) = (forces(&mut run), places(&run));
-        // That of the stress on a face of an element.
-        let typical = stress.amax() * 4.0;
-        let inner = run.order.iter().zip(&forces).filter(|(node, _)| is_inner(&body.mesh, **node as usize));
-        let unbalanced: Vec<f64> = inner.map(|(_, force)| force.norm() / typical).collect();
-        assert!(unbalanced.len() > 50 && unbalanced.iter().all(|f| *f < 1e-4), "{method:?} {unbalanced:?}");
+        balance_inside(&body, &run, &forces, stress.amax());
         // At the surface, sum z f = stress e_z V by the divergence theorem.
         let pull: Vec3 = forces.iter().zip(&places).map(|(f, x)| f * x.z).sum();
         let exact = stress * Vec3::z() * (10.0 * 12.0 * 14.0);
-        assert!((pull - exact).norm() < 1e-4 * exact.norm(), "{method:?} {pull:?} {exact:?}");
+        assert!((pull - exact).norm() < 1e-4 * exact.norm(), "{what:?} {pull:?} {exact:?}");
         let hourglass: f64 = run.blocks.iter().flat_map(|block| &block.groups).map(|group| group.hourglass[0]).sum();
-        assert!(hourglass < 1e-8 * 0.5 * 26_000.0 * 1e-6 * 1680.0, "{method:?} {hourglass}");
+        assert!(hourglass < 1e-8 * 0.5 * 26_000.0 * 1e-6 * 1680.0, "{what:?} {hourglass}");
+    }
+}
+
+/// No inner node has a force above 1e-4 of that of `stress`, MPa, on a face of an element.
+fn balance_inside(body: &Body, run: &Run, forces: &[Vec3], stress: f64) {
+    let inner = run.order.iter().zip(forces).filter(|(node, _)| is_inner(&body.mesh, **node as usize));
+    let unbalanced: Vec<f64> = inner.map(|(_, force)| force.norm() / (4.0 * stress)).collect();
+    assert!(unbalanced.len() > 50 && unbalanced.iter().all(|f| *f < 1e-4), "{unbalanced:?}");
+}
+
+/// Saint-Venant's bending: stress E c z along x, and none else.
+#[test]
+fn aggregates_of_boxes_bend_exactly_and_no_hourglass_mode_has_a_part_in_it() {
+    let body = Body::stone();
+    let Elastic { youngs_modulus_mpa: e, poisson_ratio: nu, .. } = Materials::default().aggregate;
+    let (curvature, middle) = (1e-4, Vec3::new(5.0, 6.0, 7.0));
+    for law in [LawName::Elastic, LawName::Cdp] {
+        let mut run = body.free(law);
+        displace(&mut run, |at| {
+            let [x, y, z]: [f64; 3] = (at - middle).into();
+            curvature * Vec3::new(x * z, -nu * y * z, -0.5 * (x * x + nu * (z * z - y * y)))
+        });
+        let moved = run.nodes.displacement.clone();
+        let forces = forces(&mut run);
+        balance_inside(&body, &run, &forces, e * curvature * 7.0);
+        let work: f64 = moved.iter().zip(&forces).map(|(&u, f)| 0.5 * Vec3::from(u).dot(f)).sum();
+        // Half of E I c^2 L.
+        let exact = 0.5 * e * (12.0 * 14.0_f64.powi(3) / 12.0) * curvature.powi(2) * 10.0;
+        assert!((work / exact - 1.0).abs() < 1e-4, "{law:?} {work} {exact}");
+        assert!(run.blocks.iter().flat_map(|block| &block.groups).all(|group| group.hourglass == [0.0; 2]));
     }
 }
 
