@@ -101,10 +101,11 @@ impl MovingSurface {
     /// Halves the displacements of the nodes whose cells would get too flat, at last to zero.
     fn shorten(&self, mesh: &Mesh, displacements: &mut [Vec3], short: f64) {
         let mut watched = self.cells.clone();
+        let corners = |cell: u32| mesh.by_aggregate().cell(cell as usize);
         for halving in 0.. {
             let after = |node: &u32| mesh.points[*node as usize] + displacements[*node as usize];
             let is_flat = |number: &u32| {
-                let cell = &mesh.cells[4 * *number as usize..][..4];
+                let cell = corners(*number);
                 let [before, after] =
                     [[0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]), [0, 1, 2, 3].map(|i| after(&cell[i]))];
                 before != after && flattens(before, after, short)
@@ -113,12 +114,11 @@ impl MovingSurface {
             if flat.is_empty() {
                 return;
             }
-            let nodes = ascending(flat.iter().flat_map(|&cell| mesh.cells[4 * cell as usize..][..4].to_vec()));
+            let nodes = ascending(flat.iter().flat_map(|&cell| corners(cell)).copied());
             let share = if halving < HALVINGS { 0.5 } else { 0.0 };
             nodes.iter().for_each(|&node| displacements[node as usize] *= share);
             // Elsewhere nothing has changed.
-            let has_shortened =
-                |cell: &u32| mesh.cells[4 * *cell as usize..][..4].iter().any(|node| nodes.binary_search(node).is_ok());
+            let has_shortened = |cell: &u32| corners(*cell).iter().any(|node| nodes.binary_search(node).is_ok());
             watched = parallel::pick(&self.cells, has_shortened);
         }
     }

@@ -124,7 +124,7 @@ impl Shared {
 
     /// The shared nodes of a cell.
     fn neighbours(&self, mesh: &Mesh, cell: usize) -> Vec<u32> {
-        let nodes = &mesh.cells[cell * mesh.kind.nodes()..][..mesh.kind.corners()];
+        let nodes = &mesh.by_aggregate().cell(cell)[..mesh.kind.corners()];
         nodes.iter().copied().filter(|node| self.cells.contains_key(node)).collect()
     }
 }

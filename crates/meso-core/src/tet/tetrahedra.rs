@@ -53,6 +53,11 @@ impl TetMesh {
         min_dihedral_cos2(self.corners(self.cell(cell)))
     }
 
+    /// The [`min_dihedral_cos2`] of the worst of `cells`.
+    pub(crate) fn worst(&self, cells: impl IntoIterator<Item = u32>) -> f64 {
+        cells.into_iter().map(|cell| self.cos2(cell)).fold(-1.0, f64::max)
+    }
+
     /// Volume of a cell, mm3.
     pub(crate) fn volume(&self, cell: u32) -> f64 {
         volume(self.corners(self.cell(cell)))

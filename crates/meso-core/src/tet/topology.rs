@@ -76,7 +76,7 @@ impl<'a> Topology<'a> {
 
     /// The [`min_dihedral_cos2`] of the worst of `cells`.
     pub(crate) fn worst(&self, cells: &[u32]) -> f64 {
-        cells.iter().map(|&cell| self.mesh.cos2(cell)).fold(-1.0, f64::max)
+        self.mesh.worst(cells.iter().copied())
     }
 
     /// The shortest altitude of `cells`, mm.

@@ -209,7 +209,7 @@ struct Remeshed {
 /// they were where one is smaller, if such are found.
 fn remeshed(nodes: &Nodes, node: u32, least_deg: f64) -> Option<Remeshed> {
     let patch = Patch::around(nodes, node);
-    let limit = patch.worst().max(cos2_of(least_deg));
+    let limit = patch.mesh.worst(patch.mesh.numbers()).max(cos2_of(least_deg));
     let positions = positions_apart(nodes, node, APART * nodes.exact.size, POSITIONS);
     let moved = positions.iter().map(|position| patch.with(node, position));
     let contracted = nearest_on_body(nodes, node).into_iter().map(|into| patch.contracted(node, into));
@@ -312,10 +312,6 @@ impl Patch {
 
     fn poor(&self, limit: f64) -> Vec<u32> {
         self.mesh.numbers().filter(|&cell| self.mesh.cos2(cell) > limit).collect()
-    }
-
-    fn worst(&self) -> f64 {
-        self.mesh.numbers().map(|cell| self.mesh.cos2(cell)).fold(-1.0, f64::max)
     }
 
     /// Whether smoothing and swaps leave no cell worse than `limit`.

@@ -386,7 +386,7 @@ impl Group {
         cells.retain(|&cell| !mesh.is_removed(cell));
         // Another group may have taken some of them.
         self.nodes.retain(|node| cells.iter().any(|&cell| mesh.cell(cell).contains(node)));
-        let before = cells.iter().map(|&cell| mesh.cos2(cell)).fold(-1.0, f64::max);
+        let before = mesh.worst(cells.iter().copied());
         if before <= movable.limit {
             return Tried::InVain;
         }

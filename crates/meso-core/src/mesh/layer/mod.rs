@@ -25,7 +25,7 @@ use periodic::{Bodies, Ties};
 pub(super) use prisms::Layered;
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
-/// Splits a layer of `thickness(body)` mm off the inside of every body.
+/// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
 ///
 /// Every cell must have a positive volume; then every cell has one afterwards, too. Where the mesh repeats itself it must fill its
 /// bounding box, with opposite faces that match.

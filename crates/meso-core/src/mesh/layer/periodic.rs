@@ -246,11 +246,9 @@ impl Flat {
     }
 }
 
-/// Bodies, those of one id beside each other.
+/// Bodies, those of one id in a row.
 pub(super) struct Bodies<'a> {
     all: &'a [Aggregate],
-    /// Indices, by id.
-    by_id: Vec<u32>,
     /// For every body how far it lies from the first of its id, in boxes along each axis.
     shifts: Vec<[i32; 3]>,
 }
@@ -261,17 +259,13 @@ pub(super) type Key = (u32, [i32; 3]);
 impl<'a> Bodies<'a> {
     /// `size` is the box's, mm.
     pub(super) fn new(all: &'a [Aggregate], size: &Vec3) -> Self {
-        let mut by_id: Vec<u32> = (0..all.len() as u32).collect();
-        by_id.sort_by_key(|&index| all[index as usize].id);
-        let mut shifts = vec![[0; 3]; all.len()];
-        for same in by_id.chunk_by(|&a, &b| all[a as usize].id == all[b as usize].id) {
-            let corner = |index: u32| all[index as usize].body.vertices()[0];
-            for &index in same {
-                let boxes = (corner(index) - corner(same[0])).component_div(size);
-                shifts[index as usize] = [0, 1, 2].map(|axis| boxes[axis].round() as i32);
-            }
-        }
-        Self { all, by_id, shifts }
+        let corner = |body: &Aggregate| body.body.vertices()[0];
+        let shift = |body: &Aggregate, first: &Aggregate| {
+            let boxes = (corner(body) - corner(first)).component_div(size);
+            [0, 1, 2].map(|axis| boxes[axis].round() as i32)
+        };
+        let of_id = |same: &[Aggregate]| same.iter().map(|body| shift(body, &same[0])).collect::<Vec<_>>();
+        Self { all, shifts: all.chunk_by(|a, b| a.id == b.id).flat_map(of_id).collect() }
     }
 
     pub(super) fn count(&self) -> u32 {
@@ -280,7 +274,7 @@ impl<'a> Bodies<'a> {
 
     /// One body of each id.
     pub(super) fn first_of_each(&self) -> impl Iterator<Item = u32> {
-        self.by_id.chunk_by(|&a, &b| self.get(a).id == self.get(b).id).map(|same| same[0])
+        (0..self.count()).filter(|&index| index == 0 || self.get(index - 1).id != self.get(index).id)
     }
 
     pub(super) fn get(&self, index: u32) -> &'a Aggregate {
