@@ -190,13 +190,13 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the direction that the
-    /// search began with and the portal that it came to.
-    pub(crate) fn apart_or(&self, open: impl FnOnce(&Vec3, Option<Portal>) -> bool) -> bool {
+    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the portal that the
+    /// search came to.
+    pub(crate) fn apart_or(&self, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
         let known = self.glance().1;
         let Known::Nothing(v) = known else { return matches!(known, Known::Apart(_)) };
         let narrow = self.search_narrow(&v);
-        narrow.answer().unwrap_or_else(|| open(&v, narrow.portal()))
+        narrow.answer().unwrap_or_else(|| open(narrow.portal()))
     }
 
     /// The answer by a search from direction `v`, whatever it takes.
@@ -215,6 +215,13 @@ impl<'a> Query<'a> {
             Found::Overlap(_) => false,
             Found::Undecided(corners) => self.decide(corners.pairs(), counters).is_some(),
         }
+    }
+
+    /// The same for one of many pairs, of which the direction is not known any more.
+    #[cold]
+    pub(crate) fn settle_again(&self, portal: Option<Portal>) -> bool {
+        let v = if let Known::Nothing(v) = self.glance().1 { v } else { self.x };
+        self.settle_from(&v, portal, &mut Counters::default())
     }
 
     /// The axis, not of unit length.
