@@ -202,8 +202,12 @@ impl<'a> Query<'a> {
     /// The answer by a search from direction `v`, whatever it takes.
     #[inline(never)]
     fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
-        let narrow = self.search_narrow(v);
-        narrow.answer().unwrap_or_else(|| self.settle_from(v, narrow.portal(), counters))
+        let v = or_x(v);
+        let found = match self.narrow_pair() {
+            Some(narrow) => dispatch(Both { narrow, wide: self.pair(), v, gap: self.gap }),
+            None => None,
+        };
+        found.unwrap_or_else(|| self.settle_from(&v, None, counters))
     }
 
     /// The answer where single precision did not tell; it may have come to a portal.
@@ -356,6 +360,29 @@ impl Vectorized for Narrow<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Refined<f32> {
         mpr::search(self.pair, simd, self.v, self.gap)
+    }
+}
+
+/// A portal search in single precision, and where that leaves it open in double precision from the portal it came to.
+///
+/// In one go, since the two answers make one that no branch has to foretell.
+struct Both<'a> {
+    narrow: NarrowPair<'a>,
+    wide: Pair<'a>,
+    v: Vec3,
+    gap: f64,
+}
+
+impl Vectorized for Both<'_> {
+    type Output = Option<bool>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<bool> {
+        let Self { narrow, wide, v, gap } = self;
+        match mpr::search(narrow, simd, v.cast(), gap as f32) {
+            Refined::Undecided(Some(portal)) => mpr::resume(wide, simd, portal, gap)?.answer(),
+            refined => refined.answer(),
+        }
     }
 }
 
