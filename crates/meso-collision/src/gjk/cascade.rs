@@ -195,7 +195,12 @@ impl<'a> Query<'a> {
     pub(crate) fn apart_or(&self, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
         let known = self.glance().1;
         let Known::Nothing(v) = known else { return matches!(known, Known::Apart(_)) };
-        let narrow = self.search_narrow(&v);
+        self.apart_from(&v, open)
+    }
+
+    /// The same where the bounds left it open, with this direction to start from.
+    pub(crate) fn apart_from(&self, v: &Vec3, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
+        let narrow = self.search_narrow(v);
         narrow.answer().unwrap_or_else(|| open(narrow.portal()))
     }
 

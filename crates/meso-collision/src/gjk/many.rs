@@ -13,6 +13,9 @@ use std::ops::Range;
 /// Pairs below which they are asked one by one: less than a register's lanes, twice.
 const FEW: usize = 8;
 
+/// Pairs below which a search in lockstep leaves too many lanes idle: they are searched one by one.
+const FEW_TO_SEARCH: usize = 12;
+
 impl PairQuery<'_> {
     /// [`Body::overlaps`](super::Body::overlaps) for each of many pairs, in their order.
     ///
@@ -150,6 +153,14 @@ impl Work {
     /// Answers the chosen questions.
     fn search(&mut self, queries: &[PairQuery<'_>], gap: f64, open: &dyn Settle) {
         let Self { answers, pending, chosen, notes, undecided, .. } = self;
+        if chosen.len() < FEW_TO_SEARCH {
+            for entry in chosen.drain(..) {
+                let (i, v) = (pending.queries()[entry as usize] as usize, pending.direction(entry as usize));
+                let apart = queries[i].query(gap).apart_from(&v, |portal| open.is_farther(i, portal));
+                answers[i] = Some(!apart);
+            }
+            return;
+        }
         dispatch(Search { queries, gap, pending, chosen, notes, answers, undecided });
         chosen.clear();
         for Undecided { query, portal } in undecided.drain(..) {
