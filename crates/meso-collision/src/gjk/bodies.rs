@@ -237,7 +237,7 @@ struct Open<'a> {
 }
 
 impl Settle for Open<'_> {
-    fn is_farther(&self, query: usize, _: &Vec3, _: Option<Portal>) -> bool {
+    fn is_farther(&self, query: usize, _: Option<Portal>) -> bool {
         self.asks[query].is_farther(self.gap)
     }
 }

@@ -4,7 +4,6 @@ use super::ellipsoid::Ellipsoids;
 use super::support::Support;
 use crate::geometry::{CompactPolyhedron, Facet, Polyhedron};
 use crate::math::{Mat3, Vec3};
-use crate::prefetch::prefetch;
 use crate::simd::{Wide, widest};
 use nalgebra::{Scalar, Vector3};
 
@@ -181,12 +180,6 @@ impl Body {
     #[inline(always)]
     pub(crate) fn narrow_group(&self) -> &Group<f32> {
         &self.narrow
-    }
-
-    /// Begins to bring the first points in f64 near.
-    #[inline(always)]
-    pub(crate) fn prefetch_wide(&self) {
-        prefetch(std::slice::from_ref(&self.first));
     }
 
     /// True for a body that is known to hold its frame's origin.

@@ -190,20 +190,29 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the direction that the
-    /// search began with and the portal that it came to.
-    pub(crate) fn apart_or(&self, open: impl FnOnce(&Vec3, Option<Portal>) -> bool) -> bool {
+    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the portal that the
+    /// search came to.
+    pub(crate) fn apart_or(&self, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
         let known = self.glance().1;
         let Known::Nothing(v) = known else { return matches!(known, Known::Apart(_)) };
-        let narrow = self.search_narrow(&v);
-        narrow.answer().unwrap_or_else(|| open(&v, narrow.portal()))
+        self.apart_from(&v, open)
+    }
+
+    /// The same where the bounds left it open, with this direction to start from.
+    pub(crate) fn apart_from(&self, v: &Vec3, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
+        let narrow = self.search_narrow(v);
+        narrow.answer().unwrap_or_else(|| open(narrow.portal()))
     }
 
     /// The answer by a search from direction `v`, whatever it takes.
     #[inline(never)]
     fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
-        let narrow = self.search_narrow(v);
-        narrow.answer().unwrap_or_else(|| self.settle_from(v, narrow.portal(), counters))
+        let v = or_x(v);
+        let found = match self.narrow_pair() {
+            Some(narrow) => dispatch(Both { narrow, wide: self.pair(), v, gap: self.gap }),
+            None => None,
+        };
+        found.unwrap_or_else(|| self.settle_from(&v, None, counters))
     }
 
     /// The answer where single precision did not tell; it may have come to a portal.
@@ -215,6 +224,13 @@ impl<'a> Query<'a> {
             Found::Overlap(_) => false,
             Found::Undecided(corners) => self.decide(corners.pairs(), counters).is_some(),
         }
+    }
+
+    /// The same for one of many pairs, of which the direction is not known any more.
+    #[cold]
+    pub(crate) fn settle_again(&self, portal: Option<Portal>) -> bool {
+        let v = if let Known::Nothing(v) = self.glance().1 { v } else { self.x };
+        self.settle_from(&v, portal, &mut Counters::default())
     }
 
     /// The axis, not of unit length.
@@ -349,6 +365,29 @@ impl Vectorized for Narrow<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Refined<f32> {
         mpr::search(self.pair, simd, self.v, self.gap)
+    }
+}
+
+/// A portal search in single precision, and where that leaves it open in double precision from the portal it came to.
+///
+/// In one go, since the two answers make one that no branch has to foretell.
+struct Both<'a> {
+    narrow: NarrowPair<'a>,
+    wide: Pair<'a>,
+    v: Vec3,
+    gap: f64,
+}
+
+impl Vectorized for Both<'_> {
+    type Output = Option<bool>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Option<bool> {
+        let Self { narrow, wide, v, gap } = self;
+        match mpr::search(narrow, simd, v.cast(), gap as f32) {
+            Refined::Undecided(Some(portal)) => mpr::resume(wide, simd, portal, gap)?.answer(),
+            refined => refined.answer(),
+        }
     }
 }
 

@@ -3,17 +3,18 @@
 //! The answers are those of [`Body::overlaps`](super::Body::overlaps), in any order and on any machine: both are exact.
 //! Where lockstep does not pay, on the instruction set or with few pairs, they are asked one by one.
 
-use super::cascade::Counters;
-use super::lockstep::{Glance, Pending, Search, Undecided};
+use super::lockstep::{Glance, Notes, Pending, Search, Undecided};
 use super::mpr::Portal;
 use super::pair_query::PairQuery;
-use crate::math::Vec3;
 use crate::simd::{Simd, Vectorized, dispatch};
 use std::cell::RefCell;
 use std::ops::Range;
 
 /// Pairs below which they are asked one by one: less than a register's lanes, twice.
 const FEW: usize = 8;
+
+/// Pairs below which a search in lockstep leaves too many lanes idle: they are searched one by one.
+const FEW_TO_SEARCH: usize = 12;
 
 impl PairQuery<'_> {
     /// [`Body::overlaps`](super::Body::overlaps) for each of many pairs, in their order.
@@ -51,7 +52,7 @@ impl PairQuery<'_> {
 
 /// [`PairQuery::overlap_many`] where `open` answers what bounds and lockstep leave open.
 pub(super) fn overlap_settled(queries: &[PairQuery<'_>], open: &dyn Settle) -> Vec<bool> {
-    if queries.len() < FEW || !lockstep_pays() {
+    if queries.len() < FEW || !dispatch(Pays) {
         return (0..queries.len()).map(|i| !is_apart(queries, i, 0.0, open)).collect();
     }
     with_work(|work| {
@@ -64,14 +65,13 @@ pub(super) fn overlap_settled(queries: &[PairQuery<'_>], open: &dyn Settle) -> V
 
 /// One question after the other.
 fn is_apart(queries: &[PairQuery<'_>], i: usize, gap: f64, open: &dyn Settle) -> bool {
-    queries[i].query(gap).apart_or(|v, portal| open.is_farther(i, v, portal))
+    queries[i].query(gap).apart_or(|portal| open.is_farther(i, portal))
 }
 
 /// Answers a question that searches in floating point left open.
 pub(super) trait Settle {
-    /// Whether the pair of the `query`th question is more than the gap apart; the search started from direction `v` and may
-    /// have come to a portal.
-    fn is_farther(&self, query: usize, v: &Vec3, portal: Option<Portal>) -> bool;
+    /// Whether the pair of the `query`th question is more than the gap apart; the search may have come to a portal.
+    fn is_farther(&self, query: usize, portal: Option<Portal>) -> bool;
 }
 
 /// From the bodies themselves.
@@ -81,28 +81,27 @@ struct Own<'a, 'q> {
 }
 
 impl Settle for Own<'_, '_> {
-    fn is_farther(&self, query: usize, v: &Vec3, portal: Option<Portal>) -> bool {
-        self.queries[query].query(self.gap).settle_from(v, portal, &mut Counters::default())
+    fn is_farther(&self, query: usize, portal: Option<Portal>) -> bool {
+        self.queries[query].query(self.gap).settle_again(portal)
     }
 }
 
 /// True on instruction sets where many pairs in lockstep take less than two thirds of the time of one after the other.
-fn lockstep_pays() -> bool {
-    struct Pays;
-    impl Vectorized for Pays {
-        type Output = bool;
-        #[inline(always)]
-        fn run<S: Simd>(self, _: S) -> bool {
-            S::LOCKSTEP_PAYS
-        }
+struct Pays;
+
+impl Vectorized for Pays {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) -> bool {
+        S::LOCKSTEP_PAYS
     }
-    dispatch(Pays)
 }
 
 /// [`PairQuery::clear_many`] where `open` answers what bounds and lockstep leave open.
 pub(super) fn clear_settled(queries: &[PairQuery<'_>], ends: &[u32], gap: f64, open: &dyn Settle) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
-    if !lockstep_pays() {
+    if !dispatch(Pays) {
         return attempts(ends).map(|mut attempt| attempt.all(|i| is_apart(queries, i, gap, open))).collect();
     }
     with_work(|work| {
@@ -137,6 +136,7 @@ struct Work {
     pending: Pending,
     /// Entries of `pending` to search next.
     chosen: Vec<u32>,
+    notes: Notes,
     undecided: Vec<Undecided>,
     /// The attempts of which the closest pair was searched: their entries of `pending`.
     begun: Vec<Range<u32>>,
@@ -152,13 +152,19 @@ impl Work {
 
     /// Answers the chosen questions.
     fn search(&mut self, queries: &[PairQuery<'_>], gap: f64, open: &dyn Settle) {
-        let Self { answers, pending, chosen, undecided, .. } = self;
-        dispatch(Search { queries, gap, pending, chosen, answers, undecided });
+        let Self { answers, pending, chosen, notes, undecided, .. } = self;
+        if chosen.len() < FEW_TO_SEARCH {
+            for entry in chosen.drain(..) {
+                let (i, v) = (pending.queries()[entry as usize] as usize, pending.direction(entry as usize));
+                let apart = queries[i].query(gap).apart_from(&v, |portal| open.is_farther(i, portal));
+                answers[i] = Some(!apart);
+            }
+            return;
+        }
+        dispatch(Search { queries, gap, pending, chosen, notes, answers, undecided });
         chosen.clear();
-        for Undecided { entry, portal } in undecided.drain(..) {
-            let i = pending.queries()[entry as usize] as usize;
-            let v = pending.direction(entry as usize);
-            answers[i] = Some(!open.is_farther(i, &v, portal));
+        for Undecided { query, portal } in undecided.drain(..) {
+            answers[query as usize] = Some(!open.is_farther(query as usize, portal));
         }
     }
 
@@ -194,4 +200,64 @@ impl Work {
 #[inline(always)]
 fn any(answers: &[Option<bool>], is_so: impl Fn(Option<bool>) -> bool) -> bool {
     answers.iter().fold(false, |any, &answer| any | is_so(answer))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::convex_hull;
+    use crate::gjk::body::Body;
+    use crate::gjk::method::Method;
+    use crate::math::Vec3;
+    use crate::random::Stream;
+    use crate::simd::{Isa, dispatch_on};
+
+    /// A solid of 24 points near a sphere, which is known to hold its frame's origin.
+    fn body(stream: &mut Stream) -> Body {
+        let points: Vec<Vec3> = (0..24).map(|_| stream.direction() * stream.uniform(2.0, 4.0)).collect();
+        Body::new(&points).with_inside_of(&convex_hull(&points).unwrap())
+    }
+
+    /// Pairs at 1e-9 to 1e-5 of their size from touching, on either side.
+    fn near_touch<'a>(stream: &mut Stream, bodies: &'a [Body], n: usize) -> Vec<PairQuery<'a>> {
+        let mut one = |i: usize| {
+            let (a, b) = (&bodies[i % bodies.len()], &bodies[(7 * i + 1) % bodies.len()]);
+            let v = stream.direction();
+            let (mut inside, mut outside) = (0.0, a.circumradius() + b.circumradius());
+            for _ in 0..60 {
+                let middle = 0.5 * (inside + outside);
+                *(if a.overlaps(b, &(v * middle)) { &mut inside } else { &mut outside }) = middle;
+            }
+            let off = libm::exp10(stream.uniform(-9.0, -5.0)) * if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+            PairQuery { a, b, b_from_a: v * (inside * (1.0 + off)) }
+        };
+        (0..n).map(&mut one).collect()
+    }
+
+    #[test]
+    fn lockstep_itself_proves_nearly_all_pairs_that_single_precision_cannot() {
+        let mut stream = Stream::new(3);
+        let bodies: Vec<Body> = (0..40).map(|_| body(&mut stream)).collect();
+        let queries = near_touch(&mut stream, &bodies, 1000);
+        let exact: Vec<bool> = queries.iter().map(|q| Method::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
+        for isa in Isa::ALL.into_iter().filter(|&isa| dispatch_on(isa, Pays)) {
+            let (answers, open) = in_lockstep(isa, &queries);
+            let right = answers.iter().zip(&exact).filter(|(answer, exact)| **answer == Some(**exact)).count();
+            assert_eq!(right + open, queries.len(), "{isa:?}");
+            assert!(open < 20, "{isa:?} leaves {open} open");
+        }
+    }
+
+    /// The answers of bounds and lockstep, and how many these leave open.
+    fn in_lockstep(isa: Isa, queries: &[PairQuery<'_>]) -> (Vec<Option<bool>>, usize) {
+        let Work { mut answers, mut pending, mut chosen, mut notes, mut undecided, .. } = Work::default();
+        answers.resize(queries.len(), None);
+        dispatch_on(isa, Glance { queries, gap: 0.0, answers: &mut answers, pending: &mut pending });
+        chosen.extend(0..pending.len() as u32);
+        let (pending, chosen, notes) = (&pending, &chosen, &mut notes);
+        let search =
+            Search { queries, gap: 0.0, pending, chosen, notes, answers: &mut answers, undecided: &mut undecided };
+        dispatch_on(isa, search);
+        (answers, undecided.len())
+    }
 }

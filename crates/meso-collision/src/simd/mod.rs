@@ -10,7 +10,7 @@ mod portable;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// A set of vector instructions, the narrowest first.
@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub enum Isa {
     /// Instructions of every machine of the target: SSE2 on x86-64, NEON on arm64.
     Scalar,
-    /// AVX2 and FMA.
+    /// AVX2 and FMA, and what came with them: BMI, LZCNT and POPCNT.
     Avx2,
     /// AVX-512 F, BW, DQ and VL.
     Avx512,
@@ -38,7 +38,7 @@ impl Isa {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
-            if has!("avx2") && has!("fma") {
+            if has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt") {
                 let wide = has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl");
                 return if wide { Self::Avx512 } else { Self::Avx2 };
             }
@@ -89,6 +89,20 @@ pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
         Isa::Avx2 => return unsafe { x86::on_avx2(work) },
         Isa::Scalar => {}
     }
+    work.run(portable::Portable::new())
+}
+
+/// Runs `work` on `isa`, or what the machine has where that is less, whatever other threads choose.
+#[cfg(test)]
+pub(crate) fn dispatch_on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
+    #[cfg(target_arch = "x86_64")]
+    match isa.min(Isa::best()) {
+        // SAFETY: what is more than was detected is not taken.
+        Isa::Avx512 => return unsafe { x86::on_avx512(work) },
+        Isa::Avx2 => return unsafe { x86::on_avx2(work) },
+        Isa::Scalar => {}
+    }
+    let _ = isa;
     work.run(portable::Portable::new())
 }
 
@@ -153,7 +167,47 @@ pub(crate) const MOST_LANES: usize = 16;
 /// Slots whose number fits into the low bits of a key.
 pub(crate) const SLOTS: usize = 32;
 
-/// A register: numbers side by side, lane 0 first. Masks have bit `l` for lane `l`.
+/// Lanes of a register, chosen: as the instruction set compares and blends.
+pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
+    /// The lanes that the other mask has not.
+    fn but_not(self, other: Self) -> Self;
+    /// Bit `l` for lane `l`.
+    fn bits(self) -> u32;
+}
+
+/// A mask that is its bits.
+#[derive(Clone, Copy)]
+pub(crate) struct Bits(u32);
+
+impl BitAnd for Bits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for Bits {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Mask for Bits {
+    #[inline(always)]
+    fn but_not(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0
+    }
+}
+
+/// A register: numbers side by side, lane 0 first.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -161,11 +215,20 @@ pub(crate) trait Lanes:
     type T: Copy;
     /// Proof that the machine has the instructions.
     type Token: Copy;
+    /// The numbers in memory.
+    type Array: Copy + AsRef<[Self::T]>;
+    /// Some of its lanes.
+    type Mask: Mask;
     /// Number of lanes, at most [`MOST_LANES`].
     const LANES: usize;
 
+    /// To memory.
+    fn to_array(self) -> Self::Array;
     /// The same number in all lanes.
     fn all(token: Self::Token, value: Self::T) -> Self;
+    /// The number that `lane` tells of each lane, straight into the register: a load of numbers that were just stored one by
+    /// one would wait for them.
+    fn of_lanes(token: Self::Token, lane: impl Fn(usize) -> Self::T) -> Self;
     /// The numbers from `from[at]` on.
     fn load(token: Self::Token, from: &[Self::T], at: usize) -> Self;
     /// Stores all lanes from `to[at]` on.
@@ -180,24 +243,32 @@ pub(crate) trait Lanes:
     fn abs(self) -> Self;
     /// The larger number of each lane.
     fn max(self, other: Self) -> Self;
+    /// The lanes of these bits.
+    fn mask(token: Self::Token, bits: u32) -> Self::Mask;
     /// The lanes where `self` is larger; none for NaN.
-    fn above(self, other: Self) -> u32;
+    fn above(self, other: Self) -> Self::Mask;
     /// `other` in the lanes of the mask.
-    fn or(self, mask: u32, other: Self) -> Self;
-    /// The lanes of the mask, moved to the front; what is behind them has no meaning.
+    fn or(self, mask: Self::Mask, other: Self) -> Self;
+    /// The lanes of these bits, moved to the front; what is behind them has no meaning.
     fn front(self, mask: u32) -> Self;
     /// The numbers with their lowest five bits replaced by the slots `at`, `at` + 1, ...
     fn keyed(self, at: usize) -> Self;
     /// The largest lane.
     fn largest(self) -> Self::T;
+    /// The largest lane of each of as many registers as there are lanes, in their order.
+    fn largest_of_each<E: Each<Self>>(registers: &E) -> Self;
 }
 
-/// Operations that only a search in lockstep needs.
+/// A register for each lane of another. A trait and not a closure, which would not inherit the instruction set.
+pub(crate) trait Each<L> {
+    /// That of lane `l`.
+    fn register(&self, l: usize) -> L;
+}
+
+/// What only a search in lockstep needs.
 pub(crate) trait Lockstep: Lanes<T = f32> {
     /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are lanes.
     fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self;
-    /// The largest lane of each of as many registers as there are lanes, in their order.
-    fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self;
 }
 
 /// Calls `act` with each lane of the mask.
@@ -222,16 +293,21 @@ mod tests {
         for at in (0..COUNT).step_by(L::LANES) {
             let (a, b) = (L::load(token, x, at), L::load(token, y, at));
             let above = a.above(b);
-            masks |= u64::from(above) << at;
+            let chosen = above.bits();
+            masks |= u64::from(chosen) << at;
+            for mask in [above & a.above(b), above | above.but_not(above), L::mask(token, chosen)] {
+                assert_eq!((mask.bits(), mask.but_not(above).bits()), (chosen, 0));
+            }
             let all = [a + b, a - b, a * b, a / b, a.times_plus(b, a), a.times_minus(b, a), b.abs().sqrt(), a.max(b)];
             let all = all.into_iter().chain([a.or(above, b), a.keyed(at), L::all(token, y[at - at % MOST_LANES])]);
+            let all = all.chain([L::of_lanes(token, |l| x[at + l]) * b]);
             let mut place = x.to_vec();
             for register in all {
                 register.store(&mut place, at);
                 found.extend(place[at..at + L::LANES].iter().map(|number| bits(*number)));
             }
-            a.front(above).store(&mut place, at);
-            found.extend(place[at..at + above.count_ones() as usize].iter().map(|number| bits(*number)));
+            a.front(chosen).store(&mut place, at);
+            found.extend(place[at..at + chosen.count_ones() as usize].iter().map(|number| bits(*number)));
         }
         // By operation and lane, whatever the width: sorted, since front has as many as are above.
         found.sort_unstable();
@@ -240,6 +316,28 @@ mod tests {
         (0..COUNT).step_by(L::LANES).for_each(|at| largest = largest.max(L::load(token, x, at)));
         found.push(bits(largest.largest()));
         found
+    }
+
+    /// Each register begins one number later than the one before.
+    struct Later<'a, L: Lanes>(L::Token, &'a [L::T; COUNT]);
+
+    impl<L: Lanes> Each<L> for Later<'_, L> {
+        #[inline(always)]
+        fn register(&self, l: usize) -> L {
+            L::load(self.0, self.1, l)
+        }
+    }
+
+    fn largest_of_each<L: Lanes<T: PartialEq + std::fmt::Debug>>(
+        token: L::Token,
+        x: &[L::T; COUNT],
+        is_larger: impl Fn(&L::T, &L::T) -> bool,
+    ) {
+        let stored = L::largest_of_each(&Later::<L>(token, x)).to_array();
+        for (i, largest) in stored.as_ref().iter().enumerate() {
+            let own = x[i..i + L::LANES].iter().reduce(|most, it| if is_larger(it, most) { it } else { most });
+            assert_eq!(Some(largest), own);
+        }
     }
 
     struct All;
@@ -261,14 +359,9 @@ mod tests {
                 register.store(&mut stored, 0);
                 (0..S::F64::LANES).for_each(|row| assert_eq!(stored[row], f64::from(rows[row][column])));
             }
-            let mut registers = [S::F32::all(simd, 0.0); MOST_LANES];
-            registers.iter_mut().enumerate().for_each(|(i, it)| *it = S::F32::load(simd, &small_x[i % 16..], 0));
+            largest_of_each::<S::F32>(simd, &small_x, |x, y| x > y);
+            largest_of_each::<S::F64>(simd, &x, |x, y| x > y);
             let mut stored = [0.0; MOST_LANES];
-            S::F32::largest_of_each(&registers).store(&mut stored, 0);
-            for (i, largest) in stored.iter().enumerate().take(S::F32::LANES) {
-                let own = small_x[i % 16..][..S::F32::LANES].iter().copied().fold(f32::NEG_INFINITY, f32::max);
-                assert_eq!(*largest, own);
-            }
             S::F32::all(simd, 1.0).refilled(0b101, &small_y, 3).store(&mut stored, 0);
             assert_eq!(stored[..4], [small_y[3], 1.0, small_y[4], 1.0]);
             simd.afresh(&found).clone()

@@ -1,6 +1,6 @@
 //! Vector types for any machine: arrays, which the compiler turns into what registers there are.
 
-use super::{Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
+use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The token of every machine.
@@ -52,11 +52,23 @@ macro_rules! lanes {
         impl Lanes for Array<$t> {
             type T = $t;
             type Token = Portable;
+            type Mask = Bits;
+            type Array = [$t; LANES];
             const LANES: usize = LANES;
+
+            #[inline(always)]
+            fn to_array(self) -> [$t; LANES] {
+                self.0
+            }
 
             #[inline(always)]
             fn all(_: Portable, value: $t) -> Self {
                 Self([value; LANES])
+            }
+
+            #[inline(always)]
+            fn of_lanes(_: Portable, lane: impl Fn(usize) -> $t) -> Self {
+                Self(std::array::from_fn(lane))
             }
 
             #[inline(always)]
@@ -95,13 +107,18 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
-            fn above(self, other: Self) -> u32 {
-                (0..LANES).fold(0, |mask, l| mask | u32::from(self.0[l] > other.0[l]) << l)
+            fn mask(_: Portable, bits: u32) -> Bits {
+                Bits(bits)
             }
 
             #[inline(always)]
-            fn or(self, mask: u32, other: Self) -> Self {
-                Self(std::array::from_fn(|l| if mask >> l & 1 == 1 { other.0[l] } else { self.0[l] }))
+            fn above(self, other: Self) -> Bits {
+                Bits((0..LANES).fold(0, |mask, l| mask | u32::from(self.0[l] > other.0[l]) << l))
+            }
+
+            #[inline(always)]
+            fn or(self, mask: Bits, other: Self) -> Self {
+                Self(std::array::from_fn(|l| if mask.0 >> l & 1 == 1 { other.0[l] } else { self.0[l] }))
             }
 
             #[inline(always)]
@@ -127,6 +144,11 @@ macro_rules! lanes {
                 let (p, q) = (if a > b { a } else { b }, if c > d { c } else { d });
                 if p > q { p } else { q }
             }
+
+            #[inline(always)]
+            fn largest_of_each<E: Each<Self>>(registers: &E) -> Self {
+                Self(std::array::from_fn(|l| registers.register(l).largest()))
+            }
         }
     };
 }
@@ -143,10 +165,5 @@ impl Lockstep for Array<f32> {
             next += 1;
         });
         refilled
-    }
-
-    #[inline(always)]
-    fn largest_of_each(registers: &[Self; MOST_LANES]) -> Self {
-        Self(std::array::from_fn(|l| registers[l].largest()))
     }
 }

@@ -1,8 +1,8 @@
 //! Vector types of x86-64: AVX2 with FMA, and AVX-512.
 
-use super::{Lanes, Lockstep, MOST_LANES, SLOTS, Simd, Vectorized};
+use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, Mask, SLOTS, Simd, Vectorized};
 use std::arch::x86_64::*;
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
 /// The token of AVX2 and FMA: made in [`on_avx2`] alone.
 #[derive(Clone, Copy)]
@@ -12,12 +12,12 @@ pub(crate) struct Avx2(());
 #[derive(Clone, Copy)]
 pub(crate) struct Avx512(());
 
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) fn on_avx2<V: Vectorized>(work: V) -> V::Output {
     work.run(Avx2(()))
 }
 
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 pub(super) fn on_avx512<V: Vectorized>(work: V) -> V::Output {
     work.run(Avx512(()))
 }
@@ -149,11 +149,38 @@ macro_rules! operator {
     };
 }
 
+/// Masks of AVX2: the signs of the lanes.
+macro_rules! mask {
+    ($name:ident($register:ty), [$and:ident, $or:ident, $andnot:ident, $movemask:ident]) => {
+        /// Lanes, chosen.
+        #[derive(Clone, Copy)]
+        pub(crate) struct $name($register);
+        operator!($name, BitAnd, bitand, $and);
+        operator!($name, BitOr, bitor, $or);
+
+        impl Mask for $name {
+            #[inline(always)]
+            fn but_not(self, other: Self) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $andnot(other.0, self.0) })
+            }
+
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                // SAFETY: see `operator`.
+                unsafe { $movemask(self.0) as u32 }
+            }
+        }
+    };
+}
+mask! { M32x8(__m256), [_mm256_and_ps, _mm256_or_ps, _mm256_andnot_ps, _mm256_movemask_ps] }
+mask! { M64x4(__m256d), [_mm256_and_pd, _mm256_or_pd, _mm256_andnot_pd, _mm256_movemask_pd] }
+
 macro_rules! lanes {
     (
-        $name:ident($register:ty), $lanes:literal of $t:ty, with $token:ty,
+        $name:ident($register:ty), $lanes:literal of $t:ty, with $token:ty, $mask:ty,
         [$add:ident, $sub:ident, $mul:ident, $div:ident, $max:ident, $sqrt:ident, $fmadd:ident, $fmsub:ident],
-        [$set1:ident, $loadu:ident, $storeu:ident],
+        [$set1:ident, $setr:ident($($lane:literal)*), $loadu:ident, $storeu:ident],
         $($special:item)*
     ) => {
         /// A register.
@@ -167,12 +194,27 @@ macro_rules! lanes {
         impl Lanes for $name {
             type T = $t;
             type Token = $token;
+            type Mask = $mask;
+            type Array = [$t; $lanes];
             const LANES: usize = $lanes;
+
+            #[inline(always)]
+            fn to_array(self) -> [$t; $lanes] {
+                let mut array = [0.0; $lanes];
+                self.store(&mut array, 0);
+                array
+            }
 
             #[inline(always)]
             fn all(_: $token, value: $t) -> Self {
                 // SAFETY: see `operator`.
                 Self(unsafe { $set1(value) })
+            }
+
+            #[inline(always)]
+            fn of_lanes(_: $token, lane: impl Fn(usize) -> $t) -> Self {
+                // SAFETY: see `operator`.
+                Self(unsafe { $setr($(lane($lane)),*) })
             }
 
             #[inline(always)]
@@ -219,9 +261,9 @@ macro_rules! lanes {
 }
 
 lanes! {
-    F32x8(__m256), 8 of f32, with Avx2,
+    F32x8(__m256), 8 of f32, with Avx2, M32x8,
     [_mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps, _mm256_max_ps, _mm256_sqrt_ps, _mm256_fmadd_ps, _mm256_fmsub_ps],
-    [_mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps],
+    [_mm256_set1_ps, _mm256_setr_ps(0 1 2 3 4 5 6 7), _mm256_loadu_ps, _mm256_storeu_ps],
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -230,18 +272,24 @@ lanes! {
     }
 
     #[inline(always)]
-    fn above(self, other: Self) -> u32 {
-        // SAFETY: see `operator`.
-        unsafe { _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0)) as u32 }
+    fn mask(_: Avx2, bits: u32) -> M32x8 {
+        // SAFETY: see `operator`. The sign of each lane tells.
+        unsafe {
+            let signs = _mm256_sllv_epi32(_mm256_set1_epi32(bits as i32), _mm256_set_epi32(24, 25, 26, 27, 28, 29, 30, 31));
+            M32x8(_mm256_castsi256_ps(signs))
+        }
     }
 
     #[inline(always)]
-    fn or(self, mask: u32, other: Self) -> Self {
-        // SAFETY: see `operator`. The sign of each lane chooses.
-        unsafe {
-            let signs = _mm256_sllv_epi32(_mm256_set1_epi32(mask as i32), _mm256_set_epi32(24, 25, 26, 27, 28, 29, 30, 31));
-            Self(settled(_mm256_blendv_ps(self.0, other.0, _mm256_castsi256_ps(signs))))
-        }
+    fn above(self, other: Self) -> M32x8 {
+        // SAFETY: see `operator`.
+        M32x8(unsafe { _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn or(self, mask: M32x8, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { settled(_mm256_blendv_ps(self.0, other.0, mask.0)) })
     }
 
     #[inline(always)]
@@ -269,6 +317,16 @@ lanes! {
             _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
         }
     }
+
+    #[inline(always)]
+    fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
+        let (u0, u1) = (k.register(0).four([k.register(1), k.register(2), k.register(3)]), k.register(4).four([k.register(5), k.register(6), k.register(7)]));
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let (low, high) = (_mm256_permute2f128_ps::<0x20>(u0.0, u1.0), _mm256_permute2f128_ps::<0x31>(u0.0, u1.0));
+            _mm256_max_ps(low, high)
+        })
+    }
 }
 
 impl Lockstep for F32x8 {
@@ -280,17 +338,7 @@ impl Lockstep for F32x8 {
             let from = _mm256_loadu_ps(from.as_ptr().add(at));
             Self(_mm256_permutevar8x32_ps(from, permutation(&FROM_FRONT, mask)))
         };
-        self.or(mask, spread)
-    }
-
-    #[inline(always)]
-    fn largest_of_each(k: &[Self; MOST_LANES]) -> Self {
-        let (u0, u1) = (k[0].four([k[1], k[2], k[3]]), k[4].four([k[5], k[6], k[7]]));
-        // SAFETY: see `operator`.
-        Self(unsafe {
-            let (low, high) = (_mm256_permute2f128_ps::<0x20>(u0.0, u1.0), _mm256_permute2f128_ps::<0x31>(u0.0, u1.0));
-            _mm256_max_ps(low, high)
-        })
+        self.or(Self::mask(Avx2(()), mask), spread)
     }
 }
 
@@ -324,9 +372,9 @@ unsafe fn permutation(table: &[u64; 256], mask: u32) -> __m256i {
 }
 
 lanes! {
-    F64x4(__m256d), 4 of f64, with Avx2,
+    F64x4(__m256d), 4 of f64, with Avx2, M64x4,
     [_mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd, _mm256_max_pd, _mm256_sqrt_pd, _mm256_fmadd_pd, _mm256_fmsub_pd],
-    [_mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd],
+    [_mm256_set1_pd, _mm256_setr_pd(0 1 2 3), _mm256_loadu_pd, _mm256_storeu_pd],
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -335,18 +383,24 @@ lanes! {
     }
 
     #[inline(always)]
-    fn above(self, other: Self) -> u32 {
-        // SAFETY: see `operator`.
-        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) as u32 }
+    fn mask(_: Avx2, bits: u32) -> M64x4 {
+        // SAFETY: see `operator`. The sign of each lane tells.
+        unsafe {
+            let signs = _mm256_sllv_epi64(_mm256_set1_epi64x(i64::from(bits)), _mm256_set_epi64x(60, 61, 62, 63));
+            M64x4(_mm256_castsi256_pd(signs))
+        }
     }
 
     #[inline(always)]
-    fn or(self, mask: u32, other: Self) -> Self {
-        // SAFETY: see `operator`. The sign of each lane chooses.
-        unsafe {
-            let signs = _mm256_sllv_epi64(_mm256_set1_epi64x(i64::from(mask)), _mm256_set_epi64x(60, 61, 62, 63));
-            Self(_mm256_blendv_pd(self.0, other.0, _mm256_castsi256_pd(signs)))
-        }
+    fn above(self, other: Self) -> M64x4 {
+        // SAFETY: see `operator`.
+        M64x4(unsafe { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn or(self, mask: M64x4, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm256_blendv_pd(self.0, other.0, mask.0) })
     }
 
     #[inline(always)]
@@ -376,6 +430,25 @@ lanes! {
             _mm_cvtsd_f64(_mm_max_sd(two, _mm_unpackhi_pd(two, two)))
         }
     }
+
+    #[inline(always)]
+    fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
+        let (u0, u1) = (k.register(0).two(k.register(1)), k.register(2).two(k.register(3)));
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let (low, high) = (_mm256_permute2f128_pd::<0x20>(u0.0, u1.0), _mm256_permute2f128_pd::<0x31>(u0.0, u1.0));
+            _mm256_max_pd(low, high)
+        })
+    }
+}
+
+impl F64x4 {
+    /// Per 128 bits: the larger of this register's two numbers, and of another's.
+    #[inline(always)]
+    fn two(self, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm256_max_pd(_mm256_unpacklo_pd(self.0, other.0), _mm256_unpackhi_pd(self.0, other.0)) })
+    }
 }
 
 /// Each bit twice: a lane of 64 bits is two of 32.
@@ -385,9 +458,9 @@ fn in_pairs(mask: u32) -> u32 {
 }
 
 lanes! {
-    F32x16(__m512), 16 of f32, with Avx512,
+    F32x16(__m512), 16 of f32, with Avx512, Bits,
     [_mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps, _mm512_max_ps, _mm512_sqrt_ps, _mm512_fmadd_ps, _mm512_fmsub_ps],
-    [_mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps],
+    [_mm512_set1_ps, _mm512_setr_ps(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15), _mm512_loadu_ps, _mm512_storeu_ps],
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -396,15 +469,20 @@ lanes! {
     }
 
     #[inline(always)]
-    fn above(self, other: Self) -> u32 {
-        // SAFETY: see `operator`.
-        unsafe { u32::from(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+    fn mask(_: Avx512, bits: u32) -> Bits {
+        Bits(bits)
     }
 
     #[inline(always)]
-    fn or(self, mask: u32, other: Self) -> Self {
+    fn above(self, other: Self) -> Bits {
         // SAFETY: see `operator`.
-        Self(unsafe { _mm512_mask_mov_ps(self.0, mask as u16, other.0) })
+        Bits(unsafe { u32::from(_mm512_cmp_ps_mask::<_CMP_GT_OQ>(self.0, other.0)) })
+    }
+
+    #[inline(always)]
+    fn or(self, mask: Bits, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_mask_mov_ps(self.0, mask.0 as u16, other.0) })
     }
 
     #[inline(always)]
@@ -434,6 +512,13 @@ lanes! {
             _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
         }
     }
+
+    #[inline(always)]
+    fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
+        let (u0, u1) = (k.register(0).four([k.register(1), k.register(2), k.register(3)]), k.register(4).four([k.register(5), k.register(6), k.register(7)]));
+        let (u2, u3) = (k.register(8).four([k.register(9), k.register(10), k.register(11)]), k.register(12).four([k.register(13), k.register(14), k.register(15)]));
+        u0.blocks(u1).blocks(u2.blocks(u3))
+    }
 }
 
 impl Lockstep for F32x16 {
@@ -442,13 +527,6 @@ impl Lockstep for F32x16 {
         assert!(at + 16 <= from.len());
         // SAFETY: the numbers are there.
         Self(unsafe { _mm512_mask_expand_ps(self.0, mask as u16, _mm512_loadu_ps(from.as_ptr().add(at))) })
-    }
-
-    #[inline(always)]
-    fn largest_of_each(k: &[Self; MOST_LANES]) -> Self {
-        let (u0, u1) = (k[0].four([k[1], k[2], k[3]]), k[4].four([k[5], k[6], k[7]]));
-        let (u2, u3) = (k[8].four([k[9], k[10], k[11]]), k[12].four([k[13], k[14], k[15]]));
-        u0.blocks(u1).blocks(u2.blocks(u3))
     }
 }
 
@@ -476,9 +554,9 @@ impl F32x16 {
 }
 
 lanes! {
-    F64x8(__m512d), 8 of f64, with Avx512,
+    F64x8(__m512d), 8 of f64, with Avx512, Bits,
     [_mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd, _mm512_max_pd, _mm512_sqrt_pd, _mm512_fmadd_pd, _mm512_fmsub_pd],
-    [_mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd],
+    [_mm512_set1_pd, _mm512_setr_pd(0 1 2 3 4 5 6 7), _mm512_loadu_pd, _mm512_storeu_pd],
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -487,15 +565,20 @@ lanes! {
     }
 
     #[inline(always)]
-    fn above(self, other: Self) -> u32 {
-        // SAFETY: see `operator`.
-        unsafe { u32::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) }
+    fn mask(_: Avx512, bits: u32) -> Bits {
+        Bits(bits)
     }
 
     #[inline(always)]
-    fn or(self, mask: u32, other: Self) -> Self {
+    fn above(self, other: Self) -> Bits {
         // SAFETY: see `operator`.
-        Self(unsafe { _mm512_mask_mov_pd(self.0, mask as u8, other.0) })
+        Bits(unsafe { u32::from(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0)) })
+    }
+
+    #[inline(always)]
+    fn or(self, mask: Bits, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_mask_mov_pd(self.0, mask.0 as u8, other.0) })
     }
 
     #[inline(always)]
@@ -519,5 +602,30 @@ lanes! {
     fn largest(self) -> f64 {
         // SAFETY: see `operator`.
         unsafe { _mm512_reduce_max_pd(self.0) }
+    }
+
+    #[inline(always)]
+    fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
+        let (u0, u1) = (k.register(0).two(k.register(1)).blocks(k.register(2).two(k.register(3))), k.register(4).two(k.register(5)).blocks(k.register(6).two(k.register(7))));
+        u0.blocks(u1)
+    }
+}
+
+impl F64x8 {
+    /// Per 128 bits: the larger of this register's two numbers, and of another's.
+    #[inline(always)]
+    fn two(self, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe { _mm512_max_pd(_mm512_unpacklo_pd(self.0, other.0), _mm512_unpackhi_pd(self.0, other.0)) })
+    }
+
+    /// The larger of neighbouring blocks of 128 bits, of this register and then of the other.
+    #[inline(always)]
+    fn blocks(self, other: Self) -> Self {
+        // SAFETY: see `operator`.
+        Self(unsafe {
+            let even = _mm512_shuffle_f64x2::<0b10_00_10_00>(self.0, other.0);
+            _mm512_max_pd(even, _mm512_shuffle_f64x2::<0b11_01_11_01>(self.0, other.0))
+        })
     }
 }

@@ -4,7 +4,7 @@ use super::super::ellipsoid::SLACK;
 use super::super::pair_query::PairQuery;
 use super::pending::Pending;
 use super::vectors::{Vectors, first_lanes};
-use crate::simd::{Lanes, MOST_LANES, Simd, Vectorized};
+use crate::simd::{Lanes, MOST_LANES, Mask, Simd, Vectorized};
 
 /// Answers what the bounds tell: true where a pair is not more than `gap` apart; the rest goes to `pending`, which is empty.
 ///
@@ -48,14 +48,14 @@ fn glance_at_lanes<S: Simd>(
 ) -> u32 {
     let last = queries.len() - 1;
     let (mut rows_a, mut rows_b) = ([&[0.0; 8]; MOST_LANES], [&[0.0; 8]; MOST_LANES]);
-    let mut x = [[0.0; MOST_LANES]; 3];
     for l in 0..S::F64::LANES {
         let query = &queries[l.min(last)];
         (rows_a[l], rows_b[l]) = (&query.a.bounds.row, &query.b.bounds.row);
-        [x[0][l], x[1][l], x[2][l]] = query.b_from_a.into();
     }
     let (a, b) = (simd.columns(&rows_a), simd.columns(&rows_b));
-    let x = Vectors::load(simd, &x);
+    let along = |axis: usize| move |l: usize| queries[l.min(last)].b_from_a[axis];
+    let x = S::F64::of_lanes(simd, along(0));
+    let x = Vectors { x, y: S::F64::of_lanes(simd, along(1)), z: S::F64::of_lanes(simd, along(2)) };
     let zero = S::F64::all(simd, 0.0);
     let (n, determinant) = axis(&a, &b, x);
     let (along, q_a, q_b) = (n.dot(x), n.dot(times(matrix(&a), n)), n.dot(times(matrix(&b), n)));
@@ -66,8 +66,8 @@ fn glance_at_lanes<S: Simd>(
     let inside = a[7] + b[7];
     let spheres = (inside * inside * S::F64::all(simd, 1.0 - SLACK)).above(x.dot(x));
     let common = (a[6] * square).above(q_a) & (b[6] * square).above(q_b) & beyond;
-    let hit = (spheres | common) & !apart;
-    let decided = apart | hit;
+    let hit = (spheres | common).but_not(apart);
+    let (decided, hit, spheres) = ((apart | hit).bits(), hit.bits(), spheres.bits());
     for (l, answer) in answers.iter_mut().enumerate() {
         *answer = (decided >> l & 1 == 1).then_some(hit >> l & 1 == 1);
     }
@@ -90,7 +90,14 @@ fn push<L: Lanes<T = f64>>(pending: &mut Pending, mask: u32, first: usize, v: Ve
 
 /// along > sqrt(q_a) + sqrt(q_b) + gap |n|, certainly, where along is positive.
 #[inline(always)]
-fn apart<S: Simd>(simd: S, along: S::F64, sum: S::F64, product: S::F64, gap: f64, n: Vectors<S::F64>) -> u32 {
+fn apart<S: Simd>(
+    simd: S,
+    along: S::F64,
+    sum: S::F64,
+    product: S::F64,
+    gap: f64,
+    n: Vectors<S::F64>,
+) -> <S::F64 as Lanes>::Mask {
     if gap == 0.0 {
         let rest = along * along * S::F64::all(simd, 1.0 - SLACK) - sum;
         return rest.above(S::F64::all(simd, 0.0))

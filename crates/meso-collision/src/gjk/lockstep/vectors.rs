@@ -40,12 +40,10 @@ impl<L: Lanes> Vectors<L> {
         Self { x: L::load(token, &from[0], 0), y: L::load(token, &from[1], 0), z: L::load(token, &from[2], 0) }
     }
 
-    /// To three columns in memory.
+    /// Three columns in memory.
     #[inline(always)]
-    pub(super) fn store<const N: usize>(self, to: &mut [[L::T; N]; 3]) {
-        self.x.store(&mut to[0], 0);
-        self.y.store(&mut to[1], 0);
-        self.z.store(&mut to[2], 0);
+    pub(super) fn to_arrays(self) -> [L::Array; 3] {
+        [self.x.to_array(), self.y.to_array(), self.z.to_array()]
     }
 
     #[inline(always)]
@@ -75,7 +73,7 @@ impl<L: Lanes> Vectors<L> {
     }
 
     #[inline(always)]
-    pub(super) fn or(self, mask: u32, o: Self) -> Self {
+    pub(super) fn or(self, mask: L::Mask, o: Self) -> Self {
         Self { x: self.x.or(mask, o.x), y: self.y.or(mask, o.y), z: self.z.or(mask, o.z) }
     }
 }
