@@ -10,8 +10,9 @@ mod queue;
 mod rank;
 mod search;
 mod supports;
+mod task;
 mod vectors;
 
 pub(super) use bounds::Glance;
 pub(super) use pending::Pending;
-pub(super) use search::{Notes, Search, Undecided};
+pub(super) use task::{Notes, Search, Undecided};

@@ -6,8 +6,8 @@
 
 use super::super::mpr::Portal;
 use super::super::pair_query::PairQuery;
-use super::search::{List, Undecided};
 use super::supports::{Groups, Supports, corners, enclosing, unpacked};
+use super::task::{List, Undecided};
 use super::vectors::{Vectors, first_lanes};
 use crate::simd::{Lanes, MOST_LANES, Mask, Simd};
 

@@ -4,8 +4,8 @@ use super::super::body::Group;
 use super::super::cascade::NARROW_REACH;
 use super::super::mpr::TURN;
 use super::super::pair_query::PairQuery;
-use super::search::{RANKS, Search};
 use super::supports::{Groups, Supports};
+use super::task::{RANKS, Search};
 use super::vectors::{Vectors, first_lanes};
 use crate::simd::{Lanes, MOST_LANES, Mask, Simd, for_each_lane};
 

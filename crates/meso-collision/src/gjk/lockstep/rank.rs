@@ -3,8 +3,8 @@
 use super::super::mpr::MAX_STEPS;
 use super::super::pair_query::PairQuery;
 use super::queue::{DIRECTION, NOBODY, QUESTION, Queue, REACH, SLOTS_1, V0, V1};
-use super::search::{Search, Undecided};
 use super::supports::{Groups, Supports, doubt, enclosing};
+use super::task::{Search, Undecided};
 use super::vectors::{Vectors, first_lanes, narrow_lanes};
 use crate::simd::{Lanes, Lockstep, MOST_LANES, Mask as _, Simd, for_each_lane};
 
