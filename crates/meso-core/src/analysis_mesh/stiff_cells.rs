@@ -18,10 +18,10 @@ pub(crate) fn spare_stiff(mesh: &mut Mesh) {
     become_mortar(mesh, &stiff);
 }
 
-/// The cells of aggregates whose stable step is shorter than that of all mortar, ascending.
+/// The cells of aggregates whose stable step is shorter than that of all mortar, ascending; none where there is no mortar.
 fn stiff_cells(mesh: &Mesh) -> Vec<usize> {
     if mesh.kind != CellKind::Tetrahedron {
-        // Boxes are all alike, and an analysis by second-order cells is not explicit.
+        // Boxes are all alike. Tetrahedra get their middle nodes later.
         return Vec::new();
     }
     let materials = Materials::default();
@@ -30,7 +30,7 @@ fn stiff_cells(mesh: &Mesh) -> Vec<usize> {
         stable_length(corners(cell)) / materials.elastic(mesh.phase[cell]).wave_speed_mm_per_s()
     });
     let of_mortar = steps.iter().zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Mortar);
-    let shortest = of_mortar.fold(f64::INFINITY, |shortest, (step, _)| shortest.min(*step));
+    let shortest = of_mortar.map(|(step, _)| *step).reduce(f64::min).unwrap_or(0.0);
     let is_stiff = |cell: &usize| mesh.phase[*cell] == Phase::Aggregate && steps[*cell] < shortest;
     (0..steps.len()).filter(is_stiff).collect()
 }
