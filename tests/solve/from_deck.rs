@@ -9,9 +9,7 @@ use crate::samples::small_cube;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Notes, Phase, PhaseVolumes, Volumes,
-};
+use meso_core::mesh::{self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes};
 use meso_solve::{Figures, Itz, Kind, Run, Sample, Silent, Test};
 use std::collections::BTreeMap;
 
@@ -255,14 +253,7 @@ fn assert_crushing(rows: &[[f64; 2]], top: usize, e: f64, peak_strain: f64, stre
 
 /// What `mesocrete pack --analysis compression` takes by itself.
 fn defaults() -> MeshOptions {
-    MeshOptions {
-        method: Method::FITTED,
-        itz: ItzForm::Smeared,
-        joined: Joined::Mortar,
-        volumes: Volumes::Exact,
-        narrow_gaps: NarrowGaps::Split,
-        ..MeshOptions::default()
-    }
+    MeshTable { itz: Some(ItzForm::Smeared), ..MeshTable::of_a_test() }.try_into().unwrap()
 }
 
 /// A deck of the 24 mm cube, with a step that is as fast as our engine's own, and the error of the aggregates' volume.

@@ -86,27 +86,31 @@ pub(crate) trait Vectorized {
 /// Runs `work` on the widest registers there are.
 #[inline]
 pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
-    #[cfg(target_arch = "x86_64")]
-    match isa() {
-        // SAFETY: `isa` is at most what was detected; so below.
-        Isa::Avx512 => return unsafe { x86::on_avx512(work) },
-        Isa::Avx2 => return unsafe { x86::on_avx2(work) },
-        Isa::Scalar => {}
-    }
-    work.run(portable::Portable::new())
+    // SAFETY: `isa` is at most what was detected.
+    unsafe { on(isa(), work) }
 }
 
 /// Runs `work` on `isa`, or what the machine has where that is less, whatever other threads choose.
 #[cfg(test)]
 pub(crate) fn dispatch_on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
+    // SAFETY: what is more than was detected is not taken.
+    unsafe { on(isa.min(Isa::best()), work) }
+}
+
+/// Runs `work` on `isa`.
+///
+/// # Safety
+/// The machine must have its instructions.
+#[inline(always)]
+#[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables, reason = "there is one set alone"))]
+unsafe fn on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
     #[cfg(target_arch = "x86_64")]
-    match isa.min(Isa::best()) {
-        // SAFETY: what is more than was detected is not taken.
+    match isa {
+        // SAFETY: as the caller promises; so below.
         Isa::Avx512 => return unsafe { x86::on_avx512(work) },
         Isa::Avx2 => return unsafe { x86::on_avx2(work) },
         Isa::Scalar => {}
     }
-    let _ = isa;
     work.run(portable::Portable::new())
 }
 

@@ -320,7 +320,8 @@ lanes! {
 
     #[inline(always)]
     fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
-        let (u0, u1) = (k.register(0).four([k.register(1), k.register(2), k.register(3)]), k.register(4).four([k.register(5), k.register(6), k.register(7)]));
+        let u0 = k.register(0).four([k.register(1), k.register(2), k.register(3)]);
+        let u1 = k.register(4).four([k.register(5), k.register(6), k.register(7)]);
         // SAFETY: see `operator`.
         Self(unsafe {
             let (low, high) = (_mm256_permute2f128_ps::<0x20>(u0.0, u1.0), _mm256_permute2f128_ps::<0x31>(u0.0, u1.0));
@@ -515,8 +516,10 @@ lanes! {
 
     #[inline(always)]
     fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
-        let (u0, u1) = (k.register(0).four([k.register(1), k.register(2), k.register(3)]), k.register(4).four([k.register(5), k.register(6), k.register(7)]));
-        let (u2, u3) = (k.register(8).four([k.register(9), k.register(10), k.register(11)]), k.register(12).four([k.register(13), k.register(14), k.register(15)]));
+        let u0 = k.register(0).four([k.register(1), k.register(2), k.register(3)]);
+        let u1 = k.register(4).four([k.register(5), k.register(6), k.register(7)]);
+        let u2 = k.register(8).four([k.register(9), k.register(10), k.register(11)]);
+        let u3 = k.register(12).four([k.register(13), k.register(14), k.register(15)]);
         u0.blocks(u1).blocks(u2.blocks(u3))
     }
 }
@@ -606,7 +609,8 @@ lanes! {
 
     #[inline(always)]
     fn largest_of_each<E: Each<Self>>(k: &E) -> Self {
-        let (u0, u1) = (k.register(0).two(k.register(1)).blocks(k.register(2).two(k.register(3))), k.register(4).two(k.register(5)).blocks(k.register(6).two(k.register(7))));
+        let u0 = k.register(0).two(k.register(1)).blocks(k.register(2).two(k.register(3)));
+        let u1 = k.register(4).two(k.register(5)).blocks(k.register(6).two(k.register(7)));
         u0.blocks(u1)
     }
 }

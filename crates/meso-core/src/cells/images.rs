@@ -12,6 +12,7 @@ use crate::math::{Aabb, Vec3};
 const SLACK: f64 = 1e-9;
 /// Edge of the cells that nodes are looked up by, in sizes of the mesh.
 const CELL: f64 = 1e-6;
+
 /// Nodes by where they are.
 pub(crate) struct Spots<'a> {
     points: &'a [Vec3],
