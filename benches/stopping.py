@@ -101,8 +101,8 @@ def enter_kills(args: argparse.Namespace, folder: Path) -> None:
     place = folder / "kills"
     place.mkdir()
     tally = campaign(args.command, place, 7 if args.quick else args.kills)
-    print("\n".join(tally.faults()))
-    counts = [tally.moments, tally.before_the_end, *(len(found) for found in (tally.torn, tally.mixed, tally.left_over, tally.children))]
+    print("\n".join(tally.faults() + tally.between_names))
+    counts = [tally.moments, tally.before_the_end, *(len(found) for found in (tally.torn, tally.mixed + tally.between_names, tally.left_over, tally.children))]
     header = "moments,before_the_end,torn,mixed,left_over_after_int_and_term,children,machine,date,commit"
     enter("kills.csv", header, [",".join(map(str, counts))], args.quick)
 

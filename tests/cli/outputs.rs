@@ -6,8 +6,8 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::process::{Command, Stdio};
 
 const OUTPUTS: [&str; 3] = ["a.vtu", "b.csv", "c.stl"];
-/// Four steps to fill a file, and one to name it.
-const STEPS: usize = 5 * OUTPUTS.len();
+/// Four steps to fill a file, one to make its name ready and one to give it.
+const STEPS: usize = 6 * OUTPUTS.len();
 
 /// Converts into three files, with `variable` set to a step; the exit code.
 fn convert(folder: &Folder, variable: &str, step: usize) -> Option<i32> {
@@ -41,11 +41,11 @@ fn a_signal_or_a_failure_at_any_step_leaves_all_old_files_or_all_new_ones() {
                 let what = format!("{variable} {step}");
                 let ended = convert(&folder, variable, step);
                 let new = all_new(&folder, &old, &what);
-                // A signal while names are given comes after them; the step after the last is none.
+                // A signal while names are made ready and given comes after them; the step after the last is none.
                 assert_eq!(ended, Some(if step == STEPS { 0 } else { code }), "{what}");
                 seen[usize::from(new)] += 1;
             }
-            let names = if code == 130 { OUTPUTS.len() } else { 0 };
+            let names = if code == 130 { 2 * OUTPUTS.len() } else { 0 };
             assert_eq!(seen, [STEPS - names, names + 1], "{variable}");
         }
     }

@@ -1,7 +1,8 @@
 """Commands that are ended at random moments, and what they leave behind: nothing torn, nothing mixed, no program of theirs.
 
 Every command replaces its outputs of a run before. Afterwards each output has the old content or the new one, and those of
-one command agree. `pack` and `solve` keep what they have so far on the first INT: their files are read again.
+one command agree. `pack` and `solve` keep what they have so far on the first INT: their files are read again. Only KILL
+may fall between two names: then the first outputs are new and the others old, which is counted apart.
 """
 
 import csv
@@ -65,6 +66,7 @@ class Tally:
     before_the_end: int = 0
     torn: list[str] = field(default_factory=list)
     mixed: list[str] = field(default_factory=list)
+    between_names: list[str] = field(default_factory=list)
     left_over: list[str] = field(default_factory=list)
     children: list[str] = field(default_factory=list)
 
@@ -151,7 +153,10 @@ class Ground:
         if set(state.values()) <= {"old"} or set(state.values()) <= {"new"}:
             return
         if not job.keeps or "old" in state.values():
-            (tally.torn if "other" in state.values() and not job.keeps else tally.mixed).append(f"{what}: {state}")
+            kind = tally.torn if "other" in state.values() and not job.keeps else tally.mixed
+            if "SIGKILL" in what and list(state.values()) == sorted(state.values()) and "other" not in state.values():
+                kind = tally.between_names
+            kind.append(f"{what}: {state}")
             return
         wrong = self.agree(job, place)
         if wrong:

@@ -86,15 +86,23 @@ impl<K: Keeper> Unit<K> {
 
     /// Gives every file its name, in the order in which they were filled.
     ///
+    /// What takes long comes before the first name: a process that is killed between two names leaves new files beside
+    /// old ones, and between them lies one call of the system.
+    ///
     /// # Errors
     /// Where one cannot get it; those before it are then what they were. The file is named.
     pub fn commit(self) -> Result<(), (PathBuf, io::Error)> {
         let Self { keeper, is_forced, complete } = self;
-        keeper.hold(|temporary| {
-            let mut done = Vec::new();
+        keeper.hold(|temporary_files| {
+            let mut ready = Vec::new();
             for file in complete {
                 let path = file.path.clone();
-                match keeper.step().and_then(|()| file.rename(temporary)) {
+                ready.push(file.ready(&keeper, temporary_files).map_err(|error| (path, error))?);
+            }
+            let mut done = Vec::new();
+            for file in ready {
+                let path = file.path.clone();
+                match keeper.step().and_then(|()| file.rename(temporary_files)) {
                     Ok(renamed) => done.push(renamed),
                     Err(error) => {
                         done.into_iter().rev().for_each(Renamed::undo);
@@ -108,6 +116,14 @@ impl<K: Keeper> Unit<K> {
     }
 }
 
+/// A file that can get its name at once: what has it has a second one.
+struct Ready {
+    temporary: TempPath,
+    path: PathBuf,
+    before: Option<TempPath>,
+    replace: bool,
+}
+
 /// A file that has its name; what had it before goes with this, unless it is put back.
 struct Renamed {
     path: PathBuf,
@@ -115,11 +131,19 @@ struct Renamed {
 }
 
 impl Complete {
-    fn rename(self, temporary_files: &mut Vec<PathBuf>) -> io::Result<Renamed> {
+    fn ready(self, keeper: &impl Keeper, temporary_files: &mut Vec<PathBuf>) -> io::Result<Ready> {
         let Self { temporary, path, replace } = self;
-        temporary_files.retain(|other| other != &*temporary);
+        keeper.step()?;
         let before = if replace { second_name(&path)? } else { None };
         temporary_files.extend(before.as_deref().map(Path::to_owned));
+        Ok(Ready { temporary, path, before, replace })
+    }
+}
+
+impl Ready {
+    fn rename(self, temporary_files: &mut Vec<PathBuf>) -> io::Result<Renamed> {
+        let Self { temporary, path, before, replace } = self;
+        temporary_files.retain(|other| other != &*temporary);
         let renamed = if replace { temporary.persist(&path) } else { temporary.persist_noclobber(&path) };
         renamed.map_err(|failed| failed.error)?;
         Ok(Renamed { path, before })
