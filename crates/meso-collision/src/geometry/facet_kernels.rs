@@ -1,5 +1,6 @@
 //! Plane and volume kernels over eight triangles at a time; bit-identical to the scalar loop.
 
+use super::integrals::{is_close, six_volumes};
 use super::plane::{Facet, Plane};
 use super::sum::Sum;
 use crate::math::Vec3;
@@ -9,6 +10,8 @@ use crate::simd::Wide;
 const LANES: usize = 8;
 /// A number of each.
 type Eight = [f64; LANES];
+/// Eights that are filled before the first is looked at: numbers just stored one by one are slow to load together.
+const AHEAD: usize = 4;
 
 /// A coordinate of each corner, by axis.
 #[derive(Default)]
@@ -31,6 +34,21 @@ impl Triangles {
             self.b.set(lane, &vertices[usize::from(b)]);
             self.c.set(lane, &vertices[usize::from(c)]);
         }
+    }
+}
+
+/// Several eights of triangles.
+#[derive(Default)]
+struct Eights([Triangles; AHEAD]);
+
+impl Eights {
+    /// With the corners of up to as many triangles.
+    #[inline(always)]
+    fn taken(&mut self, vertices: &[Vec3], triangles: &[[u8; 3]]) -> &[Triangles; AHEAD] {
+        for (eight, some) in self.0.iter_mut().zip(triangles.chunks(LANES)) {
+            eight.take(vertices, some);
+        }
+        &self.0
     }
 }
 
@@ -65,14 +83,15 @@ impl Wide for Facets<'_> {
     #[inline(always)]
     fn run(self) -> Vec<Facet> {
         let mut facets = Vec::with_capacity(self.triangles.len());
-        let mut eight = Triangles::default();
-        for some in self.triangles.chunks(LANES) {
-            eight.take(self.vertices, some);
-            let (areas, normals, offsets) = eight.planes();
-            for lane in 0..some.len() {
-                let normal = Vec3::new(normals[0][lane], normals[1][lane], normals[2][lane]);
-                let plane = Plane { normal, offset: offsets[lane] };
-                facets.push(Facet { plane, area: areas[lane], corners: 3 });
+        let mut eights = Eights::default();
+        for many in self.triangles.chunks(AHEAD * LANES) {
+            for (eight, some) in eights.taken(self.vertices, many).iter().zip(many.chunks(LANES)) {
+                let (areas, normals, offsets) = eight.planes();
+                for lane in 0..some.len() {
+                    let normal = Vec3::new(normals[0][lane], normals[1][lane], normals[2][lane]);
+                    let plane = Plane { normal, offset: offsets[lane] };
+                    facets.push(Facet { plane, area: areas[lane], corners: 3 });
+                }
             }
         }
         facets
@@ -121,15 +140,50 @@ impl Wide for SixVolumes<'_> {
 
     #[inline(always)]
     fn run(self) -> Sum {
-        let (mut eight, mut sum) = (Triangles::default(), Sum::default());
-        for some in self.triangles.chunks(LANES) {
-            eight.take(self.vertices, some);
-            let (terms, magnitudes) = eight.six_volumes(&self.apex);
-            for lane in 0..some.len() {
-                sum.add(terms[lane], magnitudes[lane]);
+        let (mut eights, mut sum) = (Eights::default(), Sum::default());
+        for many in self.triangles.chunks(AHEAD * LANES) {
+            for (eight, some) in eights.taken(self.vertices, many).iter().zip(many.chunks(LANES)) {
+                let (terms, magnitudes) = eight.six_volumes(&self.apex);
+                for lane in 0..some.len() {
+                    sum.add(terms[lane], magnitudes[lane]);
+                }
             }
         }
         sum
+    }
+}
+
+/// The volume of the tetrahedra from `apex` over the triangles, and its moment about the apex;
+/// [`widest`](crate::simd::widest) runs it.
+pub(super) struct Moment<'a> {
+    pub(super) apex: Vec3,
+    pub(super) vertices: &'a [Vec3],
+    pub(super) triangles: &'a [[u8; 3]],
+}
+
+impl Wide for Moment<'_> {
+    type Output = (f64, Vec3);
+
+    #[inline(always)]
+    fn run(self) -> (f64, Vec3) {
+        let Self { apex, vertices, triangles } = self;
+        let (mut eights, mut volume, mut moment) = (Eights::default(), 0.0, Vec3::zeros());
+        for many in triangles.chunks(AHEAD * LANES) {
+            for (eight, some) in eights.taken(vertices, many).iter().zip(many.chunks(LANES)) {
+                let (mut six, magnitudes) = eight.six_volumes(&apex);
+                for lane in 0..some.len() {
+                    if !is_close(six[lane], magnitudes[lane]) {
+                        six[lane] = six_volumes(&apex, &some[lane].map(|i| vertices[usize::from(i)]));
+                    }
+                }
+                let (volumes, moments) = eight.moments(&apex, &six);
+                for lane in 0..some.len() {
+                    volume += volumes[lane];
+                    moment += Vec3::new(moments[0][lane], moments[1][lane], moments[2][lane]);
+                }
+            }
+        }
+        (volume, moment)
     }
 }
 
@@ -149,5 +203,22 @@ impl Triangles {
                 (px.abs() + qx.abs()) * wx.abs() + (py.abs() + qy.abs()) * wy.abs() + (pz.abs() + qz.abs()) * wz.abs();
         }
         (terms, magnitudes)
+    }
+
+    /// Volumes and moments of the tetrahedra, from six times their volumes.
+    #[inline(always)]
+    fn moments(&self, apex: &Vec3, six: &Eight) -> (Eight, [Eight; 3]) {
+        let (mut volumes, mut moments) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        for lane in 0..LANES {
+            volumes[lane] = six[lane] / 6.0;
+        }
+        for axis in 0..3 {
+            let (a, b, c, apex) = (&self.a.0[axis], &self.b.0[axis], &self.c.0[axis], apex[axis]);
+            for lane in 0..LANES {
+                let sum = (a[lane] - apex) + (b[lane] - apex) + (c[lane] - apex);
+                moments[axis][lane] = sum * (volumes[lane] / 4.0);
+            }
+        }
+        (volumes, moments)
     }
 }

@@ -5,6 +5,7 @@
 //! are exactly the extreme points and the faces exactly the facets.
 
 mod cloud;
+mod few;
 mod polygons;
 mod same_facets;
 mod surface;
@@ -13,6 +14,7 @@ mod wrap;
 use super::predicates::in_range;
 use super::{CompactPolyhedron, Polyhedron};
 use crate::math::Vec3;
+use few::Few;
 use polygons::Polygons;
 use std::cell::RefCell;
 use surface::Surface;
@@ -71,6 +73,7 @@ fn with_builder<R>(points: usize, run: impl FnOnce(&mut HullBuilder) -> R) -> R 
 #[derive(Clone, Debug, Default)]
 pub struct HullBuilder {
     wrap: Wrap,
+    few: Few,
     surface: Surface,
     polygons: Polygons,
     /// Position of every point among the hull's vertices.
@@ -145,20 +148,31 @@ impl HullBuilder {
 /// The faces of a hull as loops of point indices, for whoever wants the combinatorics alone.
 pub(super) struct Facets {
     /// Corners of all faces, one face after the other.
-    corners: Box<[u32]>,
+    corners: Vec<u32>,
     /// One past the last corner of each face.
-    ends: Box<[u32]>,
+    ends: Vec<u32>,
 }
 
 impl Facets {
     /// The facets of the hull of `points`, whose coordinates must be within the range of [`convex_hull`].
     pub(super) fn of(points: &[Vec3]) -> Result<Self, HullError> {
         check(points)?;
-        with_builder(points.len(), |HullBuilder { surface, polygons, .. }| {
+        with_builder(points.len(), |HullBuilder { few, surface, polygons, .. }| {
+            if let Some(triangles) = few.triangles(points) {
+                return Ok(Self::of_triangles(triangles, 2 * points.len()));
+            }
             surface.build(points)?;
             polygons.collect(surface, points);
-            Ok(Self { corners: polygons.corners.as_slice().into(), ends: polygons.ends.as_slice().into() })
+            Ok(Self { corners: polygons.corners.clone(), ends: polygons.ends.clone() })
         })
+    }
+
+    /// From triangles, at most `most` of them.
+    fn of_triangles(triangles: impl Iterator<Item = [u8; 3]>, most: usize) -> Self {
+        let mut corners = Vec::with_capacity(3 * most);
+        triangles.for_each(|triangle| corners.extend_from_slice(&triangle.map(u32::from)));
+        let ends = (1..=corners.len() as u32 / 3).map(|f| 3 * f).collect();
+        Self { corners, ends }
     }
 
     /// Number of facets.

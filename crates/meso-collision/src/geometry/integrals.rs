@@ -52,8 +52,13 @@ fn summed(
 /// Six times the volume of the tetrahedron from `apex` over a triangle, to 1e-12 unless it is nearly nothing.
 pub(super) fn six_volumes(apex: &Vec3, corners: &[Vec3; 3]) -> f64 {
     let (term, magnitude) = float_term(apex, corners);
-    let certain = TERM_ERROR * magnitude <= 1e-12 * term.abs();
-    if certain { term } else { double_double_term(apex, corners).value() }
+    if is_close(term, magnitude) { term } else { double_double_term(apex, corners).value() }
+}
+
+/// True where a term of this magnitude is right to 1e-12.
+#[inline(always)]
+pub(super) fn is_close(term: f64, magnitude: f64) -> bool {
+    TERM_ERROR * magnitude <= 1e-12 * term.abs()
 }
 
 /// Six volumes and a bound of the error.

@@ -13,7 +13,7 @@ const NONE: u32 = u32::MAX;
 /// The mark of a facet that was removed.
 const REMOVED: u32 = u32::MAX;
 /// From this many points on they are added in a shuffled order: a bad order costs O(n^2) facets, a random one O(n).
-const SHUFFLED_FROM: usize = 64;
+pub(super) const SHUFFLED_FROM: usize = 64;
 
 /// A triangle of the surface.
 #[derive(Clone, Debug)]
@@ -56,7 +56,7 @@ impl Surface {
     /// Grows the surface around `points`.
     pub(super) fn build(&mut self, points: &[Vec3]) -> Result<(), HullError> {
         self.clear(points);
-        let basis = match self.far_basis(points) {
+        let basis = match far_basis(points, &self.local) {
             Some(basis) => basis,
             None => affine_basis(points).map_err(|dimension| HullError::LowerDimensional { dimension })?,
         };
@@ -113,31 +113,6 @@ impl Surface {
             shuffle(&mut self.order);
         }
         self.stamp = 0;
-    }
-
-    /// Four points far from each other, or `None` where rounding hides whether they span a volume.
-    fn far_basis(&self, points: &[Vec3]) -> Option<[u32; 4]> {
-        let i = self.farthest(|p| -p.x);
-        let a = self.local[i];
-        let j = self.farthest(|p| (p - a).norm_squared());
-        let u = self.local[j] - a;
-        let k = self.farthest(|p| u.cross(&(p - a)).norm_squared());
-        let normal = u.cross(&(self.local[k] - a));
-        let l = self.farthest(|p| normal.dot(&(p - a)).abs());
-        let solid = orient3d(&points[i], &points[j], &points[k], &points[l]) != 0.0;
-        solid.then_some([i, j, k, l].map(|i| i as u32))
-    }
-
-    /// The first point of the largest measure.
-    fn farthest(&self, measure: impl Fn(&Vec3) -> f64) -> usize {
-        let mut best = (0, f64::NEG_INFINITY);
-        for (i, p) in self.local.iter().enumerate() {
-            let value = measure(p);
-            if value > best.1 {
-                best = (i, value);
-            }
-        }
-        best.0
     }
 
     /// The tetrahedron over `basis`, and every other point listed under a facet it sees.
@@ -283,6 +258,32 @@ pub(super) fn error_bound(aabb: &Aabb) -> f64 {
 fn exact_height(points: &[Vec3], facet: &Triangle, point: u32) -> f64 {
     let [a, b, c] = facet.vertices.map(|i| &points[i as usize]);
     orient3d(a, b, c, &points[point as usize])
+}
+
+/// Four points far from each other, or `None` where rounding hides whether they span a volume; `local` are the points
+/// about a place nearby.
+pub(super) fn far_basis(points: &[Vec3], local: &[Vec3]) -> Option<[u32; 4]> {
+    let i = farthest(local, |p| -p.x);
+    let a = local[i];
+    let j = farthest(local, |p| (p - a).norm_squared());
+    let u = local[j] - a;
+    let k = farthest(local, |p| u.cross(&(p - a)).norm_squared());
+    let normal = u.cross(&(local[k] - a));
+    let l = farthest(local, |p| normal.dot(&(p - a)).abs());
+    let solid = orient3d(&points[i], &points[j], &points[k], &points[l]) != 0.0;
+    solid.then_some([i, j, k, l].map(|i| i as u32))
+}
+
+/// The first point of the largest measure.
+fn farthest(points: &[Vec3], measure: impl Fn(&Vec3) -> f64) -> usize {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (i, p) in points.iter().enumerate() {
+        let value = measure(p);
+        if value > best.1 {
+            best = (i, value);
+        }
+    }
+    best.0
 }
 
 /// The first four points that span a volume, or the dimension that all of them span.

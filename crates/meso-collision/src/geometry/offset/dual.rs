@@ -94,6 +94,8 @@ fn normalised(points: &[Vec3]) -> Result<Scaled, OffsetError> {
 
 /// Facets looked at together.
 const LANES: usize = 8;
+/// Eights of them that are filled before the first is looked at: numbers just stored one by one are slow to load together.
+const AHEAD: usize = 4;
 
 /// For every facet the point z with y . z = 1 for all its points y: m / (m . y) for its normal m.
 struct Vertices<'a> {
@@ -108,24 +110,25 @@ impl Wide for Vertices<'_> {
     fn run(self) -> Option<Vec<Vec3>> {
         let Self { points, facets } = self;
         let mut vertices = Vec::with_capacity(facets.len());
-        // By corner, axis and lane.
-        let mut eight = [[[0.0; LANES]; 3]; 3];
-        let mut corners = [[Vec3::zeros(); 3]; LANES];
-        for first in (0..facets.len()).step_by(LANES) {
-            let count = LANES.min(facets.len() - first);
-            for lane in 0..count {
-                corners[lane] = widest_triangle(points, facets.facet(first + lane));
-                for corner in 0..3 {
-                    (0..3).for_each(|axis| eight[corner][axis][lane] = corners[lane][corner][axis]);
+        // Eights of facets, by corner, axis and lane.
+        let mut eights = [[[[0.0; LANES]; 3]; 3]; AHEAD];
+        for first in (0..facets.len()).step_by(AHEAD * LANES) {
+            let many = first..facets.len().min(first + AHEAD * LANES);
+            for f in many.clone() {
+                let (eight, lane) = (&mut eights[(f - first) / LANES], f % LANES);
+                for (corner, i) in eight.iter_mut().zip(widest_triangle(points, facets.facet(f))) {
+                    let point = &points[i as usize];
+                    (corner[0][lane], corner[1][lane], corner[2][lane]) = (point.x, point.y, point.z);
                 }
             }
-            let (found, certain) = float_vertices(&eight);
-            for lane in 0..count {
-                let [a, b, c] = &corners[lane];
-                vertices.push(match certain[lane] {
-                    1 => Vec3::new(found[0][lane], found[1][lane], found[2][lane]),
-                    _ => double_double_vertex(a, b, c).or_else(|| exact_vertex(&corners[lane]))?,
-                });
+            for (eight, start) in eights.iter().zip(many.clone().step_by(LANES)) {
+                let (found, certain) = float_vertices(eight);
+                for lane in 0..LANES.min(many.end - start) {
+                    vertices.push(match certain[lane] {
+                        1 => Vec3::new(found[0][lane], found[1][lane], found[2][lane]),
+                        _ => close_vertex(points, facets.facet(start + lane))?,
+                    });
+                }
             }
         }
         Some(vertices)
@@ -134,14 +137,14 @@ impl Wide for Vertices<'_> {
 
 /// Of the fan of a facet's triangles.
 #[inline(always)]
-fn widest_triangle(points: &[Vec3], facet: &[u32]) -> [Vec3; 3] {
-    let at = |i: u32| points[i as usize];
+fn widest_triangle(points: &[Vec3], facet: &[u32]) -> [u32; 3] {
     if let &[a, b, c] = facet {
-        return [a, b, c].map(at);
+        return [a, b, c];
     }
+    let at = |i: u32| points[i as usize];
     let spread = |k: &usize| (at(facet[*k]) - at(facet[0])).cross(&(at(facet[k + 1]) - at(facet[0]))).norm_squared();
     let widest = (1..facet.len() - 1).max_by(|j, k| spread(j).total_cmp(&spread(k))).unwrap_or(1);
-    [facet[0], facet[widest], facet[widest + 1]].map(at)
+    [facet[0], facet[widest], facet[widest + 1]]
 }
 
 /// The points by axis, and 1 for each that is certain.
@@ -162,6 +165,14 @@ fn float_vertices([a, b, c]: &[[[f64; LANES]; 3]; 3]) -> ([[f64; LANES]; 3], [u6
         certain[lane] = u64::from((height > 0.0) & (error < 256.0 * ROUNDING));
     }
     (points, certain)
+}
+
+/// The same for one facet, to more digits.
+#[cold]
+fn close_vertex(points: &[Vec3], facet: &[u32]) -> Option<Vec3> {
+    let corners = widest_triangle(points, facet).map(|i| points[i as usize]);
+    let [a, b, c] = &corners;
+    double_double_vertex(a, b, c).or_else(|| exact_vertex(&corners))
 }
 
 fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
@@ -221,30 +232,34 @@ fn loops_around(facets: &Facets, points: usize) -> Loops {
 
 /// The same by a table of all pairs of points, without counting first.
 fn loops_around_few(facets: &Facets, points: usize) -> Loops {
-    // By point and the one after it, the one before it and the facet; by point, the smallest one after it.
-    let (mut fan, mut first) = ([[[0_u8; 2]; FEW]; FEW], [u8::MAX; FEW]);
-    for (facet, corners) in (0..).zip(facets.iter()) {
+    // By point and the one after it, the facet and the one before, which is the low byte; by point, the smallest one after it.
+    let (mut fan, mut first) = ([[0_u16; FEW]; FEW], [u8::MAX; FEW]);
+    for (facet, corners) in (0_u16..).zip(facets.iter()) {
         let mut before = corners[corners.len() - 2];
         for (point, after) in pairs(corners) {
-            fan[point as usize][after as usize] = [before as u8, facet];
+            fan[point as usize][after as usize] = facet << 8 | before as u16;
             first[point as usize] = first[point as usize].min(after as u8);
             before = point;
         }
     }
     let mut loops = Loops::default();
-    loops.corners.reserve(6 * points);
     loops.ends.reserve(points);
+    // As many as the facets have: no check of the room for each.
+    loops.corners.resize(facets.iter().map(<[u32]>::len).sum(), 0);
+    let mut corners = loops.corners.iter_mut();
+    let mut end = 0;
     for (fan, first) in fan.iter().zip(first).take(points).filter(|(_, first)| *first != u8::MAX) {
         let mut after = first;
-        loop {
-            let [before, facet] = fan[usize::from(after)];
-            loops.corners.push(u32::from(facet));
-            after = before;
+        for corner in &mut corners {
+            let entry = fan[usize::from(after)];
+            *corner = u32::from(entry >> 8);
+            after = entry as u8;
+            end += 1;
             if after == first {
                 break;
             }
         }
-        loops.ends.push(loops.corners.len() as u32);
+        loops.ends.push(end);
     }
     loops
 }
@@ -308,12 +323,17 @@ impl Dual {
         let Self { vertices, faces, .. } = self;
         let reach = MERGED * ROUNDING * extent(vertices);
         let squared = |&(v, w): &(u32, u32)| (vertices[v as usize] - vertices[w as usize]).norm_squared();
-        // Each edge belongs to two faces. The root of what may be near enough is worth taking.
-        let is_near = |square: f64| square <= 1.01 * reach * reach && square.sqrt() <= reach;
-        let mut near: Vec<(u32, u32)> = Vec::new();
+        // No root, and no branch that depends on the edge: nearly all bodies have no edge this short.
+        let mut may_be_near = false;
         for face in faces.iter() {
-            near.extend(pairs(face).filter(|edge| edge.0 < edge.1 && is_near(squared(edge))));
+            pairs(face).for_each(|edge| may_be_near |= squared(&edge) <= 1.01 * reach * reach);
         }
+        if !may_be_near {
+            return None;
+        }
+        // Each edge belongs to two faces.
+        let is_near = |edge: &(u32, u32)| edge.0 < edge.1 && squared(edge).sqrt() <= reach;
+        let near: Vec<(u32, u32)> = faces.iter().flat_map(pairs).filter(is_near).collect();
         if near.is_empty() {
             return None;
         }
