@@ -101,6 +101,7 @@ impl Vectorized for Pays {
 /// [`PairQuery::clear_many`] where `open` answers what bounds and lockstep leave open.
 pub(super) fn clear_settled(queries: &[PairQuery<'_>], ends: &[u32], gap: f64, open: &dyn Settle) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
+    assert!(ends.is_sorted(), "the ends of the attempts must ascend");
     if !dispatch(Pays) {
         let attempts = (0..ends.len()).map(|i| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize);
         return attempts.map(|mut attempt| attempt.all(|i| is_apart(queries, i, gap, open))).collect();

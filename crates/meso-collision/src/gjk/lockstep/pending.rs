@@ -27,10 +27,11 @@ impl Pending {
     /// Adds the lanes of the mask.
     #[inline(always)]
     pub(super) fn add<L: Lanes<T = f64>>(&mut self, mask: u32, rows: [L; 5]) {
+        let at = self.len;
         for (column, numbers) in self.columns.iter_mut().zip(rows) {
-            numbers.front(mask).store(column, self.len);
+            numbers.front(mask).store(column, at);
         }
-        self.len += mask.count_ones() as usize;
+        self.len = at + mask.count_ones() as usize;
     }
 
     /// The direction to start from.
