@@ -3,12 +3,12 @@
 //! The answers are those of [`Body::overlaps`](super::Body::overlaps), in any order and on any machine: both are exact.
 //! Where lockstep does not pay, on the instruction set or with few pairs, they are asked one by one.
 
-use super::lockstep::{Glance, Notes, Pending, Search, Undecided};
+use super::attempts::Attempts;
+use super::lockstep::{Glance, Notes, Pending, Queue, Search, Undecided};
 use super::mpr::Portal;
 use super::pair_query::PairQuery;
 use crate::simd::{Simd, Vectorized, dispatch};
 use std::cell::RefCell;
-use std::ops::Range;
 
 /// Pairs below which they are asked one by one: less than a register's lanes, twice.
 const FEW: usize = 8;
@@ -101,23 +101,21 @@ impl Vectorized for Pays {
 /// [`PairQuery::clear_many`] where `open` answers what bounds and lockstep leave open.
 pub(super) fn clear_settled(queries: &[PairQuery<'_>], ends: &[u32], gap: f64, open: &dyn Settle) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
+    assert!(ends.is_sorted(), "the ends of the attempts must ascend");
     if !dispatch(Pays) {
-        return attempts(ends).map(|mut attempt| attempt.all(|i| is_apart(queries, i, gap, open))).collect();
+        let attempts = (0..ends.len()).map(|i| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize);
+        return attempts.map(|mut attempt| attempt.all(|i| is_apart(queries, i, gap, open))).collect();
     }
     with_work(|work| {
         work.glance(queries, gap);
-        work.choose_closest(ends);
+        let mut clear = work.attempts.begin(ends, &work.answers);
+        work.attempts.choose_closest(&work.pending, &mut work.chosen);
         work.search(queries, gap, open);
-        work.choose_rest();
+        work.attempts.choose_rest(&work.pending, &work.answers, &mut work.chosen, &mut clear);
         work.search(queries, gap, open);
-        // All that is open still belongs to an attempt that has failed.
-        let clear = |attempt: Range<usize>| !any(&work.answers[attempt], |answer| answer != Some(false));
-        attempts(ends).map(clear).collect()
+        work.attempts.end(&work.pending, &work.answers, &mut clear);
+        clear
     })
-}
-
-fn attempts(ends: &[u32]) -> impl Iterator<Item = Range<usize>> + '_ {
-    (0..ends.len()).map(|i| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize)
 }
 
 /// Runs with the memory that each thread keeps from one batch to the next: fresh memory would cost a sixth of the time.
@@ -136,10 +134,10 @@ struct Work {
     pending: Pending,
     /// Entries of `pending` to search next.
     chosen: Vec<u32>,
+    queue: Queue,
     notes: Notes,
     undecided: Vec<Undecided>,
-    /// The attempts of which the closest pair was searched: their entries of `pending`.
-    begun: Vec<Range<u32>>,
+    attempts: Attempts,
 }
 
 impl Work {
@@ -152,54 +150,21 @@ impl Work {
 
     /// Answers the chosen questions.
     fn search(&mut self, queries: &[PairQuery<'_>], gap: f64, open: &dyn Settle) {
-        let Self { answers, pending, chosen, notes, undecided, .. } = self;
+        let Self { answers, pending, chosen, queue, notes, undecided, .. } = self;
         if chosen.len() < FEW_TO_SEARCH {
             for entry in chosen.drain(..) {
-                let (i, v) = (pending.queries()[entry as usize] as usize, pending.direction(entry as usize));
+                let (i, v) = (pending.query(entry) as usize, pending.direction(entry));
                 let apart = queries[i].query(gap).apart_from(&v, |portal| open.is_farther(i, portal));
                 answers[i] = Some(!apart);
             }
             return;
         }
-        dispatch(Search { queries, gap, pending, chosen, notes, answers, undecided });
+        dispatch(Search { queries, gap, pending, chosen, queue, notes, answers, undecided });
         chosen.clear();
         for Undecided { query, portal } in undecided.drain(..) {
             answers[query as usize] = Some(!open.is_farther(query as usize, portal));
         }
     }
-
-    /// The closest open question of every attempt that has not failed.
-    fn choose_closest(&mut self, ends: &[u32]) {
-        self.begun.clear();
-        let (pending, mut at) = (&self.pending, 0);
-        for attempt in attempts(ends) {
-            let (start, mut closest) = (at, at);
-            while at < pending.len() && (pending.queries()[at] as usize) < attempt.end {
-                closest = if pending.closeness(at) < pending.closeness(closest) { at } else { closest };
-                at += 1;
-            }
-            if at > start && !any(&self.answers[attempt], |answer| answer == Some(true)) {
-                self.chosen.push(closest as u32);
-                self.begun.push(start as u32..at as u32);
-            }
-        }
-    }
-
-    /// Every question that is open still, of every attempt that has not failed since.
-    fn choose_rest(&mut self) {
-        let answer = |entry: u32| self.answers[self.pending.queries()[entry as usize] as usize];
-        for entries in &self.begun {
-            if !entries.clone().any(|entry| answer(entry) == Some(true)) {
-                self.chosen.extend(entries.clone().filter(|&entry| answer(entry).is_none()));
-            }
-        }
-    }
-}
-
-/// Without a branch for each: nobody could foretell them.
-#[inline(always)]
-fn any(answers: &[Option<bool>], is_so: impl Fn(Option<bool>) -> bool) -> bool {
-    answers.iter().fold(false, |any, &answer| any | is_so(answer))
 }
 
 #[cfg(test)]
@@ -250,13 +215,21 @@ mod tests {
 
     /// The answers of bounds and lockstep, and how many these leave open.
     fn in_lockstep(isa: Isa, queries: &[PairQuery<'_>]) -> (Vec<Option<bool>>, usize) {
-        let Work { mut answers, mut pending, mut chosen, mut notes, mut undecided, .. } = Work::default();
+        let Work { mut answers, mut pending, mut chosen, mut queue, mut notes, mut undecided, .. } = Work::default();
         answers.resize(queries.len(), None);
         dispatch_on(isa, Glance { queries, gap: 0.0, answers: &mut answers, pending: &mut pending });
         chosen.extend(0..pending.len() as u32);
-        let (pending, chosen, notes) = (&pending, &chosen, &mut notes);
-        let search =
-            Search { queries, gap: 0.0, pending, chosen, notes, answers: &mut answers, undecided: &mut undecided };
+        let (pending, chosen, queue, notes) = (&pending, &chosen, &mut queue, &mut notes);
+        let search = Search {
+            queries,
+            gap: 0.0,
+            pending,
+            chosen,
+            queue,
+            notes,
+            answers: &mut answers,
+            undecided: &mut undecided,
+        };
         dispatch_on(isa, search);
         (answers, undecided.len())
     }

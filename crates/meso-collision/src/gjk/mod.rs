@@ -25,13 +25,15 @@
 //! The modules, from the question to its proof:
 //!
 //! 1. `points` takes plain points, and `scaled` brings them to a common scale; `bodies` lays them out once; `cascade` takes
-//!    pairs of [`Body`]s; `many` takes many.
+//!    pairs of [`Body`]s; `many` takes many, and
+//!    `attempts` those of placement.
 //! 2. `ellipsoid` and `gauge` decide most pairs without a search.
 //! 3. `mpr` searches bodies that hold their frames' origins, in f32 and then in f64; `enhanced` and `classical` all others;
 //!    `kernel` finds their supports, and `lockstep` runs `mpr` on a register of pairs at once.
 //! 4. `certificate` proves what they propose, and `exact` decides the rest in integers.
 //! 5. `penetration` and `impact` bound depths and times with the same searches and proofs.
 
+mod attempts;
 mod bodies;
 mod body;
 mod cascade;

@@ -117,6 +117,19 @@ static TO_FRONT: [u64; 256] = permutations(true);
 /// The lane to take so that the first ones come to those of the mask.
 static FROM_FRONT: [u64; 256] = permutations(false);
 
+/// As [`TO_FRONT`], for each mask of four lanes of 64 bits: a lane is two of 32.
+static PAIRS_TO_FRONT: [u64; 16] = pairs_to_front();
+
+const fn pairs_to_front() -> [u64; 16] {
+    let (all, mut pairs, mut mask) = (permutations(true), [0; 16], 0);
+    while mask < 16 {
+        let in_pairs = (mask & 1) * 3 | (mask >> 1 & 1) * 12 | (mask >> 2 & 1) * 48 | (mask >> 3 & 1) * 192;
+        pairs[mask] = all[in_pairs];
+        mask += 1;
+    }
+    pairs
+}
+
 const fn permutations(to_front: bool) -> [u64; 256] {
     let mut all = [0; 256];
     let mut mask = 0;
@@ -367,9 +380,9 @@ fn settled(mut register: __m256) -> __m256 {
 }
 
 #[inline(always)]
-unsafe fn permutation(table: &[u64; 256], mask: u32) -> __m256i {
+unsafe fn permutation<const N: usize>(table: &[u64; N], mask: u32) -> __m256i {
     // SAFETY: called on AVX2.
-    unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(table[mask as usize & 0xFF] as i64)) }
+    unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(table[mask as usize & (N - 1)] as i64)) }
 }
 
 lanes! {
@@ -408,7 +421,7 @@ lanes! {
     fn front(self, mask: u32) -> Self {
         // SAFETY: see `operator`.
         unsafe {
-            let halves = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), permutation(&TO_FRONT, in_pairs(mask)));
+            let halves = _mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), permutation(&PAIRS_TO_FRONT, mask));
             Self(_mm256_castps_pd(halves))
         }
     }
@@ -450,12 +463,6 @@ impl F64x4 {
         // SAFETY: see `operator`.
         Self(unsafe { _mm256_max_pd(_mm256_unpacklo_pd(self.0, other.0), _mm256_unpackhi_pd(self.0, other.0)) })
     }
-}
-
-/// Each bit twice: a lane of 64 bits is two of 32.
-#[inline(always)]
-fn in_pairs(mask: u32) -> u32 {
-    ((mask & 1) * 3) | ((mask >> 1 & 1) * 12) | ((mask >> 2 & 1) * 48) | ((mask >> 3 & 1) * 192)
 }
 
 lanes! {

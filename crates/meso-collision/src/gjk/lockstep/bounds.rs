@@ -28,10 +28,21 @@ impl Vectorized for Glance<'_, '_> {
         let Self { queries, gap, answers, pending } = self;
         let lanes = S::F64::LANES;
         pending.make_room(queries.len() + lanes);
+        // The last register, filled up: whole ones need no look at how many pairs they have.
+        let Some(&filling) = queries.last() else { return 0 };
+        let rest = queries.len() - queries.len() % lanes;
+        let (mut last, mut answers_of_last) = ([filling; MOST_LANES], [None; MOST_LANES]);
+        last[..queries.len() - rest].copy_from_slice(&queries[rest..]);
         let mut by_spheres = 0;
-        for (i, (queries, answers)) in queries.chunks(lanes).zip(answers.chunks_mut(lanes)).enumerate() {
-            by_spheres += u64::from(glance_at_lanes(simd, i * lanes, queries, gap, answers, pending).count_ones());
+        for first in (0..queries.len()).step_by(lanes) {
+            let (queries, answers, filled) = match answers.get_mut(first..first + lanes) {
+                Some(answers) => (&queries[first..first + lanes], answers, lanes),
+                None => (&last[..lanes], &mut answers_of_last[..lanes], queries.len() - rest),
+            };
+            let filled = first_lanes(filled);
+            by_spheres += u64::from(glance_at_lanes(simd, first, queries, filled, gap, answers, pending).count_ones());
         }
+        answers[rest..].copy_from_slice(&answers_of_last[..queries.len() - rest]);
         by_spheres
     }
 }
@@ -42,18 +53,17 @@ fn glance_at_lanes<S: Simd>(
     simd: S,
     first: usize,
     queries: &[PairQuery<'_>],
+    filled: u32,
     gap: f64,
     answers: &mut [Option<bool>],
     pending: &mut Pending,
 ) -> u32 {
-    let last = queries.len() - 1;
     let (mut rows_a, mut rows_b) = ([&[0.0; 8]; MOST_LANES], [&[0.0; 8]; MOST_LANES]);
     for l in 0..S::F64::LANES {
-        let query = &queries[l.min(last)];
-        (rows_a[l], rows_b[l]) = (&query.a.bounds.row, &query.b.bounds.row);
+        (rows_a[l], rows_b[l]) = (&queries[l].a.bounds.row, &queries[l].b.bounds.row);
     }
     let (a, b) = (simd.columns(&rows_a), simd.columns(&rows_b));
-    let along = |axis: usize| move |l: usize| queries[l.min(last)].b_from_a[axis];
+    let along = |axis: usize| move |l: usize| queries[l].b_from_a[axis];
     let x = S::F64::of_lanes(simd, along(0));
     let x = Vectors { x, y: S::F64::of_lanes(simd, along(1)), z: S::F64::of_lanes(simd, along(2)) };
     let zero = S::F64::all(simd, 0.0);
@@ -71,21 +81,10 @@ fn glance_at_lanes<S: Simd>(
     for (l, answer) in answers.iter_mut().enumerate() {
         *answer = (decided >> l & 1 == 1).then_some(hit >> l & 1 == 1);
     }
-    let filled = first_lanes(queries.len());
-    push(pending, filled & !decided, first, x.or(beyond, n), along * along / sum);
+    let question = S::F64::of_lanes(simd, |l| f64::from_bits((first + l) as u64));
+    let v = x.or(beyond, n);
+    pending.add(filled & !decided, [v.x, v.y, v.z, along * along / sum, question]);
     spheres & filled
-}
-
-/// Lists the lanes of the mask.
-#[inline(always)]
-fn push<L: Lanes<T = f64>>(pending: &mut Pending, mask: u32, first: usize, v: Vectors<L>, closeness: L) {
-    let end = pending.len();
-    let [x, y, z, close] = &mut pending.columns;
-    v.x.front(mask).store(x, end);
-    v.y.front(mask).store(y, end);
-    v.z.front(mask).store(z, end);
-    closeness.front(mask).store(close, end);
-    pending.add(mask, first, L::LANES);
 }
 
 /// along > sqrt(q_a) + sqrt(q_b) + gap |n|, certainly, where along is positive.

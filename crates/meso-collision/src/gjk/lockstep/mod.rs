@@ -15,4 +15,5 @@ mod vectors;
 
 pub(super) use bounds::Glance;
 pub(super) use pending::Pending;
+pub(super) use queue::Queue;
 pub(super) use task::{Notes, Search, Undecided};

@@ -1,14 +1,14 @@
 //! The pairs that their bounds leave open, with what was found out about them.
 
 use crate::math::Vec3;
+use crate::simd::Lanes;
 
 /// A list of pairs, column by column.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Pending {
-    /// The direction to start from, then the closeness. They have room for more than the list.
-    pub(super) columns: [Vec<f64>; 4],
-    /// Index of the question; room, too.
-    queries: Vec<u32>,
+    /// The direction to start from; the closeness, 2 or less where the ellipsoids overlap, the less the deeper, of which only
+    /// ratios count; the index of the question, as bits. They have room for more than the list.
+    columns: [Vec<f64>; 5],
     len: usize,
 }
 
@@ -19,40 +19,42 @@ impl Pending {
 
     /// Room for `n` pairs.
     pub(super) fn make_room(&mut self, n: usize) {
-        self.queries.resize(n.max(self.queries.len()), 0);
         for column in self.columns.iter_mut().filter(|column| column.len() < n) {
             column.resize(n, 0.0);
         }
     }
 
-    /// Adds the questions of the mask's lanes, whose columns are filled in; that of lane 0 is the `first`.
-    ///
-    /// Without a branch for each: nobody could foretell them.
+    /// Adds the lanes of the mask.
     #[inline(always)]
-    pub(super) fn add(&mut self, mask: u32, first: usize, lanes: usize) {
-        for l in 0..lanes {
-            self.queries[self.len] = (first + l) as u32;
-            self.len += (mask >> l & 1) as usize;
+    pub(super) fn add<L: Lanes<T = f64>>(&mut self, mask: u32, rows: [L; 5]) {
+        let at = self.len;
+        for (column, numbers) in self.columns.iter_mut().zip(rows) {
+            numbers.front(mask).store(column, at);
         }
+        self.len = at + mask.count_ones() as usize;
     }
 
     /// The direction to start from.
     #[inline(always)]
-    pub(in super::super) fn direction(&self, i: usize) -> Vec3 {
-        Vec3::new(self.columns[0][i], self.columns[1][i], self.columns[2][i])
+    pub(in super::super) fn direction(&self, i: u32) -> Vec3 {
+        let [x, y, z, ..] = &self.columns;
+        Vec3::new(x[i as usize], y[i as usize], z[i as usize])
     }
 
     pub(in super::super) fn len(&self) -> usize {
         self.len
     }
 
-    /// The index of each open question, in their order.
-    pub(in super::super) fn queries(&self) -> &[u32] {
-        &self.queries[..self.len]
+    /// The index of the question of entry `i`.
+    #[inline(always)]
+    pub(in super::super) fn query(&self, i: u32) -> u32 {
+        self.columns[4][i as usize].to_bits() as u32
     }
 
-    /// How close the bodies of entry `i` are: 2 or less where the ellipsoids overlap, the less the deeper. Only ratios count.
-    pub(in super::super) fn closeness(&self, i: usize) -> f64 {
-        self.columns[3][i]
+    /// The second entry if its bodies are closer than those of the first, else the first.
+    #[inline(always)]
+    pub(in super::super) fn closer(&self, first: u32, second: u32) -> u32 {
+        let closeness = &self.columns[3];
+        if closeness[second as usize] < closeness[first as usize] { second } else { first }
     }
 }

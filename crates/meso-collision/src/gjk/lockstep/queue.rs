@@ -22,7 +22,7 @@ const COLUMNS: usize = 12;
 const ROOM: usize = (RANKS + 2) * MOST_LANES;
 
 /// Pairs with their first support, waiting for a lane.
-pub(super) struct Queue {
+pub(in super::super) struct Queue {
     columns: [[f32; ROOM]; COLUMNS],
     len: usize,
 }
@@ -54,14 +54,14 @@ impl<'q> Fresh<'q> {
             fit: 0,
         };
         for (l, &entry) in entries.iter().enumerate() {
-            let question = search.pending.queries()[entry as usize];
+            let question = search.pending.query(entry);
             let PairQuery { a, b, b_from_a: x } = search.queries[question as usize];
             let reach = a.circumradius() + b.circumradius() + (x.x.abs() + x.y.abs() + x.z.abs());
             let (Some(a), Some(b)) = (a.narrow(), b.narrow()) else { continue };
             if reach > NARROW_REACH {
                 continue;
             }
-            let v = search.pending.direction(entry as usize);
+            let v = search.pending.direction(entry);
             for axis in 0..3 {
                 fresh.direction[axis][l] = v[axis] as f32;
                 fresh.v0[axis][l] = -x[axis] as f32;
@@ -74,9 +74,15 @@ impl<'q> Fresh<'q> {
     }
 }
 
-impl Queue {
-    pub(super) fn new() -> Self {
+impl Default for Queue {
+    fn default() -> Self {
         Self { columns: [[0.0; ROOM]; COLUMNS], len: 0 }
+    }
+}
+
+impl Queue {
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
     }
 
     pub(super) fn len(&self) -> usize {
@@ -96,22 +102,6 @@ impl Queue {
         &self.columns[column]
     }
 
-    /// The first support of up to a register of pairs: those that it leaves open queue up.
-    #[inline(always)]
-    pub(super) fn admit<S: Simd>(&mut self, simd: S, search: &mut Search<'_, '_>, entries: &[u32]) {
-        let Fresh { groups, direction, v0, reach, question, fit } = Fresh::new(search, entries);
-        let (direction, v0) = (Vectors::load(simd, &direction), Vectors::load(simd, &v0));
-        let (reach, question) = (S::F32::load(simd, &reach, 0), S::F32::load(simd, &question, 0));
-        let supports = Supports::new(simd, &groups, fit, direction, v0);
-        let (apart, leaves) = supports.apart(simd, direction, reach, search.gap as f32);
-        let (apart, leaves) = (apart.bits(), leaves.bits());
-        search.notes.apart.add([question], apart & fit);
-        let open = first_lanes(entries.len()) & (!fit | leaves & !apart);
-        for_each_lane(open, |l| search.give_up(&entries[l..=l]));
-        let (w, slots) = supports.points(simd, &groups, v0);
-        self.push(fit & !leaves, [turned_away(simd, direction, w), v0, w], [reach, slots, question]);
-    }
-
     #[inline(always)]
     fn push<L: Lanes<T = f32>>(&mut self, mask: u32, vectors: [Vectors<L>; 3], [reach, slots, question]: [L; 3]) {
         let at = self.len;
@@ -124,6 +114,24 @@ impl Queue {
         slots.front(mask).store(&mut self.columns[SLOTS_1], at);
         question.front(mask).store(&mut self.columns[QUESTION], at);
         self.len += mask.count_ones() as usize;
+    }
+}
+
+impl Search<'_, '_> {
+    /// The first support of up to a register of pairs: those that it leaves open queue up.
+    #[inline(always)]
+    pub(super) fn admit<S: Simd>(&mut self, simd: S, entries: &[u32]) {
+        let Fresh { groups, direction, v0, reach, question, fit } = Fresh::new(self, entries);
+        let (direction, v0) = (Vectors::load(simd, &direction), Vectors::load(simd, &v0));
+        let (reach, question) = (S::F32::load(simd, &reach, 0), S::F32::load(simd, &question, 0));
+        let supports = Supports::new(simd, &groups, fit, direction, v0);
+        let (apart, leaves) = supports.apart(simd, direction, reach, self.gap as f32);
+        let (apart, leaves) = (apart.bits(), leaves.bits());
+        self.notes.apart.add([question], apart & fit);
+        let open = first_lanes(entries.len()) & (!fit | leaves & !apart);
+        for_each_lane(open, |l| self.give_up(&entries[l..=l]));
+        let (w, slots) = supports.points(simd, &groups, v0);
+        self.queue.push(fit & !leaves, [turned_away(simd, direction, w), v0, w], [reach, slots, question]);
     }
 }
 

@@ -6,7 +6,6 @@
 //! it came to, again a register at a time; the rest is left to the single query.
 
 use super::open::Open;
-use super::queue::Queue;
 use super::rank::Rank;
 use super::task::{RANKS, Search};
 use super::vectors::narrow_lanes;
@@ -22,19 +21,19 @@ impl Vectorized for Search<'_, '_> {
             self.give_up(self.chosen);
             return;
         }
-        let mut queue = Queue::new();
+        self.queue.clear();
         let mut ranks = [Rank::idle(simd), Rank::idle(simd)];
         let mut fresh = self.chosen.chunks(narrow_lanes::<S>());
         loop {
-            while queue.len() < RANKS * narrow_lanes::<S>()
+            while self.queue.len() < RANKS * narrow_lanes::<S>()
                 && self.notes.have_room()
                 && let Some(entries) = fresh.next()
             {
-                queue.admit(simd, &mut self, entries);
+                self.admit(simd, entries);
             }
             let mut busy = false;
             for rank in &mut ranks {
-                rank.refill(simd, &mut queue, self.queries);
+                rank.refill(simd, self.queue, self.queries);
                 busy |= rank.is_busy();
                 if rank.is_busy() {
                     rank.step(simd, &mut self);

@@ -3,6 +3,7 @@
 use super::super::mpr::Portal;
 use super::super::pair_query::PairQuery;
 use super::pending::Pending;
+use super::queue::Queue;
 use crate::simd::{Lanes, MOST_LANES};
 
 /// Registers of pairs in flight: what one waits for, another fills.
@@ -23,6 +24,7 @@ pub(in super::super) struct Search<'a, 'q> {
     pub(in super::super) gap: f64,
     pub(in super::super) pending: &'a Pending,
     pub(in super::super) chosen: &'a [u32],
+    pub(in super::super) queue: &'a mut Queue,
     pub(in super::super) notes: &'a mut Notes,
     pub(in super::super) answers: &'a mut [Option<bool>],
     pub(in super::super) undecided: &'a mut Vec<Undecided>,
@@ -31,8 +33,8 @@ pub(in super::super) struct Search<'a, 'q> {
 impl Search<'_, '_> {
     /// The entries that lockstep does not take.
     pub(super) fn give_up(&mut self, entries: &[u32]) {
-        let queries = self.pending.queries();
-        self.undecided.extend(entries.iter().map(|&entry| Undecided { query: queries[entry as usize], portal: None }));
+        let undecided = entries.iter().map(|&entry| Undecided { query: self.pending.query(entry), portal: None });
+        self.undecided.extend(undecided);
     }
 }
 
