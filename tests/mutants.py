@@ -34,6 +34,7 @@ OUTCOME = ["outcome", "machine", "date", "commit"]
 # What must notice the faults of a room: of a crate's test binaries these tests; "lib" are the unit tests.
 TESTS = {
     "gjk": [("meso-collision", "lib", ["gjk::"]), ("meso-collision", "collision", [])],
+    "lockstep": [("meso-collision", "lib", ["gjk::many"]), ("meso-collision", "collision", ["batches::", "packed::"])],
     "geometry": [
         ("meso-collision", "lib", ["geometry::"]),
         ("meso-collision", "collision", ["hull::", "offset::"]),
@@ -176,8 +177,8 @@ def build(mutants: list[Mutant]) -> dict[tuple[str, str], Path]:
     for crate in sorted({crate for crate, _ in wanted}):
         targets = [word for c, t in sorted(wanted) if c == crate for word in (["--lib"] if t == "lib" else ["--test", t])]
         command = ["cargo", "test", "--no-run", "--message-format=json", "-p", crate, *targets]
-        # The registry's crates are those of the usual build.
-        env = {**os.environ, "CARGO_TARGET_DIR": str(ROOT / "target")}
+        # Not the usual folder: cargo would take the copy's crates for the tree's own, and test those from then on.
+        env = {**os.environ, "CARGO_TARGET_DIR": str(COPY.parent / "build")}
         made = subprocess.run(command, cwd=COPY, env=env, stdout=subprocess.PIPE, text=True, check=True).stdout
         for message in map(json.loads, made.splitlines()):
             if message.get("executable") and message.get("profile", {}).get("test"):
