@@ -194,15 +194,16 @@ impl<'a> Seam<'a> {
         !busy.is_empty()
     }
 
-    fn turn(&self, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
-        turn(self.axis, a, b, c)
+    fn signed_area(&self, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
+        signed_area(self.axis, a, b, c)
     }
 
     /// The height of `position` over every side of a triangle, in heights of the corner opposite to it.
     fn heights(&self, corners: Corners, position: &Vec3) -> [f64; 3] {
         let [a, b, c] = corners.map(|node| self.mesh.points[node as usize]);
-        let whole = self.turn(&a, &b, &c);
-        [self.turn(position, &b, &c), self.turn(&a, position, &c), self.turn(&a, &b, position)].map(|part| part / whole)
+        let whole = self.signed_area(&a, &b, &c);
+        [self.signed_area(position, &b, &c), self.signed_area(&a, position, &c), self.signed_area(&a, &b, position)]
+            .map(|part| part / whole)
     }
 
     fn do_cross(&self, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> bool {
@@ -364,19 +365,20 @@ impl<'a> Opened<'a> {
 }
 
 /// Twice the area of the triangle from a over b to c, seen along `axis`.
-fn turn(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
+fn signed_area(axis: usize, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
     (b - a).cross(&(c - a))[axis]
 }
 
 /// Whether ab and cd cross, seen along `axis`.
 fn do_cross([a, b, c, d]: &[Vec3; 4], axis: usize) -> bool {
-    turn(axis, a, b, c) * turn(axis, a, b, d) < 0.0 && turn(axis, c, d, a) * turn(axis, c, d, b) < 0.0
+    signed_area(axis, a, b, c) * signed_area(axis, a, b, d) < 0.0
+        && signed_area(axis, c, d, a) * signed_area(axis, c, d, b) < 0.0
 }
 
 /// Where ab and cd cross, seen along `axis`; across it the position is on ab.
 fn crossing([a, b, c, d]: [Vec3; 4], axis: usize) -> Vec3 {
-    let turn = |p: Vec3, q: Vec3| p.cross(&q)[axis];
-    a + (b - a) * (turn(c - a, d - c) / turn(b - a, d - c))
+    let cross = |p: Vec3, q: Vec3| p.cross(&q)[axis];
+    a + (b - a) * (cross(c - a, d - c) / cross(b - a, d - c))
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::math::Aabb;
 use crate::parallel;
 pub(super) use improve::improve;
 use offset::RadialOffsets;
-use periodic::{Bodies, Ties};
+use periodic::{Bodies, PeriodicConstraint};
 pub(super) use prisms::Layered;
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
@@ -40,24 +40,25 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     // Nodes of the mortar, and of interfaces, have none.
     let owners = Owners::among(mesh.by_body(), |cell| mesh.owner[cell] != NO_BODY);
     let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
-    let mut ties = Ties::new(mesh, *periodic, &bodies, &owner, copies.first());
-    ties.align(&mut mesh.points);
-    let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut ties, *periodic);
-    let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &ties));
-    let mut on_rays = offsets.targets(&mesh.points, &owner, &ties);
-    offset::turn(mesh, &faces, &copies, &offsets, &ties, &mut on_rays);
+    let mut constraint = PeriodicConstraint::new(mesh, *periodic, &bodies, &owner, copies.first());
+    constraint.align(&mut mesh.points);
+    let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut constraint, *periodic);
+    let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &constraint));
+    let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
+    offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
     let mut targets = on_rays.clone();
-    let mut loose = offset::project(mesh, &copies, &offsets, &ties, &mut targets);
+    let mut loose = offset::project(mesh, &copies, &offsets, &constraint, &mut targets);
     loose.sort_unstable();
-    untangle(mesh, &layer, &ties, &on_rays, &mut targets);
-    let back = step_back(mesh, &targets, &layer, &ties);
+    untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
+    let backtracking = step_back(mesh, &targets, &layer, &constraint);
     let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
-    let (short_nodes, pinched_nodes) = (count(&|copy| back.is_short(copy)), count(&|copy| back.is_pinched(copy)));
-    parallel::each_short_mut(&mut mesh.points, |node, p| *p = back.position(node as u32, p, &targets[node]));
-    let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !back.is_pinched(*copy));
-    let loose = kept.map(|copy| loose.binary_search(&ties.lead(copy)).is_ok()).collect();
+    let (short_nodes, pinched_nodes) =
+        (count(&|copy| backtracking.is_short(copy)), count(&|copy| backtracking.is_pinched(copy)));
+    parallel::each_short_mut(&mut mesh.points, |node, p| *p = backtracking.position(node as u32, p, &targets[node]));
+    let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !backtracking.is_pinched(*copy));
+    let loose = kept.map(|copy| loose.binary_search(&constraint.lead(copy)).is_ok()).collect();
     let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));
-    let rails = append(layered, &layer, &copies, &back);
+    let rails = append(layered, &layer, &copies, &backtracking);
     Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, loose, exact_mm3 }
 }
 

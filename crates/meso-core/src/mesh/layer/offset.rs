@@ -5,8 +5,8 @@
 //!    edges and corners, where moves along normals do cross (measured: three times as many nodes then stop short). The centre is
 //!    the centroid. For nodes on a face of a periodic box it is the deepest point on that face: then the rays lie in the face, and
 //!    the nodes of the surface land on the cut of the offset with it.
-//! 2. Where faces do not look away from the centroid ([`turn`]): they stand where a lattice closed a gap, so that a body reaches out
-//!    to its neighbour. Their nodes go along the direction that enters all the faces around the node as steeply as can be, far
+//! 2. Where faces do not look away from the centroid ([`use_fallback_directions`]): they stand where a lattice closed a gap, so
+//!    that a body reaches out to its neighbour. Their nodes go along the direction that enters all the faces around the node as steeply as can be, far
 //!    enough for the whole thickness below the least steep of them (at most four times the thickness).
 //! 3. Onto the offsets of the very faces that meet at the node ([`project`]). A ray may leave the offset through the plane beside:
 //!    then a triangle at an edge ends up across the offset's edge and cuts it off (0.036 mm rms over the layer's inner side in a
@@ -14,11 +14,9 @@
 //!    on the plane of one, the line of two, the point of three. More have no common point in general, since there the offset has
 //!    small edges of its own; the squares of what is left are least then (0.006 mm rms in all).
 
-use super::periodic::{Bodies, Flat, Ties};
+use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::aggregate::Aggregate;
-use crate::cells::NO_BODY;
-use crate::cells::side_bits;
-use crate::cells::{Copies, InterfaceFace};
+use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
 use crate::geometry::Plane;
 use crate::math::{Aabb, Mat3, Vec3};
 use crate::parallel;
@@ -86,10 +84,10 @@ impl RadialOffsets {
         bodies: &Bodies,
         thickness: impl Fn(u32) -> f64 + Sync,
         owner: &[u32],
-        ties: &mut Ties,
+        constraint: &mut PeriodicConstraint,
         periodic: [bool; 3],
     ) -> Self {
-        let on_faces = (0..).zip(owner).map(|(node, body)| (*body, ties.flat(node)));
+        let on_faces = (0..).zip(owner).map(|(node, body)| (*body, constraint.flat(node)));
         let mut wanted: Vec<(u32, Flat)> = on_faces.filter(|(_, flat)| *flat != Flat::SPACE).collect();
         wanted.extend((0..bodies.count()).map(|body| (body, Flat::SPACE)));
         wanted.retain(|(body, _)| *body != NO_BODY && thickness(*body) > 0.0);
@@ -97,13 +95,14 @@ impl RadialOffsets {
         wanted.dedup();
         let offset = |&(body, flat): &(u32, Flat)| {
             stop::point();
-            let offset = RadialOffset::new(bodies.get(body), thickness(body), flat, ties.faces.walls(), periodic)?;
+            let offset =
+                RadialOffset::new(bodies.get(body), thickness(body), flat, constraint.faces.walls(), periodic)?;
             Some(((body, flat), offset))
         };
         let offsets = Self(parallel::flat_map(wanted.len(), |i| offset(&wanted[i])).into_iter().collect());
         for (node, &body) in (0..).zip(owner) {
-            if ties.flat(node) != Flat::SPACE && offsets.get(body, ties.flat(node)).is_none() {
-                ties.pin(node);
+            if constraint.flat(node) != Flat::SPACE && offsets.get(body, constraint.flat(node)).is_none() {
+                constraint.pin(node);
             }
         }
         offsets
@@ -123,13 +122,15 @@ impl RadialOffsets {
     }
 
     /// The targets of all nodes along their rays.
-    pub(super) fn targets(&self, points: &[Vec3], owner: &[u32], ties: &Ties) -> Vec<Vec3> {
-        let target = |node: u32, x: &Vec3| match self.get(owner[node as usize], ties.flat(node)) {
-            Some(radial) if !ties.is_pinned(node) => radial.across.hold_off(x, &radial.apply(x), ties.faces.walls()),
+    pub(super) fn targets(&self, points: &[Vec3], owner: &[u32], constraint: &PeriodicConstraint) -> Vec<Vec3> {
+        let target = |node: u32, x: &Vec3| match self.get(owner[node as usize], constraint.flat(node)) {
+            Some(radial) if !constraint.is_pinned(node) => {
+                radial.across.hold_off(x, &radial.apply(x), constraint.faces.walls())
+            }
             _ => *x,
         };
         let mut targets = parallel::map_short(points.len(), |node| target(node as u32, &points[node]));
-        ties.spread(&mut targets);
+        constraint.spread(&mut targets);
         targets
     }
 }
@@ -153,60 +154,60 @@ fn deepest(planes: &[Plane], at: Vec3, free: &[usize], aabb: &Aabb) -> (Vec3, f6
 const AWAY: f64 = 0.02;
 
 /// Gives the nodes of faces that do not look away from their aggregate's centroid other targets.
-pub(super) fn turn(
+pub(super) fn use_fallback_directions(
     mesh: &TetMesh,
     faces: &[InterfaceFace],
     copies: &Copies,
     offsets: &RadialOffsets,
-    ties: &Ties,
+    constraint: &PeriodicConstraint,
     targets: &mut [Vec3],
 ) {
     let p = |node: u32| mesh.points[node as usize];
     let mut normals: Vec<(u32, Vec3)> = Vec::with_capacity(3 * faces.len());
-    let mut turned = vec![false; targets.len()];
+    let mut falls_back = vec![false; targets.len()];
     for face in faces {
         let body = mesh.owner[face.cell as usize];
         let [a, b, c, _] = face.nodes;
         let normal = (p(b) - p(a)).cross(&(p(c) - p(a))).normalize();
         let middle = (p(a) + p(b) + p(c)) / 3.0;
         for copy in [a, b, c].map(|node| copies.of(body, node)) {
-            let flat = ties.flat(copy);
+            let flat = constraint.flat(copy);
             let Some(radial) = offsets.get(body, flat) else { continue };
             let (slope, ray) = (flat.along(&normal), flat.along(&(middle - radial.centre)));
-            let lead = ties.lead(copy);
+            let lead = constraint.lead(copy);
             normals.push((lead, slope));
-            turned[lead as usize] |= slope.dot(&ray) < AWAY * ray.norm();
+            falls_back[lead as usize] |= slope.dot(&ray) < AWAY * ray.norm();
         }
     }
-    normals.retain(|(copy, _)| turned[*copy as usize] && !ties.is_pinned(*copy));
+    normals.retain(|(copy, _)| falls_back[*copy as usize] && !constraint.is_pinned(*copy));
     // Stable: the normals of a node stay in the faces' order.
     normals.sort_by_key(|(copy, _)| *copy);
     for group in normals.chunk_by(|a, b| a.0 == b.0) {
         let copy = group[0].0;
         let around: Vec<Vec3> = group.iter().map(|(_, normal)| *normal).collect();
-        let radial = offsets.get(copies.body(copy), ties.flat(copy));
-        if let (Some(radial), Some((inward, cosine))) = (radial, steepest(&around)) {
+        let radial = offsets.get(copies.body(copy), constraint.flat(copy));
+        if let (Some(radial), Some((inward, cosine))) = (radial, direction_into_all(&around)) {
             targets[copy as usize] = p(copy) + inward * (radial.thickness / cosine.max(0.25));
         }
     }
-    ties.spread(targets);
+    constraint.spread(targets);
 }
 
 /// Steps of the search.
-const STEEPEST_STEPS: usize = 60;
+const DIRECTION_STEPS: usize = 60;
 /// Least cosine of a direction to all faces that counts as inward.
 const STEEP: f64 = 0.05;
 
 /// The unit vector whose least cosine to the inward `normals` (given outward) is greatest, and that cosine: exact for one
 /// and two faces, within a few percent for more; `None` where no direction is inward to all.
-fn steepest(normals: &[Vec3]) -> Option<(Vec3, f64)> {
+fn direction_into_all(normals: &[Vec3]) -> Option<(Vec3, f64)> {
     let least = |inward: &Vec3| {
         let cosines = normals.iter().map(|normal| (-normal.dot(inward), *normal));
         cosines.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
     };
     let mut inward = -normals.iter().sum::<Vec3>().try_normalize(1e-9)?;
     let mut best = (inward, least(&inward).0);
-    let steps = if normals.len() > 2 { STEEPEST_STEPS } else { 0 };
+    let steps = if normals.len() > 2 { DIRECTION_STEPS } else { 0 };
     for step in 0..steps {
         inward = (inward - least(&inward).1 * (1.0 / (2 + step) as f64)).try_normalize(1e-9)?;
         let cosine = least(&inward).0;
@@ -230,13 +231,14 @@ pub(super) fn project(
     mesh: &TetMesh,
     copies: &Copies,
     offsets: &RadialOffsets,
-    ties: &Ties,
+    constraint: &PeriodicConstraint,
     targets: &mut [Vec3],
 ) -> Vec<u32> {
-    let all: Vec<_> = copies.iter().filter(|(.., copy)| ties.leads(*copy) && !ties.is_pinned(*copy)).collect();
+    let all: Vec<_> =
+        copies.iter().filter(|(.., copy)| constraint.leads(*copy) && !constraint.is_pinned(*copy)).collect();
     let projected = |&(body, node, copy): &(u32, u32, u32)| {
         stop::point();
-        let flat = ties.flat(copy);
+        let flat = constraint.flat(copy);
         let radial = offsets.get(body, flat)?;
         Some((copy, on_own_faces(radial, flat, &mesh.points[node as usize], &targets[copy as usize])))
     };
@@ -248,7 +250,7 @@ pub(super) fn project(
             None => loose.push(copy),
         }
     }
-    ties.spread(targets);
+    constraint.spread(targets);
     loose
 }
 

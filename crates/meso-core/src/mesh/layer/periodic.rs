@@ -8,13 +8,12 @@
 //! there.
 
 use crate::aggregate::Aggregate;
-use crate::cells::NO_BODY;
-use crate::cells::{NodeImages, Sides, repeating};
+use crate::cells::{NO_BODY, NodeImages, Sides, repeating};
 use crate::math::{Aabb, Vec3};
 use crate::tet::{TetMesh, ascending};
 
 /// Which nodes move together.
-pub(super) struct Ties {
+pub(super) struct PeriodicConstraint {
     pub(super) faces: Faces,
     /// The lead of every node; the node itself where it is tied to none.
     lead: Vec<u32>,
@@ -24,25 +23,25 @@ pub(super) struct Ties {
     pinned: Vec<bool>,
 }
 
-impl Ties {
+impl PeriodicConstraint {
     /// Those of `mesh`, whose cells carry indices of `bodies`; nodes from `copies` on are copies, each of its `owner`.
     pub(super) fn new(mesh: &TetMesh, periodic: [bool; 3], bodies: &Bodies, owner: &[u32], copies: u32) -> Self {
         let nodes = 0..mesh.points.len() as u32;
-        let tied = |faces, pinned| Self { faces, lead: nodes.clone().collect(), followers: Vec::new(), pinned };
+        let free = |faces, pinned| Self { faces, lead: nodes.clone().collect(), followers: Vec::new(), pinned };
         if periodic == [false; 3] {
-            return tied(Faces::of(mesh, periodic), vec![false; nodes.len()]);
+            return free(Faces::of(mesh, periodic), vec![false; nodes.len()]);
         }
         let sides = Sides::in_planes(mesh.by_body());
         let faces = Faces::on(mesh, periodic, &sides);
         let lone = |node| faces.class(node).is_none() && faces.flat(node) != Flat::SPACE;
         let pinned = nodes.clone().map(lone).collect();
         let unlike = unlike(mesh, periodic, &sides, &faces, bodies);
-        let mut ties = tied(faces, pinned);
-        ties.tie(bodies, owner, copies, &unlike);
-        ties
+        let mut constraint = free(faces, pinned);
+        constraint.choose_leads(bodies, owner, copies, &unlike);
+        constraint
     }
 
-    fn tie(&mut self, bodies: &Bodies, owner: &[u32], copies: u32, unlike: &[bool]) {
+    fn choose_leads(&mut self, bodies: &Bodies, owner: &[u32], copies: u32, unlike: &[bool]) {
         let mut members: Vec<(u32, Key, u8, u32)> = Vec::new();
         for (node, &body) in (0..).zip(owner).filter(|(_, body)| **body != NO_BODY) {
             let at = self.faces.class(node);

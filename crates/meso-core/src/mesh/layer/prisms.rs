@@ -11,7 +11,7 @@
 //! after [`STEPS`] such steps none. The end is sure: with all nodes at their old positions the body's cells are the old ones,
 //! and a layer cell is left out with its rail.
 
-use super::periodic::Ties;
+use super::periodic::PeriodicConstraint;
 use crate::cells::Phase;
 use crate::cells::{Copies, InterfaceFace};
 use crate::math::Vec3;
@@ -30,14 +30,19 @@ pub(in crate::mesh) struct Layered {
 
 /// The prism between an interface triangle and its offset. Diagonals start at the lowest image class, so neighbours match,
 /// and so do the opposite faces of a periodic box.
-pub(super) fn prism(mesh: &TetMesh, face: &InterfaceFace, copies: &Copies, ties: &Ties) -> [LayerCell; 3] {
+pub(super) fn prism(
+    mesh: &TetMesh,
+    face: &InterfaceFace,
+    copies: &Copies,
+    constraint: &PeriodicConstraint,
+) -> [LayerCell; 3] {
     stop::point();
     let owner = mesh.owner[face.cell as usize];
     let [a, b, c, _] = face.nodes;
     let p = |node: u32| -> Vec3 { mesh.position(node) };
     let area = (p(b) - p(a)).cross(&(p(c) - p(a))).norm() / 2.0;
     let mut rails = [a, b, c].map(|node| [copies.of(owner, node), node]);
-    let rank = |node: u32| (ties.class(node), node);
+    let rank = |node: u32| (constraint.class(node), node);
     let turns = [(a, b), (b, c), (a, c)].iter().filter(|(first, second)| rank(*first) > rank(*second)).count();
     rails.sort_unstable_by_key(|rail| rank(rail[1]));
     let [[a, d], [b, e], [c, f]] = rails;
@@ -112,22 +117,28 @@ const AIM: f64 = 1.6;
 const FARTHEST: f64 = 0.2;
 
 /// Moves `targets` until no cell is bad, or until the tries are over; `on_rays` are those along the nodes' rays.
-pub(super) fn untangle(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, on_rays: &[Vec3], targets: &mut [Vec3]) {
+pub(super) fn untangle(
+    mesh: &TetMesh,
+    layer: &[LayerCell],
+    constraint: &PeriodicConstraint,
+    on_rays: &[Vec3],
+    targets: &mut [Vec3],
+) {
     for _ in 0..TRIES {
-        let stuck = untangled(mesh, layer, ties, targets);
+        let stuck = untangled(mesh, layer, constraint, targets);
         if stuck.is_empty() {
             return;
         }
         stuck.into_iter().for_each(|node| targets[node as usize] = on_rays[node as usize]);
-        ties.spread(targets);
+        constraint.spread(targets);
     }
 }
 
 /// Moves `targets` until no cell is bad, or until the rounds are over; the nodes of cells that still are.
-fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, targets: &mut [Vec3]) -> Vec<u32> {
+fn untangled(mesh: &TetMesh, layer: &[LayerCell], constraint: &PeriodicConstraint, targets: &mut [Vec3]) -> Vec<u32> {
     let mut stirred = vec![true; targets.len()];
     for _ in 0..ROUNDS {
-        let mut moves = moves(mesh, layer, ties, targets, &stirred);
+        let mut moves = moves(mesh, layer, constraint, targets, &stirred);
         if moves.is_empty() {
             return Vec::new();
         }
@@ -141,14 +152,20 @@ fn untangled(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, targets: &mut [Ve
             targets[node] += mean * (farthest / mean.norm()).min(1.0);
             stirred[node] = true;
         }
-        ties.spread(targets);
-        ties.share(&mut stirred);
+        constraint.spread(targets);
+        constraint.share(&mut stirred);
     }
-    moves(mesh, layer, ties, targets, &stirred).into_iter().map(|(node, _)| node).collect()
+    moves(mesh, layer, constraint, targets, &stirred).into_iter().map(|(node, _)| node).collect()
 }
 
 /// Leads of the nodes of bad cells with the displacement that each should get; of the cells that have a `stirred` node.
-fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, targets: &[Vec3], stirred: &[bool]) -> Vec<(u32, Vec3)> {
+fn moves(
+    mesh: &TetMesh,
+    layer: &[LayerCell],
+    constraint: &PeriodicConstraint,
+    targets: &[Vec3],
+    stirred: &[bool],
+) -> Vec<(u32, Vec3)> {
     let now = |nodes: [u32; 4]| nodes.map(|node| targets[node as usize]);
     let near = |nodes: &[u32; 4]| nodes.iter().any(|&node| stirred[node as usize]);
     let core = |nodes: &[u32; 4]| (*nodes, least_of_core(mesh.corners(*nodes), now(*nodes)));
@@ -160,10 +177,10 @@ fn moves(mesh: &TetMesh, layer: &[LayerCell], ties: &Ties, targets: &[Vec3], sti
     let mut bad = parallel::flat_map(mesh.cells.len(), |cell| bad_core(&mesh.cells[cell]));
     bad.extend(parallel::flat_map(layer.len(), |cell| bad_layer_cell(&layer[cell])));
     let free = |node: u32| targets[node as usize] != mesh.points[node as usize];
-    let led = |(node, step): (u32, Vec3)| (ties.lead(node), step);
+    let led = |(node, step): (u32, Vec3)| (constraint.lead(node), step);
     parallel::flat_map(bad.len(), |cell| {
         let (nodes, least) = bad[cell];
-        least_moves(nodes, now(nodes), AIM * least, free, ties).into_iter().map(led)
+        least_moves(nodes, now(nodes), AIM * least, free, constraint).into_iter().map(led)
     })
 }
 
@@ -173,12 +190,12 @@ fn least_moves(
     [a, b, c, d]: [Vec3; 4],
     aim: f64,
     free: impl Fn(u32) -> bool,
-    ties: &Ties,
+    constraint: &PeriodicConstraint,
 ) -> Vec<(u32, Vec3)> {
     let gradients =
         [(c - b).cross(&(d - b)) * -1.0, (c - a).cross(&(d - a)), (d - a).cross(&(b - a)), (b - a).cross(&(c - a))];
     let moves = nodes.into_iter().zip(gradients).filter(|(node, _)| free(*node));
-    let moves: Vec<(u32, Vec3)> = moves.map(|(node, step)| (node, ties.flat(node).along(&step))).collect();
+    let moves: Vec<(u32, Vec3)> = moves.map(|(node, step)| (node, constraint.flat(node).along(&step))).collect();
     // Volume is a sixth of node times gradient.
     let gain = 6.0 * (aim - volume([a, b, c, d])) / moves.iter().map(|(_, step)| step.norm_squared()).sum::<f64>();
     moves.into_iter().map(|(node, step)| (node, step * gain)).filter(|(_, step)| step.norm() > 0.0).collect()
@@ -215,8 +232,13 @@ impl StepsBack {
 
 /// Shares of the displacements from `mesh`'s points to `targets` such that all its cells and `layer`'s keep a positive
 /// volume; tied nodes have the same share.
-pub(super) fn step_back(mesh: &TetMesh, targets: &[Vec3], layer: &[LayerCell], ties: &Ties) -> StepsBack {
-    let start = |node: u32| if ties.is_pinned(node) { STEPS } else { 0 };
+pub(super) fn step_back(
+    mesh: &TetMesh,
+    targets: &[Vec3],
+    layer: &[LayerCell],
+    constraint: &PeriodicConstraint,
+) -> StepsBack {
+    let start = |node: u32| if constraint.is_pinned(node) { STEPS } else { 0 };
     let mut back = StepsBack((0..targets.len() as u32).map(start).collect());
     let moving = |cell: &[u32; 4]| cell.iter().any(|&node| targets[node as usize] != mesh.points[node as usize]);
     loop {
@@ -233,7 +255,7 @@ pub(super) fn step_back(mesh: &TetMesh, targets: &[Vec3], layer: &[LayerCell], t
         };
         let mut bad = parallel::pick(&mesh.cells, |cell| moving(cell) && worse(cell)).into_flattened();
         bad.extend(parallel::pick(layer, fallen).iter().flat_map(|cell| cell.nodes));
-        bad.iter_mut().for_each(|node| *node = ties.lead(*node));
+        bad.iter_mut().for_each(|node| *node = constraint.lead(*node));
         bad.par_sort_unstable();
         bad.dedup();
         bad.retain(|&node| targets[node as usize] != mesh.points[node as usize] && !back.is_pinched(node));
@@ -241,7 +263,7 @@ pub(super) fn step_back(mesh: &TetMesh, targets: &[Vec3], layer: &[LayerCell], t
             return back;
         }
         bad.iter().for_each(|&node| back.0[node as usize] += 1);
-        ties.share(&mut back.0);
+        constraint.share(&mut back.0);
     }
 }
 
