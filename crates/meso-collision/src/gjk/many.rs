@@ -4,7 +4,7 @@
 //! Where lockstep does not pay, on the instruction set or with few pairs, they are asked one by one.
 
 use super::attempts::Attempts;
-use super::lockstep::{Glance, Notes, Pending, Queue, Search, Undecided};
+use super::lockstep::{Glance, Notes, Pending, Search, Undecided};
 use super::mpr::Portal;
 use super::pair_query::PairQuery;
 use crate::simd::{Simd, Vectorized, dispatch};
@@ -134,7 +134,6 @@ struct Work {
     pending: Pending,
     /// Entries of `pending` to search next.
     chosen: Vec<u32>,
-    queue: Queue,
     notes: Notes,
     undecided: Vec<Undecided>,
     attempts: Attempts,
@@ -150,7 +149,7 @@ impl Work {
 
     /// Answers the chosen questions.
     fn search(&mut self, queries: &[PairQuery<'_>], gap: f64, open: &dyn Settle) {
-        let Self { answers, pending, chosen, queue, notes, undecided, .. } = self;
+        let Self { answers, pending, chosen, notes, undecided, .. } = self;
         if chosen.len() < FEW_TO_SEARCH {
             for entry in chosen.drain(..) {
                 let (i, v) = (pending.query(entry) as usize, pending.direction(entry));
@@ -159,7 +158,7 @@ impl Work {
             }
             return;
         }
-        dispatch(Search { queries, gap, pending, chosen, queue, notes, answers, undecided });
+        dispatch(Search { queries, gap, pending, chosen, notes, answers, undecided });
         chosen.clear();
         for Undecided { query, portal } in undecided.drain(..) {
             answers[query as usize] = Some(!open.is_farther(query as usize, portal));
@@ -215,11 +214,11 @@ mod tests {
 
     /// The answers of bounds and lockstep, and how many these leave open.
     fn in_lockstep(isa: Isa, queries: &[PairQuery<'_>]) -> (Vec<Option<bool>>, usize) {
-        let Work { mut answers, mut pending, mut chosen, mut queue, mut notes, mut undecided, .. } = Work::default();
+        let Work { mut answers, mut pending, mut chosen, mut notes, mut undecided, .. } = Work::default();
         answers.resize(queries.len(), None);
         dispatch_on(isa, Glance { queries, gap: 0.0, answers: &mut answers, pending: &mut pending });
         chosen.extend(0..pending.len() as u32);
-        let (pending, chosen, queue, notes) = (&pending, &chosen, &mut queue, &mut notes);
+        let (pending, chosen, notes) = (&pending, &chosen, &mut notes);
         let search = Search {
             queries,
             gap: 0.0,

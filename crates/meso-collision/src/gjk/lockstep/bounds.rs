@@ -58,6 +58,7 @@ fn glance_at_lanes<S: Simd>(
     answers: &mut [Option<bool>],
     pending: &mut Pending,
 ) -> u32 {
+    assert!(queries.len() == S::F64::LANES && answers.len() == S::F64::LANES);
     let (mut rows_a, mut rows_b) = ([&[0.0; 8]; MOST_LANES], [&[0.0; 8]; MOST_LANES]);
     for l in 0..S::F64::LANES {
         (rows_a[l], rows_b[l]) = (&queries[l].a.bounds.row, &queries[l].b.bounds.row);
@@ -81,9 +82,8 @@ fn glance_at_lanes<S: Simd>(
     for (l, answer) in answers.iter_mut().enumerate() {
         *answer = (decided >> l & 1 == 1).then_some(hit >> l & 1 == 1);
     }
-    let question = S::F64::of_lanes(simd, |l| f64::from_bits((first + l) as u64));
     let v = x.or(beyond, n);
-    pending.add(filled & !decided, [v.x, v.y, v.z, along * along / sum, question]);
+    pending.add(filled & !decided, first, [v.x, v.y, v.z, along * along / sum]);
     spheres & filled
 }
 

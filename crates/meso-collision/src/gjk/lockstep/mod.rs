@@ -15,5 +15,4 @@ mod vectors;
 
 pub(super) use bounds::Glance;
 pub(super) use pending::Pending;
-pub(super) use queue::Queue;
 pub(super) use task::{Notes, Search, Undecided};

@@ -8,7 +8,9 @@ use crate::simd::Lanes;
 pub(in super::super) struct Pending {
     /// The direction to start from; the closeness, 2 or less where the ellipsoids overlap, the less the deeper, of which only
     /// ratios count; the index of the question, as bits. They have room for more than the list.
-    columns: [Vec<f64>; 5],
+    columns: [Vec<f64>; 4],
+    /// Index of the question; room, too.
+    queries: Vec<u32>,
     len: usize,
 }
 
@@ -19,19 +21,29 @@ impl Pending {
 
     /// Room for `n` pairs.
     pub(super) fn make_room(&mut self, n: usize) {
+        self.queries.resize(n.max(self.queries.len()), 0);
         for column in self.columns.iter_mut().filter(|column| column.len() < n) {
             column.resize(n, 0.0);
         }
     }
 
-    /// Adds the lanes of the mask.
+    /// Adds the lanes of the mask; the question of lane 0 is the `first`.
+    ///
+    /// Without a branch for each: nobody could foretell them.
     #[inline(always)]
-    pub(super) fn add<L: Lanes<T = f64>>(&mut self, mask: u32, rows: [L; 5]) {
-        let at = self.len;
+    pub(super) fn add<L: Lanes<T = f64>>(&mut self, mask: u32, first: usize, rows: [L; 4]) {
+        let mut at = self.len;
         for (column, numbers) in self.columns.iter_mut().zip(rows) {
             numbers.front(mask).store(column, at);
         }
-        self.len = at + mask.count_ones() as usize;
+        let queries = &mut self.queries[at..at + L::LANES];
+        let mut taken = 0;
+        for l in 0..L::LANES {
+            queries[taken] = (first + l) as u32;
+            taken += (mask >> l & 1) as usize;
+        }
+        at += taken;
+        self.len = at;
     }
 
     /// The direction to start from.
@@ -48,7 +60,7 @@ impl Pending {
     /// The index of the question of entry `i`.
     #[inline(always)]
     pub(in super::super) fn query(&self, i: u32) -> u32 {
-        self.columns[4][i as usize].to_bits() as u32
+        self.queries[i as usize]
     }
 
     /// The second entry if its bodies are closer than those of the first, else the first.

@@ -22,7 +22,7 @@ const COLUMNS: usize = 12;
 const ROOM: usize = (RANKS + 2) * MOST_LANES;
 
 /// Pairs with their first support, waiting for a lane.
-pub(in super::super) struct Queue {
+pub(super) struct Queue {
     columns: [[f32; ROOM]; COLUMNS],
     len: usize,
 }
@@ -74,15 +74,9 @@ impl<'q> Fresh<'q> {
     }
 }
 
-impl Default for Queue {
-    fn default() -> Self {
-        Self { columns: [[0.0; ROOM]; COLUMNS], len: 0 }
-    }
-}
-
 impl Queue {
-    pub(super) fn clear(&mut self) {
-        self.len = 0;
+    pub(super) fn new() -> Self {
+        Self { columns: [[0.0; ROOM]; COLUMNS], len: 0 }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -102,6 +96,22 @@ impl Queue {
         &self.columns[column]
     }
 
+    /// The first support of up to a register of pairs: those that it leaves open queue up.
+    #[inline(always)]
+    pub(super) fn admit<S: Simd>(&mut self, simd: S, search: &mut Search<'_, '_>, entries: &[u32]) {
+        let Fresh { groups, direction, v0, reach, question, fit } = Fresh::new(search, entries);
+        let (direction, v0) = (Vectors::load(simd, &direction), Vectors::load(simd, &v0));
+        let (reach, question) = (S::F32::load(simd, &reach, 0), S::F32::load(simd, &question, 0));
+        let supports = Supports::new(simd, &groups, fit, direction, v0);
+        let (apart, leaves) = supports.apart(simd, direction, reach, search.gap as f32);
+        let (apart, leaves) = (apart.bits(), leaves.bits());
+        search.notes.apart.add([question], apart & fit);
+        let open = first_lanes(entries.len()) & (!fit | leaves & !apart);
+        for_each_lane(open, |l| search.give_up(&entries[l..=l]));
+        let (w, slots) = supports.points(simd, &groups, v0);
+        self.push(fit & !leaves, [turned_away(simd, direction, w), v0, w], [reach, slots, question]);
+    }
+
     #[inline(always)]
     fn push<L: Lanes<T = f32>>(&mut self, mask: u32, vectors: [Vectors<L>; 3], [reach, slots, question]: [L; 3]) {
         let at = self.len;
@@ -114,24 +124,6 @@ impl Queue {
         slots.front(mask).store(&mut self.columns[SLOTS_1], at);
         question.front(mask).store(&mut self.columns[QUESTION], at);
         self.len += mask.count_ones() as usize;
-    }
-}
-
-impl Search<'_, '_> {
-    /// The first support of up to a register of pairs: those that it leaves open queue up.
-    #[inline(always)]
-    pub(super) fn admit<S: Simd>(&mut self, simd: S, entries: &[u32]) {
-        let Fresh { groups, direction, v0, reach, question, fit } = Fresh::new(self, entries);
-        let (direction, v0) = (Vectors::load(simd, &direction), Vectors::load(simd, &v0));
-        let (reach, question) = (S::F32::load(simd, &reach, 0), S::F32::load(simd, &question, 0));
-        let supports = Supports::new(simd, &groups, fit, direction, v0);
-        let (apart, leaves) = supports.apart(simd, direction, reach, self.gap as f32);
-        let (apart, leaves) = (apart.bits(), leaves.bits());
-        self.notes.apart.add([question], apart & fit);
-        let open = first_lanes(entries.len()) & (!fit | leaves & !apart);
-        for_each_lane(open, |l| self.give_up(&entries[l..=l]));
-        let (w, slots) = supports.points(simd, &groups, v0);
-        self.queue.push(fit & !leaves, [turned_away(simd, direction, w), v0, w], [reach, slots, question]);
     }
 }
 

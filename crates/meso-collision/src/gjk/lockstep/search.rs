@@ -6,6 +6,7 @@
 //! it came to, again a register at a time; the rest is left to the single query.
 
 use super::open::Open;
+use super::queue::Queue;
 use super::rank::Rank;
 use super::task::{RANKS, Search};
 use super::vectors::narrow_lanes;
@@ -21,19 +22,19 @@ impl Vectorized for Search<'_, '_> {
             self.give_up(self.chosen);
             return;
         }
-        self.queue.clear();
+        let mut queue = Queue::new();
         let mut ranks = [Rank::idle(simd), Rank::idle(simd)];
         let mut fresh = self.chosen.chunks(narrow_lanes::<S>());
         loop {
-            while self.queue.len() < RANKS * narrow_lanes::<S>()
+            while queue.len() < RANKS * narrow_lanes::<S>()
                 && self.notes.have_room()
                 && let Some(entries) = fresh.next()
             {
-                self.admit(simd, entries);
+                queue.admit(simd, &mut self, entries);
             }
             let mut busy = false;
             for rank in &mut ranks {
-                rank.refill(simd, self.queue, self.queries);
+                rank.refill(simd, &mut queue, self.queries);
                 busy |= rank.is_busy();
                 if rank.is_busy() {
                     rank.step(simd, &mut self);

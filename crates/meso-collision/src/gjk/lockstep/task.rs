@@ -3,7 +3,6 @@
 use super::super::mpr::Portal;
 use super::super::pair_query::PairQuery;
 use super::pending::Pending;
-use super::queue::Queue;
 use crate::simd::{Lanes, MOST_LANES};
 
 /// Registers of pairs in flight: what one waits for, another fills.
@@ -24,7 +23,6 @@ pub(in super::super) struct Search<'a, 'q> {
     pub(in super::super) gap: f64,
     pub(in super::super) pending: &'a Pending,
     pub(in super::super) chosen: &'a [u32],
-    pub(in super::super) queue: &'a mut Queue,
     pub(in super::super) notes: &'a mut Notes,
     pub(in super::super) answers: &'a mut [Option<bool>],
     pub(in super::super) undecided: &'a mut Vec<Undecided>,
