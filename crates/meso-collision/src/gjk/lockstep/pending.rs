@@ -7,7 +7,7 @@ use crate::simd::Lanes;
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Pending {
     /// The direction to start from; the closeness, 2 or less where the ellipsoids overlap, the less the deeper, of which only
-    /// ratios count; the index of the question, as bits. They have room for more than the list.
+    /// ratios count. They have room for more than the list.
     columns: [Vec<f64>; 4],
     /// Index of the question; room, too.
     queries: Vec<u32>,
