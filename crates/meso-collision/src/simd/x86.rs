@@ -123,7 +123,7 @@ static PAIRS_TO_FRONT: [u64; 16] = pairs_to_front();
 const fn pairs_to_front() -> [u64; 16] {
     let (all, mut pairs, mut mask) = (permutations(true), [0; 16], 0);
     while mask < 16 {
-        let in_pairs = (mask & 1) * 3 | (mask >> 1 & 1) * 12 | (mask >> 2 & 1) * 48 | (mask >> 3 & 1) * 192;
+        let in_pairs = ((mask & 1) * 3) | ((mask >> 1 & 1) * 12) | ((mask >> 2 & 1) * 48) | ((mask >> 3 & 1) * 192);
         pairs[mask] = all[in_pairs];
         mask += 1;
     }
