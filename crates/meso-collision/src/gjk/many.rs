@@ -219,16 +219,8 @@ mod tests {
         dispatch_on(isa, Glance { queries, gap: 0.0, answers: &mut answers, pending: &mut pending });
         chosen.extend(0..pending.len() as u32);
         let (pending, chosen, notes) = (&pending, &chosen, &mut notes);
-        let search = Search {
-            queries,
-            gap: 0.0,
-            pending,
-            chosen,
-            queue,
-            notes,
-            answers: &mut answers,
-            undecided: &mut undecided,
-        };
+        let search =
+            Search { queries, gap: 0.0, pending, chosen, notes, answers: &mut answers, undecided: &mut undecided };
         dispatch_on(isa, search);
         (answers, undecided.len())
     }

@@ -32,7 +32,7 @@ impl Pending {
     /// Without a branch for each: nobody could foretell them.
     #[inline(always)]
     pub(super) fn add<L: Lanes<T = f64>>(&mut self, mask: u32, first: usize, rows: [L; 4]) {
-        let mut at = self.len;
+        let at = self.len;
         for (column, numbers) in self.columns.iter_mut().zip(rows) {
             numbers.front(mask).store(column, at);
         }
@@ -42,8 +42,7 @@ impl Pending {
             queries[taken] = (first + l) as u32;
             taken += (mask >> l & 1) as usize;
         }
-        at += taken;
-        self.len = at;
+        self.len = at + taken;
     }
 
     /// The direction to start from.
