@@ -1,8 +1,8 @@
 //! Plane and volume kernels over eight triangles at a time; bit-identical to the scalar loop.
 
-use super::integrals::{is_close, six_volumes};
 use super::plane::{Facet, Plane};
 use super::sum::Sum;
+use super::tetrahedron::{is_close, six_volumes};
 use crate::math::Vec3;
 use crate::simd::Wide;
 

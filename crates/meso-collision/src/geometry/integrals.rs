@@ -5,10 +5,11 @@
 //! cancels: the terms' rounding is bounded beside the sum, and where the bound is too large the sum is taken in
 //! double-double, then in integers.
 
-use super::double_double::{self, DD_EPSILON, Dd, Dd3};
+use super::double_double::{DD_EPSILON, Dd};
 use super::facet_kernels::SixVolumes;
 use super::integer;
-use super::sum::{Sum, TERM_ERROR};
+use super::sum::Sum;
+use super::tetrahedron::{double_double_term, float_term};
 use crate::math::Vec3;
 use crate::simd::widest;
 use num_bigint::BigInt;
@@ -49,18 +50,6 @@ fn summed(
     if error <= 0.9 * ACCURACY * sum { sum / 6.0 } else { exact_volume(&apex, corners) }
 }
 
-/// Six times the volume of the tetrahedron from `apex` over a triangle, to 1e-12 unless it is nearly nothing.
-pub(super) fn six_volumes(apex: &Vec3, corners: &[Vec3; 3]) -> f64 {
-    let (term, magnitude) = float_term(apex, corners);
-    if is_close(term, magnitude) { term } else { double_double_term(apex, corners).value() }
-}
-
-/// True where a term of this magnitude is right to 1e-12.
-#[inline(always)]
-pub(super) fn is_close(term: f64, magnitude: f64) -> bool {
-    TERM_ERROR * magnitude <= 1e-12 * term.abs()
-}
-
 /// Six volumes and a bound of the error.
 fn float_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64) {
     let mut sum = Sum::default();
@@ -71,14 +60,6 @@ fn float_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64
     sum.bounded()
 }
 
-/// A term, and the sum of the magnitudes of its six products.
-#[inline(always)]
-fn float_term(apex: &Vec3, [a, b, c]: &[Vec3; 3]) -> (f64, f64) {
-    let (u, v, w) = (b - a, c - a, a - apex);
-    let [p, q] = [u.yzx().component_mul(&v.zxy()), u.zxy().component_mul(&v.yzx())];
-    ((p - q).dot(&w), (p.abs() + q.abs()).dot(&w.abs()))
-}
-
 fn double_double_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (f64, f64) {
     let (mut sum, mut magnitude, mut count) = (Dd::ZERO, 0.0, 0.0);
     for [a, b, c] in corners {
@@ -87,12 +68,6 @@ fn double_double_sum(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]>) -> (
         count += 1.0;
     }
     (sum.value(), (10.0 + count) * DD_EPSILON * magnitude)
-}
-
-fn double_double_term(apex: &Vec3, [a, b, c]: &[Vec3; 3]) -> Dd {
-    let difference = |p: &Vec3, q: &Vec3| -> Dd3 { [0, 1, 2].map(|k| Dd::difference(p[k], q[k])) };
-    let normal = double_double::cross(&difference(b, a), &difference(c, a));
-    double_double::dot(&normal, &difference(a, apex))
 }
 
 fn exact_volume(apex: &Vec3, corners: impl Iterator<Item = [Vec3; 3]> + Clone) -> f64 {

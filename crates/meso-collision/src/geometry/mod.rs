@@ -19,6 +19,7 @@ mod polyhedron;
 mod predicates;
 mod sieve;
 mod sum;
+mod tetrahedron;
 mod triangle_mesh;
 
 #[doc(hidden)]

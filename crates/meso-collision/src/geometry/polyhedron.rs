@@ -5,6 +5,7 @@ use super::facet_kernels::{Facets, Moment};
 use super::integrals;
 use super::plane::{Facet, Plane};
 use super::predicates::orient3d;
+use super::tetrahedron::six_volumes;
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
 
@@ -187,7 +188,7 @@ impl Polyhedron {
     fn each_tetrahedron(&self, mut visit: impl FnMut(f64, [Vec3; 3])) {
         let apex = self.vertices[0];
         let mut look = |corners: [Vec3; 3]| {
-            visit(integrals::six_volumes(&apex, &corners) / 6.0, corners.map(|p| p - apex));
+            visit(six_volumes(&apex, &corners) / 6.0, corners.map(|p| p - apex));
         };
         match self.face_lists().byte_triangles() {
             // Nearly all bodies: without an iterator of iterators, which takes as long as the sums.
