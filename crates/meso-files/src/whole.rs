@@ -100,9 +100,9 @@ impl<K: Keeper> Unit<K> {
                 ready.push(file.ready(&keeper, temporary_files).map_err(|error| (path, error))?);
             }
             let mut done = Vec::new();
-            for file in ready {
-                let path = file.path.clone();
-                match keeper.step().and_then(|()| file.rename(temporary_files)) {
+            for next in ready {
+                let path = next.file.path.clone();
+                match keeper.step().and_then(|()| next.rename(temporary_files)) {
                     Ok(renamed) => done.push(renamed),
                     Err(error) => {
                         done.into_iter().rev().for_each(Renamed::undo);
@@ -118,10 +118,8 @@ impl<K: Keeper> Unit<K> {
 
 /// A file that can get its name at once: what has it has a second one.
 struct Ready {
-    temporary: TempPath,
-    path: PathBuf,
+    file: Complete,
     before: Option<TempPath>,
-    replace: bool,
 }
 
 /// A file that has its name; what had it before goes with this, unless it is put back.
@@ -132,17 +130,16 @@ struct Renamed {
 
 impl Complete {
     fn ready(self, keeper: &impl Keeper, temporary_files: &mut Vec<PathBuf>) -> io::Result<Ready> {
-        let Self { temporary, path, replace } = self;
         keeper.step()?;
-        let before = if replace { second_name(&path)? } else { None };
+        let before = if self.replace { second_name(&self.path)? } else { None };
         temporary_files.extend(before.as_deref().map(Path::to_owned));
-        Ok(Ready { temporary, path, before, replace })
+        Ok(Ready { file: self, before })
     }
 }
 
 impl Ready {
     fn rename(self, temporary_files: &mut Vec<PathBuf>) -> io::Result<Renamed> {
-        let Self { temporary, path, before, replace } = self;
+        let Self { file: Complete { temporary, path, replace }, before } = self;
         temporary_files.retain(|other| other != &*temporary);
         let renamed = if replace { temporary.persist(&path) } else { temporary.persist_noclobber(&path) };
         renamed.map_err(|failed| failed.error)?;
