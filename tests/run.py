@@ -5,8 +5,7 @@
     python3 tests/run.py            set up .venv, build the wheel, cargo test, pytest
     python3 tests/run.py --slow     with the slow tier: long tests, every bench once, the release wheel, sanitizers
 
-On two cores the tiers are meant to take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built, and the
-second took 10 from a fresh clone.
+On two cores the tiers are meant to take 2, 9 and 60 minutes at the most; the quick one counts from a tree that is built.
 Each needs the standard library alone, and reports at the end which tests failed, and which were skipped and why. The exit code is 0
 when every stage passed.
 """

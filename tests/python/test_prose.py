@@ -12,6 +12,7 @@ DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 MEAN_WORDS = 20
 NINETIETH_PERCENTILE = 35
 WIDEST_LINE = 120
+LONGEST_MANUAL = 150
 
 # A full stop after these ends no sentence.
 ABBREVIATION = re.compile(r"\b(Sec|Fig|Eq|eq|No|e\.g|i\.e|vs|Dr)\.$")
@@ -74,3 +75,8 @@ def test_lines_fit_a_screen(document):
     # A row of a table cannot be broken.
     wide = [number for number, line in enumerate(text, 1) if len(line) > WIDEST_LINE and not line.startswith("|")]
     assert not wide, f"lines wider than {WIDEST_LINE}: {wide}"
+
+
+def test_the_manual_of_meshes_stays_short():
+    manual = (ROOT / "docs" / "meshing.md").read_text(encoding="utf-8").splitlines()
+    assert len(manual) <= LONGEST_MANUAL
