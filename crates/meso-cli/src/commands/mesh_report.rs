@@ -211,32 +211,7 @@ fn times(phase: &PhaseScaling) -> String {
 
 /// Decisions of the builder: gaps closed, layers thinned.
 fn notes(notes: &Notes, parted_by_itz: bool) {
-    if notes.parted_nodes > 0 {
-        stderr::line(format!(
-            "{} pairs of aggregates would have been joined at {} nodes, since the elements cannot show the gaps between them: \
-             mortar parts them now, {:.0} mm3 of it in place of aggregates; a larger min_gap_mm or a smaller --element-size-mm \
-             keeps these",
-            thousands(notes.parted_pairs),
-            thousands(notes.parted_nodes),
-            notes.parted_mm3
-        ));
-    } else if notes.closed_gaps > 0 && parted_by_itz {
-        stderr::line(format!(
-            "at {} nodes {} pairs of aggregates meet, since the elements cannot show the gaps between them (widest {:.2} mm): \
-             cohesive elements part them",
-            thousands(notes.closed_gaps),
-            thousands(notes.closed_gap_pairs),
-            notes.widest_closed_gap_mm
-        ));
-    } else if notes.closed_gaps > 0 {
-        stderr::line(format!(
-            "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
-             a smaller --element-size-mm or a larger min_gap_mm",
-            thousands(notes.closed_gaps),
-            thousands(notes.closed_gap_pairs),
-            notes.widest_closed_gap_mm
-        ));
-    }
+    gaps_between_aggregates(notes, parted_by_itz);
     if notes.split_gap_edges > 0 {
         let edges = thousands(notes.split_gap_edges);
         stderr::line(format!(
@@ -270,5 +245,34 @@ fn notes(notes: &Notes, parted_by_itz: bool) {
     if notes.shifted_itz_nodes > 0 {
         let nodes = thousands(notes.shifted_itz_nodes);
         stderr::line(format!("{nodes} inner nodes of the ITZ left its exact thickness to avoid sharp angles"));
+    }
+}
+
+fn gaps_between_aggregates(notes: &Notes, parted_by_itz: bool) {
+    if notes.parted_nodes > 0 {
+        stderr::line(format!(
+            "{} pairs of aggregates would have been joined at {} nodes, since the elements cannot show the gaps between them: \
+             mortar parts them now, {:.0} mm3 of it in place of aggregates; a larger min_gap_mm or a smaller --element-size-mm \
+             keeps these",
+            thousands(notes.parted_pairs),
+            thousands(notes.parted_nodes),
+            notes.parted_mm3
+        ));
+    } else if notes.closed_gaps > 0 && parted_by_itz {
+        stderr::line(format!(
+            "at {} nodes {} pairs of aggregates meet, since the elements cannot show the gaps between them (widest {:.2} mm): \
+             cohesive elements part them",
+            thousands(notes.closed_gaps),
+            thousands(notes.closed_gap_pairs),
+            notes.widest_closed_gap_mm
+        ));
+    } else if notes.closed_gaps > 0 {
+        stderr::line(format!(
+            "gaps that the elements cannot show: {} nodes join {} pairs of aggregates (widest {:.2} mm); to keep mortar there, use \
+             a smaller --element-size-mm or a larger min_gap_mm",
+            thousands(notes.closed_gaps),
+            thousands(notes.closed_gap_pairs),
+            notes.widest_closed_gap_mm
+        ));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Analysis, DeckOptions};
 use crate::cells::Phase;
-use crate::materials::{Elastic, Materials};
+use crate::materials::{Elastic, Materials, Plasticity};
 
 /// An option that a deck cannot hold.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -64,7 +64,7 @@ fn materials(values: &Materials) -> Result<(), DeckError> {
     {
         elastic(name, phase)?;
     }
-    let (strength, plasticity) = (&values.mortar_strength, &values.plasticity);
+    let strength = &values.mortar_strength;
     for (name, value) in [
         ("compressive_mpa", strength.compressive_mpa),
         ("peak_strain", strength.peak_strain),
@@ -89,7 +89,11 @@ fn materials(values: &Materials) -> Result<(), DeckError> {
         "it must be 1 or more",
     )?;
     positive("materials.cohesive_mode_power", values.cohesive_mode_power)?;
-    // Abaqus' own limits.
+    plasticity(&values.plasticity)
+}
+
+// Abaqus' own limits.
+fn plasticity(plasticity: &Plasticity) -> Result<(), DeckError> {
     let (angle, kc) = (plasticity.dilation_angle_deg, plasticity.meridian_ratio);
     require(
         "materials.plasticity.dilation_angle_deg",
