@@ -6,6 +6,7 @@
 
 mod cloud;
 mod few;
+mod loops;
 mod polygons;
 mod same_facets;
 mod surface;
@@ -15,6 +16,7 @@ use super::predicates::in_range;
 use super::{CompactPolyhedron, Polyhedron};
 use crate::math::Vec3;
 use few::Few;
+pub(super) use loops::{Loops, pairs};
 use polygons::Polygons;
 use std::cell::RefCell;
 use surface::Surface;
@@ -145,52 +147,20 @@ impl HullBuilder {
     }
 }
 
-/// The faces of a hull as loops of point indices, for whoever wants the combinatorics alone.
-pub(super) struct Facets {
-    /// Corners of all faces, one face after the other.
-    corners: Vec<u32>,
-    /// One past the last corner of each face.
-    ends: Vec<u32>,
-}
-
-impl Facets {
-    /// The facets of the hull of `points`, whose coordinates must be within the range of [`convex_hull`].
-    pub(super) fn of(points: &[Vec3]) -> Result<Self, HullError> {
-        check(points)?;
-        with_builder(points.len(), |HullBuilder { few, surface, polygons, .. }| {
-            if let Some(triangles) = few.triangles(points) {
-                return Ok(Self::of_triangles(triangles, 2 * points.len()));
-            }
-            surface.build(points)?;
-            polygons.collect(surface, points);
-            Ok(Self { corners: polygons.corners.clone(), ends: polygons.ends.clone() })
-        })
-    }
-
-    /// From triangles, at most `most` of them.
-    fn of_triangles(triangles: impl Iterator<Item = [u8; 3]>, most: usize) -> Self {
-        let mut corners = Vec::with_capacity(3 * most);
-        triangles.for_each(|triangle| corners.extend_from_slice(&triangle.map(u32::from)));
-        let ends = (1..=corners.len() as u32 / 3).map(|f| 3 * f).collect();
-        Self { corners, ends }
-    }
-
-    /// Number of facets.
-    pub(super) fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Point indices of a facet, counter-clockwise from outside.
-    #[inline(always)]
-    pub(super) fn facet(&self, f: usize) -> &[u32] {
-        let start = if f == 0 { 0 } else { self.ends[f - 1] };
-        &self.corners[start as usize..self.ends[f] as usize]
-    }
-
-    /// Point indices of every facet.
-    pub(super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        (0..self.len()).map(|f| self.facet(f))
-    }
+/// The facets of the hull of `points` as loops of points, and the loops of facets around the points, for whoever wants the
+/// combinatorics alone. Coordinates must be within the range of [`convex_hull`].
+pub(super) fn facets_and_dual(points: &[Vec3]) -> Result<[Loops; 2], HullError> {
+    check(points)?;
+    with_builder(points.len(), |HullBuilder { few, surface, polygons, .. }| {
+        if let Some(loops) = few.facets_and_dual(points) {
+            return Ok(loops);
+        }
+        surface.build(points)?;
+        polygons.collect(surface, points);
+        let facets = Loops { corners: polygons.corners.clone(), ends: polygons.ends.clone() };
+        let around = facets.around(points.len());
+        Ok([facets, around])
+    })
 }
 
 fn check(points: &[Vec3]) -> Result<(), HullError> {

@@ -8,6 +8,7 @@
 //! No two facets of an answer lie in one plane. If they did, take the last added of their corners: the others were a facet
 //! before, and while it waited it was in the plane of that facet, with an uncertain sign.
 
+use super::loops::Loops;
 use super::surface::{SHUFFLED_FROM, error_bound, far_basis};
 use crate::geometry::predicates::orient3d;
 use crate::math::{Aabb, Vec3};
@@ -57,7 +58,7 @@ struct Triangles {
 }
 
 /// Edge `k` of a facet, as 4 times the facet + k.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Edge(u16);
 
 /// A list for each.
@@ -71,16 +72,17 @@ impl Default for Axes {
 }
 
 impl Few {
-    /// The facets around `points`, counter-clockwise from outside; `None` where there are many points, facets that are no
-    /// triangles, or signs that rounding leaves undecided.
-    pub(super) fn triangles(&mut self, points: &[Vec3]) -> Option<impl Iterator<Item = [u8; 3]>> {
+    /// The facets around `points`, counter-clockwise from outside, and the loops of facets around the points, as
+    /// [`Loops::around`] finds them; `None` where there are many points, facets that are no triangles, or signs that rounding
+    /// leaves undecided.
+    pub(super) fn facets_and_dual(&mut self, points: &[Vec3]) -> Option<[Loops; 2]> {
         if !(4..BITS).contains(&points.len()) {
             return None;
         }
         self.clear(points);
         let basis = far_basis(points, &self.local)?;
         let done = dispatch(Growing { few: self, points, basis });
-        done.then(|| self.facets.alive())
+        done.then(|| self.facets.lists(points.len()))
     }
 
     fn clear(&mut self, points: &[Vec3]) {
@@ -269,11 +271,32 @@ impl Triangles {
         self.unused.len = 0;
     }
 
-    fn alive(&self) -> impl Iterator<Item = [u8; 3]> {
-        (0..self.bound).filter(|f| !self.is_removed[*f]).map(|f| {
+    /// The triangles, and the loops of them around the points.
+    fn lists(&self, points: usize) -> [Loops; 2] {
+        let (number, count) = self.numbered();
+        let mut facets =
+            Loops { corners: Vec::with_capacity(3 * count), ends: (1..=count as u32).map(|f| 3 * f).collect() };
+        let mut around = Around::default();
+        for f in (0..self.bound).filter(|f| !self.is_removed[*f]) {
             let [a, b, c, _] = self.vertices[f];
-            [a, b, c]
-        })
+            facets.corners.extend([a, b, c].map(u32::from));
+            around.add(
+                number[f],
+                [a, b, c],
+                self.across[f].map(|edge| Edge::new(number[edge.facet()], edge.k() as u8)),
+            );
+        }
+        [facets, around.loops(points, 3 * count)]
+    }
+
+    /// How many triangles stand before each, and how many there are.
+    fn numbered(&self) -> (Table<u8>, usize) {
+        let (mut number, mut count) = (Table::default(), 0);
+        for f in 0..self.bound {
+            number[f] = count;
+            count += u8::from(!self.is_removed[f]);
+        }
+        (number, usize::from(count))
     }
 
     #[inline(always)]
@@ -287,6 +310,58 @@ impl Triangles {
         self.is_removed[f] = false;
         self.seen_by[f] = seen_by;
         f
+    }
+}
+
+/// More than the corners of all triangles, four places to each.
+const CORNERS: usize = 4 * 2 * BITS;
+
+/// The corners around every point, linked: a corner is the edge that starts there.
+struct Around {
+    /// By corner, that of the next triangle around the same point.
+    next: [Edge; CORNERS],
+    /// By point, the smallest point that follows it in a triangle, and that corner, in the low half.
+    first: [u32; BITS],
+}
+
+impl Default for Around {
+    fn default() -> Self {
+        Self { next: [Edge(0); CORNERS], first: [u32::MAX; BITS] }
+    }
+}
+
+impl Around {
+    /// Adds a triangle, of which `across` lies beyond the edges.
+    #[inline(always)]
+    fn add(&mut self, triangle: u8, [a, b, c]: [u8; 3], [ab, bc, ca]: [Edge; 3]) {
+        for (k, point, after, edge_before) in [(0, a, b, ca), (1, b, c, ab), (2, c, a, bc)] {
+            let corner = Edge::new(triangle, k).0;
+            // What lies beyond the edge that ends here starts here.
+            self.next[usize::from(corner) % CORNERS] = edge_before;
+            let first = &mut self.first[usize::from(point) % BITS];
+            *first = u32::min(*first, u32::from(after) << 16 | u32::from(corner));
+        }
+    }
+
+    /// The loops of triangles around the first points, which have so many `corners`.
+    fn loops(&self, points: usize, corners: usize) -> Loops {
+        // The corners are there: no look at the room for each.
+        let mut loops = Loops { corners: vec![0; corners], ends: Vec::with_capacity(points) };
+        let (mut places, mut end) = (loops.corners.iter_mut(), 0);
+        for first in self.first[..points].iter().filter(|first| **first != u32::MAX) {
+            let first = Edge(*first as u16);
+            let mut corner = first;
+            for place in &mut places {
+                *place = u32::from(corner.facet());
+                corner = self.next[usize::from(corner.0) % CORNERS];
+                end += 1;
+                if corner == first {
+                    break;
+                }
+            }
+            loops.ends.push(end);
+        }
+        loops
     }
 }
 
@@ -382,18 +457,17 @@ mod tests {
     use crate::geometry::hull::surface::Surface;
     use crate::random::Stream;
 
-    fn by_surface(points: &[Vec3]) -> Vec<[u8; 3]> {
+    fn by_surface(points: &[Vec3]) -> [Loops; 2] {
         let mut surface = Surface::default();
         surface.build(points).unwrap();
-        surface.facets().map(|(_, facet)| facet.vertices.map(|i| i as u8)).collect()
-    }
-
-    fn by_few(few: &mut Few, points: &[Vec3]) -> Option<Vec<[u8; 3]>> {
-        few.triangles(points).map(Iterator::collect)
+        let corners: Vec<u32> = surface.facets().flat_map(|(_, facet)| facet.vertices).collect();
+        let facets = Loops { ends: (3..=corners.len() as u32).step_by(3).collect(), corners };
+        let around = facets.around(points.len());
+        [facets, around]
     }
 
     #[test]
-    fn the_facets_and_their_order_are_those_of_the_surface() {
+    fn the_facets_their_order_and_what_is_around_points_are_those_of_the_surface() {
         let (mut stream, mut few) = (Stream::new(9), Few::default());
         let corner = Vec3::new(3.0, 2.0, 1.0);
         let (mut found, mut inside) = (0, 0);
@@ -405,10 +479,10 @@ mod tests {
                 _ => stream.point(&-corner, &corner),
             };
             let points: Vec<Vec3> = (0..count).map(point).collect();
-            if let Some(facets) = by_few(&mut few, &points) {
-                assert_eq!(facets, by_surface(&points), "case {case}");
+            if let Some(loops) = few.facets_and_dual(&points) {
+                assert_eq!(loops, by_surface(&points), "case {case}");
                 found += 1;
-                inside += usize::from(facets.len() < 2 * count - 4);
+                inside += usize::from(loops[0].len() < 2 * count - 4);
             }
         }
         assert!(found > 590 && inside > 200, "{found} found, {inside} with points inside");
@@ -425,10 +499,10 @@ mod tests {
             let apex = Vec3::new(size / 2.0, 0.5, 2.0 + stream.uniform(0.0, 1.0));
             // A box has faces of four corners; so has what is left of it under an apex.
             let flat: Vec<Vec3> = corners(size).chain([apex]).collect();
-            assert_eq!(by_few(&mut few, &flat), None, "case {case}");
+            assert_eq!(few.facets_and_dual(&flat), None, "case {case}");
             // What was left behind does no harm.
             let points: Vec<Vec3> = (0..40).map(|_| stream.direction()).collect();
-            assert_eq!(by_few(&mut few, &points), Some(by_surface(&points)), "case {case}");
+            assert_eq!(few.facets_and_dual(&points), Some(by_surface(&points)), "case {case}");
         }
     }
 
@@ -439,7 +513,7 @@ mod tests {
         let mut points = [Vec3::new(0.1, 0.2, 1.0), square[0], square[1], square[2], square[3]];
         for turn in 0..5 {
             points.rotate_left(1);
-            assert_eq!(by_few(&mut few, &points), None, "turn {turn}");
+            assert_eq!(few.facets_and_dual(&points), None, "turn {turn}");
             points.swap(turn % 5, (turn + 2) % 5);
         }
     }
@@ -448,9 +522,9 @@ mod tests {
     fn too_few_and_too_many_points_are_left_alone() {
         let (mut stream, mut few) = (Stream::new(11), Few::default());
         let points: Vec<Vec3> = (0..=BITS).map(|_| stream.direction()).collect();
-        assert_eq!(by_few(&mut few, &points[..3]), None);
-        assert!(by_few(&mut few, &points[..4]).is_some());
-        assert!(by_few(&mut few, &points[..BITS - 1]).is_some());
-        assert_eq!(by_few(&mut few, &points[..BITS]), None);
+        assert_eq!(few.facets_and_dual(&points[..3]), None);
+        assert!(few.facets_and_dual(&points[..4]).is_some());
+        assert!(few.facets_and_dual(&points[..BITS - 1]).is_some());
+        assert_eq!(few.facets_and_dual(&points[..BITS]), None);
     }
 }

@@ -2,24 +2,13 @@
 
 use super::{ACCURACY, OffsetError, ROUNDING, ill_conditioned};
 use crate::geometry::double_double::{Dd, Dd3, cross, dot};
-use crate::geometry::hull::Facets;
+use crate::geometry::hull::{Loops, facets_and_dual, pairs};
 use crate::geometry::{Polyhedron, convex_hull, integer};
 use crate::math::Vec3;
 use crate::simd::{Wide, widest};
 
 /// Vertices closer than this many roundings of the body's extent are one.
 const MERGED: f64 = 16.0;
-
-/// As many points have no more facets than a byte can number.
-const FEW: usize = 64;
-
-/// Faces as loops of vertex indices, one after the other.
-#[derive(Default)]
-struct Loops {
-    corners: Vec<u32>,
-    /// One past the last corner of each face.
-    ends: Vec<u32>,
-}
 
 /// The intersection of the half-spaces y . x <= 1, about its centre.
 pub(super) struct Dual {
@@ -33,9 +22,9 @@ impl Dual {
     /// From the points y.
     pub(super) fn of(points: &[Vec3]) -> Result<Self, OffsetError> {
         let scaled = normalised(points)?;
-        let facets = Facets::of(&scaled.points)?;
+        let [facets, faces] = facets_and_dual(&scaled.points)?;
         let vertices = widest(Vertices { points: &scaled.points, facets: &facets }).ok_or_else(flat)?;
-        Ok(Self { vertices, faces: loops_around(&facets, points.len()), scale: scaled.scale })
+        Ok(Self { vertices, faces, scale: scaled.scale })
     }
 
     pub(super) fn vertices(&self) -> &[Vec3] {
@@ -53,7 +42,7 @@ impl Dual {
             let whole = Polyhedron::from_lists(self.vertices.as_slice().into(), &self.faces.corners, &self.faces.ends);
             return is_accurate(&whole, 0.0).then_some(whole);
         };
-        if joined.faces.is_surface() {
+        if is_surface(&joined.faces) {
             let body = Polyhedron::from_lists(joined.vertices.into(), &joined.faces.corners, &joined.faces.ends);
             if is_accurate(&body, joined.moved) {
                 return Some(body);
@@ -100,7 +89,7 @@ const AHEAD: usize = 4;
 /// For every facet the point z with y . z = 1 for all its points y: m / (m . y) for its normal m.
 struct Vertices<'a> {
     points: &'a [Vec3],
-    facets: &'a Facets,
+    facets: &'a Loops,
 }
 
 impl Wide for Vertices<'_> {
@@ -116,7 +105,7 @@ impl Wide for Vertices<'_> {
             let many = first..facets.len().min(first + AHEAD * LANES);
             for f in many.clone() {
                 let (eight, lane) = (&mut eights[(f - first) / LANES], f % LANES);
-                for (corner, i) in eight.iter_mut().zip(widest_triangle(points, facets.facet(f))) {
+                for (corner, i) in eight.iter_mut().zip(widest_triangle(points, facets.face(f))) {
                     let point = &points[i as usize];
                     (corner[0][lane], corner[1][lane], corner[2][lane]) = (point.x, point.y, point.z);
                 }
@@ -126,7 +115,7 @@ impl Wide for Vertices<'_> {
                 for lane in 0..LANES.min(many.end - start) {
                     vertices.push(match certain[lane] {
                         1 => Vec3::new(found[0][lane], found[1][lane], found[2][lane]),
-                        _ => close_vertex(points, facets.facet(start + lane))?,
+                        _ => close_vertex(points, facets.face(start + lane))?,
                     });
                 }
             }
@@ -195,118 +184,15 @@ fn exact_vertex(corners: &[Vec3; 3]) -> Option<Vec3> {
     inside.then(|| Vec3::from(normal.map(|n| integer::quotient(&n, &height, -unit))))
 }
 
-/// A facet at one of its points, and the points before and after that one.
-#[derive(Clone, Copy, Default)]
-struct Corner {
-    before: u32,
-    after: u32,
-    facet: u32,
-}
-
-/// For every dual point the loop of facets around it, counter-clockwise from outside, from the one with the smallest point
-/// after it on; none for points inside.
-fn loops_around(facets: &Facets, points: usize) -> Loops {
-    if points <= FEW {
-        return loops_around_few(facets, points);
+/// True where the faces close a surface: every edge is passed once in each direction.
+fn is_surface(faces: &Loops) -> bool {
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(faces.corners.len());
+    for face in faces.iter() {
+        edges.extend(pairs(face).map(|(a, b)| [a, b]));
     }
-    let (starts, around) = corners_by_point(facets, points);
-    let mut loops = Loops::default();
-    loops.corners.reserve(around.len());
-    loops.ends.reserve(points);
-    // By the point after: of the corners around one point, no two have the same.
-    let mut fan = vec![Corner::default(); points];
-    for p in (0..points).filter(|&p| starts[p] < starts[p + 1]) {
-        let around = &around[starts[p] as usize..starts[p + 1] as usize];
-        around.iter().for_each(|corner| fan[corner.after as usize] = *corner);
-        let mut after = around.iter().map(|corner| corner.after).min().expect("not empty");
-        for _ in around {
-            let corner = fan[after as usize];
-            loops.corners.push(corner.facet);
-            // The next facet starts where this one ends.
-            after = corner.before;
-        }
-        loops.ends.push(loops.corners.len() as u32);
-    }
-    loops
-}
-
-/// The same by a table of all pairs of points, without counting first.
-fn loops_around_few(facets: &Facets, points: usize) -> Loops {
-    // By point and the one after it, the facet and the one before, which is the low byte; by point, the smallest one after it.
-    let (mut fan, mut first) = ([[0_u16; FEW]; FEW], [u8::MAX; FEW]);
-    for (facet, corners) in (0_u16..).zip(facets.iter()) {
-        let mut before = corners[corners.len() - 2];
-        for (point, after) in pairs(corners) {
-            fan[point as usize][after as usize] = facet << 8 | before as u16;
-            first[point as usize] = first[point as usize].min(after as u8);
-            before = point;
-        }
-    }
-    let mut loops = Loops::default();
-    loops.ends.reserve(points);
-    // As many as the facets have: no check of the room for each.
-    loops.corners.resize(facets.iter().map(<[u32]>::len).sum(), 0);
-    let mut corners = loops.corners.iter_mut();
-    let mut end = 0;
-    for (fan, first) in fan.iter().zip(first).take(points).filter(|(_, first)| *first != u8::MAX) {
-        let mut after = first;
-        for corner in &mut corners {
-            let entry = fan[usize::from(after)];
-            *corner = u32::from(entry >> 8);
-            after = entry as u8;
-            end += 1;
-            if after == first {
-                break;
-            }
-        }
-        loops.ends.push(end);
-    }
-    loops
-}
-
-/// Where the corners at each point begin in the list of all.
-fn corners_by_point(facets: &Facets, points: usize) -> (Vec<u32>, Vec<Corner>) {
-    let mut starts = vec![0_u32; points + 1];
-    facets.iter().flatten().for_each(|&p| starts[p as usize + 1] += 1);
-    for p in 0..points {
-        starts[p + 1] += starts[p];
-    }
-    let mut next = starts.clone();
-    let mut around = vec![Corner::default(); starts[points] as usize];
-    for (facet, corners) in (0..).zip(facets.iter()) {
-        let mut before = corners[corners.len() - 2];
-        for (point, after) in pairs(corners) {
-            let slot = &mut next[point as usize];
-            around[*slot as usize] = Corner { before, after, facet };
-            *slot += 1;
-            before = point;
-        }
-    }
-    (starts, around)
-}
-
-/// Every corner of a loop with the one after it, from the last one on.
-fn pairs(around: &[u32]) -> impl Iterator<Item = (u32, u32)> {
-    let mut last = around.last().copied().unwrap_or_default();
-    around.iter().map(move |&corner| (std::mem::replace(&mut last, corner), corner))
-}
-
-impl Loops {
-    /// True where the faces close a surface: every edge is passed once in each direction.
-    fn is_surface(&self) -> bool {
-        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(self.corners.len());
-        for face in self.iter() {
-            edges.extend(pairs(face).map(|(a, b)| [a, b]));
-        }
-        edges.sort_unstable();
-        let once = edges.windows(2).all(|pair| pair[0] != pair[1]);
-        self.ends.len() >= 4 && once && edges.iter().all(|[a, b]| edges.binary_search(&[*b, *a]).is_ok())
-    }
-
-    fn iter(&self) -> impl Iterator<Item = &[u32]> {
-        let starts = std::iter::once(&0).chain(&self.ends);
-        starts.zip(&self.ends).map(|(&start, &end)| &self.corners[start as usize..end as usize])
-    }
+    edges.sort_unstable();
+    let once = edges.windows(2).all(|pair| pair[0] != pair[1]);
+    faces.len() >= 4 && once && edges.iter().all(|[a, b]| edges.binary_search(&[*b, *a]).is_ok())
 }
 
 /// A body whose vertices were joined.
