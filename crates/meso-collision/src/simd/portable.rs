@@ -18,6 +18,7 @@ impl Simd for Portable {
     type F64 = Array<f64>;
     // Not measured on arm64; on x86-64 without FMA it loses.
     const LOCKSTEP_PAYS: bool = false;
+    const SIGNS_AT_ONCE: usize = LANES;
 
     #[inline(always)]
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f64>; 8] {

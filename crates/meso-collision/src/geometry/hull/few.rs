@@ -229,13 +229,19 @@ impl Few {
         let Axes([x, y, z]) = &self.axes;
         let (mut above, mut below) = (0, 0);
         // From the first that waits on.
-        let mut at = self.waiting.trailing_zeros() as usize / S::F64::LANES * S::F64::LANES;
+        let mut at = self.waiting.trailing_zeros() as usize / S::SIGNS_AT_ONCE * S::SIGNS_AT_ONCE;
         while at < self.local.len() {
-            let (x, y, z) = (S::F64::load(simd, x, at), S::F64::load(simd, y, at), S::F64::load(simd, z, at));
-            let height = nx * x + ny * y + nz * z;
-            above |= u64::from(height.above(high).bits()) << at;
-            below |= u64::from(low.above(height).bits()) << at;
-            at += S::F64::LANES;
+            let (mut higher, mut lower) = (0, 0);
+            for k in (0..S::SIGNS_AT_ONCE).step_by(S::F64::LANES) {
+                let i = at + k;
+                let (x, y, z) = (S::F64::load(simd, x, i), S::F64::load(simd, y, i), S::F64::load(simd, z, i));
+                let height = nx * x + ny * y + nz * z;
+                higher |= height.above(high).bits() << k;
+                lower |= low.above(height).bits() << k;
+            }
+            above |= u64::from(higher) << at;
+            below |= u64::from(lower) << at;
+            at += S::SIGNS_AT_ONCE;
         }
         (above & self.waiting, below & self.waiting)
     }
