@@ -126,9 +126,9 @@ def influences(side: float, seed: int, coarse: list[str]) -> list[Case]:
 
 
 def slenderness(side: float, seed: int, coarse: list[str]) -> list[Case]:
-    """Cylinders once and twice as high as wide, between plates of dry steel and of greased teflon."""
+    """Cylinders once and twice as high as wide: plates of greased teflon, of dry steel, and with a friction between."""
     found = []
-    for friction in ("0.005", "0.6"):
+    for friction in ("0.005", "0.1", "0.6"):
         for height in (1, 2):
             spec = cube(side, seed)
             spec["specimen"] = {"kind": "cylinder", "diameter_mm": side, "height_mm": height * side}
