@@ -7,11 +7,11 @@ use crate::math::Vec3;
 use crate::simd::Wide;
 
 /// Triangles looked at together.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 /// A number of each.
 type Eight = [f64; LANES];
 /// Eights that are filled before the first is looked at: numbers just stored one by one are slow to load together.
-const AHEAD: usize = 4;
+pub(super) const AHEAD: usize = 4;
 
 /// A coordinate of each corner, by axis.
 #[derive(Default)]

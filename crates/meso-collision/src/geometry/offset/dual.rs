@@ -2,6 +2,7 @@
 
 use super::{ACCURACY, OffsetError, ROUNDING, ill_conditioned};
 use crate::geometry::double_double::{Dd, Dd3, cross, dot};
+use crate::geometry::facet_kernels::{AHEAD, LANES};
 use crate::geometry::hull::{Loops, facets_and_dual, pairs};
 use crate::geometry::{Polyhedron, convex_hull, integer};
 use crate::math::Vec3;
@@ -80,11 +81,6 @@ fn normalised(points: &[Vec3]) -> Result<Scaled, OffsetError> {
     let scaled = |x: f64| if (x * inverse).abs() < negligible { 0.0 } else { x * inverse };
     Ok(Scaled { points: points.iter().map(|p| p.map(scaled)).collect(), scale })
 }
-
-/// Facets looked at together.
-const LANES: usize = 8;
-/// Eights of them that are filled before the first is looked at: numbers just stored one by one are slow to load together.
-const AHEAD: usize = 4;
 
 /// For every facet the point z with y . z = 1 for all its points y: m / (m . y) for its normal m.
 struct Vertices<'a> {
