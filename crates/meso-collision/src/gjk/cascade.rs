@@ -207,12 +207,7 @@ impl<'a> Query<'a> {
     /// The answer by a search from direction `v`, whatever it takes.
     #[inline(never)]
     fn settle(&self, v: &Vec3, counters: &mut Counters) -> bool {
-        let v = or_x(v);
-        let found = match self.narrow_pair() {
-            Some(narrow) => dispatch(Both { narrow, wide: self.pair(), v, gap: self.gap }),
-            None => None,
-        };
-        found.unwrap_or_else(|| self.settle_from(&v, None, counters))
+        dispatch(Both { query: self, v }).unwrap_or_else(|| self.settle_from(v, None, counters))
     }
 
     /// The answer where single precision did not tell; it may have come to a portal.
@@ -370,12 +365,11 @@ impl Vectorized for Narrow<'_> {
 
 /// A portal search in single precision, and where that leaves it open in double precision from the portal it came to.
 ///
-/// In one go, since the two answers make one that no branch has to foretell.
+/// In one go, since the two answers make one that no branch has to foretell. Two pointers, which travel in registers: the
+/// pairs themselves were copied twice, with loads that had to wait for the stores of their parts.
 struct Both<'a> {
-    narrow: NarrowPair<'a>,
-    wide: Pair<'a>,
-    v: Vec3,
-    gap: f64,
+    query: &'a Query<'a>,
+    v: &'a Vec3,
 }
 
 impl Vectorized for Both<'_> {
@@ -383,9 +377,10 @@ impl Vectorized for Both<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> Option<bool> {
-        let Self { narrow, wide, v, gap } = self;
-        match mpr::search(narrow, simd, v.cast(), gap as f32) {
-            Refined::Undecided(Some(portal)) => mpr::resume(wide, simd, portal, gap)?.answer(),
+        let Self { query, v } = self;
+        let (narrow, gap) = (query.narrow_pair()?, query.gap);
+        match mpr::search(narrow, simd, or_x(v).cast(), gap as f32) {
+            Refined::Undecided(Some(portal)) => mpr::resume(query.pair(), simd, portal, gap)?.answer(),
             refined => refined.answer(),
         }
     }
