@@ -10,7 +10,7 @@ use super::exact::ExactPair;
 use super::gauge::Solid;
 use super::method::Method;
 use super::mpr::{self, Portal, Refined};
-use super::pair::{Found, NarrowPair, Pair, View};
+use super::pair::{Found, GroupPair, Pair, View};
 use super::simplex::Corners;
 use crate::geometry::CompactPolyhedron;
 use crate::math::Vec3;
@@ -295,10 +295,10 @@ impl<'a> Query<'a> {
     }
 
     #[inline(always)]
-    fn narrow_pair(&self) -> Option<NarrowPair<'a>> {
+    fn narrow_pair(&self) -> Option<GroupPair<'a, f32>> {
         let (a, b) = (self.a.narrow()?, self.b.narrow()?);
         let reach = self.reach();
-        (reach < NARROW_REACH && self.gap < NARROW_REACH).then(|| NarrowPair {
+        (reach < NARROW_REACH && self.gap < NARROW_REACH).then(|| GroupPair {
             a,
             b,
             x: self.x.cast(),
@@ -349,7 +349,7 @@ impl Vectorized for Axis<'_> {
 
 /// A portal search in single precision.
 struct Narrow<'a> {
-    pair: NarrowPair<'a>,
+    pair: GroupPair<'a, f32>,
     v: Vector3<f32>,
     gap: f32,
 }
