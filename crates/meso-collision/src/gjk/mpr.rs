@@ -86,7 +86,7 @@ pub(crate) fn search<V: View, S: Simd>(view: V, simd: S, v: Vector3<V::T>, gap: 
     let zero: V::T = num_traits::zero();
     let x = view.displacement();
     let mut v1 = support!(view, simd, gap, v, None);
-    let mut v2 = support!(view, simd, gap, turned_away(&v, &(v1.p - x)), None);
+    let mut v2 = support!(view, simd, gap, turned_away(&v, &(v1.p - x), view.reach()), None);
     // Perpendicular to the plane of v0, v1, v2, on the side of it that x is on.
     let mut normal = v1.p.cross(&v2.p);
     if normal.dot(&x) < zero {
@@ -154,11 +154,14 @@ fn is_portal<T: Real>(x: &Vector3<T>, corners: &[Corner<T>; 3]) -> bool {
     p.cross(&q).dot(x) >= zero && q.cross(&r).dot(x) >= zero && r.cross(&p).dot(x) >= zero
 }
 
-/// The direction `v` turned away from `w`, the point that keeps it from telling the bodies apart.
+/// The direction `v` turned away from `w`, the point that keeps it from telling the bodies apart, and shortened.
+///
+/// The length of `w` is measured in `reach`: a division by its square would be waited for.
 #[inline(always)]
-fn turned_away<T: Real>(v: &Vector3<T>, w: &Vector3<T>) -> Vector3<T> {
-    let turn: T = nalgebra::convert(f64::from(TURN));
-    v - w * (turn * v.dot(w) / w.norm_squared())
+fn turned_away<T: Real>(v: &Vector3<T>, w: &Vector3<T>, reach: T) -> Vector3<T> {
+    let (one, turn): (T, T) = (num_traits::one(), nalgebra::convert(f64::from(TURN)));
+    let unit = one / (reach * reach);
+    v * (unit * w.norm_squared()) - w * (turn * unit * v.dot(w))
 }
 
 /// Replaces the corner of the portal that the ray leaves behind when `v4` is added.
