@@ -28,6 +28,9 @@ struct Attempt {
 const OPEN: u64 = 1;
 const OVERLAP: u64 = 1 << 32;
 
+/// What a pair adds that is apart, that overlaps, that is open: by a table, since the compiler would branch.
+static COUNTS: [u64; 3] = [0, OVERLAP, OPEN];
+
 /// Entries that are compared without a branch: few attempts have more that are open.
 const UNROLLED: u32 = 4;
 
@@ -55,11 +58,7 @@ impl Attempts {
         self.before.clear();
         self.before.extend(answers.iter().map(|answer| {
             let before = count;
-            count += match answer {
-                None => OPEN,
-                Some(true) => OVERLAP,
-                Some(false) => 0,
-            };
+            count += COUNTS[answer.map_or(2, usize::from)];
             before
         }));
         self.before.push(count);
@@ -69,12 +68,14 @@ impl Attempts {
     pub(super) fn choose_closest(&mut self, pending: &Pending, chosen: &mut Vec<u32>) {
         for Attempt { entries, closest, .. } in &mut self.open {
             let last = entries.end - 1;
-            for k in 1..UNROLLED {
-                *closest = pending.closer(*closest, last.min(entries.start + k));
-            }
-            for entry in entries.start + UNROLLED..entries.end {
-                *closest = pending.closer(*closest, entry);
-            }
+            let mut least = (pending.closeness(*closest), *closest);
+            let mut compare = |entry| {
+                let closeness = pending.closeness(entry);
+                least = if closeness < least.0 { (closeness, entry) } else { least };
+            };
+            (1..UNROLLED).for_each(|k| compare(last.min(entries.start + k)));
+            (entries.start + UNROLLED..entries.end).for_each(compare);
+            *closest = least.1;
         }
         chosen.extend(self.open.iter().map(|attempt| attempt.closest));
     }

@@ -36,6 +36,8 @@ const NARROW_RADII: std::ops::Range<f64> = 1e-5..1e5;
 pub struct Body {
     pub(crate) bounds: Ellipsoids,
     len: u32,
+    /// See [`Body::narrow`].
+    is_narrow: bool,
     rest: Option<Box<[Group]>>,
     /// The first points, rounded to f32.
     narrow: Group<f32>,
@@ -59,6 +61,7 @@ impl Bounds {
             (body.len, body.rest) = (shape.vertex_count() as u32, None);
             widest(LaidOut { shape, group: &mut body.narrow });
         }
+        body.note_narrow();
     }
 }
 
@@ -141,13 +144,14 @@ impl Body {
     /// As [`with_inside_of`](Self::with_inside_of), from the solid's facets.
     pub(crate) fn with_facets(mut self, facets: impl IntoIterator<Item = Facet>) -> Self {
         self.bounds.measure_inside(facets);
+        self.note_narrow();
         self
     }
 
     /// The body without its bounds, for a single query.
     pub(crate) fn bare(points: impl ExactSizeIterator<Item = Vec3>) -> Self {
         let (narrow, first) = (Group([[0.0; GROUP]; 3]), Group([[0.0; GROUP]; 3]));
-        let mut body = Self { bounds: Ellipsoids::unknown(), len: 0, rest: None, narrow, first };
+        let mut body = Self { bounds: Ellipsoids::unknown(), len: 0, is_narrow: false, rest: None, narrow, first };
         body.fill(points);
         body
     }
@@ -172,8 +176,18 @@ impl Body {
     /// origin, and of a size whose cube that precision holds.
     #[inline(always)]
     pub(crate) fn narrow(&self) -> Option<&Group<f32>> {
-        let fits = self.holds_origin() && self.is_one_group() && NARROW_RADII.contains(&self.bounds.circumradius);
-        fits.then_some(&self.narrow)
+        self.is_narrow.then_some(&self.narrow)
+    }
+
+    /// Whether it has them.
+    #[inline(always)]
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.is_narrow
+    }
+
+    fn note_narrow(&mut self) {
+        let in_range = NARROW_RADII.contains(&self.bounds.circumradius);
+        self.is_narrow = self.holds_origin() && self.is_one_group() && in_range;
     }
 
     /// The points of [`Body::narrow`], of a body that has them.

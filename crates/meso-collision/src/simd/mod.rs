@@ -158,6 +158,16 @@ pub(crate) trait Simd: Copy {
     /// The columns of as many rows as a register has f64.
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F64; 8];
 
+    /// The columns of as many rows as a register has f32.
+    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F32; 8];
+
+    /// The coordinates of as many vectors as a register has f64.
+    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [Self::F64; 3];
+
+    /// The rows of these columns, rounded: those of the lanes of the mask come first in `rows`, and what is behind them has
+    /// no meaning. The last number of each is the bits of `first` plus its lane. Returns how many there are.
+    fn store_rows(self, columns: [Self::F64; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize;
+
     /// The same memory, of which the compiler knows nothing.
     ///
     /// Else it loads the points once for all supports of a search: into registers that it does not have, hence onto the
@@ -178,6 +188,11 @@ pub(crate) trait Simd: Copy {
         there
     }
 }
+
+/// Eight numbers in one cache line.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub(crate) struct Row(pub(crate) [f32; 8]);
 
 /// The most lanes of any register.
 pub(crate) const MOST_LANES: usize = 16;
@@ -357,6 +372,29 @@ mod tests {
         }
     }
 
+    fn rows_and_columns<S: Simd>(simd: S, rows: &[[f32; 8]; MOST_LANES], x: &[f64; COUNT]) {
+        for (column, register) in simd.narrow_columns(&rows.each_ref()).into_iter().enumerate() {
+            let stored = register.to_array();
+            stored.as_ref().iter().zip(rows).for_each(|(number, row)| assert_eq!(*number, row[column]));
+        }
+        let vectors: [[f64; 3]; MOST_LANES] = std::array::from_fn(|l| [x[l], x[l + 1], x[l + 2]]);
+        for (axis, register) in simd.coordinates(&vectors.each_ref()).into_iter().enumerate() {
+            let stored = register.to_array();
+            stored.as_ref().iter().zip(&vectors).for_each(|(number, vector)| assert_eq!(*number, vector[axis]));
+        }
+        let columns: [S::F64; 7] = std::array::from_fn(|column| S::F64::load(simd, x, column));
+        for mask in 0..1 << S::F64::LANES {
+            let mut stored = [Row::default(); MOST_LANES];
+            let taken = simd.store_rows(columns, 100, mask, &mut stored[..S::F64::LANES]);
+            let chosen = (0..S::F64::LANES).filter(|l| mask >> l & 1 == 1);
+            assert_eq!(taken, chosen.clone().count());
+            for (Row(row), l) in stored.iter().zip(chosen) {
+                (0..7).for_each(|column| assert_eq!(row[column], x[column + l] as f32));
+                assert_eq!(row[7].to_bits(), 100 + l as u32);
+            }
+        }
+    }
+
     struct All;
 
     impl Vectorized for All {
@@ -376,6 +414,7 @@ mod tests {
                 register.store(&mut stored, 0);
                 (0..S::F64::LANES).for_each(|row| assert_eq!(stored[row], f64::from(rows[row][column])));
             }
+            rows_and_columns(simd, &rows, &x);
             largest_of_each::<S::F32>(simd, &small_x, |x, y| x > y);
             largest_of_each::<S::F64>(simd, &x, |x, y| x > y);
             let mut stored = [0.0; MOST_LANES];

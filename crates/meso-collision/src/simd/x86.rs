@@ -1,6 +1,6 @@
 //! Vector types of x86-64: AVX2 with FMA, and AVX-512.
 
-use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, Mask, SLOTS, Simd, Vectorized};
+use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, Mask, Row, SLOTS, Simd, Vectorized};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -50,6 +50,26 @@ impl Simd for Avx2 {
             ]
         }
     }
+
+    #[inline(always)]
+    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F32x8; 8] {
+        let [r0, r1, r2, r3, r4, r5, r6, r7, ..] = *rows;
+        // SAFETY: see `operator`.
+        unsafe { columns_of_eight([r0, r1, r2, r3, r4, r5, r6, r7]) }.map(F32x8)
+    }
+
+    #[inline(always)]
+    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [F64x4; 3] {
+        let [v0, v1, v2, v3, ..] = *vectors;
+        // SAFETY: see `operator`.
+        unsafe { coordinates_of_four([v0, v1, v2, v3]) }.map(F64x4)
+    }
+
+    #[inline(always)]
+    fn store_rows(self, columns: [F64x4; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
+        // SAFETY: see `operator`.
+        unsafe { store_four_rows(columns.map(|column| _mm256_cvtpd_ps(column.0)), first, mask, rows) }
+    }
 }
 
 impl Simd for Avx512 {
@@ -85,6 +105,117 @@ impl Simd for Avx512 {
                 F64x8(_mm512_cvtps_pd(_mm256_permute2f128_ps::<0x31>(q3, q7))),
             ]
         }
+    }
+
+    #[inline(always)]
+    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F32x16; 8] {
+        let [r0, r1, r2, r3, r4, r5, r6, r7, s0, s1, s2, s3, s4, s5, s6, s7] = *rows;
+        // SAFETY: see `operator`.
+        unsafe {
+            let low = columns_of_eight([r0, r1, r2, r3, r4, r5, r6, r7]);
+            let high = columns_of_eight([s0, s1, s2, s3, s4, s5, s6, s7]);
+            std::array::from_fn(|c| F32x16(_mm512_insertf32x8::<1>(_mm512_castps256_ps512(low[c]), high[c])))
+        }
+    }
+
+    #[inline(always)]
+    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [F64x8; 3] {
+        let [v0, v1, v2, v3, v4, v5, v6, v7, ..] = *vectors;
+        // SAFETY: see `operator`.
+        unsafe {
+            let (low, high) = (coordinates_of_four([v0, v1, v2, v3]), coordinates_of_four([v4, v5, v6, v7]));
+            std::array::from_fn(|c| F64x8(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[c]), high[c])))
+        }
+    }
+
+    #[inline(always)]
+    fn store_rows(self, columns: [F64x8; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
+        // SAFETY: see `operator`.
+        unsafe {
+            let narrow = columns.map(|column| _mm512_cvtpd_ps(column.0));
+            let low = narrow.map(|column| _mm256_castps256_ps128(column));
+            let high = narrow.map(|column| _mm256_extractf128_ps::<1>(column));
+            let taken = store_four_rows(low, first, mask, rows);
+            taken + store_four_rows(high, first + 4, mask >> 4, &mut rows[taken..])
+        }
+    }
+}
+
+/// The columns of eight rows.
+///
+/// # Safety
+/// On AVX2.
+#[inline(always)]
+unsafe fn columns_of_eight(rows: [&[f32; 8]; 8]) -> [__m256; 8] {
+    // SAFETY: on AVX2; a row is eight floats, of which four are loaded from 0 or 4 on.
+    unsafe {
+        let pair = |i: usize, at: usize| {
+            let (low, high) = (rows[i].as_ptr().add(at), rows[i + 4].as_ptr().add(at));
+            _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high))
+        };
+        let [c0, c1, c2, c3] = transposed([pair(0, 0), pair(1, 0), pair(2, 0), pair(3, 0)]);
+        let [c4, c5, c6, c7] = transposed([pair(0, 4), pair(1, 4), pair(2, 4), pair(3, 4)]);
+        [c0, c1, c2, c3, c4, c5, c6, c7]
+    }
+}
+
+/// Columns for rows, of four numbers in each 128 bits.
+///
+/// # Safety
+/// On AVX2.
+#[inline(always)]
+unsafe fn transposed([r0, r1, r2, r3]: [__m256; 4]) -> [__m256; 4] {
+    // SAFETY: on AVX2.
+    unsafe {
+        let (p0, p1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
+        let (p2, p3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
+        [
+            _mm256_shuffle_ps::<0x44>(p0, p2),
+            _mm256_shuffle_ps::<0xEE>(p0, p2),
+            _mm256_shuffle_ps::<0x44>(p1, p3),
+            _mm256_shuffle_ps::<0xEE>(p1, p3),
+        ]
+    }
+}
+
+/// The coordinates of four vectors.
+///
+/// # Safety
+/// On AVX2.
+#[inline(always)]
+unsafe fn coordinates_of_four([v0, v1, v2, v3]: [&[f64; 3]; 4]) -> [__m256d; 3] {
+    // SAFETY: on AVX2; of the three numbers of a vector two are loaded from 0 on.
+    unsafe {
+        let pair = |low: &[f64; 3], high: &[f64; 3]| {
+            let low = _mm256_castpd128_pd256(_mm_loadu_pd(low.as_ptr()));
+            _mm256_insertf128_pd::<1>(low, _mm_loadu_pd(high.as_ptr()))
+        };
+        let (even, odd) = (pair(v0, v2), pair(v1, v3));
+        let z = _mm256_setr_pd(v0[2], v1[2], v2[2], v3[2]);
+        [_mm256_unpacklo_pd(even, odd), _mm256_unpackhi_pd(even, odd), z]
+    }
+}
+
+/// See [`Simd::store_rows`].
+///
+/// # Safety
+/// On AVX2.
+#[inline(always)]
+unsafe fn store_four_rows(columns: [__m128; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
+    let rows = &mut rows[..4];
+    let [c0, c1, c2, c3, c4, c5, c6] = columns;
+    // SAFETY: on AVX2; there is room for four rows, and no more than three are taken before the last.
+    unsafe {
+        let both = |low, high| _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(low), high);
+        let question = _mm_castsi128_ps(_mm_add_epi32(_mm_set1_epi32(first as i32), _mm_setr_epi32(0, 1, 2, 3)));
+        let mut taken = 0;
+        for (l, row) in
+            transposed([both(c0, c4), both(c1, c5), both(c2, c6), both(c3, question)]).into_iter().enumerate()
+        {
+            _mm256_store_ps(rows.as_mut_ptr().add(taken).cast(), row);
+            taken += (mask >> l & 1) as usize;
+        }
+        taken
     }
 }
 

@@ -47,6 +47,24 @@ impl Vectorized for Glance<'_, '_> {
     }
 }
 
+/// The answers of four lanes, by the bits of those that are decided, and by four more of those of these that overlap.
+static ANSWERS: [[Option<bool>; 4]; 256] = answers_by_bits();
+
+const fn answers_by_bits() -> [[Option<bool>; 4]; 256] {
+    let (mut all, mut bits) = ([[None; 4]; 256], 0);
+    while bits < 256 {
+        let mut lane = 0;
+        while lane < 4 {
+            if bits >> lane & 1 == 1 {
+                all[bits][lane] = Some(bits >> (4 + lane) & 1 == 1);
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    all
+}
+
 /// Returns the lanes that the inscribed spheres decide.
 #[inline(always)]
 fn glance_at_lanes<S: Simd>(
@@ -59,14 +77,15 @@ fn glance_at_lanes<S: Simd>(
     pending: &mut Pending,
 ) -> u32 {
     assert!(queries.len() == S::F64::LANES && answers.len() == S::F64::LANES);
-    let (mut rows_a, mut rows_b) = ([&[0.0; 8]; MOST_LANES], [&[0.0; 8]; MOST_LANES]);
+    let (mut rows_a, mut rows_b, mut vectors) =
+        ([&[0.0; 8]; MOST_LANES], [&[0.0; 8]; MOST_LANES], [&[0.0; 3]; MOST_LANES]);
     for l in 0..S::F64::LANES {
         (rows_a[l], rows_b[l]) = (&queries[l].a.bounds.row, &queries[l].b.bounds.row);
+        [vectors[l]] = queries[l].b_from_a.data.0.each_ref();
     }
     let (a, b) = (simd.columns(&rows_a), simd.columns(&rows_b));
-    let along = |axis: usize| move |l: usize| queries[l].b_from_a[axis];
-    let x = S::F64::of_lanes(simd, along(0));
-    let x = Vectors { x, y: S::F64::of_lanes(simd, along(1)), z: S::F64::of_lanes(simd, along(2)) };
+    let [x, y, z] = simd.coordinates(&vectors);
+    let x = Vectors { x, y, z };
     let zero = S::F64::all(simd, 0.0);
     let (n, determinant) = axis(&a, &b, x);
     let (along, q_a, q_b) = (n.dot(x), n.dot(times(matrix(&a), n)), n.dot(times(matrix(&b), n)));
@@ -79,11 +98,16 @@ fn glance_at_lanes<S: Simd>(
     let common = (a[6] * square).above(q_a) & (b[6] * square).above(q_b) & beyond;
     let hit = (spheres | common).but_not(apart);
     let (decided, hit, spheres) = ((apart | hit).bits(), hit.bits(), spheres.bits());
-    for (l, answer) in answers.iter_mut().enumerate() {
-        *answer = (decided >> l & 1 == 1).then_some(hit >> l & 1 == 1);
+    for (four, answers) in answers.chunks_exact_mut(4).enumerate() {
+        answers.copy_from_slice(&ANSWERS[(decided >> (4 * four) & 15 | (hit >> (4 * four) & 15) << 4) as usize]);
     }
     let v = x.or(beyond, n);
-    pending.add(filled & !decided, first, [v.x, v.y, v.z, along * along / sum]);
+    pending.add(
+        simd,
+        filled & !decided,
+        first,
+        [v.x, v.y, v.z, zero - x.x, zero - x.y, zero - x.z, along * along / sum],
+    );
     spheres & filled
 }
 

@@ -1,16 +1,15 @@
 //! The pairs that their bounds leave open, with what was found out about them.
 
 use crate::math::Vec3;
-use crate::simd::Lanes;
+use crate::simd::{Lanes, Row, Simd};
 
-/// A list of pairs, column by column.
+/// A list of pairs.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Pending {
-    /// The direction to start from; the closeness, 2 or less where the ellipsoids overlap, the less the deeper, of which only
-    /// ratios count. They have room for more than the list.
-    columns: [Vec<f64>; 4],
-    /// Index of the question; room, too.
-    queries: Vec<u32>,
+    /// The direction to start from; the displacement of A seen from B; the closeness, 2 or less where the ellipsoids overlap,
+    /// the less the deeper, of which only ratios count; the index of the question, as bits. They have room for more than the
+    /// list.
+    rows: Vec<Row>,
     len: usize,
 }
 
@@ -21,35 +20,29 @@ impl Pending {
 
     /// Room for `n` pairs.
     pub(super) fn make_room(&mut self, n: usize) {
-        self.queries.resize(n.max(self.queries.len()), 0);
-        for column in self.columns.iter_mut().filter(|column| column.len() < n) {
-            column.resize(n, 0.0);
-        }
+        self.rows.resize(n.max(self.rows.len()), Row::default());
     }
 
     /// Adds the lanes of the mask; the question of lane 0 is the `first`.
     ///
     /// Without a branch for each: nobody could foretell them.
     #[inline(always)]
-    pub(super) fn add<L: Lanes<T = f64>>(&mut self, mask: u32, first: usize, rows: [L; 4]) {
-        let at = self.len;
-        for (column, numbers) in self.columns.iter_mut().zip(rows) {
-            numbers.front(mask).store(column, at);
-        }
-        let queries = &mut self.queries[at..at + L::LANES];
-        let mut taken = 0;
-        for l in 0..L::LANES {
-            queries[taken] = (first + l) as u32;
-            taken += (mask >> l & 1) as usize;
-        }
-        self.len = at + taken;
+    pub(super) fn add<S: Simd>(&mut self, simd: S, mask: u32, first: usize, columns: [S::F64; 7]) {
+        let rows = &mut self.rows[self.len..self.len + S::F64::LANES];
+        self.len += simd.store_rows(columns, first as u32, mask, rows);
+    }
+
+    /// Direction, displacement of A, closeness and question.
+    #[inline(always)]
+    pub(super) fn row(&self, i: u32) -> &[f32; 8] {
+        &self.rows[i as usize].0
     }
 
     /// The direction to start from.
     #[inline(always)]
     pub(in super::super) fn direction(&self, i: u32) -> Vec3 {
-        let [x, y, z, ..] = &self.columns;
-        Vec3::new(x[i as usize], y[i as usize], z[i as usize])
+        let [x, y, z, ..] = self.rows[i as usize].0.map(f64::from);
+        Vec3::new(x, y, z)
     }
 
     pub(in super::super) fn len(&self) -> usize {
@@ -59,13 +52,12 @@ impl Pending {
     /// The index of the question of entry `i`.
     #[inline(always)]
     pub(in super::super) fn query(&self, i: u32) -> u32 {
-        self.queries[i as usize]
+        self.rows[i as usize].0[7].to_bits()
     }
 
-    /// The second entry if its bodies are closer than those of the first, else the first.
+    /// The closeness of entry `i`, of which only ratios count.
     #[inline(always)]
-    pub(in super::super) fn closer(&self, first: u32, second: u32) -> u32 {
-        let closeness = &self.columns[3];
-        if closeness[second as usize] < closeness[first as usize] { second } else { first }
+    pub(in super::super) fn closeness(&self, i: u32) -> f32 {
+        self.rows[i as usize].0[6]
     }
 }

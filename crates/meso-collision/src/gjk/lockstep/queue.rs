@@ -6,7 +6,7 @@ use super::super::mpr::TURN;
 use super::super::pair_query::PairQuery;
 use super::supports::{Groups, Supports};
 use super::task::{RANKS, Search};
-use super::vectors::{Vectors, first_lanes};
+use super::vectors::{Vectors, first_lanes, narrow_lanes};
 use crate::simd::{Lanes, MOST_LANES, Mask, Simd, for_each_lane};
 
 /// The columns of a [`Queue`], each of one number per pair; vectors take three.
@@ -22,6 +22,7 @@ const COLUMNS: usize = 12;
 const ROOM: usize = (RANKS + 2) * MOST_LANES;
 
 /// Pairs with their first support, waiting for a lane.
+#[repr(align(64))]
 pub(super) struct Queue {
     columns: [[f32; ROOM]; COLUMNS],
     len: usize,
@@ -31,46 +32,37 @@ pub(super) struct Queue {
 pub(super) static NOBODY: Group<f32> = Group([[0.0; 32]; 3]);
 
 /// A register of fresh pairs.
-struct Fresh<'q> {
+struct Fresh<'q, S: Simd> {
     groups: Groups<'q, f32>,
-    direction: [[f32; MOST_LANES]; 3],
-    v0: [[f32; MOST_LANES]; 3],
-    reach: [f32; MOST_LANES],
-    question: [f32; MOST_LANES],
+    direction: Vectors<S::F32>,
+    v0: Vectors<S::F32>,
+    reach: S::F32,
+    question: S::F32,
     /// The lanes this search is for.
     fit: u32,
 }
 
-impl<'q> Fresh<'q> {
+impl<'q, S: Simd> Fresh<'q, S> {
+    /// The last of the entries fills up, as a pair this search is not for.
     #[inline(always)]
-    fn new(search: &Search<'_, 'q>, entries: &[u32]) -> Self {
-        let nobody: &'q Group<f32> = &NOBODY;
-        let mut fresh = Self {
-            groups: [[nobody; 2]; MOST_LANES],
-            direction: [[1.0; MOST_LANES]; 3],
-            v0: [[0.0; MOST_LANES]; 3],
-            reach: [0.0; MOST_LANES],
-            question: [0.0; MOST_LANES],
-            fit: 0,
-        };
-        for (l, &entry) in entries.iter().enumerate() {
-            let question = search.pending.query(entry);
-            let PairQuery { a, b, b_from_a: x } = search.queries[question as usize];
-            let reach = a.circumradius() + b.circumradius() + (x.x.abs() + x.y.abs() + x.z.abs());
-            let (Some(a), Some(b)) = (a.narrow(), b.narrow()) else { continue };
-            if reach > NARROW_REACH {
-                continue;
-            }
-            let v = search.pending.direction(entry);
-            for axis in 0..3 {
-                fresh.direction[axis][l] = v[axis] as f32;
-                fresh.v0[axis][l] = -x[axis] as f32;
-            }
-            (fresh.groups[l], fresh.reach[l]) = ([a, b], reach as f32);
-            fresh.question[l] = f32::from_bits(question);
-            fresh.fit |= 1 << l;
+    fn new(simd: S, search: &Search<'_, 'q>, entries: &[u32]) -> Self {
+        let (mut rows, mut asked) = ([&[0.0; 8]; MOST_LANES], [&search.queries[0]; MOST_LANES]);
+        for l in 0..narrow_lanes::<S>() {
+            rows[l] = search.pending.row(entries[l.min(entries.len() - 1)]);
+            asked[l] = &search.queries[rows[l][7].to_bits() as usize];
         }
-        fresh
+        let (mut groups, mut fit): (Groups<'q, f32>, _) = ([[&NOBODY; 2]; MOST_LANES], 0);
+        for l in 0..narrow_lanes::<S>() {
+            let PairQuery { a, b, .. } = asked[l];
+            groups[l] = [a.narrow_group(), b.narrow_group()];
+            fit |= u32::from(a.is_narrow() & b.is_narrow()) << l;
+        }
+        let [x, y, z, x0, y0, z0, _, question] = simd.narrow_columns(&rows);
+        let (direction, v0) = (Vectors { x, y, z }, Vectors { x: x0, y: y0, z: z0 });
+        let radii = S::F32::of_lanes(simd, |l| (asked[l].a.circumradius() + asked[l].b.circumradius()) as f32);
+        let reach = radii + v0.norm1();
+        let near = S::F32::all(simd, NARROW_REACH as f32).above(reach).bits();
+        Self { groups, direction, v0, reach, question, fit: fit & near & first_lanes(entries.len()) }
     }
 }
 
@@ -99,9 +91,7 @@ impl Queue {
     /// The first support of up to a register of pairs: those that it leaves open queue up.
     #[inline(always)]
     pub(super) fn admit<S: Simd>(&mut self, simd: S, search: &mut Search<'_, '_>, entries: &[u32]) {
-        let Fresh { groups, direction, v0, reach, question, fit } = Fresh::new(search, entries);
-        let (direction, v0) = (Vectors::load(simd, &direction), Vectors::load(simd, &v0));
-        let (reach, question) = (S::F32::load(simd, &reach, 0), S::F32::load(simd, &question, 0));
+        let Fresh { groups, direction, v0, reach, question, fit } = Fresh::new(simd, search, entries);
         let supports = Supports::new(simd, &groups, fit, direction, v0);
         let (apart, leaves) = supports.apart(simd, direction, reach, search.gap as f32);
         let (apart, leaves) = (apart.bits(), leaves.bits());

@@ -13,6 +13,7 @@ struct Keys<'a, T: Real, S: Simd, const BODY: usize> {
     simd: S,
     groups: &'a Groups<'a, T>,
     live: u32,
+    /// The direction in which the body's points are high: for B, the opposite one.
     along: [<T::Lanes<S> as Lanes>::Array; 3],
 }
 
@@ -22,8 +23,7 @@ impl<T: Real, S: Simd, const BODY: usize> Each<T::Lanes<S>> for Keys<'_, T, S, B
         if self.live >> l & 1 == 0 {
             return T::Lanes::all(self.simd, T::zero());
         }
-        let [x, y, z] = [self.along[0].as_ref()[l], self.along[1].as_ref()[l], self.along[2].as_ref()[l]];
-        let v = if BODY == 0 { [x, y, z] } else { [-x, -y, -z] };
+        let v = [self.along[0].as_ref()[l], self.along[1].as_ref()[l], self.along[2].as_ref()[l]];
         keys(self.simd, self.groups[l][BODY], v)
     }
 }
@@ -48,9 +48,9 @@ impl<L> Supports<L> {
     where
         L: Lanes<T = T, Token = S>,
     {
-        let along = direction.to_arrays();
+        let (along, against) = (direction.to_arrays(), direction.times(L::all(simd, -T::one())).to_arrays());
         let top_a = L::largest_of_each(&Keys::<T, S, 0> { simd, groups, live, along });
-        let top_b = L::largest_of_each(&Keys::<T, S, 1> { simd, groups, live, along });
+        let top_b = L::largest_of_each(&Keys::<T, S, 1> { simd, groups, live, along: against });
         Self { top_a, top_b, separation: L::all(simd, T::zero()) - (top_a + top_b + v0.dot(direction)) }
     }
 

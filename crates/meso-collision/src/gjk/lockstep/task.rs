@@ -64,6 +64,7 @@ impl Notes {
 const NOTES: usize = 8 * MOST_LANES;
 
 /// Rows of bits that stand in f32; the first number is the question.
+#[repr(align(64))]
 pub(super) struct List<const N: usize> {
     columns: [[f32; NOTES]; N],
     len: usize,

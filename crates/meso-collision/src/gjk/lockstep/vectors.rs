@@ -36,12 +36,6 @@ impl<L: Lanes> Vectors<L> {
 
     /// Three columns in memory.
     #[inline(always)]
-    pub(super) fn load<const N: usize>(token: L::Token, from: &[[L::T; N]; 3]) -> Self {
-        Self { x: L::load(token, &from[0], 0), y: L::load(token, &from[1], 0), z: L::load(token, &from[2], 0) }
-    }
-
-    /// Three columns in memory.
-    #[inline(always)]
     pub(super) fn to_arrays(self) -> [L::Array; 3] {
         [self.x.to_array(), self.y.to_array(), self.z.to_array()]
     }
