@@ -143,7 +143,7 @@ impl Ellipsoids {
         // The axis is n / determinant: the inner ellipsoids' common point is found without dividing.
         let square = determinant * determinant;
         let common = q_a < f64::from(self.inner_squared()) * square && q_b < f64::from(other.inner_squared()) * square;
-        if common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { *x }) }
+        if common { Known::Overlap } else { Known::Nothing(if along > 0.0 { n } else { seldom(x) }) }
     }
 
     /// (S_a + S_b)^-1 x times the determinant, by the adjugate, and the determinant; NaN where nothing is known.
@@ -172,6 +172,13 @@ impl Facet {
         let share = 64.0 * f64::EPSILON * self.corners as f64 * radius * radius / self.area;
         self.plane.offset - radius * (share + SLACK)
     }
+}
+
+/// The same vector, by a call: else the compiler chooses by masks, whose making the search would wait for.
+#[cold]
+#[inline(never)]
+fn seldom(x: &Vec3) -> Vec3 {
+    *x
 }
 
 /// along > sqrt(q_a) + sqrt(q_b) + gap |n|, certainly; without roots where there is no gap.

@@ -2,7 +2,7 @@
 
 use super::body::{Body, Group};
 use super::certificate::{self, Difference};
-use super::kernel::{self, Real};
+use super::kernel::{self, Extremes, Real};
 use super::simplex::{Corners, Simplex, Vertex};
 use super::support::Support;
 use crate::math::Vec3;
@@ -53,8 +53,24 @@ pub(crate) trait View: Copy {
     fn displacement(&self) -> Vector3<Self::T>;
     /// See [`Pair::reach`].
     fn reach(&self) -> Self::T;
-    /// The support of A - B along `v`, and by how much `v` separates the bodies, times |v|; negative: not at all.
-    fn support<S: Simd>(&self, simd: S, v: &Vector3<Self::T>) -> (Vertex<Self::T>, Self::T);
+    /// The farthest point of A along `v` and the nearest of B, which is not displaced.
+    fn extremes<S: Simd>(&self, simd: S, v: &Vector3<Self::T>) -> Extremes<Self::T>;
+    /// The point of A in the one slot less that of B in the other, which is not displaced.
+    fn undisplaced(&self, of: (u32, u32)) -> Vector3<Self::T>;
+
+    /// By how much `v` separates the bodies whose extremes along it these are, times |v|; negative: not at all.
+    #[inline(always)]
+    fn separation(&self, v: &Vector3<Self::T>, extremes: &Extremes<Self::T>) -> Self::T {
+        extremes.bottom_of_b + self.displacement().dot(v) - extremes.top_of_a
+    }
+
+    /// The support of A - B along `v`, and the separation.
+    #[inline(always)]
+    fn support<S: Simd>(&self, simd: S, v: &Vector3<Self::T>) -> (Vertex<Self::T>, Self::T) {
+        let extremes = self.extremes(simd, v);
+        let of = (extremes.a, extremes.b);
+        (Vertex { w: self.undisplaced(of) - self.displacement(), of }, self.separation(v, &extremes))
+    }
 
     /// The most that rounding can add to the separation along `v`.
     #[inline(always)]
@@ -77,17 +93,20 @@ impl View for Pair<'_> {
     }
 
     #[inline(always)]
-    fn support<S: Simd>(&self, simd: S, v: &Vec3) -> (Vertex, f64) {
-        let e = kernel::extremes(simd, self.a, self.b, v);
-        (self.vertex((e.a, e.b)), e.bottom_of_b + self.x.dot(v) - e.top_of_a)
+    fn extremes<S: Simd>(&self, simd: S, v: &Vec3) -> Extremes<f64> {
+        kernel::extremes(simd, self.a, self.b, v)
+    }
+
+    #[inline(always)]
+    fn undisplaced(&self, of: (u32, u32)) -> Vec3 {
+        self.a.slot(of.0 as usize) - self.b.slot(of.1 as usize)
     }
 }
 
 impl Pair<'_> {
     /// The vertex of A - B made of the points in these slots.
-    #[inline(always)]
     pub(crate) fn vertex(&self, of: (u32, u32)) -> Vertex {
-        Vertex { w: self.a.slot(of.0 as usize) - self.b.slot(of.1 as usize) - self.x, of }
+        Vertex { w: self.undisplaced(of) - self.x, of }
     }
 
     /// The pairs of points that make up these vertices.
@@ -116,32 +135,35 @@ impl Pair<'_> {
     }
 }
 
-/// A pair in single precision: points and displacement are rounded once.
+/// A pair of one group each: in single precision, points and displacement are rounded once.
 #[derive(Clone, Copy)]
-pub(crate) struct NarrowPair<'a> {
-    pub(crate) a: &'a Group<f32>,
-    pub(crate) b: &'a Group<f32>,
-    pub(crate) x: Vector3<f32>,
-    pub(crate) reach: f32,
+pub(crate) struct GroupPair<'a, T> {
+    pub(crate) a: &'a Group<T>,
+    pub(crate) b: &'a Group<T>,
+    pub(crate) x: Vector3<T>,
+    pub(crate) reach: T,
 }
 
-impl View for NarrowPair<'_> {
-    type T = f32;
+impl<T: Real> View for GroupPair<'_, T> {
+    type T = T;
 
     #[inline(always)]
-    fn displacement(&self) -> Vector3<f32> {
+    fn displacement(&self) -> Vector3<T> {
         self.x
     }
 
     #[inline(always)]
-    fn reach(&self) -> f32 {
+    fn reach(&self) -> T {
         self.reach
     }
 
     #[inline(always)]
-    fn support<S: Simd>(&self, simd: S, v: &Vector3<f32>) -> (Vertex<f32>, f32) {
-        let e = kernel::extremes_of_groups(simd, self.a, self.b, v);
-        let w = self.a.point(e.a as usize) - self.b.point(e.b as usize) - self.x;
-        (Vertex { w, of: (e.a, e.b) }, e.bottom_of_b + self.x.dot(v) - e.top_of_a)
+    fn extremes<S: Simd>(&self, simd: S, v: &Vector3<T>) -> Extremes<T> {
+        kernel::extremes_of_groups(simd, self.a, self.b, v)
+    }
+
+    #[inline(always)]
+    fn undisplaced(&self, of: (u32, u32)) -> Vector3<T> {
+        self.a.point(of.0 as usize) - self.b.point(of.1 as usize)
     }
 }

@@ -111,6 +111,13 @@ unsafe fn on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
         Isa::Avx2 => return unsafe { x86::on_avx2(work) },
         Isa::Scalar => {}
     }
+    on_any(work)
+}
+
+/// Runs `work` on plain instructions: in a function of its own, so that [`on`] is small enough to be inlined.
+#[cfg_attr(target_arch = "x86_64", inline(never))]
+#[cfg_attr(not(target_arch = "x86_64"), inline(always))]
+fn on_any<V: Vectorized>(work: V) -> V::Output {
     work.run(portable::Portable::new())
 }
 
