@@ -10,7 +10,14 @@
 //! building it takes 12 s of processor time, a twentieth of the whole release build.
 #![allow(unsafe_code)]
 
+#[cfg(any(test, not(target_arch = "aarch64")))]
+mod bits;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+#[cfg(any(test, not(target_arch = "aarch64")))]
 mod portable;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod slots;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -111,10 +118,14 @@ unsafe fn on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
         Isa::Avx2 => return unsafe { x86::on_avx2(work) },
         Isa::Scalar => {}
     }
+    #[cfg(target_arch = "aarch64")]
+    return work.run(neon::Neon::new());
+    #[cfg(not(target_arch = "aarch64"))]
     on_any(work)
 }
 
 /// Runs `work` on plain instructions: in a function of its own, so that [`on`] is small enough to be inlined.
+#[cfg(not(target_arch = "aarch64"))]
 #[cfg_attr(target_arch = "x86_64", inline(never))]
 #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
 fn on_any<V: Vectorized>(work: V) -> V::Output {
@@ -190,38 +201,6 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn but_not(self, other: Self) -> Self;
     /// Bit `l` for lane `l`.
     fn bits(self) -> u32;
-}
-
-/// A mask that is its bits.
-#[derive(Clone, Copy)]
-pub(crate) struct Bits(u32);
-
-impl BitAnd for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Mask for Bits {
-    #[inline(always)]
-    fn but_not(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
-
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        self.0
-    }
 }
 
 /// A register: numbers side by side, lane 0 first.

@@ -1,6 +1,7 @@
-//! Vector types for any machine: arrays, which the compiler turns into what registers there are.
+//! Vector types for machines without their own: arrays, which the compiler turns into what registers there are.
 
-use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
+use super::bits::Bits;
+use super::{Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The token of every machine.
@@ -16,7 +17,7 @@ impl Portable {
 impl Simd for Portable {
     type F32 = Array<f32>;
     type F64 = Array<f64>;
-    // Not measured on arm64; on x86-64 without FMA it loses.
+    // On x86-64 without FMA it loses.
     const LOCKSTEP_PAYS: bool = false;
     const SIGNS_AT_ONCE: usize = LANES;
 
