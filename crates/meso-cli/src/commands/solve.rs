@@ -41,8 +41,8 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = LawText(Test::default().law), value_parser = law)]
     #[arg(help = format!("The law of mortar and ITZ: {}", names::list::<LawName>()))]
     law: LawText,
-    #[arg(long, default_value = "none", value_parser = names::parse::<Smoothing>)]
-    #[arg(help = format!("Strain smoothing of mortar and ITZ in tetrahedra: {}", names::list::<Smoothing>()))]
+    #[arg(long, value_name = "OVER", default_value = "none", value_parser = names::parse::<Smoothing>)]
+    #[arg(help = format!("Smooth strains of mortar and ITZ, so that peaks depend less on the tetrahedra's size: {}", names::list::<Smoothing>()))]
     smoothing: Smoothing,
     /// Frames of all fields, evenly over the test
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::count)]
