@@ -20,7 +20,7 @@ use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
 use meso_core::packing::Specimen;
 use meso_core::{Model, Silent, Spec, pack};
-use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Test, Wish};
+use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Smoothing, Test, Wish};
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 use table::Table;
@@ -38,6 +38,7 @@ struct Case<'a> {
     name: &'static str,
     mesh: &'a Meshed,
     law: LawName,
+    smoothing: Smoothing,
     /// Share of the test that is over when the clock starts.
     from: f64,
     set: InstructionSet,
@@ -80,7 +81,8 @@ fn ready<'a>(case: &Case<'a>) -> Run<'a> {
     // Few steps, so that softening is soon there: what a step costs does not hang on its length.
     let steps = 1000.0;
     let size = specimen.aabb().size().z;
-    let test = Test { law: case.law, instruction_set: Some(case.set), rows: 1_000_000, ..Test::default() };
+    let (law, smoothing, instruction_set) = (case.law, case.smoothing, Some(case.set));
+    let test = Test { law, smoothing, instruction_set, rows: 1_000_000, ..Test::default() };
     let duration = test.duration_s(size);
     let test = Test { time_step_s: Some(duration / steps), ..test };
     let mut run = Run::new(Sample::of(mesh, specimen, options), &materials, &test).expect("a test");
@@ -108,12 +110,18 @@ fn main() {
     let voxels = Meshed::of(&model, Method::VOXEL, size / 1.25, ItzForm::None);
     let cohesive = Meshed::of(&model, Method::FITTED, size, ItzForm::Cohesive);
     let best = InstructionSet::best();
-    let case = |name, mesh, law, from, set| Case { name, mesh, law, from, set };
+    let case = |name, mesh, law, from, set| Case { name, mesh, law, smoothing: Smoothing::None, from, set };
+    let smoothed = |law, from, set| {
+        let name = if from > 0.0 { "C3D4 smoothed softening" } else { "C3D4 smoothed elastic" };
+        Case { smoothing: Smoothing::Edges, ..case(name, &lattice, law, from, set) }
+    };
     let mut cases = Vec::new();
     for set in InstructionSet::available() {
         cases.push(case("C3D4 elastic", &lattice, LawName::Elastic, 0.0, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdp, 0.6, set));
         cases.push(case("C3D4 softening", &lattice, LawName::Cdpm2, 0.6, set));
+        cases.push(smoothed(LawName::Elastic, 0.0, set));
+        cases.push(smoothed(LawName::Cdp, 0.6, set));
     }
     cases.push(case("C3D8R elastic", &voxels, LawName::Elastic, 0.0, best));
     cases.push(case("C3D8R softening", &voxels, LawName::Cdp, 0.6, best));

@@ -21,6 +21,7 @@ import venv
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import arm64
 from stage import ROOT, Ended, run, told_again
 
 VENV = ROOT / ".venv"
@@ -88,7 +89,7 @@ def main() -> int:
     results = in_turn([*supply_chain(), *packaging()])
     results += side_by_side(rust_stages(slow=args.slow), [*first, *python_stages(python, slow=args.slow)])
     if args.slow:
-        results += in_turn([*bench_stages(python), *watched_stages(python), *shipping(python)])
+        results += in_turn([*bench_stages(python), *watched_stages(python), *emulated_stages(python), *shipping(python)])
     return summarise(results, time.monotonic() - started)
 
 
@@ -268,6 +269,15 @@ def watched_stages(python: Path) -> list[Stage]:
         print("skipped, for want of nightly Rust (rustup toolchain install nightly): `unsafe` under AddressSanitizer")
         return [fuzzing]
     return [fuzzing, *((f"AddressSanitizer {target}", sanitized(crate, target)) for crate, target in UNSAFE)]
+
+
+def emulated_stages(python: Path) -> list[Stage]:
+    """Name the comparison with arm64 under emulation, where its tools are there."""
+    wanted = arm64.missing()
+    if wanted:
+        print(f"skipped, for want of {'; '.join(wanted)}: the bytes of arm64")
+        return []
+    return [("the bytes of arm64", [str(python), str(ROOT / "tests" / "arm64.py"), "--tests", *WATCHED[1:]])]
 
 
 # What passes through `unsafe`: vector instructions and the hint to fetch memory in collision, registers in the solver.

@@ -93,6 +93,8 @@ def cases(*, small: bool) -> list[Case]:
         # The paper's four sizes; below 2 mm a 100 mm cube would take the night for itself.
         for size in ("2.4", "2.0", "1.6", "1.2"):
             found.append(Case("meshes", size, seed, cube(50.0, seed), ["--element-size-mm", size]))
+            smoothed = ["--element-size-mm", size, "--smoothing", "edges"]
+            found.append(Case("smoothing", size, seed, cube(50.0, seed), smoothed))
         found += slenderness(side, seed, coarse)
     return found
 

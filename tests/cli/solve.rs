@@ -148,6 +148,7 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         (&["small.json", "--time-step", "1"], 2, "--time-step is 1;"),
         (&["small.json", "--frames", "0"], 2, "'--frames <N>': it must be a whole number from 1"),
         (&["small.json", "--law", "steel"], 2, "it must be one of elastic, cdp"),
+        (&["small.json", "--smoothing", "edges", "--method", "voxel"], 2, "--smoothing edges needs tetrahedra"),
         (&["small.json", "--test", "bending"], 2, "it must be one of compression, tension"),
         (&["small.json", "--itz", "thick"], 2, "it must be one of smeared, solid, cohesive, none"),
         (&["small.json", "--order", "2"], 2, "--order"),

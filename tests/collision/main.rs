@@ -9,6 +9,7 @@ mod exact;
 mod families;
 mod hull;
 mod invariance;
+mod isa;
 mod offset;
 mod oracle;
 mod packed;

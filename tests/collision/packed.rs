@@ -2,9 +2,9 @@
 
 use super::dice::Dice;
 use super::families;
+use super::isa;
 use meso_collision::gjk::{self, Bodies, GjkError, Method, Operand};
 use meso_collision::math::Vec3;
-use meso_collision::simd::{Isa, choose};
 
 type Points = Vec<Vec3>;
 
@@ -19,10 +19,7 @@ fn bodies_of_every_family_answer_as_their_points_do() {
         let truth: Vec<bool> = a.iter().zip(&b).map(|(a, b)| Method::Exact.intersects(a, b).unwrap()).collect();
         let (own, others) = (Bodies::new(slices(&a)).unwrap(), Bodies::new(slices(&b)).unwrap());
         let pairs: Vec<_> = (0..60).map(|i| (i, i, Vec3::zeros())).collect();
-        for isa in Isa::ALL {
-            choose(isa);
-            assert_eq!(own.overlap(&others, &pairs).unwrap(), truth, "{name}, {isa:?}");
-        }
+        isa::on_every_one(|isa| assert_eq!(own.overlap(&others, &pairs).unwrap(), truth, "{name}, {isa:?}"));
     }
 }
 
@@ -72,10 +69,7 @@ fn displaced_bodies_get_the_exact_answer_near_touching_at_every_instruction_set(
         let bodies = Bodies::new(slices(&grains)).unwrap();
         let truth: Vec<bool> =
             pairs.iter().map(|(i, j, shift)| exactly(&grains[*i as usize], &grains[*j as usize], shift)).collect();
-        for isa in Isa::ALL {
-            choose(isa);
-            assert_eq!(bodies.overlap(&bodies, &pairs).unwrap(), truth, "{away} away, {isa:?}");
-        }
+        isa::on_every_one(|isa| assert_eq!(bodies.overlap(&bodies, &pairs).unwrap(), truth, "{away} away, {isa:?}"));
         let hits = truth.iter().filter(|hit| **hit).count();
         assert!((120..280).contains(&hits), "{hits} of 400 overlap");
     }

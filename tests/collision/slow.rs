@@ -1,5 +1,5 @@
-//! The slow tier: `cargo test --release -p meso-core --test collision -- --ignored slow`. It takes a million pairs; `PAIRS=10000000`
-//! before the command takes as many as `docs/accuracy.md` tells of.
+//! The slow tier: `cargo test --release -p meso-collision --test collision -- --ignored slow`. It takes a million pairs;
+//! `PAIRS=10000000` before the command takes as many as `docs/accuracy.md` tells of.
 
 use super::dice::Dice;
 use super::families;
@@ -8,16 +8,16 @@ use meso_collision::gjk::{self, Method};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Pairs of the longest tests.
-pub(crate) fn pairs() -> u64 {
-    std::env::var("PAIRS").map_or(1_000_000, |pairs| pairs.parse().expect("PAIRS is a number"))
+/// Pairs of a long test: `usual`, or `PAIRS` of the environment.
+pub(crate) fn pairs(usual: u64) -> u64 {
+    std::env::var("PAIRS").map_or(usual, |pairs| pairs.parse().expect("PAIRS is a number"))
 }
 
 #[test]
 #[ignore = "slow tier: a million pairs, a minute of processor time"]
 fn floating_point_and_exact_arithmetic_agree_on_a_million_pairs() {
     let families: Vec<_> = families::ALL.iter().filter(|(name, _)| *name != "fine spheres").collect();
-    let wrong: Vec<u64> = (0..pairs())
+    let wrong: Vec<u64> = (0..pairs(1_000_000))
         .into_par_iter()
         .filter(|&seed| {
             let (a, b) = families[seed as usize % families.len()].1(&mut Dice::new(1 << 40 | seed));

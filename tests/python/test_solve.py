@@ -144,6 +144,12 @@ def test_tension_pulls(mesh):
     assert 1.5 < result["peak_mpa"] < 4
 
 
+def test_smoothed_strains_take_strength_that_the_elements_add(mesh):
+    plain, smoothed = (mesh.solve(smoothing=smoothing).result for smoothing in ("none", "edges"))
+    assert (plain["smoothing"], smoothed["smoothing"]) == ("none", "edges")
+    assert 0.6 * plain["peak_mpa"] < smoothed["peak_mpa"] < 0.98 * plain["peak_mpa"]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -151,6 +157,7 @@ def test_tension_pulls(mesh):
         ({"strain": 0.0}, "strain is 0; it must lie above 0"),
         ({"test": "bending"}, "test is .bending.; .*compression"),
         ({"law": "steel"}, "law is .steel.; .*elastic"),
+        ({"smoothing": "nodes"}, "smoothing is .nodes.; .*edges"),
         ({"frictoin": 0.1}, "frictoin is not a known key; did you mean friction"),
         ({"materials": {"mortar": {"poisson_ratio": 0.7}}}, "materials.mortar.poisson_ratio is 0.7"),
         ({"threads": 0}, "threads is 0; it must be an int from 1 to 1024"),

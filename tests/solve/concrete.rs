@@ -2,7 +2,7 @@
 
 use crate::samples::{Meshed, brittle, concrete, voxels};
 use meso_core::mesh::{ItzForm, Method, Phase};
-use meso_solve::{Frame, Itz, Joined, Kind, Observer, Run, Test};
+use meso_solve::{Frame, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -46,6 +46,22 @@ fn coarse_boxes_bear_what_fine_ones_bear() {
     let [coarse, fine] = [1.5, 1.0].map(|size| solve(&voxels(24.0, 3, size), &Test::default()).result);
     assert!(fine.hourglass_over_internal < 0.02 && fine.figures.softened, "{fine:?}");
     assert!((coarse.figures.peak_mpa / fine.figures.peak_mpa - 1.0).abs() < 0.05, "{coarse:?} {fine:?}");
+}
+
+/// Linear tetrahedra that flow between stiff grains are too strong, the coarser the more; patches much less so.
+#[test]
+fn smoothed_strains_take_away_more_than_half_of_what_peaks_owe_to_the_elements() {
+    let [coarse, fine] = [2.4, 1.6].map(|size| concrete(1.0, Method::FITTED, size, ItzForm::None));
+    let apart = |smoothing: Smoothing| {
+        let [coarse, fine] = [&coarse, &fine].map(|meshed| {
+            let result = solve(meshed, &Test { smoothing, ..Test::default() }).result;
+            assert!(result.errors.is_empty() && result.energy_balance_error < 1e-3, "{result:?}");
+            result.figures.peak_mpa
+        });
+        coarse / fine - 1.0
+    };
+    let [plain, smoothed] = [Smoothing::None, Smoothing::Edges].map(apart);
+    assert!(plain > 0.03 && smoothed.abs() < 0.5 * plain, "{plain} {smoothed}");
 }
 
 #[test]

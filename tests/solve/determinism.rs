@@ -2,7 +2,7 @@
 
 use crate::samples::{Meshed, brittle, concrete};
 use meso_core::mesh::{ItzForm, Method};
-use meso_solve::{Frame, InstructionSet, LawName, Observer, Progress, Response, Run, Silent, Test, Wish};
+use meso_solve::{Frame, InstructionSet, LawName, Observer, Progress, Response, Run, Silent, Smoothing, Test, Wish};
 use std::cell::RefCell;
 
 /// Keeps the bytes of all fields of every frame.
@@ -39,31 +39,33 @@ fn fast() -> Test {
     Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 100, frames: 2, ..Test::default() }
 }
 
-fn meshes() -> [Meshed; 3] {
+fn cases() -> [(Meshed, Test); 4] {
+    let smoothed = Test { smoothing: Smoothing::Edges, ..fast() };
     [
-        concrete(1.0, Method::FITTED, 3.0, ItzForm::None),
-        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
-        concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive),
+        (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), fast()),
+        (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), smoothed),
+        (concrete(1.0, Method::VOXEL, 1.5, ItzForm::None), fast()),
+        (concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive), fast()),
     ]
 }
 
 #[test]
 fn curves_and_fields_are_identical_on_1_2_and_16_threads() {
-    for meshed in meshes() {
-        let one = bytes(&meshed, &fast(), 1);
-        assert!(one == bytes(&meshed, &fast(), 2) && one == bytes(&meshed, &fast(), 16));
+    for (meshed, test) in cases() {
+        let one = bytes(&meshed, &test, 1);
+        assert!(one == bytes(&meshed, &test, 2) && one == bytes(&meshed, &test, 16));
     }
 }
 
 #[test]
 fn curves_and_fields_are_identical_on_every_instruction_set() {
     let sets = InstructionSet::available();
-    for meshed in meshes() {
-        let run = |set| bytes(&meshed, &Test { instruction_set: Some(set), ..fast() }, 1);
+    for (meshed, test) in cases() {
+        let run = |set| bytes(&meshed, &Test { instruction_set: Some(set), ..test.clone() }, 1);
         let portable = run(InstructionSet::Portable);
         assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
     }
-    let [lattice, ..] = meshes();
+    let [(lattice, _), ..] = cases();
     let cdpm2 = Test { law: LawName::Cdpm2, ..fast() };
     let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..cdpm2.clone() }, 1);
     let portable = run(InstructionSet::Portable);
@@ -94,12 +96,12 @@ impl Observer for Killed {
 
 #[test]
 fn a_resumed_test_gives_the_bytes_of_one_that_was_never_cut() {
-    for meshed in meshes() {
-        let whole = meshed.solve(&brittle(), &fast());
+    for (meshed, test) in cases() {
+        let whole = meshed.solve(&brittle(), &test);
         let killed = Killed::default();
-        let part = meshed.watched(&brittle(), &fast(), &killed);
+        let part = meshed.watched(&brittle(), &test, &killed);
         assert_eq!((part.curve.len(), &part.curve[..]), (50, &whole.curve[..50]));
-        let mut run = Run::new(meshed.sample(), &brittle(), &fast()).unwrap();
+        let mut run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
         run.resume(&mut &killed.state.borrow()[..]).unwrap();
         let resumed = run.to_end(&Silent);
         assert!(rows(&whole) == rows(&resumed));
@@ -109,7 +111,7 @@ fn a_resumed_test_gives_the_bytes_of_one_that_was_never_cut() {
 
 #[test]
 fn a_state_of_another_test_or_a_torn_one_is_refused() {
-    let [meshed, ..] = meshes();
+    let [(meshed, _), ..] = cases();
     let killed = Killed::default();
     meshed.watched(&brittle(), &fast(), &killed);
     let state = killed.state.into_inner();

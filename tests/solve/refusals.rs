@@ -4,7 +4,7 @@ use crate::samples::Meshed;
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::{Mesh, Method};
-use meso_solve::{Interface, Run, Sample, Test};
+use meso_solve::{Interface, Run, Sample, Smoothing, Test};
 
 fn refusal(sample: Sample, materials: &Materials, test: &Test) -> String {
     Run::new(sample, materials, test).err().expect("a refusal").to_string()
@@ -52,6 +52,14 @@ fn materials_that_cannot_be_are_named() {
         let error = refusal(meshed.sample(), &materials, &Test::default());
         assert!(error.contains(text), "{error}");
     }
+}
+
+#[test]
+fn boxes_are_not_smoothed() {
+    let meshed = Meshed::mortar([6.0; 3], Method::VOXEL, 3.0);
+    let test = Test { smoothing: Smoothing::Edges, ..Test::default() };
+    let error = refusal(meshed.sample(), &Materials::default(), &test);
+    assert!(error.contains("boxes cannot be smoothed over edges; take tetrahedra"), "{error}");
 }
 
 #[test]

@@ -3,13 +3,16 @@
 use crate::samples::{Meshed, brittle};
 use meso_core::materials::Materials;
 use meso_core::mesh::{Method, Phase};
-use meso_solve::{Kind, Response, Test};
+use meso_solve::{Kind, Response, Smoothing, Test};
 
 #[test]
 fn a_homogeneous_cube_between_smooth_plates_bears_its_strength() {
-    for (method, size) in [(Method::VOXEL, 2.0), (Method::FITTED, 3.0)] {
+    let [none, edges] = [Smoothing::None, Smoothing::Edges];
+    for (method, size, smoothing) in
+        [(Method::VOXEL, 2.0, none), (Method::FITTED, 3.0, none), (Method::FITTED, 3.0, edges)]
+    {
         let meshed = Meshed::mortar([12.0; 3], method, size);
-        let response = meshed.solve(&brittle(), &Test { friction: 0.0, ..Test::default() });
+        let response = meshed.solve(&brittle(), &Test { friction: 0.0, smoothing, ..Test::default() });
         let figures = response.result.figures;
         assert!((figures.peak_mpa / 40.0 - 1.0).abs() < 0.02, "{method:?} {figures:?}");
         assert!((figures.peak_strain / 0.0022 - 1.0).abs() < 0.15, "{method:?} {figures:?}");
@@ -23,7 +26,7 @@ const SIDE_MM: f64 = 12.0;
 
 /// A bar pulled apart at a weak band in its middle: the cells that the middle plane cuts, and those with their centre
 /// within `half_width` elements of it. Without a Poisson effect nothing hinders it.
-fn torn(mut meshed: Meshed, half_width: f64) -> (Materials, Response) {
+fn torn(mut meshed: Meshed, half_width: f64, smoothing: Smoothing) -> (Materials, Response) {
     let (height, element_size_mm) = (meshed.side_mm(), meshed.options.element_size_mm);
     let middle = 0.5 * height + 0.1;
     let nodes = meshed.mesh.kind.nodes();
@@ -39,7 +42,8 @@ fn torn(mut meshed: Meshed, half_width: f64) -> (Materials, Response) {
     (materials.mortar.poisson_ratio, materials.itz.poisson_ratio) = (0.0, 0.0);
     materials.itz.youngs_modulus_mpa = materials.mortar.youngs_modulus_mpa;
     // The crack law ends at five times energy over strength: 0.1 mm.
-    let test = Test { kind: Kind::Tension, strain: Some(0.12 / height), duration_s: Some(1e-3), ..Test::default() };
+    let (strain, duration_s) = (Some(0.12 / height), Some(1e-3));
+    let test = Test { kind: Kind::Tension, strain, duration_s, smoothing, ..Test::default() };
     let response = meshed.solve(&materials, &test);
     (materials, response)
 }
@@ -48,25 +52,35 @@ fn torn(mut meshed: Meshed, half_width: f64) -> (Materials, Response) {
 fn a_weak_band_spends_its_fracture_energy_whatever_the_elements() {
     // In boxes a crack keeps to one layer; in tetrahedra it chooses its way through three.
     for (method, half_width) in [(Method::VOXEL, 0.0), (Method::FITTED, 1.6), (Method::PLAIN, 1.6)] {
-        let ratios =
-            [1.5, 2.0, 3.0].map(|size| spent_over_asked(Meshed::mortar([SIDE_MM; 3], method, size), half_width));
+        let ratios = [1.5, 2.0, 3.0]
+            .map(|size| spent_over_asked(Meshed::mortar([SIDE_MM; 3], method, size), half_width, Smoothing::None));
         assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{method:?} {ratios:?}");
     }
 }
 
 #[test]
 fn a_weak_band_of_a_conforming_mesh_spends_its_fracture_energy() {
-    let ratios: Vec<f64> = [1.5, 2.0, 3.0]
-        .into_iter()
-        .filter_map(|size| Some(spent_over_asked(Meshed::filled_by_gmsh(8.0 * size, size)?, 1.6)))
-        .collect();
-    assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{ratios:?}");
+    for smoothing in [Smoothing::None, Smoothing::Edges] {
+        let filled = |size: f64| Meshed::filled_by_gmsh(8.0 * size, size);
+        let ratio = |size| Some(spent_over_asked(filled(size)?, 1.6, smoothing));
+        let ratios: Vec<f64> = [1.5, 2.0, 3.0].into_iter().filter_map(ratio).collect();
+        assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{smoothing:?} {ratios:?}");
+    }
+}
+
+#[test]
+fn a_weak_band_of_patches_spends_its_fracture_energy() {
+    for half_width in [0.0, 1.6] {
+        let mortar = |size| Meshed::mortar([SIDE_MM; 3], Method::FITTED, size);
+        let ratios = [1.5, 2.0, 3.0].map(|size| spent_over_asked(mortar(size), half_width, Smoothing::Edges));
+        assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.1), "{half_width} {ratios:?}");
+    }
 }
 
 /// Energy that the bar spends until it is torn apart, over its section's fracture energy.
-fn spent_over_asked(meshed: Meshed, half_width: f64) -> f64 {
+fn spent_over_asked(meshed: Meshed, half_width: f64, smoothing: Smoothing) -> f64 {
     let (what, section) = (meshed.options.clone(), meshed.side_mm().powi(2));
-    let (materials, response) = torn(meshed, half_width);
+    let (materials, response) = torn(meshed, half_width, smoothing);
     let energy = materials.strength(Phase::Itz).unwrap().fracture_energy_n_per_mm * section;
     let (last, figures) = (response.curve.last().unwrap(), response.result.figures);
     assert!(last.stress_mpa < 0.05 * figures.peak_mpa, "{what:?}: {figures:?}");
@@ -75,7 +89,7 @@ fn spent_over_asked(meshed: Meshed, half_width: f64) -> f64 {
 
 #[test]
 fn energy_spent_and_energy_stored_make_up_the_internal_one() {
-    let (_, response) = torn(Meshed::mortar([SIDE_MM; 3], Method::FITTED, 3.0), 0.0);
+    let (_, response) = torn(Meshed::mortar([SIDE_MM; 3], Method::FITTED, 3.0), 0.0, Smoothing::None);
     let last = response.curve.last().unwrap();
     // Torn apart, nothing is stored: all work is spent, nearly all of it in the band.
     assert!((last.dissipated / last.internal - 1.0).abs() < 0.02, "{last:?}");

@@ -7,7 +7,7 @@
 use crate::element::bending::Bending;
 use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
 use crate::element::hex::{BoxShape, Hexes, per_bound};
-use crate::element::tet::Tets;
+use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
 use crate::law::{Elastic, Law, Tensor};
 use crate::matter::{LawTask, Matter};
@@ -24,6 +24,12 @@ pub(crate) const EMPTY: u32 = u32::MAX;
 pub(crate) enum Cells {
     /// C3D4.
     Tets(Vec<Tets>),
+    /// Patches of 4 to 6 nodes.
+    Patches6(Vec<Uniform<5>>),
+    /// Patches of 7 or 8 nodes.
+    Patches8(Vec<Uniform<7>>),
+    /// Patches of 9 to 12 nodes.
+    Patches12(Vec<Uniform<11>>),
     /// C3D8R, and C3D8I where the matter is unbreakable.
     Hexes(Vec<Hexes>),
     /// Cohesive faces of tetrahedra.
@@ -36,10 +42,28 @@ impl Cells {
     /// Registers of memory that eight elements have.
     pub(crate) fn remembered(&self, matter: &Matter) -> usize {
         match self {
-            Self::Tets(_) | Self::Hexes(_) => matter.remembered(),
             Self::Triangles(_) => 3 * REMEMBERED,
             Self::Quads(_) => 4 * REMEMBERED,
+            _ => matter.remembered(),
         }
+    }
+
+    /// Bytes that they hold.
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Tets(cells) => size_of_val(&**cells),
+            Self::Patches6(cells) => size_of_val(&**cells),
+            Self::Patches8(cells) => size_of_val(&**cells),
+            Self::Patches12(cells) => size_of_val(&**cells),
+            Self::Hexes(cells) => size_of_val(&**cells),
+            Self::Triangles(cells) => size_of_val(&**cells),
+            Self::Quads(cells) => size_of_val(&**cells),
+        }
+    }
+
+    /// Whether they are patches, not cells or faces of the mesh.
+    pub(crate) fn are_patches(&self) -> bool {
+        matches!(self, Self::Patches6(_) | Self::Patches8(_) | Self::Patches12(_))
     }
 }
 
@@ -52,7 +76,7 @@ pub(crate) struct Group {
     pub(crate) cells: Cells,
     /// State of their law, one run of registers per eight elements.
     pub(crate) memory: Vec<Eight>,
-    /// The mesh's number of the cell in every lane, or [`EMPTY`]; cohesive faces have their own numbers.
+    /// The mesh's number of the cell in every lane, or [`EMPTY`]; cohesive faces and patches have their own numbers.
     pub(crate) numbers: Vec<u32>,
     /// Energy spent so far, mJ.
     pub(crate) dissipated: f64,
@@ -72,15 +96,7 @@ pub(crate) struct Block {
 impl Block {
     /// Bytes that it holds.
     pub(crate) fn bytes(&self) -> usize {
-        let of = |group: &Group| {
-            let cells = match &group.cells {
-                Cells::Tets(cells) => size_of_val(&**cells),
-                Cells::Hexes(cells) => size_of_val(&**cells),
-                Cells::Triangles(cells) => size_of_val(&**cells),
-                Cells::Quads(cells) => size_of_val(&**cells),
-            };
-            cells + size_of_val(&*group.memory) + size_of_val(&*group.numbers)
-        };
+        let of = |group: &Group| group.cells.bytes() + size_of_val(&*group.memory) + size_of_val(&*group.numbers);
         size_of_val(&*self.nodes) + self.groups.iter().map(of).sum::<usize>()
     }
 }
@@ -147,7 +163,10 @@ impl Task for Pass<'_> {
             let Group { phase, cells, memory, dissipated, hourglass, .. } = group;
             let matter = &common.matter[*phase as usize];
             match cells {
-                Cells::Tets(cells) => *dissipated += matter.law::<L, _>(TetTask { cells, memory, u, forces }),
+                Cells::Tets(cells) => *dissipated += uniform::<L, 3>(cells, matter, memory, u, forces),
+                Cells::Patches6(cells) => *dissipated += uniform::<L, 5>(cells, matter, memory, u, forces),
+                Cells::Patches8(cells) => *dissipated += uniform::<L, 7>(cells, matter, memory, u, forces),
+                Cells::Patches12(cells) => *dissipated += uniform::<L, 11>(cells, matter, memory, u, forces),
                 Cells::Hexes(cells) if matter.is_unbreakable => bend::<L>(cells, matter, &common.shape, u, forces),
                 Cells::Hexes(cells) => {
                     let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
@@ -246,14 +265,25 @@ struct Answer<L> {
     spent: L,
 }
 
-struct TetTask<'a> {
-    cells: &'a [Tets],
+#[inline(always)]
+fn uniform<L: Lanes, const N: usize>(
+    cells: &[Uniform<N>],
+    matter: &Matter,
+    memory: &mut [Eight],
+    u: &Vectors,
+    forces: &mut Vectors,
+) -> f64 {
+    matter.law::<L, _>(UniformTask { cells, memory, u, forces })
+}
+
+struct UniformTask<'a, const N: usize> {
+    cells: &'a [Uniform<N>],
     memory: &'a mut [Eight],
     u: &'a Vectors,
     forces: &'a mut Vectors,
 }
 
-impl LawTask for TetTask<'_> {
+impl<const N: usize> LawTask for UniformTask<'_, N> {
     type Output = f64;
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use crate::run::{Run, State};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 impl Run<'_> {
     /// Writes the state.

@@ -79,7 +79,7 @@ impl Run<'_> {
         let of_cell = |cell: &[u32]| cell.iter().map(|&node| speed[node as usize]).sum::<f64>();
         let cells = mesh.cells().enumerate().map(|(number, cell)| (number, of_cell(cell)));
         let (number, _) = cells.fold((0, -1.0), |worst, cell| if cell.1 > worst.1 { cell } else { worst });
-        let nodes = &mesh.cells[number * mesh.kind.nodes()..][..mesh.kind.nodes()];
+        let nodes = mesh.cell(number);
         let centre = nodes.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>();
         let [x, y, z]: [f64; 3] = (centre / nodes.len() as f64).into();
         let phase = self.phases.of_cells[number].name();

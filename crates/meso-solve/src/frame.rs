@@ -1,9 +1,11 @@
 //! The fields of a moment, computed on demand.
 
 use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch};
+use crate::element::uniform::Uniform;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
 use crate::matter::LawTask;
+use crate::patches::EDGES;
 use crate::plates::Plates;
 use crate::run::Run;
 use meso_core::mesh::{Mesh, Phase};
@@ -77,24 +79,68 @@ impl<'a> Frame<'a> {
         moved
     }
 
-    /// `of` every cell of the mesh, in the mesh's order.
-    pub fn cells<T: Copy + Default + Send>(&self, of: impl Fn(&Point) -> T + Sync) -> Vec<T> {
+    /// `of` every cell of the mesh, in the mesh's order; smoothed cells have the mean of their patches.
+    pub fn cells<T: Mean>(&self, of: impl Fn(&Point) -> T + Sync) -> Vec<T> {
         let mut all = vec![T::default(); self.mesh().cell_count()];
         let (common, displacement) = (&self.run.common, &self.run.nodes.displacement[..]);
         // A few blocks at a time, so that little is held twice.
         for blocks in self.run.blocks.chunks(64) {
             let probe = |block: &Block| {
                 let points = self.run.set.run(Probe { block, common, displacement });
-                points.into_iter().map(|(cell, point)| (cell, of(&point))).collect::<Vec<_>>()
+                points.into_iter().map(|(element, point)| (element, of(&point))).collect::<Vec<_>>()
             };
-            let parts: Vec<Vec<(u32, T)>> = blocks.par_iter().map(probe).collect();
-            parts.into_iter().flatten().for_each(|(cell, x)| all[cell as usize] = x);
+            let parts: Vec<Vec<(Element, T)>> = blocks.par_iter().map(probe).collect();
+            for (element, x) in parts.iter().flatten() {
+                match element {
+                    Element::Cell(cell) => all[*cell as usize] = *x,
+                    Element::Patch(patch) => {
+                        let cells = self.run.patches.as_ref().map_or(&[][..], |patches| patches.cells(*patch));
+                        cells.iter().for_each(|&cell| all[cell as usize].add(x, 1.0 / EDGES as f32));
+                    }
+                }
+            }
         }
         all
     }
 }
 
-/// Asks the cells of a block.
+/// Values that have a mean.
+pub trait Mean: Copy + Default + Send + Sync {
+    /// Adds a share of another one.
+    fn add(&mut self, other: &Self, share: f32);
+}
+
+impl Mean for f32 {
+    fn add(&mut self, other: &Self, share: f32) {
+        *self += share * other;
+    }
+}
+
+impl Mean for [f32; 6] {
+    fn add(&mut self, other: &Self, share: f32) {
+        self.iter_mut().zip(other).for_each(|(own, x)| *own += share * x);
+    }
+}
+
+impl Mean for Point {
+    fn add(&mut self, other: &Self, share: f32) {
+        self.stress.add(&other.stress, share);
+        self.damage.add(&other.damage, share);
+        self.tension.add(&other.tension, share);
+        self.compression.add(&other.compression, share);
+        self.opening_mm.add(&other.opening_mm, share);
+        self.stored.add(&other.stored, share);
+    }
+}
+
+/// What a point belongs to, by its number.
+#[derive(Clone, Copy, Debug)]
+enum Element {
+    Cell(u32),
+    Patch(u32),
+}
+
+/// Asks the elements of a block.
 struct Probe<'a> {
     block: &'a Block,
     common: &'a Common,
@@ -102,7 +148,7 @@ struct Probe<'a> {
 }
 
 impl Task for Probe<'_> {
-    type Output = Vec<(u32, Point)>;
+    type Output = Vec<(Element, Point)>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Self::Output {
@@ -125,28 +171,40 @@ struct GroupProbe<'a> {
 }
 
 impl LawTask for GroupProbe<'_> {
-    type Output = Vec<(u32, Point)>;
+    type Output = Vec<(Element, Point)>;
 
     #[inline(always)]
     fn run<L: Lanes, W: Law<L>>(self, law: &W) -> Self::Output {
         let Self { group, common, u } = self;
         let strains: Vec<(Tensor<L>, L)> = match &group.cells {
-            Cells::Tets(cells) => cells.iter().map(|cells| (cells.strain(u), L::load(&cells.width))).collect(),
+            Cells::Tets(cells) => strains(cells, u),
+            Cells::Patches6(cells) => strains(cells, u),
+            Cells::Patches8(cells) => strains(cells, u),
+            Cells::Patches12(cells) => strains(cells, u),
             Cells::Hexes(cells) => {
                 cells.iter().map(|cells| (cells.strain(u, &common.shape).0, L::splat(common.band_mm))).collect()
             }
             Cells::Triangles(_) | Cells::Quads(_) => Vec::new(),
         };
         let remembered = group.memory.len() / strains.len().max(1);
+        let element = if group.cells.are_patches() { Element::Patch } else { Element::Cell };
         let mut points = Vec::with_capacity(strains.len() * LANES);
         for (i, (strain, width)) in strains.iter().enumerate() {
             let memory = &group.memory[i * remembered..(i + 1) * remembered];
             let eight = answer(law, strain, *width, memory);
             let numbers = group.numbers[i * LANES..][..LANES].iter().zip(eight);
-            points.extend(numbers.filter(|(number, _)| **number != EMPTY).map(|(&number, point)| (number, point)));
+            points.extend(
+                numbers.filter(|(number, _)| **number != EMPTY).map(|(&number, point)| (element(number), point)),
+            );
         }
         points
     }
+}
+
+/// Strains and widths of crack bands.
+#[inline(always)]
+fn strains<L: Lanes, const N: usize>(cells: &[Uniform<N>], u: &Vectors) -> Vec<(Tensor<L>, L)> {
+    cells.iter().map(|cells| (cells.strain(u), L::load(&cells.width))).collect()
 }
 
 #[inline(always)]

@@ -7,6 +7,7 @@
 
 mod assembly;
 mod block;
+mod builder;
 mod checkpoint;
 mod curve;
 mod drive;
@@ -20,6 +21,7 @@ mod matter;
 mod nodes;
 mod observer;
 mod order;
+mod patches;
 mod phases;
 mod plates;
 pub mod point;
@@ -29,16 +31,17 @@ pub mod results;
 mod run;
 mod sample;
 mod test;
+mod weight;
 
 pub use curve::{Figures, Row};
 pub use error::SolveError;
-pub use frame::{Frame, Point};
+pub use frame::{Frame, Mean, Point};
 pub use lanes::InstructionSet;
 pub use observer::{Observer, Progress, Silent, Wish};
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
 pub use run::Run;
 pub use sample::{Sample, gross_section_mm2};
-pub use test::{Interface, Itz, Joined, Kind, LawName, Test};
+pub use test::{Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
 
 use meso_core::materials::Materials;
 

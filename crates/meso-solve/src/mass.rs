@@ -3,12 +3,14 @@
 //! An element of n nodes with the metric A = sum g_a g_a^T vibrates no faster than w^2 = (n / rho)(lambda tr A + 2 G a),
 //! a the largest eigenvalue of A: tr(H)^2 <= tr(A) |H A^-1/2|^2 for the displacement gradient H, and so on. The mesh
 //! vibrates no faster than its fastest element (Hughes 2000, Sec. 9.2), and central differences are stable below 2 / w.
+//! In a patch nodes have shares s_a of the mass, and n A becomes sum g_a g_a^T / s_a.
 //! Elements that want a shorter step get more mass. A cohesive face is an element of its own: K area on two nodes takes
 //! K area dt^2 / 2 of each node's mass, of which the solid elements have some to spare.
 
 use crate::element::hex::BoxShape;
 use crate::element::tet::Shape;
 use crate::matter::Matter;
+use crate::patches::Patch;
 use meso_core::math::{Mat3, Vec3};
 
 /// Step over the stable one.
@@ -29,6 +31,11 @@ impl Need {
     /// Mass that is added, tonne.
     pub(crate) fn added(&self) -> f64 {
         (self.needed - self.mass).max(0.0)
+    }
+
+    /// That of a patch.
+    pub(crate) fn of_patch(matter: &Matter, patch: &Patch, dt: f64) -> Self {
+        Self::of(matter, &patch.metric(), 1, patch.volume, dt)
     }
 
     /// That of an element with `metric`, `nodes` and `volume`, for the step `dt`.

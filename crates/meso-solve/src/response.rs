@@ -2,7 +2,7 @@
 
 use crate::curve::{Figures, Row};
 use crate::run::Run;
-use crate::test::{Joined, Kind, LawName, Test};
+use crate::test::{Joined, Kind, LawName, Smoothing, Test};
 use meso_core::mesh::{Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -38,6 +38,8 @@ pub struct Summary {
     pub friction: f64,
     /// The law of mortar and ITZ.
     pub law: LawName,
+    /// Strain smoothing of mortar and ITZ.
+    pub smoothing: Smoothing,
     /// Cells of the mesh.
     pub elements: usize,
     /// Cohesive elements of the mesh.
@@ -128,6 +130,7 @@ impl Response {
             test: run.test.kind,
             friction: run.test.friction,
             law: run.test.law,
+            smoothing: run.test.smoothing,
             elements: run.sample.mesh.cell_count(),
             cohesive_elements: run.sample.mesh.cohesive().len(),
             steps: run.state.step,

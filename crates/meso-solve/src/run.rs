@@ -12,10 +12,11 @@ use crate::error::{SolveError, require};
 use crate::lanes::InstructionSet;
 use crate::matter::{self, Matter};
 use crate::nodes::Nodes;
+use crate::patches::Patches;
 use crate::phases::Phases;
 use crate::plates::{Motion, Plates};
 use crate::sample::Sample;
-use crate::test::{Kind, LawName, Test};
+use crate::test::{Kind, LawName, Smoothing, Test};
 use meso_core::materials::Materials;
 use meso_core::mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
@@ -31,6 +32,7 @@ pub struct Run<'a> {
     pub(crate) phases: Phases,
     pub(crate) common: Common,
     pub(crate) blocks: Vec<Block>,
+    pub(crate) patches: Option<Patches>,
     pub(crate) nodes: Nodes,
     /// The mesh's number of every node of the engine.
     pub(crate) order: Vec<u32>,
@@ -86,13 +88,15 @@ impl<'a> Run<'a> {
     pub fn new(sample: Sample<'a>, materials: &Materials, test: &Test) -> Result<Self, SolveError> {
         test.validate()?;
         sample.validate()?;
+        validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
         let (mesh, height_mm) = (sample.mesh, sample.height_mm());
         let phases = Phases::of(mesh, test.joined, test.itz);
         let common = common(&sample, &as_solved(&materials.in_mesh(mesh), &phases), test)?;
         let (steps, dt) = steps(&sample, test, height_mm)?;
-        let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt };
-        let Assembly { blocks, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
+        let smoothing = test.smoothing;
+        let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt, smoothing };
+        let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
@@ -102,7 +106,7 @@ impl<'a> Run<'a> {
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
         let (test, state) = (test.clone(), State::default());
-        Ok(Self { sample, test, phases, common, blocks, nodes, order, forces, plates, set, outline, state })
+        Ok(Self { sample, test, phases, common, blocks, patches, nodes, order, forces, plates, set, outline, state })
     }
 
     /// Steps of the whole test.
@@ -129,7 +133,8 @@ impl<'a> Run<'a> {
     pub fn bytes(&self) -> usize {
         let blocks: usize = self.blocks.iter().map(Block::bytes).sum();
         let phases = size_of_val(&*self.phases.of_cells);
-        blocks + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces) + phases
+        let patches = self.patches.as_ref().map_or(0, Patches::bytes);
+        blocks + patches + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces) + phases
     }
 
     /// Takes one step.
@@ -221,6 +226,15 @@ fn cell_volume(mesh: &Mesh, cell: &[u32]) -> f64 {
 fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
     let itz = if phases.smeared_cells > 0 { materials.mortar } else { materials.itz };
     Materials { itz, ..materials.clone() }
+}
+
+/// Boxes have no edges to smooth over.
+fn validate_smoothing(sample: &Sample, test: &Test) -> Result<(), SolveError> {
+    let is_smoothed = test.smoothing == Smoothing::Edges;
+    if is_smoothed && sample.mesh.kind == CellKind::Hexahedron {
+        return Err(SolveError::mesh("its boxes cannot be smoothed over edges; take tetrahedra, or no smoothing"));
+    }
+    Ok(())
 }
 
 /// Data that all elements share.

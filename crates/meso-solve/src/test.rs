@@ -31,6 +31,8 @@ pub struct Test {
     pub itz: Itz,
     /// Treatment of aggregates that share nodes.
     pub joined: Joined,
+    /// Strain smoothing of mortar and ITZ (tetrahedra).
+    pub smoothing: Smoothing,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
     pub hourglass: f64,
     /// Cohesive faces.
@@ -85,6 +87,17 @@ pub enum Joined {
     Keep,
 }
 
+/// Strain smoothing of mortar and ITZ. Aggregates and fibres, which are elastic, keep the strains of their elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Smoothing {
+    /// Every element has its own strain: C3D4, as in a deck.
+    None,
+    /// The elements around an edge share their mean strain: peaks depend on the element size half as much.
+    Edges,
+}
+
 /// Properties of cohesive faces beside `[materials]`, which a deck cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -108,6 +121,7 @@ impl Default for Test {
             law: LawName::Cdp,
             itz: Itz::Smeared,
             joined: Joined::Mortar,
+            smoothing: Smoothing::None,
             hourglass: 0.02,
             interface: Interface::default(),
             instruction_set: None,

@@ -15,7 +15,7 @@ use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::packing::{Specimen, Stage};
 use meso_core::{Model, Spec, thousands};
 use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Ended, Kind, LawName, Response, Run, SolveError, Test};
+use meso_solve::{Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use watch::Watching;
@@ -41,6 +41,9 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = LawText(Test::default().law), value_parser = law)]
     #[arg(help = format!("The law of mortar and ITZ: {}", names::list::<LawName>()))]
     law: LawText,
+    #[arg(long, value_name = "OVER", default_value = "none", value_parser = names::parse::<Smoothing>)]
+    #[arg(help = format!("Smooth strains of mortar and ITZ, so that peaks depend less on the tetrahedra's size: {}", names::list::<Smoothing>()))]
+    smoothing: Smoothing,
     /// Frames of all fields, evenly over the test
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::count)]
     #[arg(allow_negative_numbers = true)]
@@ -123,6 +126,7 @@ impl Args {
             frames: self.frames,
             law: self.law.0,
             itz: self.division.smeared(),
+            smoothing: self.smoothing,
             ..Test::default()
         }
     }
@@ -148,6 +152,10 @@ impl Args {
     fn validate(&self) -> Result<(), Failure> {
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
             return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
+        }
+        if self.smoothing == Smoothing::Edges && self.division.has_boxes() {
+            let message = "--smoothing edges needs tetrahedra; take --method lattice or conforming, or leave it out";
+            return Err(Failure::Usage(message.to_owned()));
         }
         if self.packs() {
             return Ok(());

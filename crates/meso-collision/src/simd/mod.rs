@@ -10,7 +10,14 @@
 //! building it takes 12 s of processor time, a twentieth of the whole release build.
 #![allow(unsafe_code)]
 
+#[cfg(any(test, not(target_arch = "aarch64")))]
+mod bits;
+#[cfg(target_arch = "aarch64")]
+mod neon;
+#[cfg(any(test, not(target_arch = "aarch64")))]
 mod portable;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+mod slots;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
@@ -111,10 +118,14 @@ unsafe fn on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
         Isa::Avx2 => return unsafe { x86::on_avx2(work) },
         Isa::Scalar => {}
     }
+    #[cfg(target_arch = "aarch64")]
+    return work.run(neon::Neon::new());
+    #[cfg(not(target_arch = "aarch64"))]
     on_any(work)
 }
 
 /// Runs `work` on plain instructions: in a function of its own, so that [`on`] is small enough to be inlined.
+#[cfg(not(target_arch = "aarch64"))]
 #[cfg_attr(target_arch = "x86_64", inline(never))]
 #[cfg_attr(not(target_arch = "x86_64"), inline(always))]
 fn on_any<V: Vectorized>(work: V) -> V::Output {
@@ -159,14 +170,29 @@ pub(crate) trait Simd: Copy {
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F64; 8];
 
     /// The columns of as many rows as a register has f32.
-    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F32; 8];
+    #[inline(always)]
+    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F32; 8] {
+        std::array::from_fn(|column| Self::F32::of_lanes(self, |l| rows[l][column]))
+    }
 
     /// The coordinates of as many vectors as a register has f64.
-    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [Self::F64; 3];
+    #[inline(always)]
+    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [Self::F64; 3] {
+        std::array::from_fn(|axis| Self::F64::of_lanes(self, |l| vectors[l][axis]))
+    }
 
     /// The rows of these columns, rounded: those of the lanes of the mask come first in `rows`, and what is behind them has
     /// no meaning. The last number of each is the bits of `first` plus its lane. Returns how many there are.
-    fn store_rows(self, columns: [Self::F64; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize;
+    #[inline(always)]
+    fn store_rows(self, columns: [Self::F64; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
+        let (columns, mut taken) = (columns.map(Lanes::to_array), 0);
+        for l in 0..Self::F64::LANES {
+            let [c0, c1, c2, c3, c4, c5, c6] = columns.each_ref().map(|column| column.as_ref()[l] as f32);
+            rows[taken] = Row([c0, c1, c2, c3, c4, c5, c6, f32::from_bits(first + l as u32)]);
+            taken += (mask >> l & 1) as usize;
+        }
+        taken
+    }
 
     /// The same memory, of which the compiler knows nothing.
     ///
@@ -205,38 +231,6 @@ pub(crate) trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn but_not(self, other: Self) -> Self;
     /// Bit `l` for lane `l`.
     fn bits(self) -> u32;
-}
-
-/// A mask that is its bits.
-#[derive(Clone, Copy)]
-pub(crate) struct Bits(u32);
-
-impl BitAnd for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-}
-
-impl BitOr for Bits {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-
-impl Mask for Bits {
-    #[inline(always)]
-    fn but_not(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
-
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        self.0
-    }
 }
 
 /// A register: numbers side by side, lane 0 first.

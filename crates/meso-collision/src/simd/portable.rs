@@ -1,6 +1,7 @@
-//! Vector types for any machine: arrays, which the compiler turns into what registers there are.
+//! Vector types for machines without their own: arrays, which the compiler turns into what registers there are.
 
-use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, Row, SLOTS, Simd};
+use super::bits::Bits;
+use super::{Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The token of every machine.
@@ -16,34 +17,13 @@ impl Portable {
 impl Simd for Portable {
     type F32 = Array<f32>;
     type F64 = Array<f64>;
-    // Not measured on arm64; on x86-64 without FMA it loses.
+    // On x86-64 without FMA it loses.
     const LOCKSTEP_PAYS: bool = false;
     const SIGNS_AT_ONCE: usize = LANES;
 
     #[inline(always)]
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f64>; 8] {
         std::array::from_fn(|column| Array(std::array::from_fn(|l| f64::from(rows[l][column]))))
-    }
-
-    #[inline(always)]
-    fn narrow_columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f32>; 8] {
-        std::array::from_fn(|column| Array(std::array::from_fn(|l| rows[l][column])))
-    }
-
-    #[inline(always)]
-    fn coordinates(self, vectors: &[&[f64; 3]; MOST_LANES]) -> [Array<f64>; 3] {
-        std::array::from_fn(|axis| Array(std::array::from_fn(|l| vectors[l][axis])))
-    }
-
-    #[inline(always)]
-    fn store_rows(self, columns: [Array<f64>; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
-        let mut taken = 0;
-        for l in 0..LANES {
-            let [c0, c1, c2, c3, c4, c5, c6] = columns.each_ref().map(|column| column.0[l] as f32);
-            rows[taken] = Row([c0, c1, c2, c3, c4, c5, c6, f32::from_bits(first + l as u32)]);
-            taken += (mask >> l & 1) as usize;
-        }
-        taken
     }
 }
 

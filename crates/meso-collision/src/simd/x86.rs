@@ -1,6 +1,8 @@
 //! Vector types of x86-64: AVX2 with FMA, and AVX-512.
 
-use super::{Bits, Each, Lanes, Lockstep, MOST_LANES, Mask, Row, SLOTS, Simd, Vectorized};
+use super::bits::Bits;
+use super::slots::{SLOTS_32, SLOTS_64};
+use super::{Each, Lanes, Lockstep, MOST_LANES, Mask, Row, SLOTS, Simd, Vectorized};
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Sub};
 
@@ -217,32 +219,6 @@ unsafe fn store_four_rows(columns: [__m128; 7], first: u32, mask: u32, rows: &mu
         }
         taken
     }
-}
-
-/// 0, 1, 2, ...: the slots of points, as bits.
-#[repr(align(64))]
-struct Counting<T>([T; SLOTS]);
-static SLOTS_32: Counting<u32> = Counting(counting_32());
-static SLOTS_64: Counting<u64> = Counting(counting_64());
-
-const fn counting_32() -> [u32; SLOTS] {
-    let mut slots = [0; SLOTS];
-    let mut slot = 0;
-    while slot < SLOTS {
-        slots[slot] = slot as u32;
-        slot += 1;
-    }
-    slots
-}
-
-const fn counting_64() -> [u64; SLOTS] {
-    let mut slots = [0; SLOTS];
-    let mut slot = 0;
-    while slot < SLOTS {
-        slots[slot] = slot as u64;
-        slot += 1;
-    }
-    slots
 }
 
 /// For each mask of eight lanes, a byte per lane: the lane to take so that those of the mask come first.

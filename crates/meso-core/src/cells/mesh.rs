@@ -197,6 +197,12 @@ impl Mesh {
         self.cells.chunks_exact(self.kind.nodes())
     }
 
+    /// The node indices of one cell.
+    pub fn cell(&self, cell: usize) -> &[u32] {
+        let nodes = self.kind.nodes();
+        &self.cells[nodes * cell..][..nodes]
+    }
+
     /// The cohesive elements' nodes, one slice per element.
     pub fn cohesive(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())

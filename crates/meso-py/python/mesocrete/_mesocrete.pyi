@@ -732,7 +732,7 @@ class Mesh:
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
         **options
-            `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `hourglass`, `interface`: see docs/solve.md.
+            `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
 
         Returns
         -------

@@ -444,6 +444,8 @@ class TestResult(CurveFigures):
     """Coulomb's coefficient between plates and specimen."""
     law: str
     """The law of mortar and ITZ."""
+    smoothing: str
+    """Strain smoothing of mortar and ITZ."""
     elements: int
     """Cells of the mesh."""
     cohesive_elements: int

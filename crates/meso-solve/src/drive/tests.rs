@@ -6,17 +6,16 @@ use crate::observer::{Observer, Progress, Silent, Wish};
 use crate::response::Ended;
 use crate::run::Run;
 use crate::sample::Sample;
-use crate::test::{Itz, LawName, Test};
+use crate::test::{Itz, LawName, Smoothing, Test};
 use meso_core::materials::{Elastic, Materials};
 use meso_core::math::{Aabb, Mat3, Vec3};
 use meso_core::mesh::{self, Mesh, MeshOptions, Method, Phase};
 use meso_core::packing::Specimen;
 use std::cell::Cell;
 
-const METHODS: [Method; 2] = [Method::FITTED, Method::VOXEL];
-
 /// A specimen of mortar and its mesh; tetrahedra are irregular: their inner nodes are moved by up to 0.2 mm.
 struct Body {
+    smoothing: Smoothing,
     specimen: Specimen,
     options: MeshOptions,
     mesh: Mesh,
@@ -33,11 +32,22 @@ impl Body {
                 *point += Vec3::from_fn(|_, _| 0.2 * dice(&mut state));
             }
         }
-        Self { specimen, options, mesh }
+        Self { smoothing: Smoothing::None, specimen, options, mesh }
     }
 
     fn cuboid(method: Method) -> Self {
         Self::of(Specimen::cuboid([10.0, 12.0, 14.0]), method)
+    }
+
+    /// Tetrahedra, their patches, and boxes.
+    fn all() -> [Self; 3] {
+        let smoothed = Self { smoothing: Smoothing::Edges, ..Self::cuboid(Method::FITTED) };
+        [Self::cuboid(Method::FITTED), smoothed, Self::cuboid(Method::VOXEL)]
+    }
+
+    /// In words, for what fails.
+    fn name(&self) -> String {
+        format!("{:?}, smoothing {:?}", self.options.method, self.smoothing)
     }
 
     /// Boxes of aggregate, which bend.
@@ -49,7 +59,8 @@ impl Body {
 
     fn run(&self, law: LawName) -> Run<'_> {
         let sample = Sample::of(&self.mesh, &self.specimen, &self.options);
-        Run::new(sample, &Materials::default(), &Test { law, itz: Itz::None, ..Test::default() }).unwrap()
+        let test = Test { law, itz: Itz::None, smoothing: self.smoothing, ..Test::default() };
+        Run::new(sample, &Materials::default(), &test).unwrap()
     }
 
     /// A run that no plate can touch.
@@ -111,8 +122,9 @@ fn off(run: &Run, expected: &Mat3) -> f64 {
 
 #[test]
 fn a_body_in_free_fall_keeps_its_shape_to_the_last_bit() {
-    for (method, law) in METHODS.into_iter().flat_map(|method| [(method, LawName::Cdp), (method, LawName::Cdpm2)]) {
-        let body = Body::cuboid(method);
+    let bodies = Body::all();
+    for (body, law) in bodies.iter().flat_map(|body| [(body, LawName::Cdp), (body, LawName::Cdpm2)]) {
+        let method = body.name();
         let mut run = body.free(law);
         let (gravity, dt, steps) = (9810.0, run.outline.dt, 300);
         for _ in 0..steps {
@@ -120,7 +132,7 @@ fn a_body_in_free_fall_keeps_its_shape_to_the_last_bit() {
             run.advance();
         }
         let first = run.nodes.displacement[0];
-        assert!(run.nodes.displacement.iter().all(|u| *u == first), "{method:?} {law:?}");
+        assert!(run.nodes.displacement.iter().all(|u| *u == first), "{method} {law:?}");
         // The sum of the steps' speeds: g dt2 (1 + 2 + ... + n).
         let fallen = gravity * dt * dt * f64::from(steps * (steps + 1)) / 2.0;
         assert!(first[0] == 0.0 && first[1] == 0.0 && (first[2] / -fallen - 1.0).abs() < 1e-12, "{first:?}");
@@ -140,31 +152,31 @@ fn turn(angle: f64) -> [Mat3; 2] {
 
 #[test]
 fn a_small_rotation_costs_nothing_and_a_finite_one_strains_by_its_cosine_less_1() {
-    for method in METHODS {
-        let body = Body::cuboid(method);
+    for body in Body::all() {
+        let method = body.name();
         let [small, finite] = turn(0.01);
         let mut run = body.free(LawName::Elastic);
         displace(&mut run, |x| small * x);
         // Displacements of 0.2 mm in f32 over 1 mm: strains of 2e-8.
-        assert!(off(&run, &Mat3::zeros()) < 26_000.0 * 5e-8, "{method:?} {}", off(&run, &Mat3::zeros()));
+        assert!(off(&run, &Mat3::zeros()) < 26_000.0 * 5e-8, "{method} {}", off(&run, &Mat3::zeros()));
         // sym(R) - 1 = (cos t - 1) (1 - n n^T): small strains take a finite rotation for a shrinkage.
         displace(&mut run, |x| finite * x);
         let expected = hooke(&Materials::default().mortar, &finite);
         let size = expected.amax();
-        assert!(size > 1.0 && off(&run, &expected) < 2e-3 * size, "{method:?} {} of {size}", off(&run, &expected));
+        assert!(size > 1.0 && off(&run, &expected) < 2e-3 * size, "{method} {} of {size}", off(&run, &expected));
         // Forces of a turned body have neither resultant nor moment.
         let forces = forces(&mut run);
         let most = forces.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let moment: Vec3 = places(&run).iter().zip(&forces).map(|(x, f)| x.cross(f)).sum();
-        assert!(forces.iter().sum::<Vec3>().norm() < 1e-4 * most, "{method:?}");
-        assert!(moment.norm() < 1e-4 * most * 14.0, "{method:?} {moment:?}");
+        assert!(forces.iter().sum::<Vec3>().norm() < 1e-4 * most, "{method}");
+        assert!(moment.norm() < 1e-4 * most * 14.0, "{method} {moment:?}");
     }
 }
 
 #[test]
 fn a_spinning_body_keeps_its_momenta_and_its_energy() {
-    for method in METHODS {
-        let body = Body::cuboid(method);
+    for body in Body::all() {
+        let method = body.name();
         let mut run = body.free(LawName::Elastic);
         let (spin, drift) = (Vec3::new(3.0, -2.0, 5.0), Vec3::new(100.0, 0.0, -40.0));
         let places = places(&run);
@@ -180,9 +192,9 @@ fn a_spinning_body_keeps_its_momenta_and_its_energy() {
         let before = energy(&run);
         (0..400).for_each(|_| run.advance());
         let (line_after, turning_after) = momenta(&run);
-        assert!((line_after - line).norm() < 1e-6 * line.norm(), "{method:?} {line_after:?} {line:?}");
-        assert!((turning_after - turning).norm() < 1e-6 * turning.norm(), "{method:?} {turning_after:?} {turning:?}");
-        assert!((energy(&run) / before - 1.0).abs() < 1e-6, "{method:?} {} {before}", energy(&run));
+        assert!((line_after - line).norm() < 1e-6 * line.norm(), "{method} {line_after:?} {line:?}");
+        assert!((turning_after - turning).norm() < 1e-6 * turning.norm(), "{method} {turning_after:?} {turning:?}");
+        assert!((energy(&run) / before - 1.0).abs() < 1e-6, "{method} {} {before}", energy(&run));
     }
 }
 
@@ -190,9 +202,9 @@ fn a_spinning_body_keeps_its_momenta_and_its_energy() {
 fn a_constant_strain_passes_the_patch_test() {
     let gradient = Mat3::new(1.0, 0.4, -0.3, 0.2, -0.8, 0.5, 0.6, -0.1, 0.7) * 1e-3;
     let Materials { mortar, aggregate, .. } = Materials::default();
-    let bodies = METHODS.map(|method| (Body::cuboid(method), mortar));
+    let bodies = Body::all().map(|body| (body, mortar));
     for (body, elastic) in bodies.into_iter().chain([(Body::stone(), aggregate)]) {
-        let (what, stress) = (body.options.method, hooke(&elastic, &gradient));
+        let (what, stress) = (body.name(), hooke(&elastic, &gradient));
         let mut run = body.free(LawName::Elastic);
         displace(&mut run, |x| gradient * x);
         assert!(off(&run, &stress) < 1e-4 * stress.amax(), "{what:?} {}", off(&run, &stress));
@@ -249,8 +261,9 @@ impl Observer for Rows {
 
 #[test]
 fn a_run_that_diverges_stops_at_once_names_the_element_and_keeps_the_curve() {
-    for (method, law) in METHODS.into_iter().flat_map(|method| [(method, LawName::Elastic), (method, LawName::Cdp)]) {
-        let body = Body::cuboid(method);
+    let bodies = Body::all();
+    for (body, law) in bodies.iter().flat_map(|body| [(body, LawName::Elastic), (body, LawName::Cdp)]) {
+        let method = body.name();
         let mut run = body.run(law);
         let healthy = run.to_end(&Rows(Cell::new(30)));
         // One node in the middle becomes so light that its step is far too long.
@@ -264,9 +277,8 @@ fn a_run_that_diverges_stops_at_once_names_the_element_and_keeps_the_curve() {
         let response = run.to_end(&Silent);
         let Ended::Diverged(told) = &response.result.ended else { panic!("{:?}", response.result.ended) };
         let number: usize = told.split_whitespace().nth(1).unwrap().parse().unwrap();
-        let nodes = body.mesh.kind.nodes();
-        assert!(body.mesh.cells[number * nodes..][..nodes].contains(&node), "{told}");
-        assert!(run.state.step < step + 200, "{method:?}: it took {} steps", run.state.step - step);
+        assert!(body.mesh.cell(number).contains(&node), "{told}");
+        assert!(run.state.step < step + 200, "{method}: it took {} steps", run.state.step - step);
         assert_eq!(response.curve[..30], healthy.curve[..]);
         assert!(response.curve.iter().flat_map(crate::Row::values).all(f64::is_finite), "{:?}", response.curve.last());
         // A value that is not finite would be a null; the exact volumes of this mesh are not known.

@@ -4,3 +4,4 @@ pub(crate) mod bending;
 pub(crate) mod face;
 pub(crate) mod hex;
 pub(crate) mod tet;
+pub(crate) mod uniform;

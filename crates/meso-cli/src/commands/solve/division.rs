@@ -85,6 +85,11 @@ impl Division {
         MeshOptions::try_from(table).map_err(|error| meshing::wrong_mesh(&error))
     }
 
+    /// Whether the mesh is of voxels.
+    pub(super) fn has_boxes(&self) -> bool {
+        self.method == MethodName::Voxel
+    }
+
     /// Treatment of mortar cells at an aggregate.
     pub(super) fn smeared(&self) -> Itz {
         if self.itz == Zone::Smeared { Itz::Smeared } else { Itz::None }

@@ -98,8 +98,9 @@ fn glance_at_lanes<S: Simd>(
     let common = (a[6] * square).above(q_a) & (b[6] * square).above(q_b) & beyond;
     let hit = (spheres | common).but_not(apart);
     let (decided, hit, spheres) = ((apart | hit).bits(), hit.bits(), spheres.bits());
-    for (four, answers) in answers.chunks_exact_mut(4).enumerate() {
-        answers.copy_from_slice(&ANSWERS[(decided >> (4 * four) & 15 | (hit >> (4 * four) & 15) << 4) as usize]);
+    for (four, answers) in answers.chunks_mut(4).enumerate() {
+        let bits = decided >> (4 * four) & 15 | (hit >> (4 * four) & 15) << 4;
+        answers.copy_from_slice(&ANSWERS[bits as usize][..answers.len()]);
     }
     let v = x.or(beyond, n);
     pending.add(

@@ -109,6 +109,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let softened = if figures.softened { "yes" } else { "no" };
     let rows = [
         ("test, friction, law", format!("{}, {}, {}", word(&result.test), result.friction, word(&result.law))),
+        ("strain smoothing", word(&result.smoothing)),
         ("modulus, secant to 30 % of the peak", format!("{:.0} MPa", figures.modulus_mpa)),
         ("peak", format!("{:.2} MPa", figures.peak_mpa)),
         ("strain at the peak", format!("{:.5}", figures.peak_strain)),
