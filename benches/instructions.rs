@@ -2,13 +2,17 @@
 //! all there is to measure.
 //!
 //! `cargo bench -p meso-collision --bench instructions -- SET one|many PASSES`, SET being intersecting, separated, near or
-//! stream. What three passes take beyond one, over 1,000, is a pair's. For arm64 count the lines that begin with `Trace` of
+//! stream; `--quick` asks few pairs. What three passes take beyond one, over 1,000, is a pair's. For arm64 count the lines that begin with `Trace` of
 //! `qemu-aarch64 -one-insn-per-tb -d nochain,exec PROGRAM SET one 3`. `many` needs `LOCKSTEP_PAYS` of the instruction set.
 #![allow(clippy::print_stdout, reason = "a bench reports on stdout")]
 
 use meso_collision::geometry::convex_hull;
 use meso_collision::gjk::{Body, PairQuery};
 use meso_collision::math::{Mat3, Vec3};
+
+#[allow(dead_code, reason = "other benches write tables")]
+#[path = "collision/table.rs"]
+mod table;
 
 const PAIRS: usize = 500;
 
@@ -18,8 +22,9 @@ fn main() {
     let (set, how, passes) = (word(0, "stream"), word(1, "one"), word(2, "1").parse().expect("PASSES is a number"));
     let mut stream = Stream(5);
     let bodies: Vec<Body> = (0..30).map(|_| body(&mut stream)).collect();
-    let mut asks = Vec::with_capacity(PAIRS);
-    while asks.len() < PAIRS {
+    let pairs = table::count(PAIRS, PAIRS / 10);
+    let mut asks = Vec::with_capacity(pairs);
+    while asks.len() < pairs {
         asks.extend(pair(set, &mut stream, &bodies));
     }
     let mut hits = 0;
@@ -29,7 +34,7 @@ fn main() {
             _ => asks.iter().filter(|ask| ask.a.overlaps(ask.b, &ask.b_from_a)).count(),
         };
     }
-    println!("{hits} of {} overlap", passes * PAIRS);
+    println!("{hits} of {} overlap", passes * pairs);
 }
 
 /// Numbers that cost no instructions to speak of.

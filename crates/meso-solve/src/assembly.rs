@@ -1,13 +1,13 @@
 //! From a mesh to blocks of elements.
 
-use crate::block::{BLOCK, Block, Cells, Common};
+use crate::block::{BLOCK, Block, Cells};
 use crate::builder::{Builder, OwnPatches};
 use crate::element::hex::BoxShape;
 use crate::element::uniform::Uniform;
 use crate::error::SolveError;
 use crate::order::{along_curve, key};
+use crate::parts::Parts;
 use crate::patches::{Numbered, Patches};
-use crate::sample::Sample;
 use crate::test::Smoothing;
 use crate::weight::Weight;
 use meso_core::math::{Aabb, Vec3};
@@ -29,17 +29,6 @@ pub(crate) struct Assembly {
     pub(crate) stable_s: f64,
     /// Widest crack band by phase, mm.
     pub(crate) widest_mm: [f64; 5],
-}
-
-/// Parts of an assembly.
-pub(crate) struct Parts<'a> {
-    pub(crate) sample: &'a Sample<'a>,
-    pub(crate) phases: &'a [Phase],
-    pub(crate) common: &'a Common,
-    /// Time step, s.
-    pub(crate) dt: f64,
-    /// Of tetrahedra.
-    pub(crate) smoothing: Smoothing,
 }
 
 /// Assembles a mesh.

@@ -1,12 +1,12 @@
 //! A block, built from the mesh's cells, cohesive faces and patches that it has.
 
-use crate::assembly::Parts;
 use crate::block::{Block, Cells, EMPTY, Group, eights};
 use crate::element::face::Faces;
 use crate::element::hex::Hexes;
 use crate::element::tet::{Shape, corners};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES};
+use crate::parts::Parts;
 use crate::patches::{BAND, MOST_NODES, Patch, Patches};
 use crate::weight::facing;
 use meso_core::materials::regular_edge;

@@ -21,6 +21,7 @@ mod matter;
 mod nodes;
 mod observer;
 mod order;
+mod parts;
 mod patches;
 mod phases;
 mod plates;

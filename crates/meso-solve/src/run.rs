@@ -4,7 +4,7 @@
 //! elements go in parallel, each into its own part of the forces; then runs of nodes go in parallel. Every sum has a fixed
 //! order, so the bytes do not hang on the threads.
 
-use crate::assembly::{Assembly, Parts, assemble, box_shape};
+use crate::assembly::{Assembly, assemble, box_shape};
 use crate::block::{Block, Common, Pass, Scratch};
 use crate::curve::Row;
 use crate::element::face::CohesionValues;
@@ -12,6 +12,7 @@ use crate::error::{SolveError, require};
 use crate::lanes::InstructionSet;
 use crate::matter::{self, Matter};
 use crate::nodes::Nodes;
+use crate::parts::Parts;
 use crate::patches::Patches;
 use crate::phases::Phases;
 use crate::plates::{Motion, Plates};

@@ -1,9 +1,9 @@
 //! Mass of the nodes: the elements' own, and what mass scaling adds.
 
-use crate::assembly::Parts;
 use crate::element::tet::corners;
 use crate::error::SolveError;
 use crate::mass::{Need, box_metric, tet_metric};
+use crate::parts::Parts;
 use crate::patches::{Patch, Patches};
 use meso_core::math::Vec3;
 use meso_core::mesh::{CellKind, Mesh, Phase};
