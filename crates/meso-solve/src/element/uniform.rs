@@ -1,4 +1,4 @@
-//! Elements of uniform strain, small displacements: tetrahedra (C3D4), and the patches of edges (see `smoothing`).
+//! Elements of uniform strain, small displacements: tetrahedra (C3D4), and the patches of edges (see `patches`).
 //!
 //! With the gradients g_a of the shape functions, strain = sym(sum u_a g_a) and the nodal forces are V stress g_a. The
 //! gradients add up to zero, so that of the first node is left out, and displacements are taken relative to it.
