@@ -81,7 +81,7 @@ fn ready<'a>(case: &Case<'a>) -> Run<'a> {
     // Few steps, so that softening is soon there: what a step costs does not hang on its length.
     let steps = 1000.0;
     let size = specimen.aabb().size().z;
-    let (law, smoothing, instruction_set) = (case.law, case.smoothing, Some(case.set));
+    let (law, smoothing, instruction_set) = (case.law, Some(case.smoothing), Some(case.set));
     let test = Test { law, smoothing, instruction_set, rows: 1_000_000, ..Test::default() };
     let duration = test.duration_s(size);
     let test = Test { time_step_s: Some(duration / steps), ..test };

@@ -57,7 +57,7 @@ RUNS = [
     "image small.json -o image.npy",
     f"solve small.json -o cdp {COARSE}",
     f"solve small.json -o cdpm2 --law cdpm2 {COARSE}",
-    f"solve small.json -o smoothed --smoothing edges {COARSE}",
+    f"solve small.json -o unsmoothed --smoothing none {COARSE}",
     f"solve small.json -o cohesive --itz cohesive {COARSE}",
     f"solve small.json -o voxels --method voxel --test tension {COARSE}",
 ]

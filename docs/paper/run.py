@@ -21,7 +21,6 @@ from pathlib import Path
 import pictures
 
 HERE = Path(__file__).resolve().parent
-MATERIALS = HERE / "mortar.toml"
 CHECKPOINT_S = "300"
 # What cases.csv keeps of a result.json.
 FIGURES = [
@@ -92,9 +91,9 @@ def cases(*, small: bool) -> list[Case]:
         found += influences(side, seed, coarse)
         # The paper's four sizes; below 2 mm a 100 mm cube would take the night for itself.
         for size in ("2.4", "2.0", "1.6", "1.2"):
-            found.append(Case("meshes", size, seed, cube(50.0, seed), ["--element-size-mm", size]))
-            smoothed = ["--element-size-mm", size, "--smoothing", "edges"]
-            found.append(Case("smoothing", size, seed, cube(50.0, seed), smoothed))
+            elements = ["--element-size-mm", size]
+            found.append(Case("meshes", size, seed, cube(50.0, seed), elements))
+            found.append(Case("unsmoothed", size, seed, cube(50.0, seed), [*elements, "--smoothing", "none"]))
         found += slenderness(side, seed, coarse)
     return found
 
@@ -176,9 +175,8 @@ def run(program: str, case: Case, folder: Path) -> None:
 
 
 def materials_of(case: Case) -> str:
-    """The mortar of all tests, with what the case changes."""
-    changed = f"[materials]\n{case.materials}\n" if case.materials else ""
-    return changed + MATERIALS.read_text(encoding="utf-8")
+    """What the case changes of the default materials."""
+    return f"[materials]\n{case.materials}\n"
 
 
 def with_defaults(flags: list[str]) -> list[str]:

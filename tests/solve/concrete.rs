@@ -48,20 +48,20 @@ fn coarse_boxes_bear_what_fine_ones_bear() {
     assert!((coarse.figures.peak_mpa / fine.figures.peak_mpa - 1.0).abs() < 0.05, "{coarse:?} {fine:?}");
 }
 
-/// Linear tetrahedra that flow between stiff grains are too strong, the coarser the more; patches much less so.
+/// Linear tetrahedra that flow between stiff grains are too strong, the coarser the more; patches hardly.
 #[test]
-fn smoothed_strains_take_away_more_than_half_of_what_peaks_owe_to_the_elements() {
+fn smoothed_strains_take_away_most_of_what_peaks_owe_to_the_elements() {
     let [coarse, fine] = [2.4, 1.6].map(|size| concrete(1.0, Method::FITTED, size, ItzForm::None));
     let apart = |smoothing: Smoothing| {
         let [coarse, fine] = [&coarse, &fine].map(|meshed| {
-            let result = solve(meshed, &Test { smoothing, ..Test::default() }).result;
+            let result = solve(meshed, &Test { smoothing: Some(smoothing), ..Test::default() }).result;
             assert!(result.errors.is_empty() && result.energy_balance_error < 1e-3, "{result:?}");
             result.figures.peak_mpa
         });
         coarse / fine - 1.0
     };
     let [plain, smoothed] = [Smoothing::None, Smoothing::Edges].map(apart);
-    assert!(plain > 0.03 && smoothed.abs() < 0.5 * plain, "{plain} {smoothed}");
+    assert!(plain > 0.03 && smoothed.abs() < 0.3 * plain, "{plain} {smoothed}");
 }
 
 #[test]

@@ -40,10 +40,10 @@ fn fast() -> Test {
 }
 
 fn cases() -> [(Meshed, Test); 4] {
-    let smoothed = Test { smoothing: Smoothing::Edges, ..fast() };
+    let plain = Test { smoothing: Some(Smoothing::None), ..fast() };
     [
         (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), fast()),
-        (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), smoothed),
+        (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), plain),
         (concrete(1.0, Method::VOXEL, 1.5, ItzForm::None), fast()),
         (concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive), fast()),
     ]

@@ -57,7 +57,7 @@ fn materials_that_cannot_be_are_named() {
 #[test]
 fn boxes_are_not_smoothed() {
     let meshed = Meshed::mortar([6.0; 3], Method::VOXEL, 3.0);
-    let test = Test { smoothing: Smoothing::Edges, ..Test::default() };
+    let test = Test { smoothing: Some(Smoothing::Edges), ..Test::default() };
     let error = refusal(meshed.sample(), &Materials::default(), &test);
     assert!(error.contains("boxes cannot be smoothed over edges; take tetrahedra"), "{error}");
 }

@@ -137,8 +137,8 @@ fn widest(blocks: &[Block], parts: &Parts) -> [f64; 5] {
         let widest = &mut widest[group.phase as usize];
         match &group.cells {
             Cells::Tets(cells) => *widest = widest.max(most(cells)),
-            Cells::Patches6(cells) => *widest = widest.max(most(cells)),
             Cells::Patches8(cells) => *widest = widest.max(most(cells)),
+            Cells::Patches9(cells) => *widest = widest.max(most(cells)),
             Cells::Patches12(cells) => *widest = widest.max(most(cells)),
             Cells::Hexes(_) => *widest = parts.common.band_mm,
             Cells::Triangles(_) | Cells::Quads(_) => {}

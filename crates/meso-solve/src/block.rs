@@ -24,11 +24,11 @@ pub(crate) const EMPTY: u32 = u32::MAX;
 pub(crate) enum Cells {
     /// C3D4.
     Tets(Vec<Tets>),
-    /// Patches of 4 to 6 nodes.
-    Patches6(Vec<Uniform<5>>),
-    /// Patches of 7 or 8 nodes.
+    /// Patches of 4 to 8 nodes.
     Patches8(Vec<Uniform<7>>),
-    /// Patches of 9 to 12 nodes.
+    /// Patches of 9 nodes.
+    Patches9(Vec<Uniform<8>>),
+    /// Patches of 10 to 12 nodes.
     Patches12(Vec<Uniform<11>>),
     /// C3D8R, and C3D8I where the matter is unbreakable.
     Hexes(Vec<Hexes>),
@@ -52,8 +52,8 @@ impl Cells {
     fn bytes(&self) -> usize {
         match self {
             Self::Tets(cells) => size_of_val(&**cells),
-            Self::Patches6(cells) => size_of_val(&**cells),
             Self::Patches8(cells) => size_of_val(&**cells),
+            Self::Patches9(cells) => size_of_val(&**cells),
             Self::Patches12(cells) => size_of_val(&**cells),
             Self::Hexes(cells) => size_of_val(&**cells),
             Self::Triangles(cells) => size_of_val(&**cells),
@@ -63,7 +63,7 @@ impl Cells {
 
     /// Whether they are patches, not cells or faces of the mesh.
     pub(crate) fn are_patches(&self) -> bool {
-        matches!(self, Self::Patches6(_) | Self::Patches8(_) | Self::Patches12(_))
+        matches!(self, Self::Patches8(_) | Self::Patches9(_) | Self::Patches12(_))
     }
 }
 
@@ -164,8 +164,8 @@ impl Task for Pass<'_> {
             let matter = &common.matter[*phase as usize];
             match cells {
                 Cells::Tets(cells) => *dissipated += uniform::<L, 3>(cells, matter, memory, u, forces),
-                Cells::Patches6(cells) => *dissipated += uniform::<L, 5>(cells, matter, memory, u, forces),
                 Cells::Patches8(cells) => *dissipated += uniform::<L, 7>(cells, matter, memory, u, forces),
+                Cells::Patches9(cells) => *dissipated += uniform::<L, 8>(cells, matter, memory, u, forces),
                 Cells::Patches12(cells) => *dissipated += uniform::<L, 11>(cells, matter, memory, u, forces),
                 Cells::Hexes(cells) if matter.is_unbreakable => bend::<L>(cells, matter, &common.shape, u, forces),
                 Cells::Hexes(cells) => {

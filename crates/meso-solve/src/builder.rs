@@ -7,7 +7,7 @@ use crate::element::tet::{Shape, corners};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES};
 use crate::parts::Parts;
-use crate::patches::{BAND, MOST_NODES, Patch, Patches};
+use crate::patches::{MOST_NODES, Patch, Patches, band};
 use crate::weight::facing;
 use meso_core::materials::regular_edge;
 use meso_core::mesh::{CellKind, Mesh, Phase};
@@ -59,10 +59,7 @@ impl<'a> Builder<'a> {
     /// The block of some cells and cohesive faces.
     pub(crate) fn build(mut self, cells: &[u32], faces: &[u32]) -> Block {
         let mesh = self.parts.sample.mesh;
-        let mut cells = cells.to_vec();
-        if self.patches.is_some() {
-            cells.retain(|&cell| !Patches::take(self.parts.phases[cell as usize]));
-        }
+        let mut cells = if self.patches.is_some() { Vec::new() } else { cells.to_vec() };
         cells.sort_by_key(|&cell| self.parts.phases[cell as usize] as u8);
         self.nodes = self.nodes_of(&cells, faces);
         let mut groups = Vec::new();
@@ -147,14 +144,14 @@ impl<'a> Builder<'a> {
 
     /// Adds the groups of the block's patches, by phase and number of nodes.
     fn add_patches(&self, own: &OwnPatches, groups: &mut Vec<Group>) {
-        for phase in [Phase::Mortar, Phase::Itz] {
+        for phase in PHASES {
             let mut add = |places: &[u32], cells: Cells| {
                 let numbers: Vec<u32> = places.iter().map(|&place| own.numbers[place as usize]).collect();
                 groups.extend((!numbers.is_empty()).then(|| self.group(phase, cells, &numbers)));
             };
-            let [small, middle, large] = [(4, 6), (7, 8), (9, MOST_NODES)].map(|(a, b)| own.of(phase, a, b));
-            add(&small, Cells::Patches6(self.uniform(own, &small)));
-            add(&middle, Cells::Patches8(self.uniform(own, &middle)));
+            let [small, middle, large] = [(4, 8), (9, 9), (10, MOST_NODES)].map(|(a, b)| own.of(phase, a, b));
+            add(&small, Cells::Patches8(self.uniform(own, &small)));
+            add(&middle, Cells::Patches9(self.uniform(own, &middle)));
             add(&large, Cells::Patches12(self.uniform(own, &large)));
         }
     }
@@ -163,9 +160,8 @@ impl<'a> Builder<'a> {
     fn uniform<const N: usize>(&self, own: &OwnPatches, places: &[u32]) -> Vec<Uniform<N>> {
         let sample = self.parts.sample;
         self.eights(places, |eight: &mut Uniform<N>, lane, place, used| {
-            let (number, shape) = (own.numbers[place as usize], &own.shapes[place as usize]);
-            let cell_mm3 = own.all.mean_cell_mm3(number, shape.volume);
-            let width = BAND * sample.band_factor * regular_edge(sample.mesh.kind, cell_mm3);
+            let shape = &own.shapes[place as usize];
+            let width = band(sample.mesh) * sample.band_factor * regular_edge(sample.mesh.kind, shape.cell_mm3);
             let nodes: Vec<u16> = shape.nodes.iter().map(|&node| self.local(node)).collect();
             eight.set(lane, &nodes, &shape.gradients[1..], if used { shape.volume } else { 0.0 }, width);
         })

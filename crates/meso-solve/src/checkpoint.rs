@@ -11,7 +11,7 @@ use crate::run::{Run, State};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 impl Run<'_> {
     /// Writes the state.

@@ -5,7 +5,6 @@ use crate::element::uniform::Uniform;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
 use crate::matter::LawTask;
-use crate::patches::EDGES;
 use crate::plates::Plates;
 use crate::run::Run;
 use meso_core::mesh::{Mesh, Phase};
@@ -94,8 +93,11 @@ impl<'a> Frame<'a> {
                 match element {
                     Element::Cell(cell) => all[*cell as usize] = *x,
                     Element::Patch(patch) => {
-                        let cells = self.run.patches.as_ref().map_or(&[][..], |patches| patches.cells(*patch));
-                        cells.iter().for_each(|&cell| all[cell as usize].add(x, 1.0 / EDGES as f32));
+                        let patches =
+                            self.run.patches.as_ref().expect("patches have elements where strains are smoothed");
+                        for &cell in patches.cells(*patch) {
+                            all[cell as usize].add(x, patches.part(cell) as f32);
+                        }
                     }
                 }
             }
@@ -178,8 +180,8 @@ impl LawTask for GroupProbe<'_> {
         let Self { group, common, u } = self;
         let strains: Vec<(Tensor<L>, L)> = match &group.cells {
             Cells::Tets(cells) => strains(cells, u),
-            Cells::Patches6(cells) => strains(cells, u),
             Cells::Patches8(cells) => strains(cells, u),
+            Cells::Patches9(cells) => strains(cells, u),
             Cells::Patches12(cells) => strains(cells, u),
             Cells::Hexes(cells) => {
                 cells.iter().map(|cells| (cells.strain(u, &common.shape).0, L::splat(common.band_mm))).collect()

@@ -1,20 +1,23 @@
-//! Strain smoothing: the strains of mortar and ITZ belong to edges instead of tetrahedra.
+//! Strain smoothing: strains belong to edges of the mesh instead of its tetrahedra.
 //!
 //! Edge-based smoothed finite elements (Liu, Nguyen-Thoi and Lam 2009, J. Sound Vib. 320, 1100; in three dimensions Cazes
-//! and Meschke 2013, Int. J. Numer. Meth. Engng 94). Every edge takes a sixth of each tetrahedron around it: its
-//! *patch*. The mean of their strains by volume is the strain of the patch. Linear tetrahedra that flow between stiff
-//! grains are too strong, and patches much less so (docs/engine.md).
+//! and Meschke 2013, Int. J. Numer. Meth. Engng 94): the tetrahedra around an edge are its *patch*, each divides itself
+//! between the patches that have it, and a patch's strain is the mean of theirs by volume. Linear tetrahedra that flow
+//! between stiff grains are too strong, and patches much less so. There, every edge has a patch; here edges are left
+//! out while each tetrahedron has two, which costs a third of the time and relieves more (docs/engine.md).
 
 use crate::element::tet::{Shape, corners};
 use meso_core::math::{Mat3, Vec3};
 use meso_core::mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
-/// Edges of a tetrahedron: the number of patches that have a cell.
-pub(crate) const EDGES: usize = 6;
-/// Width of a crack band of patches over that of their tetrahedra: with the same width, weak bands one and three elements
-/// wide spend 1.30 to 1.37 of their energy, at 1.5, 2 and 3 mm.
-pub(crate) const BAND: f64 = 1.35;
+/// Patches that a tetrahedron has, at least. With one, displacements that bend many tetrahedra would meet 1/240 of
+/// the tetrahedra's own resistance, with two 1/50, with a patch for every edge 1/12 (docs/engine.md).
+const LEAST: u8 = 2;
+/// Width of a crack band of patches over that of their tetrahedra, in a lattice and in a conforming mesh: weak bands of
+/// one, three and six elements then spend 0.90 to 1.09 of their energy, at 1.5, 2 and 3 mm.
+const LATTICE_BAND: f64 = 1.52;
+const CONFORMING_BAND: f64 = 1.45;
 /// Nodes of a patch, at most.
 pub(crate) const MOST_NODES: usize = 12;
 /// Tetrahedra of a patch, at most, where all of those around the edge are in it: neighbours, which share nodes.
@@ -24,14 +27,22 @@ const MOST_APART: usize = 5;
 /// Nodes whose edges go together.
 const RUN: usize = 4096;
 
-/// The patches of a mesh: one per edge, or one per edge and phase where mortar and ITZ differ in stiffness.
+/// The patches of a mesh. Those of an edge at which phases meet that differ in stiffness are one per phase.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patches {
-    /// Where each patch's cells begin in `cells`, and their end.
-    first: Vec<u32>,
-    cells: Vec<u32>,
+    lists: Lists,
     /// The phase whose law each patch has.
     pub(crate) phase: Vec<Phase>,
+    /// Patches that have each cell.
+    count: Vec<u8>,
+}
+
+/// Lists of cells.
+#[derive(Clone, Debug, Default)]
+struct Lists {
+    /// Where each list begins in `cells`, and the end of the last.
+    first: Vec<u32>,
+    cells: Vec<u32>,
 }
 
 /// The shape of a patch.
@@ -45,6 +56,8 @@ pub(crate) struct Patch {
     pub(crate) shares: Vec<f64>,
     /// mm3.
     pub(crate) volume: f64,
+    /// Mean volume of its whole cells, mm3.
+    pub(crate) cell_mm3: f64,
 }
 
 /// A mesh, the phases of its cells in the test, and the engine's numbers of its nodes.
@@ -56,52 +69,46 @@ pub(crate) struct Numbered<'a> {
     pub(crate) number: &'a [u32],
 }
 
+/// Width of a crack band of patches over that of their tetrahedra.
+pub(crate) fn band(mesh: &Mesh) -> f64 {
+    if mesh.notes.conforming { CONFORMING_BAND } else { LATTICE_BAND }
+}
+
 impl Patches {
-    /// Whether the strains of `phase` are smoothed.
-    pub(crate) fn take(phase: Phase) -> bool {
-        matches!(phase, Phase::Mortar | Phase::Itz)
-    }
-
-    /// Those around the edges from every node, in the order of `nodes`, to nodes of higher numbers. Where they may be
-    /// `mixed`, a patch has cells of mortar and ITZ, and the law of the phase that fills most of it.
+    /// Those around edges from `nodes`, in their order, to nodes of higher numbers. Where they may be `mixed`, patches have
+    /// cells of mortar and ITZ: those that the ITZ fills most have its law, as many as make up its volume.
     pub(crate) fn of(numbered: Numbered, nodes: &[u32], mixed: bool) -> Self {
-        let around = Around::of(&numbered);
-        let of_run = |run: &[u32]| {
-            let mut own = Self::default();
-            run.iter().for_each(|&node| own.add(numbered, node, around.cells(node), mixed));
-            own
-        };
-        let runs: Vec<Self> = nodes.par_chunks(RUN).map(of_run).collect();
-        let mut all = Self::default();
-        for run in runs {
-            let start = all.cells.len() as u32;
-            all.first.extend(run.first.iter().map(|first| start + first));
-            all.cells.extend(run.cells);
-            all.phase.extend(run.phase);
+        let Numbered { mesh, phases, .. } = numbered;
+        let mut lists = Lists::of_edges(numbered, nodes, mixed);
+        let count = lists.thin(mesh.cell_count());
+        let phase = (0..lists.len()).map(|list| phases[lists.cells(list)[0] as usize]).collect();
+        let mut patches = Self { lists, phase, count };
+        if mixed {
+            patches.divide(mesh, phases);
         }
-        all.first.push(all.cells.len() as u32);
-        all
+        patches
     }
 
-    /// Adds those from `node`, which the cells `around` have.
-    fn add(&mut self, numbered: Numbered, node: u32, around: &[u32], mixed: bool) {
-        let Numbered { mesh, phases, number } = numbered;
-        let own = number[node as usize];
-        let mut edges: Vec<(u32, u8, u32)> = Vec::new();
-        for &cell in around {
-            let class = if mixed { 0 } else { phases[cell as usize] as u8 };
-            let others = mesh.cell(cell as usize).iter().map(|&other| number[other as usize]);
-            edges.extend(others.filter(|&other| other > own).map(|other| (other, class, cell)));
-        }
-        edges.sort_unstable();
-        for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let most = if edge.len() > MOST_CELLS { MOST_APART } else { MOST_CELLS };
-            for part in edge.chunks(most) {
-                self.first.push(self.cells.len() as u32);
-                let start = self.cells.len();
-                self.cells.extend(part.iter().map(|&(.., cell)| cell));
-                self.phase.push(fills_most(mesh, phases, &self.cells[start..]));
-            }
+    /// Gives mixed patches their law.
+    fn divide(&mut self, mesh: &Mesh, phases: &[Phase]) {
+        let content = |patch: &u32| {
+            let volume = |of: Phase| -> f64 {
+                let own = self.cells(*patch).iter().filter(|&&cell| phases[cell as usize] == of);
+                own.map(|&cell| self.part(cell) * Shape::of(&corners(mesh, cell)).volume).sum()
+            };
+            (*patch, volume(Phase::Mortar), volume(Phase::Itz))
+        };
+        let is_mixed = |patch: &u32| matches!(self.phase[*patch as usize], Phase::Mortar | Phase::Itz);
+        let patches = (0..self.len() as u32).into_par_iter().filter(is_mixed);
+        let mut contents: Vec<(u32, f64, f64)> = patches.map(|patch| content(&patch)).collect();
+        let mut left: f64 = contents.iter().map(|(.., itz)| itz).sum();
+        // Stable: patches that are filled alike stay in their order.
+        contents.par_sort_by(|(_, m, i), (_, n, j)| (j / (n + j)).total_cmp(&(i / (m + i))));
+        for (patch, mortar, itz) in contents {
+            let whole = mortar + itz;
+            // The last one goes to the phase that it leaves nearer to its volume.
+            self.phase[patch as usize] = if 2.0 * left > whole { Phase::Itz } else { Phase::Mortar };
+            left -= whole;
         }
     }
 
@@ -112,37 +119,131 @@ impl Patches {
 
     /// Cells of a patch.
     pub(crate) fn cells(&self, patch: u32) -> &[u32] {
-        let [start, end] = [0, 1].map(|next| self.first[patch as usize + next] as usize);
-        &self.cells[start..end]
+        self.lists.cells(patch as usize)
+    }
+
+    /// What each patch that has `cell` gets of it.
+    pub(crate) fn part(&self, cell: u32) -> f64 {
+        1.0 / f64::from(self.count[cell as usize])
     }
 
     /// Bytes that they hold.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.first) + size_of_val(&*self.cells) + size_of_val(&*self.phase)
+        let lists = size_of_val(&*self.lists.first) + size_of_val(&*self.lists.cells);
+        lists + size_of_val(&*self.phase) + size_of_val(&*self.count)
     }
 
     /// The shape of a patch.
     pub(crate) fn patch(&self, mesh: &Mesh, patch: u32) -> Patch {
-        let mut found = Patch::default();
-        self.cells(patch)
+        let (cells, mut found) = (self.cells(patch), Patch::default());
+        cells
             .iter()
-            .for_each(|&cell| found.add(mesh.cell(cell as usize), &Shape::of(&corners(mesh, cell))));
+            .for_each(|&cell| found.add(mesh.cell(cell as usize), &Shape::of(&corners(mesh, cell)), self.part(cell)));
         found.gradients.iter_mut().for_each(|gradient| *gradient /= found.volume);
         found.shares.iter_mut().for_each(|share| *share /= found.volume);
+        found.cell_mm3 /= cells.len() as f64;
         found
     }
+}
 
-    /// Mean volume of a patch's cells, mm3.
-    pub(crate) fn mean_cell_mm3(&self, patch: u32, volume: f64) -> f64 {
-        EDGES as f64 * volume / self.cells(patch).len() as f64
+impl Lists {
+    /// The cells around every edge.
+    fn of_edges(numbered: Numbered, nodes: &[u32], mixed: bool) -> Self {
+        let around = Around::of(numbered.mesh);
+        let of_run = |run: &[u32]| {
+            let mut own = Self::default();
+            run.iter().for_each(|&node| own.add_edges(numbered, node, around.cells(node), mixed));
+            own
+        };
+        Self::joined(nodes.par_chunks(RUN).map(of_run).collect())
+    }
+
+    /// Some lists after each other.
+    fn joined(runs: Vec<Self>) -> Self {
+        let room = |of: fn(&Self) -> usize| runs.iter().map(of).sum::<usize>() + 1;
+        let mut all = Self {
+            first: Vec::with_capacity(room(|run| run.first.len())),
+            cells: Vec::with_capacity(room(|run| run.cells.len())),
+        };
+        for run in runs {
+            let start = all.cells.len() as u32;
+            all.first.extend(run.first.iter().map(|first| start + first));
+            all.cells.extend(run.cells);
+        }
+        all.first.push(all.cells.len() as u32);
+        all
+    }
+
+    /// Adds the cells around every edge from `node`, which the cells `around` have; the end is still missing.
+    fn add_edges(&mut self, numbered: Numbered, node: u32, around: &[u32], mixed: bool) {
+        let Numbered { mesh, phases, number } = numbered;
+        let own = number[node as usize];
+        let mut edges: Vec<(u32, u8, u32)> = Vec::new();
+        for &cell in around {
+            let phase = phases[cell as usize];
+            let class = if mixed && phase == Phase::Itz { Phase::Mortar } else { phase } as u8;
+            let others = mesh.cell(cell as usize).iter().map(|&other| number[other as usize]);
+            edges.extend(others.filter(|&other| other > own).map(|other| (other, class, cell)));
+        }
+        edges.sort_unstable();
+        for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let most = if edge.len() > MOST_CELLS { MOST_APART } else { MOST_CELLS };
+            for part in edge.chunks(most) {
+                self.first.push(self.cells.len() as u32);
+                self.cells.extend(part.iter().map(|&(.., cell)| cell));
+            }
+        }
+    }
+
+    /// Leaves out lists while every cell is in [`LEAST`] others, the shortest first; how many have each of the `cells`.
+    fn thin(&mut self, cells: usize) -> Vec<u8> {
+        let mut count = vec![0; cells];
+        self.cells.iter().for_each(|&cell| count[cell as usize] += 1);
+        let mut stays = vec![true; self.len()];
+        for length in 1..=MOST_CELLS {
+            for (list, stays) in stays.iter_mut().enumerate() {
+                let own = self.cells(list);
+                if own.len() == length && own.iter().all(|&cell| count[cell as usize] > LEAST) {
+                    own.iter().for_each(|&cell| count[cell as usize] -= 1);
+                    *stays = false;
+                }
+            }
+        }
+        self.retain(&stays);
+        count
+    }
+
+    /// Keeps the lists that stay.
+    fn retain(&mut self, stays: &[bool]) {
+        let (mut lists, mut end) = (0, 0);
+        for list in (0..stays.len()).filter(|&list| stays[list]) {
+            let own = self.first[list] as usize..self.first[list + 1] as usize;
+            self.first[lists] = end as u32;
+            (lists, end) = (lists + 1, end + own.len());
+            self.cells.copy_within(own.clone(), end - own.len());
+        }
+        self.first[lists] = end as u32;
+        self.first.truncate(lists + 1);
+        self.cells.truncate(end);
+        self.first.shrink_to_fit();
+        self.cells.shrink_to_fit();
+    }
+
+    fn len(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    fn cells(&self, list: usize) -> &[u32] {
+        &self.cells[self.first[list] as usize..self.first[list + 1] as usize]
     }
 }
 
 impl Patch {
-    /// Adds a sixth of a cell; gradients and shares are still times the volume.
-    fn add(&mut self, nodes: &[u32], shape: &Shape) {
-        let volume = shape.volume / EDGES as f64;
+    /// Adds a `part` of a cell; gradients and shares are still times the volume, and the cells' mean is still a sum.
+    fn add(&mut self, nodes: &[u32], shape: &Shape, part: f64) {
+        let volume = part * shape.volume;
         self.volume += volume;
+        self.cell_mm3 += shape.volume;
         for (&node, gradient) in nodes.iter().zip(shape.all_gradients()) {
             let place = self.nodes.iter().position(|&other| other == node).unwrap_or(self.nodes.len());
             if place == self.nodes.len() {
@@ -161,43 +262,27 @@ impl Patch {
     }
 }
 
-/// The phase that fills most of some cells; mortar where both fill a half.
-fn fills_most(mesh: &Mesh, phases: &[Phase], cells: &[u32]) -> Phase {
-    let is_itz = |cell: u32| phases[cell as usize] == Phase::Itz;
-    let mut balance = 0.0;
-    for &cell in cells {
-        let volume = Shape::of(&corners(mesh, cell)).volume;
-        balance += if is_itz(cell) { volume } else { -volume };
-    }
-    if balance > 0.0 { Phase::Itz } else { Phase::Mortar }
-}
-
-/// The smoothed cells around every node.
-struct Around {
-    first: Vec<u32>,
-    cells: Vec<u32>,
-}
+/// The cells around every node.
+struct Around(Lists);
 
 impl Around {
-    fn of(numbered: &Numbered) -> Self {
-        let Numbered { mesh, phases, .. } = numbered;
-        let smoothed = || (0..).zip(mesh.cells()).filter(|(cell, _)| Patches::take(phases[*cell as usize]));
+    fn of(mesh: &Mesh) -> Self {
         let mut first = vec![0_u32; mesh.points.len() + 1];
-        smoothed().for_each(|(_, nodes): (u32, _)| nodes.iter().for_each(|&node| first[node as usize + 1] += 1));
+        mesh.cells.iter().for_each(|&node| first[node as usize + 1] += 1);
         (1..first.len()).for_each(|node| first[node] += first[node - 1]);
         let mut next = first.clone();
-        let mut cells = vec![0; first[mesh.points.len()] as usize];
-        for (cell, nodes) in smoothed() {
+        let mut cells = vec![0; mesh.cells.len()];
+        for (cell, nodes) in (0..).zip(mesh.cells()) {
             for &node in nodes {
                 let next = &mut next[node as usize];
                 cells[*next as usize] = cell;
                 *next += 1;
             }
         }
-        Self { first, cells }
+        Self(Lists { first, cells })
     }
 
     fn cells(&self, node: u32) -> &[u32] {
-        &self.cells[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
+        self.0.cells(node as usize)
     }
 }

@@ -38,7 +38,7 @@ pub struct Summary {
     pub friction: f64,
     /// The law of mortar and ITZ.
     pub law: LawName,
-    /// Strain smoothing of mortar and ITZ.
+    /// Strain smoothing.
     pub smoothing: Smoothing,
     /// Cells of the mesh.
     pub elements: usize,
@@ -130,7 +130,7 @@ impl Response {
             test: run.test.kind,
             friction: run.test.friction,
             law: run.test.law,
-            smoothing: run.test.smoothing,
+            smoothing: run.test.smoothing(run.sample.mesh.kind),
             elements: run.sample.mesh.cell_count(),
             cohesive_elements: run.sample.mesh.cohesive().len(),
             steps: run.state.step,

@@ -95,7 +95,7 @@ impl<'a> Run<'a> {
         let phases = Phases::of(mesh, test.joined, test.itz);
         let common = common(&sample, &as_solved(&materials.in_mesh(mesh), &phases), test)?;
         let (steps, dt) = steps(&sample, test, height_mm)?;
-        let smoothing = test.smoothing;
+        let smoothing = test.smoothing(mesh.kind);
         let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let mut number = vec![0; order.len()];
@@ -231,8 +231,8 @@ fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
 
 /// Boxes have no edges to smooth over.
 fn validate_smoothing(sample: &Sample, test: &Test) -> Result<(), SolveError> {
-    let is_smoothed = test.smoothing == Smoothing::Edges;
-    if is_smoothed && sample.mesh.kind == CellKind::Hexahedron {
+    let kind = sample.mesh.kind;
+    if kind == CellKind::Hexahedron && test.smoothing(kind) == Smoothing::Edges {
         return Err(SolveError::mesh("its boxes cannot be smoothed over edges; take tetrahedra, or no smoothing"));
     }
     Ok(())

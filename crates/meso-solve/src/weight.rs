@@ -36,7 +36,7 @@ impl Weight {
         let share = 1.0 / mesh.kind.corners() as f64;
         for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(parts.phases)) {
             let need = need(parts, number, phase)?;
-            if patches.is_none() || !Patches::take(phase) {
+            if patches.is_none() {
                 weight.add(&need, cell.iter().map(|&node| (node, share)));
             }
         }

@@ -41,9 +41,9 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = LawText(Test::default().law), value_parser = law)]
     #[arg(help = format!("The law of mortar and ITZ: {}", names::list::<LawName>()))]
     law: LawText,
-    #[arg(long, value_name = "OVER", default_value = "none", value_parser = names::parse::<Smoothing>)]
-    #[arg(help = format!("Smooth strains of mortar and ITZ, so that peaks depend less on the tetrahedra's size: {}", names::list::<Smoothing>()))]
-    smoothing: Smoothing,
+    #[arg(long, value_name = "OVER", value_parser = names::parse::<Smoothing>)]
+    #[arg(help = format!("Smooth the strains of tetrahedra, so that peaks hardly depend on their size: {} [default: edges; none for voxels]", names::list::<Smoothing>()))]
+    smoothing: Option<Smoothing>,
     /// Frames of all fields, evenly over the test
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::count)]
     #[arg(allow_negative_numbers = true)]
@@ -153,7 +153,7 @@ impl Args {
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
             return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
         }
-        if self.smoothing == Smoothing::Edges && self.division.has_boxes() {
+        if self.smoothing == Some(Smoothing::Edges) && self.division.has_boxes() {
             let message = "--smoothing edges needs tetrahedra; take --method lattice or conforming, or leave it out";
             return Err(Failure::Usage(message.to_owned()));
         }

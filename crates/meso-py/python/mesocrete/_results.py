@@ -445,7 +445,7 @@ class TestResult(CurveFigures):
     law: str
     """The law of mortar and ITZ."""
     smoothing: str
-    """Strain smoothing of mortar and ITZ."""
+    """Strain smoothing."""
     elements: int
     """Cells of the mesh."""
     cohesive_elements: int

@@ -506,8 +506,8 @@ class SolveOptions(TypedDict, total=False):
     """Share of the time in which the plates gain their speed."""
     rows: int
     """Rows of the curve, at most."""
-    smoothing: Literal["none", "edges"]
-    """Strain smoothing of mortar and ITZ (tetrahedra)."""
+    smoothing: Literal["none", "edges"] | None
+    """Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not."""
     strain: float | None
     """Mean axial strain at the end; 0.005 in compression, 0.0005 in tension."""
     time_step_s: float | None

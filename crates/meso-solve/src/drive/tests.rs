@@ -59,7 +59,7 @@ impl Body {
 
     fn run(&self, law: LawName) -> Run<'_> {
         let sample = Sample::of(&self.mesh, &self.specimen, &self.options);
-        let test = Test { law, itz: Itz::None, smoothing: self.smoothing, ..Test::default() };
+        let test = Test { law, itz: Itz::None, smoothing: Some(self.smoothing), ..Test::default() };
         Run::new(sample, &Materials::default(), &test).unwrap()
     }
 
