@@ -45,7 +45,7 @@ def mesocrete(mesh, law, steps):
     packed = meshed(float(mesh["size"]))
     options = {"friction": 0.1, "frames": 1, "threads": 1, "duration_s": steps * 4e-7, "time_step_s": 4e-7}
     start = time.process_time()
-    packed.solve(law="elastic" if law == "elastic" else "cdp", **options)
+    packed.solve(law="elastic" if law == "elastic" else "cdp", smoothing="none", **options)
     return start
 
 
