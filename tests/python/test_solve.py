@@ -68,20 +68,25 @@ def test_frames_hold_the_fields(mesh, response):
     volume = abs(np.linalg.det(edges)) / 6
     mean = -(second.stress[:, 2] * volume).sum() / volume.sum()
     assert mean == pytest.approx(second.stress_mpa, rel=0.05)
-    # The upper nodes went down by the strain times the height.
+    # The upper nodes went down by the strain times the height; those of broken pieces may leave the plate.
     top = points[:, 2] == points[:, 2].max()
-    assert -second.displacement[top, 2].min() == pytest.approx(second.strain * 24, rel=0.02)
+    assert -np.median(second.displacement[top, 2]) == pytest.approx(second.strain * 24, rel=0.02)
+    assert -second.displacement[top, 2].max() == pytest.approx(second.strain * 24, rel=0.02)
 
 
-def test_damage_is_at_most_what_its_parts_leave_and_comes_with_cracks(response):
+def test_damage_is_at_most_what_its_parts_leave_and_comes_with_cracks(mesh, response):
     assert isinstance(response, mc.Response) and all(isinstance(frame, mc.Frame) for frame in response.frames)
     first, second = response.frames
     assert 0 < first.time_s < second.time_s
     for part in (second.damage_tension, second.damage_compression):
         assert part.shape == second.damage.shape and part.min() >= 0 and part.max() <= 1
-    # Cracks that are pressed shut take no stiffness away, so damage may lie below that in tension.
-    left = (1 - second.damage_tension) * (1 - second.damage_compression)
-    assert (second.damage <= 1 - left + 1e-6).all() and (second.damage >= second.damage_compression - 1e-6).all()
+    # Cracks that are pressed shut take no stiffness away, so damage may lie below that in tension. Means over patches obey
+    # what is linear.
+    parts = second.damage_tension + second.damage_compression
+    assert (second.damage <= parts + 1e-6).all() and (second.damage >= second.damage_compression - 1e-6).all()
+    last = mesh.solve(friction=0.1, frames=1, smoothing="none", **QUICK).last
+    left = (1 - last.damage_tension) * (1 - last.damage_compression)
+    assert (last.damage <= 1 - left + 1e-6).all() and (last.damage >= last.damage_compression - 1e-6).all()
     opening = second.crack_opening_mm
     assert opening.max() > 0 and (second.damage_tension[opening > 1e-3] > 0).all()
 
