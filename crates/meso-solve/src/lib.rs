@@ -10,6 +10,8 @@ mod block;
 mod builder;
 mod checkpoint;
 mod curve;
+#[cfg(test)]
+mod dice;
 mod drive;
 mod element;
 mod error;

@@ -147,12 +147,29 @@ impl Patches {
 }
 
 impl Lists {
+    /// The cells around every node.
+    fn around_nodes(mesh: &Mesh) -> Self {
+        let mut first = vec![0_u32; mesh.points.len() + 1];
+        mesh.cells.iter().for_each(|&node| first[node as usize + 1] += 1);
+        (1..first.len()).for_each(|node| first[node] += first[node - 1]);
+        let mut next = first.clone();
+        let mut cells = vec![0; mesh.cells.len()];
+        for (cell, nodes) in (0..).zip(mesh.cells()) {
+            for &node in nodes {
+                let next = &mut next[node as usize];
+                cells[*next as usize] = cell;
+                *next += 1;
+            }
+        }
+        Self { first, cells }
+    }
+
     /// The cells around every edge.
     fn of_edges(numbered: Numbered, nodes: &[u32], mixed: bool) -> Self {
-        let around = Around::of(numbered.mesh);
+        let around = Self::around_nodes(numbered.mesh);
         let of_run = |run: &[u32]| {
             let mut own = Self::default();
-            run.iter().for_each(|&node| own.add_edges(numbered, node, around.cells(node), mixed));
+            run.iter().for_each(|&node| own.add_edges(numbered, node, around.cells(node as usize), mixed));
             own
         };
         Self::joined(nodes.par_chunks(RUN).map(of_run).collect())
@@ -262,34 +279,10 @@ impl Patch {
     }
 }
 
-/// The cells around every node.
-struct Around(Lists);
-
-impl Around {
-    fn of(mesh: &Mesh) -> Self {
-        let mut first = vec![0_u32; mesh.points.len() + 1];
-        mesh.cells.iter().for_each(|&node| first[node as usize + 1] += 1);
-        (1..first.len()).for_each(|node| first[node] += first[node - 1]);
-        let mut next = first.clone();
-        let mut cells = vec![0; mesh.cells.len()];
-        for (cell, nodes) in (0..).zip(mesh.cells()) {
-            for &node in nodes {
-                let next = &mut next[node as usize];
-                cells[*next as usize] = cell;
-                *next += 1;
-            }
-        }
-        Self(Lists { first, cells })
-    }
-
-    fn cells(&self, node: u32) -> &[u32] {
-        self.0.cells(node as usize)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dice::dice;
     use meso_core::mesh::{self, ItzForm, MeshOptions, Method};
     use meso_core::packing::Specimen;
 
@@ -299,11 +292,7 @@ mod tests {
             MeshOptions { method: Method::FITTED, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
         let mut mesh = mesh::build_parts(&[], &Specimen::cuboid([8.0, 9.0, 10.0]), &options).unwrap();
         let mut state = 7_u64;
-        let mut dice = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f64 / (1 << 24) as f64 - 0.5
-        };
-        mesh.points.iter_mut().for_each(|point| *point += Vec3::from_fn(|_, _| 0.5 * dice()));
+        mesh.points.iter_mut().for_each(|point| *point += Vec3::from_fn(|_, _| 0.25 * dice(&mut state)));
         let phase = |cell: u32| {
             let is_far = corners(&mesh, cell).iter().all(|corner| corner.z > 6.0);
             if is_far { Phase::Aggregate } else { [Phase::Mortar, Phase::Itz][usize::from(cell.is_multiple_of(5))] }

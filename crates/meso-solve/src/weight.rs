@@ -5,7 +5,7 @@ use crate::error::SolveError;
 use crate::mass::{Need, box_metric, tet_metric};
 use crate::parts::Parts;
 use crate::patches::{Patch, Patches};
-use meso_core::math::Vec3;
+use meso_core::math::{Mat3, Vec3};
 use meso_core::mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 
@@ -33,18 +33,22 @@ impl Weight {
         let mesh = parts.sample.mesh;
         let zero = || vec![0.0; mesh.points.len()];
         let mut weight = Self { mass: zero(), spare: zero(), total: [0.0; 2], stable_s: f64::INFINITY };
-        let share = 1.0 / mesh.kind.corners() as f64;
-        for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(parts.phases)) {
-            let need = need(parts, number, phase)?;
-            if patches.is_none() {
-                weight.add(&need, cell.iter().map(|&node| (node, share)));
-            }
-        }
-        if let Some(patches) = patches {
-            weight.add_patches(parts, patches);
+        match patches {
+            Some(patches) => weight.add_patches(parts, patches)?,
+            None => weight.add_cells(parts)?,
         }
         weight.add_faces(parts);
         Ok(weight)
+    }
+
+    fn add_cells(&mut self, parts: &Parts) -> Result<(), SolveError> {
+        let mesh = parts.sample.mesh;
+        let share = 1.0 / mesh.kind.corners() as f64;
+        for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(parts.phases)) {
+            let need = need(parts, number, phase)?;
+            self.add(&need, cell.iter().map(|&node| (node, share)));
+        }
+        Ok(())
     }
 
     /// Adds an element with the share of each of its nodes.
@@ -58,9 +62,11 @@ impl Weight {
         }
     }
 
-    fn add_patches(&mut self, parts: &Parts, patches: &Patches) {
+    fn add_patches(&mut self, parts: &Parts, patches: &Patches) -> Result<(), SolveError> {
+        let mesh = parts.sample.mesh;
+        (0..mesh.cell_count() as u32).try_for_each(|cell| tetrahedron(mesh, cell).map(drop))?;
         let need = |number: u32| {
-            let patch = patches.patch(parts.sample.mesh, number);
+            let patch = patches.patch(mesh, number);
             let matter = &parts.common.matter[patches.phase[number as usize] as usize];
             (Need::of_patch(matter, &patch, parts.dt), patch)
         };
@@ -72,6 +78,7 @@ impl Weight {
                 self.add(&need, nodes.into_iter().zip(shares));
             }
         }
+        Ok(())
     }
 
     /// Adds what cohesive faces need beyond what the nodes can spare.
@@ -99,12 +106,21 @@ fn need(parts: &Parts, cell: u32, phase: Phase) -> Result<Need, SolveError> {
         let shape = &parts.common.shape;
         return Ok(Need::of(matter, &box_metric(shape), 8, shape.volume(), parts.dt));
     }
+    let (metric, volume) = tetrahedron(mesh, cell)?;
+    Ok(Need::of(matter, &metric, 4, volume, parts.dt))
+}
+
+/// Metric and volume of a tetrahedron.
+///
+/// # Errors
+/// No positive volume.
+fn tetrahedron(mesh: &Mesh, cell: u32) -> Result<(Mat3, f64), SolveError> {
     let (metric, volume) = tet_metric(&corners(mesh, cell));
     if !(volume > 0.0 && metric.iter().all(|x| x.is_finite())) {
         let at: [f64; 3] = corners(mesh, cell)[0].into();
         return Err(SolveError::mesh(format!("the tetrahedron at {at:?} has the volume {volume} mm3; mesh anew")));
     }
-    Ok(Need::of(matter, &metric, 4, volume, parts.dt))
+    Ok((metric, volume))
 }
 
 /// Unit normal of a cohesive face, out of the aggregate, and the area of each pair of its nodes, mm2.

@@ -1,6 +1,7 @@
 //! Bodies without plates against rigid-body mechanics, strains told to every node against Hooke's law, and a run that is
 //! made to diverge.
 
+use crate::dice::dice;
 use crate::frame::Frame;
 use crate::observer::{Observer, Progress, Silent, Wish};
 use crate::response::Ended;
@@ -76,12 +77,6 @@ fn is_inner(mesh: &Mesh, node: usize) -> bool {
     let aabb = Aabb::around(&mesh.points);
     let p = mesh.points[node];
     (0..3).all(|axis| p[axis] > aabb.min[axis] + 1e-9 && p[axis] < aabb.max[axis] - 1e-9)
-}
-
-/// From -1 to 1.
-fn dice(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
 /// Places of the engine's nodes, mm.
