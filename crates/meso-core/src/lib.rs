@@ -54,8 +54,11 @@ pub mod testing {
     pub use crate::aggregate::random::{Purpose, Stream};
 }
 
+// For the engine.
+#[doc(hidden)]
+pub use meso_collision::prefetch;
 pub use meso_collision::{geometry, gjk, math};
-use meso_collision::{lanes, prefetch, simd};
+use meso_collision::{lanes, simd};
 
 pub use model::{Model, pack};
 pub use packing::{Progress, Silent};
