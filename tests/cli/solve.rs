@@ -146,6 +146,11 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         (&["small.json", "--duration", "-1"], 2, "--duration is -1; it must be a positive number"),
         (&["small.json", "--time-step", "0"], 2, "--time-step is 0; it must be a positive number"),
         (&["small.json", "--time-step", "1"], 2, "--time-step is 1;"),
+        (
+            &["small.json", "--duration", "1e-9"],
+            2,
+            "--duration is 0.000000001; 1.000e-9 s in steps of 2.000e-7 s are 1 steps",
+        ),
         (&["small.json", "--frames", "0"], 2, "'--frames <N>': it must be a whole number from 1"),
         (&["small.json", "--law", "steel"], 2, "it must be one of elastic, cdp"),
         (&["small.json", "--smoothing", "edges", "--method", "voxel"], 2, "--smoothing edges needs tetrahedra"),
@@ -164,6 +169,7 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         let run = folder.run(&[&["solve"], args].concat());
         assert_eq!(run.code, code, "{args:?}: {}", run.stderr);
         assert!(run.stderr.contains("error: ") && run.stderr.contains(part), "{args:?}: {}", run.stderr);
+        assert!(!run.stderr.contains("meshing"), "{args:?}: {}", run.stderr);
         assert_eq!(folder.names(), before, "{args:?}");
     }
 }

@@ -94,7 +94,7 @@ impl<'a> Run<'a> {
         let (mesh, height_mm) = (sample.mesh, sample.height_mm());
         let phases = Phases::of(mesh, test.joined, test.itz);
         let common = common(&sample, &as_solved(&materials.in_mesh(mesh), &phases), test)?;
-        let (steps, dt) = steps(&sample, test, height_mm)?;
+        let (steps, dt) = test.steps(height_mm, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
         let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
@@ -270,16 +270,4 @@ fn cohesion(materials: &Materials, test: &Test) -> Result<CohesionValues, SolveE
         format!("it must be below {limit:.3e}, where damage begins with less than the ITZ's fracture energy");
     require("materials.cohesive_thickness_mm", thickness, thickness < limit, &accepted)?;
     Ok(values)
-}
-
-/// Steps of the test, and the length of each, s.
-fn steps(sample: &Sample, test: &Test, height_mm: f64) -> Result<(u64, f64), SolveError> {
-    let duration = test.duration_s(height_mm);
-    let asked = test.time_step_s(sample.element_size_mm, !sample.mesh.cohesive.is_empty());
-    let steps = (duration / asked).ceil();
-    if !(10.0..=1e9).contains(&steps) {
-        let accepted = format!("{duration:.3e} s take {steps} steps; they must be 10 to 1e9");
-        return Err(SolveError::value("test.time_step_s", asked, accepted));
-    }
-    Ok((steps as u64, duration / steps))
 }

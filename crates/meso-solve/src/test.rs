@@ -170,6 +170,25 @@ impl Test {
         self.time_step_s.unwrap_or(share * STEP_PER_MM * element_size_mm)
     }
 
+    /// Steps of the test on a specimen of this height, and the length of each, s.
+    ///
+    /// # Errors
+    /// Fewer than 10 steps, and more than 1e9: names the value that makes it so.
+    pub fn steps(&self, height_mm: f64, element_size_mm: f64, is_cohesive: bool) -> Result<(u64, f64), SolveError> {
+        let duration = self.duration_s(height_mm);
+        let step = self.time_step_s(element_size_mm, is_cohesive);
+        let steps = (duration / step).ceil();
+        if (10.0..=1e9).contains(&steps) {
+            return Ok((steps as u64, duration / steps));
+        }
+        let (key, value) = match self.duration_s {
+            Some(duration) if self.time_step_s.is_none() => ("test.duration_s", duration),
+            _ => ("test.time_step_s", step),
+        };
+        let accepted = format!("{duration:.3e} s in steps of {step:.3e} s are {steps} steps; they must be 10 to 1e9");
+        Err(SolveError::value(key, value, accepted))
+    }
+
     /// Strain smoothing of a mesh with cells of this `kind`.
     pub(crate) fn smoothing(&self, kind: CellKind) -> Smoothing {
         let usual = if kind == CellKind::Hexahedron { Smoothing::None } else { Smoothing::Edges };

@@ -11,7 +11,7 @@ use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, stderr};
 use division::Division;
 use folder::{Folder, Kept};
-use meso_core::mesh::{Mesh, MeshOptions};
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions};
 use meso_core::packing::{Specimen, Stage};
 use meso_core::{Model, Spec, thousands};
 use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
@@ -135,7 +135,7 @@ impl Args {
     pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
         self.validate()?;
-        self.division.options(false, &spec.specimen).map(drop)
+        self.options(&spec.specimen).map(drop)
     }
 
     /// Refuses flags that no file can make right.
@@ -174,19 +174,26 @@ impl Args {
         self.model.as_deref().is_none_or(is_spec)
     }
 
+    /// How a specimen is meshed, where the mesh would have a number of steps that can be taken.
+    fn options(&self, specimen: &Specimen) -> Result<MeshOptions, Failure> {
+        let options = self.division.options(self.model.is_none(), specimen)?;
+        let height_mm = specimen.aabb().size().z;
+        let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);
+        steps.map(|_| options).map_err(|error| wrong(&error))
+    }
+
     /// The specimen, and how it is meshed; none where the user stopped the packing.
     fn model(&self, seconds: &mut Seconds) -> Result<Option<(Model, MeshOptions)>, Failure> {
-        let options = |specimen: &Specimen| self.division.options(self.model.is_none(), specimen);
         if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
             watch.finish();
-            let options = options(&model.spec.specimen)?;
+            let options = self.options(&model.spec.specimen)?;
             return Ok(Some((model, options)));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
         let spec = self.spec(&watch)?;
-        let options = options(&spec.specimen)?;
+        let options = self.options(&spec.specimen)?;
         if !self.writing.quiet {
             let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
