@@ -54,6 +54,7 @@ fn a_test_leaves_a_curve_its_figures_frames_and_a_page() {
         "peak_strain",
         "stress_at_end_mpa",
         "kinetic_over_internal_max",
+        "kinetic_over_internal_to_half_peak",
         "energy_balance_error",
         "hourglass_over_internal",
         "joined_pairs",

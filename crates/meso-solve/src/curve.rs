@@ -85,6 +85,8 @@ impl Row {
 const SECANT: f64 = 0.3;
 /// A curve that falls below this share of its peak has softened.
 const SOFTENED: f64 = 0.8;
+/// Share of the peak to which a descending curve means something: CEB-FIP Model Code 1990, 2.1.4.4.1, ends it there.
+const DESCENT: f64 = 0.5;
 
 /// Figures of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -104,7 +106,7 @@ pub struct Figures {
 impl Figures {
     /// Those of `rows`; zeros where there are none.
     pub fn of(rows: &[Row]) -> Self {
-        let peak = (0..rows.len()).fold(0, |best, i| if rows[i].stress_mpa > rows[best].stress_mpa { i } else { best });
+        let peak = peak(rows);
         let (Some(top), Some(last)) = (rows.get(peak), rows.last()) else { return Self::default() };
         Self {
             modulus_mpa: secant(&rows[..=peak], SECANT * top.stress_mpa),
@@ -114,6 +116,18 @@ impl Figures {
             softened: rows[peak..].iter().any(|row| row.stress_mpa < SOFTENED * top.stress_mpa),
         }
     }
+}
+
+/// Number of the row with the highest stress, the first of them.
+fn peak(rows: &[Row]) -> usize {
+    (0..rows.len()).fold(0, |best, i| if rows[i].stress_mpa > rows[best].stress_mpa { i } else { best })
+}
+
+/// The rows before the stress has fallen to half its peak. Beyond, a brittle specimen collapses and its pieces fly.
+pub(crate) fn to_half_peak(rows: &[Row]) -> &[Row] {
+    let peak = peak(rows);
+    let end = rows[peak..].iter().position(|row| row.stress_mpa < DESCENT * rows[peak].stress_mpa);
+    &rows[..end.map_or(rows.len(), |end| peak + end)]
 }
 
 /// Stress over strain where the curve first reaches `stress`, MPa, between rows along a straight line.
@@ -145,6 +159,22 @@ mod tests {
         // 0.3 = x (2 - x) at x = 1 - sqrt(0.7); the secant is 40 (2 - x) / 0.002.
         let exact = 40.0 / 0.002 * (1.0 + 0.7_f64.sqrt());
         assert!((figures.modulus_mpa / exact - 1.0).abs() < 1e-3, "{figures:?}");
+    }
+
+    #[test]
+    fn the_rows_to_half_the_peak_end_where_the_stress_first_falls_below_it() {
+        let rows = |stresses: &[f64]| -> Vec<Row> {
+            stresses.iter().map(|&stress_mpa| Row { stress_mpa, ..Row::default() }).collect()
+        };
+        for (stresses, left) in [
+            (&[1.0, 20.0, 40.0, 30.0, 20.0, 19.9, 30.0, 0.0][..], 5),
+            (&[1.0, 20.0, 40.0, 30.0], 4),
+            (&[1.0, 20.0], 2),
+            (&[0.0, 0.0], 2),
+            (&[], 0),
+        ] {
+            assert_eq!(to_half_peak(&rows(stresses)).len(), left, "{stresses:?}");
+        }
     }
 
     #[test]

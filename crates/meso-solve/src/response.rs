@@ -1,6 +1,6 @@
 //! Response of a specimen to a test.
 
-use crate::curve::{Figures, Row};
+use crate::curve::{Figures, Row, to_half_peak};
 use crate::run::Run;
 use crate::test::{Joined, Kind, LawName, Smoothing, Test};
 use meso_core::mesh::{Phase, PhaseVolumes};
@@ -59,6 +59,8 @@ pub struct Summary {
     pub figures: Figures,
     /// Largest kinetic over internal energy after the ramp.
     pub kinetic_over_internal_max: f64,
+    /// The same until the stress has fallen to half its peak.
+    pub kinetic_over_internal_to_half_peak: f64,
     /// Largest difference of work and energies over the work.
     pub energy_balance_error: f64,
     /// Largest hourglass over internal energy after the ramp.
@@ -124,8 +126,11 @@ impl Response {
         let rows = &run.state.rows;
         let last = rows.last().copied().unwrap_or_default();
         let ramp_s = run.test.ramp * run.outline.dt * run.outline.steps as f64;
-        let after = || rows.iter().filter(|row| row.time_s > ramp_s && row.internal > 0.0);
-        let largest = |of: &dyn Fn(&Row) -> f64| after().map(of).fold(0.0, f64::max);
+        let largest = |rows: &[Row], of: fn(&Row) -> f64| {
+            let after = rows.iter().filter(|row| row.time_s > ramp_s && row.internal > 0.0);
+            after.map(of).fold(0.0, f64::max)
+        };
+        let kinetic = |row: &Row| row.kinetic / row.internal;
         let mut result = Summary {
             test: run.test.kind,
             friction: run.test.friction,
@@ -139,9 +144,10 @@ impl Response {
             stable_time_step_s: run.outline.stable_s,
             added_mass_percent: run.added_mass_percent(),
             figures: Figures::of(rows),
-            kinetic_over_internal_max: largest(&|row| row.kinetic / row.internal),
+            kinetic_over_internal_max: largest(rows, kinetic),
+            kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
             energy_balance_error: balance_error(rows),
-            hourglass_over_internal: largest(&|row| row.hourglass / row.internal),
+            hourglass_over_internal: largest(rows, |row| row.hourglass / row.internal),
             energies: energies(&last),
             joined_pairs: run.phases.joined_pairs + run.sample.mesh.notes.parted_pairs,
             joined_cells: run.phases.parted_cells + run.sample.mesh.notes.parted_cells,
@@ -192,14 +198,7 @@ impl Summary {
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
         }
-        let kinetic = self.kinetic_over_internal_max;
-        if kinetic > SLOW {
-            let text = format!(
-                "the kinetic energy reached {:.1} % of the internal energy after the ramp; lengthen test.duration_s",
-                100.0 * kinetic
-            );
-            if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
-        }
+        self.warn_of_speed();
         if self.hourglass_over_internal > HOURGLASS {
             let share = 100.0 * self.hourglass_over_internal;
             let way_out = "take smaller elements or a smaller test.hourglass";
@@ -210,6 +209,26 @@ impl Summary {
             self.errors
                 .push(format!("the energy balance is off by {share:.2} % of the work; shorten test.time_step_s"));
         }
+    }
+
+    /// Kinetic energy that is no longer small.
+    fn warn_of_speed(&mut self) {
+        let (kinetic, before) = (self.kinetic_over_internal_max, self.kinetic_over_internal_to_half_peak);
+        if kinetic <= SLOW {
+            return;
+        }
+        let share = 100.0 * kinetic;
+        let reached = format!("the kinetic energy reached {share:.1} % of the internal energy after the ramp");
+        // No row: it broke within the ramp.
+        let text = if before > SLOW || before == 0.0 {
+            format!("{reached}; lengthen test.duration_s")
+        } else {
+            let before = 100.0 * before;
+            format!(
+                "{reached}, but {before:.1} % until the stress had fallen to half its peak: the rest is its collapse"
+            )
+        };
+        if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
     }
 
     fn warn_of_the_mesh(&mut self, run: &Run, test: &Test) {

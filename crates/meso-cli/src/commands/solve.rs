@@ -313,8 +313,9 @@ fn tell(response: &Response, quiet: bool) {
             figures.peak_mpa, figures.peak_strain, figures.modulus_mpa, figures.stress_at_end_mpa
         ));
         stderr::line(format!(
-            "kinetic over internal energy {:.2} %, energy balance off by {:.4} % of the work, {:.1} % of mass added",
+            "kinetic over internal energy {:.2} %, {:.2} % to half the peak; energy balance off by {:.4} % of the work, {:.1} % of mass added",
             100.0 * result.kinetic_over_internal_max,
+            100.0 * result.kinetic_over_internal_to_half_peak,
             100.0 * result.energy_balance_error,
             result.added_mass_percent
         ));

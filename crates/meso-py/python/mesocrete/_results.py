@@ -462,6 +462,8 @@ class TestResult(CurveFigures):
     """Mass added over the specimen's own."""
     kinetic_over_internal_max: float
     """Largest kinetic over internal energy after the ramp."""
+    kinetic_over_internal_to_half_peak: float
+    """The same until the stress has fallen to half its peak."""
     energy_balance_error: float
     """Largest difference of work and energies over the work."""
     hourglass_over_internal: float

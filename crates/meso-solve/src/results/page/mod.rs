@@ -118,6 +118,7 @@ fn figures(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         ("steps, time step", format!("{}, {:.3e} s", thousands(result.steps as usize), result.time_step_s)),
         ("mass added", format!("{:.1} %", result.added_mass_percent)),
         ("kinetic over internal energy after the ramp, at most", percent(result.kinetic_over_internal_max)),
+        ("the same until the stress had fallen to half its peak", percent(result.kinetic_over_internal_to_half_peak)),
         ("hourglass over internal energy, at most", percent(result.hourglass_over_internal)),
         ("error of the energy balance over the work, at most", format!("{:.4} %", 100.0 * result.energy_balance_error)),
         ("pairs of aggregates joined by the mesh", thousands(result.joined_pairs)),
