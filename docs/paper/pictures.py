@@ -25,8 +25,9 @@ def draw(done: list[tuple], out: Path) -> None:
     for case, folder in done:
         if case.group == "friction":
             frames = read_frames(folder)
-            describe(case.name, frames)
+            tell_damage(case.name, frames["E"])
             if case.seed == 1:
+                tell_stress(case.name, frames)
                 draw_sections(case.label, frames, out / f"damage-{case.label}.png")
 
 
@@ -115,13 +116,17 @@ def least_principal(tensors: Iterable) -> np.ndarray:
     return np.linalg.eigvalsh(np.stack(rows, -2))[:, 0]
 
 
-def describe(name: str, frames: dict) -> None:
-    """Print how much is damaged near the plates and between at the end, and what stress the aggregates carry."""
+def tell_stress(name: str, frames: dict) -> None:
+    """Print what stress the aggregates carry at the peak, after it and at the end."""
     for point in "CDE":
         mesh = frames[point]
         least = least_principal(mesh["stress_mpa"][mesh["phase"] == AGGREGATE])
         percentiles = ", ".join(f"{np.percentile(least, p):.0f}" for p in (1, 50, 99))
         print(f"{name}: least principal stress in the aggregates at {point}, percentiles 1, 50, 99: {percentiles} MPa")
+
+
+def tell_damage(name: str, mesh) -> None:
+    """Print how much is damaged near the plates and between in the last frame."""
     sizes = mesh.compute_cell_sizes(length=False, area=False)["Volume"]
     low, high = mesh.bounds[4:]
     height = (mesh.cell_centers().points[:, 2] - low) / (high - low)
