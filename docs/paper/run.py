@@ -142,14 +142,11 @@ def slenderness(side: float, seed: int, coarse: list[str]) -> list[Case]:
 
 
 def other_law(seed: int) -> list[Case]:
-    """CDPM2 in place of the decks' damaged plasticity: cubes and cylinders of 50 mm."""
-    found = []
-    for friction in ("0.1", "0.6"):
-        flags = ["--law", "cdpm2", "--friction", friction]
-        found.append(Case("cdpm2", friction, seed, cube(50.0, seed), flags))
-        for height in (1, 2):
-            found.append(Case("cdpm2", f"{friction}, h = {height} d", seed, cylinder(50.0, height, seed), flags))
-    return found
+    """CDPM2 in place of the decks' damaged plasticity: cubes of 50 mm, and cylinders between rough plates."""
+    law = ["--law", "cdpm2", "--friction"]
+    cubes = [Case("cdpm2", friction, seed, cube(50.0, seed), [*law, friction]) for friction in ("0.1", "0.6")]
+    shapes = [(f"0.6, h = {height} d", cylinder(50.0, height, seed)) for height in (1, 2)]
+    return cubes + [Case("cdpm2", label, seed, spec, [*law, "0.6"]) for label, spec in shapes]
 
 
 def cube(side: float, seed: int, fraction: float = 0.4, itz: float | None = None) -> dict:

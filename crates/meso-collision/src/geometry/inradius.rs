@@ -12,7 +12,7 @@ use nalgebra::{Matrix4, Vector4};
 use num_bigint::BigInt;
 use num_traits::{One, Signed};
 
-/// Faces are named by number; the four numbers from the face count on name the walls of [`exact_walls`].
+/// Faces are named by number; the four numbers from the face count on name the walls of [`ExactPlanes::push_walls`].
 type Basis = [usize; 4];
 
 /// From this share of the body's size on, a radius in f64 (right to about 1e-14 of that size) is trusted.
