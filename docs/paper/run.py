@@ -126,8 +126,8 @@ def influences(side: float, seed: int, coarse: list[str]) -> list[Case]:
         text = "" if ratio == "0.7" else f"itz_strength_ratio = {ratio}"
         found.append(Case("itz", ratio, seed, cube(side, seed), coarse, text))
     for thickness in (0.1, 0.3, 0.5):
-        flags = ["--itz", "solid", *coarse]
-        found.append(Case("thickness", f"{thickness}", seed, cube(side, seed, itz=thickness), flags))
+        # Elements of 3 mm would give a layer of 0.1 mm 2.7 times its volume.
+        found.append(Case("thickness", f"{thickness}", seed, cube(50.0, seed, itz=thickness), ["--itz", "solid"]))
     return found
 
 
