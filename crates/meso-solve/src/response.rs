@@ -219,13 +219,14 @@ impl Summary {
         }
         let share = 100.0 * kinetic;
         let reached = format!("the kinetic energy reached {share:.1} % of the internal energy after the ramp");
-        // No row: it broke within the ramp.
+        // No row to half the peak: it broke within the ramp.
         let text = if before > SLOW || before == 0.0 {
             format!("{reached}; lengthen test.duration_s")
         } else {
             let before = 100.0 * before;
             format!(
-                "{reached}, but {before:.1} % until the stress had fallen to half its peak: the rest is its collapse"
+                "{reached}, {before:.1} % until the stress had fallen to half its peak; to calm the collapse beyond, \
+                 lengthen test.duration_s"
             )
         };
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
