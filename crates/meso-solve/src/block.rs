@@ -18,7 +18,7 @@ use meso_core::prefetch::prefetch;
 pub(crate) const BLOCK: usize = 2048;
 
 /// Eights between the one at work and the one that is fetched. A mesh of 1.06 million tetrahedra, which no cache holds,
-/// then takes 0.83 of its time (`benches/results/large_meshes.csv`); 1 gains half of that, 3 to 6 no more.
+/// then takes 0.83 of its time (`benches/results/fetching.csv`); 1 gains half of that, 3 to 6 no more.
 const AHEAD: usize = 2;
 
 /// A lane without an element.
