@@ -10,7 +10,7 @@ use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes};
-use meso_solve::{Figures, Itz, Kind, Run, Sample, Silent, Smoothing, Test};
+use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Silent, Smoothing, Test};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -144,6 +144,7 @@ fn test(deck: &Deck) -> Test {
         itz: Itz::None,
         joined: meso_solve::Joined::Keep,
         smoothing: Some(Smoothing::None),
+        control: Control::Steady,
         ..Test::default()
     }
 }

@@ -12,5 +12,6 @@ mod elastic;
 mod from_deck;
 mod refusals;
 mod samples;
+mod servo;
 mod softening;
 mod twins;

@@ -73,7 +73,12 @@ pub(crate) fn small_cube(gap: f64) -> Model {
 
 /// A cube of `size_mm` with aggregates of 4 to 10 mm, `gap` mm apart.
 pub(crate) fn cube(size_mm: f64, seed: u64, gap: f64) -> Model {
-    let mut spec = Spec { specimen: Specimen::cube(size_mm), fraction: 0.3, seed, ..Spec::default() };
+    packed(Specimen::cube(size_mm), seed, gap)
+}
+
+/// A specimen with aggregates of 4 to 10 mm, `gap` mm apart.
+fn packed(specimen: Specimen, seed: u64, gap: f64) -> Model {
+    let mut spec = Spec { specimen, fraction: 0.3, seed, ..Spec::default() };
     spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
     spec.placement.min_gap_mm = gap;
     meso_core::pack(&spec, &Silent).unwrap()
@@ -87,6 +92,12 @@ pub(crate) fn concrete(gap: f64, method: Method, element_size_mm: f64, itz: ItzF
 /// A cube in boxes, without ITZ.
 pub(crate) fn voxels(size_mm: f64, seed: u64, element_size_mm: f64) -> Meshed {
     meshed(&cube(size_mm, seed, 1.0), options(Method::VOXEL, element_size_mm, ItzForm::None))
+}
+
+/// A prism twice as high as wide, which stores nearly as much as its cracks spend: it collapses.
+pub(crate) fn slender() -> Meshed {
+    let model = packed(Specimen::cuboid([20.0, 20.0, 40.0]), 3, 1.0);
+    meshed(&model, options(Method::FITTED, 4.0, ItzForm::None))
 }
 
 fn meshed(model: &Model, options: MeshOptions) -> Meshed {

@@ -3,7 +3,7 @@
 use crate::samples::{Meshed, brittle};
 use meso_core::materials::Materials;
 use meso_core::mesh::{Method, Phase};
-use meso_solve::{Kind, Response, Smoothing, Test};
+use meso_solve::{Control, Kind, Response, Smoothing, Test};
 
 #[test]
 fn a_homogeneous_cube_between_smooth_plates_bears_its_strength() {
@@ -43,7 +43,8 @@ fn torn(mut meshed: Meshed, half_width: f64, smoothing: Smoothing) -> (Materials
     materials.itz.youngs_modulus_mpa = materials.mortar.youngs_modulus_mpa;
     // The crack law ends at five times energy over strength: 0.1 mm.
     let (strain, duration_s) = (Some(0.12 / height), Some(1e-3));
-    let test = Test { kind: Kind::Tension, strain, duration_s, smoothing: Some(smoothing), ..Test::default() };
+    let control = Control::Steady;
+    let test = Test { kind: Kind::Tension, strain, duration_s, control, smoothing: Some(smoothing), ..Test::default() };
     let response = meshed.solve(&materials, &test);
     (materials, response)
 }

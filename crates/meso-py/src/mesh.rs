@@ -248,14 +248,14 @@ impl PyMesh {
     /// materials : dict, optional
     ///     The `[materials]` of a deck; what it leaves out keeps its illustrative default.
     /// frames : int
-    ///     Moments, evenly over the test, whose fields are kept in `Response.frames`.
+    ///     Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
     /// threads : int, optional
     ///     All cores when absent. It changes the time, never the result.
     /// progress : bool or callable, optional
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
     /// **options
-    ///     `duration_s`, `time_step_s`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
     ///
     /// Returns
     /// -------

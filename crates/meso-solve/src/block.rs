@@ -157,34 +157,43 @@ pub(crate) struct Pass<'a> {
 }
 
 impl Task for Pass<'_> {
-    type Output = ();
+    /// Energy spent in the step, mJ.
+    type Output = f64;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self) -> f64 {
         let Self { block, common, displacement, out, scratch } = self;
         scratch.take_in(block, displacement);
         let Scratch { u, forces } = scratch;
+        let mut in_all = 0.0;
         for group in &mut block.groups {
             let Group { phase, cells, memory, dissipated, hourglass, .. } = group;
             let matter = &common.matter[*phase as usize];
-            match cells {
-                Cells::Tets(cells) => *dissipated += uniform::<L, 3>(cells, matter, memory, u, forces),
-                Cells::Patches8(cells) => *dissipated += uniform::<L, 7>(cells, matter, memory, u, forces),
-                Cells::Patches9(cells) => *dissipated += uniform::<L, 8>(cells, matter, memory, u, forces),
-                Cells::Patches12(cells) => *dissipated += uniform::<L, 11>(cells, matter, memory, u, forces),
-                Cells::Hexes(cells) if matter.is_unbreakable => bend::<L>(cells, matter, &common.shape, u, forces),
+            let spent = match cells {
+                Cells::Tets(cells) => uniform::<L, 3>(cells, matter, memory, u, forces),
+                Cells::Patches8(cells) => uniform::<L, 7>(cells, matter, memory, u, forces),
+                Cells::Patches9(cells) => uniform::<L, 8>(cells, matter, memory, u, forces),
+                Cells::Patches12(cells) => uniform::<L, 11>(cells, matter, memory, u, forces),
+                Cells::Hexes(cells) if matter.is_unbreakable => {
+                    bend::<L>(cells, matter, &common.shape, u, forces);
+                    0.0
+                }
                 Cells::Hexes(cells) => {
                     let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
                     let task = HexTask { cells, memory, u, forces, common, stiffness };
                     let [spent, stored, lost] = matter.law::<L, _>(task);
-                    *dissipated += spent;
                     *hourglass = [stored, hourglass[1] + lost];
+                    in_all += lost;
+                    spent
                 }
-                Cells::Triangles(faces) => *dissipated += cohesive::<L, 3>(faces, common, memory, u, forces),
-                Cells::Quads(faces) => *dissipated += cohesive::<L, 4>(faces, common, memory, u, forces),
-            }
+                Cells::Triangles(faces) => cohesive::<L, 3>(faces, common, memory, u, forces),
+                Cells::Quads(faces) => cohesive::<L, 4>(faces, common, memory, u, forces),
+            };
+            *dissipated += spent;
+            in_all += spent;
         }
         out.copy_from_slice(&scratch.forces[..out.len()]);
+        in_all
     }
 }
 

@@ -8,10 +8,11 @@ use crate::curve::Row;
 use crate::error::SolveError;
 use crate::lanes::LANES;
 use crate::run::{Run, State};
+use crate::servo::Servo;
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
 
 impl Run<'_> {
     /// Writes the state.
@@ -24,8 +25,11 @@ impl Run<'_> {
         let state = &self.state;
         words(&mut out, &[VERSION, self.fingerprint(), state.step, state.rows.len() as u64])?;
         let [bottom, top, travel, count] = state.since_row;
-        let State { time, travel: place, external, internal, friction, kinetic, .. } = *state;
-        numbers(&mut out, &[time, place, external, internal, friction, kinetic, bottom, top, travel, count])?;
+        let State { time, progress, held, speed, travel: place, .. } = *state;
+        numbers(&mut out, &[time, progress, held, speed, place])?;
+        let State { external, internal, friction, kinetic, spent, .. } = *state;
+        numbers(&mut out, &[external, internal, friction, kinetic, spent, bottom, top, travel, count])?;
+        numbers(&mut out, &state.servo.values())?;
         state.rows.iter().try_for_each(|row| numbers(&mut out, &row.values()))?;
         numbers(&mut out, self.nodes.displacement.as_flattened())?;
         numbers(&mut out, self.nodes.velocity.as_flattened())?;
@@ -63,11 +67,30 @@ impl Run<'_> {
             return Err(SolveError::Resume(why.to_owned()));
         }
         let (step, rows) = (word(from)?, word(from)?);
-        let mut sums = [0.0; 10];
+        let (mut places, mut sums, mut servo) = ([0.0; 5], [0.0; 9], [0.0; 3]);
+        fill(from, &mut places)?;
         fill(from, &mut sums)?;
-        let [time, travel, external, internal, friction, kinetic, since_row @ ..] = sums;
-        self.state = State { step, time, travel, external, internal, friction, kinetic, since_row, rows: Vec::new() };
-        for _ in 0..rows.min(self.outline.steps) {
+        fill(from, &mut servo)?;
+        let [time, progress, held, speed, travel] = places;
+        let [external, internal, friction, kinetic, spent, since_row @ ..] = sums;
+        let (servo, rows_so_far) = (Servo::from_values(servo), Vec::new());
+        self.state = State {
+            step,
+            time,
+            progress,
+            held,
+            speed,
+            servo,
+            travel,
+            external,
+            internal,
+            friction,
+            kinetic,
+            spent,
+            since_row,
+            rows: rows_so_far,
+        };
+        for _ in 0..rows.min(step) {
             let mut values = [0.0; 11];
             fill(from, &mut values)?;
             self.state.rows.push(Row::from_values(values));

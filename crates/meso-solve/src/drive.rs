@@ -18,18 +18,18 @@ impl Run<'_> {
     }
 
     fn go(&mut self, observer: &dyn Observer) -> Ended {
-        while self.state.step < self.outline.steps {
+        while !self.is_over() {
+            let (rows, frames) = (self.rows_due(), self.frames_due());
             self.advance();
             if !self.is_sound() {
                 return Ended::Diverged(self.culprit());
             }
-            let step = self.state.step;
-            let is_row = step.is_multiple_of(self.outline.stride) || step == self.outline.steps;
+            let is_row = self.rows_due() > rows || self.is_over();
             if is_row && !self.add_row() {
                 return Ended::Diverged(self.culprit());
             }
-            if let Some(number) = self.frame_at(step) {
-                observer.frame(&Frame::new(self, number));
+            if self.frames_due() > frames {
+                observer.frame(&Frame::new(self, self.frames_due()));
             }
             if is_row && self.report(observer) == Wish::Stop || observer.stops() {
                 return Ended::Stopped;
@@ -40,19 +40,36 @@ impl Run<'_> {
 
     fn report(&self, observer: &dyn Observer) -> Wish {
         let Some(row) = self.state.rows.last() else { return Wish::GoOn };
-        let wish = observer.progress(&Progress { step: self.state.step, steps: self.outline.steps, row });
+        let wish = observer.progress(&Progress { done: self.done(), row });
         if wish == Wish::Keep {
             observer.keep(self);
         }
         wish
     }
 
-    /// Number of the frame that is due after `step` steps, from 1.
-    fn frame_at(&self, step: u64) -> Option<u32> {
-        let (frames, steps) = (u64::from(self.test.frames), self.outline.steps);
-        // The frame k is due at the step k steps / frames, rounded up.
-        let due = |step: u64| step * frames / steps;
-        (frames > 0 && due(step) > due(step - 1)).then(|| due(step) as u32)
+    fn is_over(&self) -> bool {
+        self.state.progress >= self.outline.steps as f64
+    }
+
+    /// Share of the test's time at full speed that is over.
+    fn done(&self) -> f64 {
+        self.state.progress / self.outline.steps as f64
+    }
+
+    /// Rows due so far.
+    fn rows_due(&self) -> u64 {
+        self.due(1, self.outline.stride)
+    }
+
+    /// Frames due so far.
+    fn frames_due(&self) -> u32 {
+        self.due(self.test.frames.into(), self.outline.steps) as u32
+    }
+
+    /// How often something was due that comes `times` in `steps` at full speed, and as often in what the servo adds.
+    fn due(&self, times: u64, steps: u64) -> u64 {
+        let due = |taken: f64| (taken * times as f64 / steps as f64) as u64;
+        due(self.state.progress) + due(self.state.held)
     }
 
     /// Whether energies are finite and the specimen moves no faster than the plates can have made it.

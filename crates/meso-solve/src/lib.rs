@@ -33,6 +33,7 @@ mod response;
 pub mod results;
 mod run;
 mod sample;
+mod servo;
 mod test;
 mod weight;
 
@@ -44,7 +45,7 @@ pub use observer::{Observer, Progress, Silent, Wish};
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
 pub use run::Run;
 pub use sample::{Sample, gross_section_mm2};
-pub use test::{Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
+pub use test::{Control, Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
 
 use meso_core::materials::Materials;
 

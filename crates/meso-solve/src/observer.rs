@@ -7,10 +7,8 @@ use crate::run::Run;
 /// How far a test is.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Steps taken.
-    pub step: u64,
-    /// Steps in all.
-    pub steps: u64,
+    /// Share of the way that is over, 0 to 1, in time at the plates' full speed.
+    pub done: f64,
     /// The latest row of the curve.
     pub row: &'a Row,
 }

@@ -2,7 +2,7 @@
 
 use crate::curve::{Figures, Row, to_half_peak};
 use crate::run::Run;
-use crate::test::{Joined, Kind, LawName, Smoothing, Test};
+use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
 use meso_core::mesh::{Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -36,6 +36,8 @@ pub struct Summary {
     pub test: Kind,
     /// Coulomb's coefficient between plates and specimen.
     pub friction: f64,
+    /// How the plates kept their speed.
+    pub control: Control,
     /// The law of mortar and ITZ.
     pub law: LawName,
     /// Strain smoothing.
@@ -46,7 +48,7 @@ pub struct Summary {
     pub cohesive_elements: usize,
     /// Steps taken.
     pub steps: u64,
-    /// Steps of the whole test.
+    /// Steps of the whole test at the plates' full speed.
     pub steps_planned: u64,
     /// s.
     pub time_step_s: f64,
@@ -134,6 +136,7 @@ impl Response {
         let mut result = Summary {
             test: run.test.kind,
             friction: run.test.friction,
+            control: run.test.control,
             law: run.test.law,
             smoothing: run.test.smoothing(run.sample.mesh.kind),
             elements: run.sample.mesh.cell_count(),

@@ -17,7 +17,8 @@ use crate::patches::Patches;
 use crate::phases::Phases;
 use crate::plates::{Motion, Plates};
 use crate::sample::Sample;
-use crate::test::{Kind, LawName, Smoothing, Test};
+use crate::servo::Servo;
+use crate::test::{Control, Kind, LawName, Smoothing, Test};
 use meso_core::materials::Materials;
 use meso_core::mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
@@ -38,6 +39,8 @@ pub struct Run<'a> {
     /// The mesh's number of every node of the engine.
     pub(crate) order: Vec<u32>,
     forces: Vec<[f32; 4]>,
+    /// Energy that each block spent in the step, mJ.
+    spent: Vec<f64>,
     pub(crate) plates: Plates,
     pub(crate) set: InstructionSet,
     pub(crate) outline: Outline,
@@ -49,6 +52,7 @@ pub struct Run<'a> {
 pub(crate) struct Outline {
     pub(crate) height_mm: f64,
     pub(crate) dt: f64,
+    /// At the plates' full speed.
     pub(crate) steps: u64,
     /// Steps between rows.
     pub(crate) stride: u64,
@@ -65,12 +69,21 @@ pub(crate) struct Outline {
 pub(crate) struct State {
     pub(crate) step: u64,
     pub(crate) time: f64,
+    /// Steps that the plates' way would have taken at full speed.
+    pub(crate) progress: f64,
+    /// Steps that the servo has added.
+    pub(crate) held: f64,
+    /// Of the upper plate against the lower one in the last step, upwards, mm/s.
+    pub(crate) speed: f64,
+    pub(crate) servo: Servo,
     /// Of the upper plate against the lower one, upwards, mm.
     pub(crate) travel: f64,
     pub(crate) external: f64,
     pub(crate) internal: f64,
     pub(crate) friction: f64,
     pub(crate) kinetic: f64,
+    /// Spent in cracks, crushing, plastic flow and lost hourglass modes, mJ.
+    pub(crate) spent: f64,
     /// Sums since the last row: forces of the plates, travel, steps.
     pub(crate) since_row: [f64; 4],
     pub(crate) rows: Vec<Row>,
@@ -103,14 +116,30 @@ impl<'a> Run<'a> {
         let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
+        let spent = vec![0.0; blocks.len()];
         let set = test.instruction_set.map_or_else(InstructionSet::best, InstructionSet::or_best);
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
         let (test, state) = (test.clone(), State::default());
-        Ok(Self { sample, test, phases, common, blocks, patches, nodes, order, forces, plates, set, outline, state })
+        Ok(Self {
+            sample,
+            test,
+            phases,
+            common,
+            blocks,
+            patches,
+            nodes,
+            order,
+            forces,
+            spent,
+            plates,
+            set,
+            outline,
+            state,
+        })
     }
 
-    /// Steps of the whole test.
+    /// Steps of the whole test at the plates' full speed; the servo adds some.
     pub fn steps(&self) -> u64 {
         self.outline.steps
     }
@@ -141,11 +170,14 @@ impl<'a> Run<'a> {
     /// Takes one step.
     pub(crate) fn advance(&mut self) {
         self.resist();
-        let (state, dt) = (&mut self.state, self.outline.dt);
-        let speed = self.plates.speed(state.time + 0.5 * dt);
-        let before = if state.step == 0 { 0.0 } else { self.plates.speed(state.time - 0.5 * dt) };
+        let Outline { dt, steps, .. } = self.outline;
+        let (state, steps) = (&mut self.state, steps as f64);
+        // The last step goes no further than the test.
+        let pace = state.servo.pace.min(steps - state.progress);
+        let speed = pace * self.plates.speed(state.progress * dt + 0.5 * pace * dt);
         let travel = state.travel + speed * dt;
-        let motion = Motion { dt, travel: Plates::share(travel), mean_speed: Plates::share(0.5 * (speed + before)) };
+        let mean_speed = Plates::share(0.5 * (speed + state.speed));
+        let motion = Motion { dt, travel: Plates::share(travel), mean_speed };
         let sums = self.nodes.advance(&self.forces, &self.plates, &motion);
         for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
             *sum += x;
@@ -154,14 +186,22 @@ impl<'a> Run<'a> {
         state.internal += sums.internal;
         state.friction += sums.friction;
         state.kinetic = sums.kinetic;
-        state.travel = travel;
+        (state.travel, state.speed) = (travel, speed);
         state.step += 1;
         state.time = state.step as f64 * dt;
+        state.progress += pace;
+        state.held += 1.0 - pace;
+        let spent = self.spent.iter().sum::<f64>();
+        state.spent += spent;
+        if self.test.control == Control::Servo {
+            let stored = state.external - state.friction - state.spent;
+            state.servo.follow(stored, spent, sums.external - sums.friction, steps);
+        }
     }
 
     /// The elements' forces at the present displacements.
     fn resist(&mut self) {
-        let Self { blocks, forces, common, nodes, set, .. } = self;
+        let Self { blocks, forces, spent, common, nodes, set, .. } = self;
         let (displacement, set) = (&nodes.displacement[..], *set);
         let mut rest = &mut forces[..];
         let mut outs = Vec::with_capacity(blocks.len());
@@ -170,8 +210,8 @@ impl<'a> Run<'a> {
             outs.push(out);
             rest = more;
         }
-        blocks.par_iter_mut().zip(outs).for_each(|(block, out)| {
-            SCRATCH.with_borrow_mut(|scratch| set.run(Pass { block, common, displacement, out, scratch }));
+        blocks.par_iter_mut().zip(outs).zip(spent).for_each(|((block, out), spent)| {
+            SCRATCH.with_borrow_mut(|scratch| *spent = set.run(Pass { block, common, displacement, out, scratch }));
         });
     }
 

@@ -16,15 +16,17 @@ pub struct Test {
     pub friction: f64,
     /// Mean axial strain at the end; 0.005 in compression, 0.0005 in tension.
     pub strain: Option<f64>,
-    /// Time of the whole test, s.
+    /// Time of the whole test at the plates' full speed, s.
     pub duration_s: Option<f64>,
     /// Time step that mass scaling keeps, s.
     pub time_step_s: Option<f64>,
+    /// How the plates keep their speed.
+    pub control: Control,
     /// Share of the time in which the plates gain their speed.
     pub ramp: f64,
-    /// Rows of the curve, at most.
+    /// Rows of the curve, at most, and as densely where the servo adds steps.
     pub rows: u32,
-    /// Frames that the observer gets, evenly over the time; 0 for none.
+    /// Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none.
     pub frames: u32,
     /// The law of mortar and ITZ.
     pub law: LawName,
@@ -51,6 +53,17 @@ pub enum Kind {
     Compression,
     /// Apart, glued on.
     Tension,
+}
+
+/// How the plates keep their speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    /// They slow down while the specimen breaks.
+    Servo,
+    /// Whatever happens, as in a deck.
+    Steady,
 }
 
 /// The law of mortar and ITZ; aggregates and fibres are elastic.
@@ -116,6 +129,7 @@ impl Default for Test {
             strain: None,
             duration_s: None,
             time_step_s: None,
+            control: Control::Servo,
             ramp: 0.3,
             rows: 400,
             frames: 0,
@@ -170,7 +184,7 @@ impl Test {
         self.time_step_s.unwrap_or(share * STEP_PER_MM * element_size_mm)
     }
 
-    /// Steps of the test on a specimen of this height, and the length of each, s.
+    /// Steps of the test at full speed on a specimen of this height, and the length of each, s.
     ///
     /// # Errors
     /// Fewer than 10 steps, and more than 1e9: names the value that makes it so.

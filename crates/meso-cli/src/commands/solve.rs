@@ -15,7 +15,7 @@ use meso_core::mesh::{ItzForm, Mesh, MeshOptions};
 use meso_core::packing::{Specimen, Stage};
 use meso_core::{Model, Spec, thousands};
 use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
+use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use watch::Watching;
@@ -44,11 +44,14 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OVER", value_parser = names::parse::<Smoothing>)]
     #[arg(help = format!("Smooth the strains of tetrahedra, so that peaks hardly depend on their size: {} [default: edges; none for voxels]", names::list::<Smoothing>()))]
     smoothing: Option<Smoothing>,
-    /// Frames of all fields, evenly over the test
+    #[arg(long, value_name = "HOW", default_value = "servo", value_parser = names::parse::<Control>)]
+    #[arg(help = format!("Plates that slow down while the specimen breaks, or keep their speed as in a deck: {}", names::list::<Control>()))]
+    control: Control,
+    /// Frames of all fields, evenly over the test; more while a servo holds the plates back
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::count)]
     #[arg(allow_negative_numbers = true)]
     frames: u32,
-    /// Time of the whole test, s; short ones are not quasi-static [default: by the height and the strain]
+    /// Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]
     #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Time step that mass scaling keeps, s [default: by the element size]
@@ -124,6 +127,7 @@ impl Args {
             duration_s: self.duration,
             time_step_s: self.time_step,
             frames: self.frames,
+            control: self.control,
             law: self.law.0,
             itz: self.division.smeared(),
             smoothing: self.smoothing,
@@ -293,7 +297,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
     folder.fill(&outcome)?;
     let written = folder.commit(*ended == Ended::Completed)?;
-    tell(response, args.writing.quiet);
+    tell(response, args.test().strain(), args.writing.quiet);
     if !args.writing.quiet {
         written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
@@ -305,7 +309,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
 }
 
 /// The curve's figures, then what is wrong with them.
-fn tell(response: &Response, quiet: bool) {
+fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
     if !quiet {
         stderr::line(format!(
@@ -323,8 +327,8 @@ fn tell(response: &Response, quiet: bool) {
     result.warnings.iter().for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
     result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
     if result.ended == Ended::Stopped {
-        let share = 100.0 * result.steps as f64 / result.steps_planned as f64;
-        stderr::line(format!("stopped after {share:.0} % of the steps; the curve is valid until there"));
+        let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;
+        stderr::line(format!("stopped after {share:.0} % of the strain; the curve is valid until there"));
     }
 }
 

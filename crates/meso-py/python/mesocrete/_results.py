@@ -442,6 +442,8 @@ class TestResult(CurveFigures):
     """Compression or tension."""
     friction: float
     """Coulomb's coefficient between plates and specimen."""
+    control: str
+    """How the plates kept their speed."""
     law: str
     """The law of mortar and ITZ."""
     smoothing: str
@@ -453,7 +455,7 @@ class TestResult(CurveFigures):
     steps: int
     """Steps taken."""
     steps_planned: int
-    """Steps of the whole test."""
+    """Steps of the whole test at the plates' full speed."""
     time_step_s: float
     """s."""
     stable_time_step_s: float

@@ -486,10 +486,12 @@ class SolveInterface(TypedDict, total=False):
 class SolveOptions(TypedDict, total=False):
     """A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test."""
 
+    control: Literal["servo", "steady"]
+    """How the plates keep their speed."""
     duration_s: float | None
-    """Time of the whole test, s."""
+    """Time of the whole test at the plates' full speed, s."""
     frames: int
-    """Frames that the observer gets, evenly over the time; 0 for none."""
+    """Frames that the observer gets, evenly over the time, and as densely where the servo adds steps; 0 for none."""
     friction: float
     """Coulomb's coefficient between plates and specimen; in tension the plates are glued on."""
     hourglass: float
@@ -505,7 +507,7 @@ class SolveOptions(TypedDict, total=False):
     ramp: float
     """Share of the time in which the plates gain their speed."""
     rows: int
-    """Rows of the curve, at most."""
+    """Rows of the curve, at most, and as densely where the servo adds steps."""
     smoothing: Literal["none", "edges"] | None
     """Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not."""
     strain: float | None

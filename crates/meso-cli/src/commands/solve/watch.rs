@@ -31,8 +31,8 @@ pub(super) struct Watching<'a> {
     failed: RefCell<Option<Failure>>,
     shown: Shown,
     started: Instant,
-    /// Steps that a run before this one took.
-    first: Cell<Option<u64>>,
+    /// Share of the test that a run before this one did.
+    first: Cell<Option<f64>>,
     /// Tenths of the test that have a line, and when the bar was drawn.
     told: Cell<u64>,
     drawn: Cell<Option<Instant>>,
@@ -94,7 +94,7 @@ impl<'a> Watching<'a> {
         match self.shown {
             Shown::Nothing => {}
             Shown::Lines => {
-                let tenth = LINES * progress.step / progress.steps;
+                let tenth = (LINES as f64 * progress.done) as u64;
                 if self.told.replace(tenth) < tenth {
                     stderr::line(format!("{:>3} %: {}", 100 * tenth / LINES, figures(progress, left)));
                 }
@@ -111,11 +111,10 @@ impl<'a> Watching<'a> {
     /// Seconds to the end, at the pace so far.
     fn left(&self, progress: &Progress) -> f64 {
         let first = self.first.get().unwrap_or_else(|| {
-            self.first.set(Some(progress.step));
-            progress.step
+            self.first.set(Some(progress.done));
+            progress.done
         });
-        let pace = self.started.elapsed().as_secs_f64() / (progress.step - first).max(1) as f64;
-        pace * (progress.steps - progress.step) as f64
+        self.started.elapsed().as_secs_f64() * (1.0 - progress.done) / (progress.done - first).max(1e-9)
     }
 }
 
@@ -143,8 +142,7 @@ impl Observer for Watching<'_> {
 }
 
 fn line(progress: &Progress, left: f64) -> String {
-    let share = progress.step as f64 / progress.steps as f64;
-    format!("solving {} {}", bar(share), figures(progress, left))
+    format!("solving {} {}", bar(progress.done), figures(progress, left))
 }
 
 fn figures(progress: &Progress, left: f64) -> String {
@@ -170,7 +168,7 @@ mod tests {
     #[test]
     fn the_line_fits_a_terminal() {
         let row = Row { strain: 0.00213, stress_mpa: 31.42, ..Row::default() };
-        let text = line(&Progress { step: 500, steps: 1000, row: &row }, 185.2);
+        let text = line(&Progress { done: 0.5, row: &row }, 185.2);
         assert_eq!(text, "solving [========        ] strain 0.00213, 31.42 MPa, 3:05 min left");
         assert!(text.len() < 80);
     }

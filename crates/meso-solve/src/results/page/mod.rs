@@ -71,7 +71,7 @@ fn word(value: &impl serde::Serialize) -> String {
 fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
     let stopped = (result.ended == Ended::Stopped).then(|| {
         format!(
-            "The test was stopped after {} of {} steps; the curve is valid until there.",
+            "The test was stopped after {} steps ({} are the whole test at full speed); the curve is valid until there.",
             thousands(result.steps as usize),
             thousands(result.steps_planned as usize)
         )

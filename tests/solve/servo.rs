@@ -1,0 +1,68 @@
+//! Plates with a servo: a specimen that collapses stays slow, and its curve up to the peak is that between steady plates.
+
+use crate::samples::{brittle, concrete, slender};
+use meso_core::materials::Materials;
+use meso_core::mesh::{ItzForm, Method};
+use meso_solve::{Control, Frame, LawName, Observer, Row, Test};
+use std::cell::RefCell;
+
+fn steady() -> Test {
+    Test { control: Control::Steady, ..Test::default() }
+}
+
+/// Number of the row with the highest stress.
+fn peak(rows: &[Row]) -> usize {
+    (0..rows.len()).max_by(|&a, &b| rows[a].stress_mpa.total_cmp(&rows[b].stress_mpa)).unwrap()
+}
+
+#[test]
+fn a_servo_keeps_a_collapse_quasi_static_and_the_curve_to_the_peak() {
+    let specimen = slender();
+    let [fast, slow] = [steady(), Test::default()].map(|test| specimen.solve(&Materials::default(), &test));
+    let (before, after) = (fast.result.kinetic_over_internal_max, slow.result.kinetic_over_internal_max);
+    assert!(before > 0.01 && after < 0.5 * before, "{before} {after}");
+    let (rows, all) = (&fast.curve[..=peak(&fast.curve)], &slow.curve);
+    assert!(rows.len() > 50 && rows == &all[..rows.len()] && peak(all) + 1 == rows.len(), "{}", rows.len());
+    // It goes to the same strain, in steps that are more, but not twice as many.
+    let strain = |rows: &[Row]| rows.last().unwrap().strain;
+    assert!((strain(all) / strain(&fast.curve) - 1.0).abs() < 2e-3, "{} {}", strain(all), strain(&fast.curve));
+    let (steps, planned) = (slow.result.steps, slow.result.steps_planned);
+    assert!(fast.result.steps == planned && (planned + 100..2 * planned).contains(&steps), "{steps} {planned}");
+    assert!(slow.result.energy_balance_error < 1e-3, "{:?}", slow.result);
+}
+
+/// Numbers of the frames, in their order.
+#[derive(Default)]
+struct Frames(RefCell<Vec<u32>>);
+
+impl Observer for Frames {
+    fn frame(&self, frame: &Frame) {
+        self.0.borrow_mut().push(frame.number());
+    }
+}
+
+#[test]
+fn rows_and_frames_come_as_densely_while_the_plates_are_held() {
+    let (specimen, test) = (slender(), Test { rows: 100, frames: 40, ..Test::default() });
+    let frames = Frames::default();
+    let response = specimen.watched(&Materials::default(), &test, &frames);
+    let (frames, result) = (frames.0.into_inner(), &response.result);
+    let more = 40.0 * (result.steps - result.steps_planned) as f64 / result.steps_planned as f64;
+    assert!(more > 2.0 && frames == (1..=40 + more as u32).collect::<Vec<_>>(), "{more} {frames:?}");
+    let stride = response.curve[0].time_s;
+    let apart = response.curve.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
+    assert!(apart.fold(0.0, f64::max) < 2.0 * stride, "rows are far apart");
+}
+
+#[test]
+fn a_specimen_that_does_not_break_is_not_held() {
+    let specimen = concrete(1.0, Method::FITTED, 4.0, ItzForm::None);
+    for test in [
+        Test { law: LawName::Elastic, ..Test::default() },
+        Test { strain: Some(0.0005), ..Test::default() },
+        Test { law: LawName::Elastic, kind: meso_solve::Kind::Tension, ..Test::default() },
+    ] {
+        let result = specimen.solve(&brittle(), &test).result;
+        assert_eq!(result.steps, result.steps_planned, "{test:?}");
+    }
+}
