@@ -247,7 +247,7 @@ impl Args {
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
         let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
         stderr::line(format!(
-            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
+            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, at least {steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
             self.friction,
             run.time_step_s(),
             run.added_mass_percent(),
