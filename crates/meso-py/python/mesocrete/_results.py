@@ -442,7 +442,7 @@ class TestResult(CurveFigures):
     """Compression or tension."""
     friction: float
     """Coulomb's coefficient between plates and specimen."""
-    control: Control
+    control: str
     """How the plates kept their speed."""
     law: str
     """The law of mortar and ITZ."""
