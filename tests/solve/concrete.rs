@@ -1,8 +1,9 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
-use crate::samples::{Meshed, brittle, concrete, voxels};
+use crate::samples::{Meshed, brittle, concrete, cube, options, voxels};
+use meso_core::materials::Materials;
 use meso_core::mesh::{ItzForm, Method, Phase};
-use meso_solve::{Frame, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
+use meso_solve::{Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -117,6 +118,18 @@ fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
     let peak = |itz: Itz| solve(&meshed, &Test { itz, kind: Kind::Tension, ..Test::default() }).result.figures.peak_mpa;
     let (smeared, none) = (peak(Itz::Smeared), peak(Itz::None));
     assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
+}
+
+/// Faces that have parted rub: without damping, pressure and friction tear an aggregate's ear off before 0.5 %.
+#[test]
+fn aggregates_that_rub_in_their_cracks_do_not_flutter() {
+    let model = cube(40.0, 2, 1.0);
+    let options = options(Method::FITTED, 4.0, ItzForm::Cohesive);
+    let meshed = Meshed::of(&model.aggregates, model.spec.specimen.clone(), options);
+    let test = Test { strain: Some(0.006), interface: Interface { friction: 0.8 }, ..Test::default() };
+    let result = meshed.solve(&Materials::default(), &test).result;
+    assert!(result.ended == Ended::Completed && result.energy_balance_error < 1e-3, "{result:?}");
+    assert!(result.kinetic_over_internal_max < 0.01, "{result:?}");
 }
 
 /// A frame's strain, and phase and damage of its cells.

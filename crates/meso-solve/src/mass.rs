@@ -5,7 +5,7 @@
 //! vibrates no faster than its fastest element (Hughes 2000, Sec. 9.2), and central differences are stable below 2 / w.
 //! In a patch nodes have shares s_a of the mass, and n A becomes sum g_a g_a^T / s_a.
 //! Elements that want a shorter step get more mass. A cohesive face is an element of its own: K area on two nodes takes
-//! K area dt^2 / 2 of each node's mass, of which the solid elements have some to spare.
+//! K area dt^2 / 2 of each node's mass, and a fifth more for its damper; the solid elements have some to spare.
 
 use crate::element::hex::BoxShape;
 use crate::element::tet::Shape;

@@ -24,11 +24,6 @@ pub(crate) struct Servo {
 }
 
 impl Servo {
-    /// Full speed.
-    pub(crate) const fn new() -> Self {
-        Self { pace: 1.0, most: 0.0, supply: 0.0 }
-    }
-
     /// The state of numbers that [`values`](Self::values) gave.
     pub(crate) const fn from_values([pace, most, supply]: [f64; 3]) -> Self {
         Self { pace, most, supply }
@@ -56,8 +51,9 @@ impl Servo {
 }
 
 impl Default for Servo {
+    /// Full speed.
     fn default() -> Self {
-        Self::new()
+        Self { pace: 1.0, most: 0.0, supply: 0.0 }
     }
 }
 
@@ -69,7 +65,7 @@ mod tests {
 
     /// The pace after `count` steps in which a specimen that has stored 8 mJ releases `released` mJ a test.
     fn pace(released: f64, count: u32) -> f64 {
-        let mut servo = Servo::new();
+        let mut servo = Servo::default();
         servo.follow(8.0, 0.0, 0.0, STEPS);
         (0..count).for_each(|_| servo.follow(1.0, released / STEPS, 0.0, STEPS));
         servo.pace
@@ -94,7 +90,7 @@ mod tests {
     fn vibration_is_no_release() {
         // With and without cracks that the plates' mean power feeds.
         for (spent, supplied) in [(0.0, [9.0, -9.0]), (0.1, [0.25, -0.05])] {
-            let mut servo = Servo::new();
+            let mut servo = Servo::default();
             (0..300).for_each(|i| servo.follow(8.0, 0.0, supplied[i % 2], STEPS));
             (0..500).for_each(|i| servo.follow(8.0, spent, supplied[i % 2], STEPS));
             assert_eq!(servo.pace, 1.0, "{spent}");

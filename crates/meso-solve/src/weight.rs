@@ -1,5 +1,6 @@
 //! Mass of the nodes: the elements' own, and what mass scaling adds.
 
+use crate::element::face::DAMPED;
 use crate::element::tet::corners;
 use crate::error::SolveError;
 use crate::mass::{Need, box_metric, tet_metric};
@@ -88,7 +89,7 @@ impl Weight {
         let safe = parts.dt / crate::mass::SAFETY;
         for face in mesh.cohesive() {
             let (_, area) = facing(mesh, face);
-            let share = cohesion.stiffness * area * safe * safe / 2.0;
+            let share = DAMPED * cohesion.stiffness * area * safe * safe / 2.0;
             face.iter().for_each(|&node| needed[node as usize] += share);
         }
         for (node, needed) in needed.iter().enumerate() {
