@@ -120,6 +120,22 @@ fn mortar_parts_joined_aggregates_in_meshes_of_every_kind() {
 }
 
 #[test]
+fn mortar_parts_voxels_of_aggregates_that_would_press_on_each_other_through_cohesive_elements() {
+    let cohesive = |method, joined| {
+        let options =
+            MeshOptions { method, itz: ItzForm::Cohesive, joined, element_size_mm: 1.0, ..Default::default() };
+        let mesh = meshed(options);
+        let deck = DeckOptions { analysis: Analysis::Compression, ..DeckOptions::default() };
+        (mesh.touching_share(), deck.doubts(&mesh, None).iter().any(|doubt| doubt.contains("form a skeleton")))
+    };
+    let kept = cohesive(Method::VOXEL, Joined::Keep);
+    assert!(kept.0 > Mesh::FEW_TOUCH && kept.1, "{kept:?}");
+    assert_eq!(cohesive(Method::VOXEL, Joined::Mortar), (0.0, false));
+    let fitted = cohesive(Method::FITTED, Joined::Mortar);
+    assert!(fitted.0 < Mesh::FEW_TOUCH && !fitted.1, "{fitted:?}");
+}
+
+#[test]
 fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
     let (kept, whole, cut) = (&*KEPT, &*MORTAR, &*CUT);
     assert!(whole.points == kept.points && whole.cells == kept.cells, "no element is made smaller");

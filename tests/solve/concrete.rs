@@ -1,8 +1,8 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
-use crate::samples::{Meshed, brittle, concrete, cube, options, voxels};
+use crate::samples::{Meshed, brittle, concrete, cube, options, small_cube, voxels};
 use meso_core::materials::Materials;
-use meso_core::mesh::{ItzForm, Method, Phase};
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase};
 use meso_solve::{Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
 
@@ -100,6 +100,23 @@ fn joined_aggregates_are_parted_by_mortar_and_counted() {
     assert!(run.phases() == meshed.mesh.phase);
     let response = run.to_end(&StopAtOnce);
     assert!(response.result.warnings.iter().any(|text| text.contains("cannot break")), "{:?}", response.result);
+}
+
+/// Voxels of two aggregates with a cohesive face between them, and no mortar, press on each other for ever.
+#[test]
+fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
+    let model = small_cube(0.3);
+    let meshed = |joined| {
+        let options = MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) };
+        Meshed::of(&model.aggregates, model.spec.specimen.clone(), options)
+    };
+    let touch = |text: &String| text.contains("lie between two aggregates");
+    let kept =
+        Run::new(meshed(mesh::Joined::Keep).sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
+    assert!(kept.warnings.iter().any(touch), "{:?}", kept.warnings);
+    let result = solve(&meshed(mesh::Joined::Mortar), &Test::default()).result;
+    assert!(result.figures.softened && result.figures.peak_mpa < 55.0 && result.joined_pairs > 0, "{result:?}");
+    assert!(!result.warnings.iter().any(touch) && result.energy_balance_error < 1e-3, "{result:?}");
 }
 
 struct StopAtOnce;

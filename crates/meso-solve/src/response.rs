@@ -3,7 +3,7 @@
 use crate::curve::{Figures, Row, to_half_peak};
 use crate::run::Run;
 use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
-use meso_core::mesh::{Phase, PhaseVolumes};
+use meso_core::mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
 
 /// How a test came to its end.
@@ -248,6 +248,14 @@ impl Summary {
             self.warnings.push(format!(
                 "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
                  pack with a gap that the elements can show, or refine the mesh"
+            ));
+        }
+        let touching = run.sample.mesh.touching_share();
+        if touching > Mesh::FEW_TOUCH {
+            let share = 100.0 * touching;
+            self.warnings.push(format!(
+                "{share:.1} % of the cohesive faces lie between two aggregates: without mortar there these form a skeleton \
+                 that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
             ));
         }
         self.warn_of_the_volume();

@@ -110,10 +110,11 @@ fn assemble(
 /// Parts joined aggregates, restores volumes, splits narrow gaps, spares stiff cells and names the smeared ITZ, as far as each
 /// is asked for.
 fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
-    if options.joined != Joined::Keep && options.itz != ItzForm::Cohesive {
+    let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
+    // Where cells stand across the surfaces, whole faces of aggregates meet: cohesive elements there would bear pressure.
+    if options.joined != Joined::Keep && (options.itz != ItzForm::Cohesive || !follows_surfaces) {
         part_joined(mesh, bodies, options.joined == Joined::Cut);
     }
-    let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     if options.volumes == Volumes::Exact && follows_surfaces && options.itz != ItzForm::Solid {
         restore_volumes(mesh, bodies, options.element_size_mm);
     }

@@ -147,7 +147,8 @@ pub enum Joined {
     /// They stay joined: an elastic skeleton that no analysis breaks.
     #[default]
     Keep,
-    /// Mortar parts them: of the cells at a shared node those of one aggregate stay. A cohesive ITZ parts by itself.
+    /// Mortar parts them: of the cells at a shared node those of one aggregate stay. In meshes that follow the surfaces a
+    /// cohesive ITZ parts the few that are left by itself.
     Mortar,
     /// The same with tetrahedra that are cut first: less of the aggregates is lost, and elements get small.
     Cut,

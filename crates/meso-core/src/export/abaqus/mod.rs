@@ -240,12 +240,19 @@ fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
 
 /// Of aggregates that share nodes, where that was asked for or is only stiff.
 fn joined_doubt(mesh: &Mesh) -> Option<String> {
-    let (nodes, pairs) = mesh.joined_aggregates();
-    (nodes > 0).then(|| {
+    let ((nodes, pairs), touching) = (mesh.joined_aggregates(), mesh.touching_share());
+    if nodes > 0 {
         let (nodes, pairs) = (thousands(nodes), thousands(pairs));
-        format!(
+        return Some(format!(
             "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton: too stiff, and it never breaks; mesh with \
              joined mortar or itz cohesive, or pack with a larger min_gap_mm"
+        ));
+    }
+    (touching > Mesh::FEW_TOUCH).then(|| {
+        let share = 100.0 * touching;
+        format!(
+            "{share:.1} % of the cohesive elements lie between two aggregates: without mortar there these form a skeleton that \
+             hardly breaks; mesh with joined mortar, or pack with a larger min_gap_mm"
         )
     })
 }
