@@ -245,9 +245,11 @@ impl Args {
             return;
         }
         let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
+        // A servo adds steps while the specimen breaks.
+        let at_least = if self.control == Control::Servo { "at least " } else { "" };
         let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
         stderr::line(format!(
-            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, at least {steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
+            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
             self.friction,
             run.time_step_s(),
             run.added_mass_percent(),
