@@ -3,7 +3,7 @@
 use crate::samples::{Meshed, brittle, concrete, cube, options, small_cube, voxels};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase};
-use meso_solve::{Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
+use meso_solve::{Control, Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -168,7 +168,9 @@ impl Observer for Damage {
 fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
     let damage = Damage::default();
-    let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, ..Test::default() };
+    // A servo adds frames.
+    let control = Control::Steady;
+    let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, control, ..Test::default() };
     meshed.watched(&brittle(), &test, &damage);
     let frames = damage.0.into_inner();
     assert_eq!(frames.len(), 4);
