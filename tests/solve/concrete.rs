@@ -1,6 +1,6 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
-use crate::samples::{Meshed, brittle, concrete, cube, options, small_cube, voxels};
+use crate::samples::{Meshed, brittle, concrete, cube, meshed, options, small_cube, voxels};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase};
 use meso_solve::{Control, Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
@@ -106,15 +106,12 @@ fn joined_aggregates_are_parted_by_mortar_and_counted() {
 #[test]
 fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
     let model = small_cube(0.3);
-    let meshed = |joined| {
-        let options = MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) };
-        Meshed::of(&model.aggregates, model.spec.specimen.clone(), options)
-    };
+    let voxels = |joined| meshed(&model, MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) });
     let touch = |text: &String| text.contains("lie between two aggregates");
     let kept =
-        Run::new(meshed(mesh::Joined::Keep).sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
+        Run::new(voxels(mesh::Joined::Keep).sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
     assert!(kept.warnings.iter().any(touch), "{:?}", kept.warnings);
-    let result = solve(&meshed(mesh::Joined::Mortar), &Test::default()).result;
+    let result = solve(&voxels(mesh::Joined::Mortar), &Test::default()).result;
     assert!(result.figures.softened && result.figures.peak_mpa < 55.0 && result.joined_pairs > 0, "{result:?}");
     assert!(!result.warnings.iter().any(touch) && result.energy_balance_error < 1e-3, "{result:?}");
 }
@@ -140,9 +137,7 @@ fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
 /// Faces that have parted rub: without damping, pressure and friction tear an aggregate's ear off before 0.5 %.
 #[test]
 fn aggregates_that_rub_in_their_cracks_do_not_flutter() {
-    let model = cube(40.0, 2, 1.0);
-    let options = options(Method::FITTED, 4.0, ItzForm::Cohesive);
-    let meshed = Meshed::of(&model.aggregates, model.spec.specimen.clone(), options);
+    let meshed = meshed(&cube(40.0, 2, 1.0), options(Method::FITTED, 4.0, ItzForm::Cohesive));
     let test = Test { strain: Some(0.006), interface: Interface { friction: 0.8 }, ..Test::default() };
     let result = meshed.solve(&Materials::default(), &test).result;
     assert!(result.ended == Ended::Completed && result.energy_balance_error < 1e-3, "{result:?}");

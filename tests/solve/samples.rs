@@ -100,7 +100,8 @@ pub(crate) fn slender() -> Meshed {
     meshed(&model, options(Method::FITTED, 4.0, ItzForm::None))
 }
 
-fn meshed(model: &Model, options: MeshOptions) -> Meshed {
+/// A model, meshed.
+pub(crate) fn meshed(model: &Model, options: MeshOptions) -> Meshed {
     Meshed::of(&model.aggregates, model.spec.specimen.clone(), options)
 }
 

@@ -8,8 +8,9 @@
 
 /// Share of the speed while the specimen softens.
 const SOFTENING: f64 = 0.4;
-/// Shares of the largest store between which the plates come to that speed, and those between which they leave it.
+/// Shares of the largest store between which the plates come to that speed.
 const SLOWING: [f64; 2] = [0.99, 0.94];
+/// Those between which they leave it.
 const RECOVERING: [f64; 2] = [0.2, 0.1];
 /// Largest stores that a specimen may release in the time of the test, before the plates are held.
 const COLLAPSE: f64 = 1.5;
@@ -46,7 +47,7 @@ impl Servo {
     /// Takes in a step of a test of `steps`: what the specimen has `stored` after it, what cracks `spent` and what the plates
     /// `supplied` in it, mJ.
     ///
-    /// One that releases twice as much as a collapse is held at a quarter of the speed.
+    /// A specimen that releases twice as much as [`COLLAPSE`] allows goes at a quarter of the speed.
     pub(crate) fn follow(&mut self, stored: f64, spent: f64, supplied: f64, steps: f64) {
         self.most = self.most.max(stored);
         let within = |share: f64| (1.0 / (share * steps)).min(1.0);

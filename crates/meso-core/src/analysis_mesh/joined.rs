@@ -24,17 +24,20 @@ impl Mesh {
         (joined.chunk_by(|a, b| a.0 == b.0).count(), pairs(&joined).len())
     }
 
-    /// [`touching_share`](Self::touching_share) that matters to no analysis: fitted lattices have 0.001, voxels without `joined
-    /// mortar` a hundred times as much.
+    /// [`touching_share`](Self::touching_share) above which an analysis is warned of it. Fitted lattices of 4 mm had 0.0015
+    /// at most; joined voxels of 1 mm had 0.012.
     pub const FEW_TOUCH: f64 = 0.01;
 
     /// Share of the cohesive elements that lie between two aggregates, with no mortar: an elastic skeleton, too, since pressure
     /// goes from one to the other. 0 without cohesive elements.
     pub fn touching_share(&self) -> f64 {
+        if self.cohesive.is_empty() {
+            return 0.0;
+        }
         let owners = self.owners(|cell| self.phase[cell] == Phase::Aggregate);
         let is_aggregate = |&node: &u32| owners.last(node) != NO_AGGREGATE;
         let touching = self.cohesive().filter(|face| face[face.len() / 2..].iter().all(is_aggregate)).count();
-        touching as f64 / self.cohesive().len().max(1) as f64
+        touching as f64 / self.cohesive().len() as f64
     }
 
     /// Numbers of the aggregates' cells, ascending, that must become mortar so that no aggregate shares a node with another
