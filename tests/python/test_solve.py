@@ -217,11 +217,15 @@ def test_ctrl_c_ends_the_test_within_half_a_second(mesh):
 
     timer = threading.Timer(0.7, send)
     timer.start()
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt) as stopped:
         mesh.solve(time_step_s=1e-9, threads=1)
     # Of CPU time, which other work on the machine does not take.
     assert time.process_time() - sent[0] < 0.5
     timer.join()
+    # The curve so far is kept.
+    response = stopped.value.response
+    assert response.result["ended"] == "stopped"
+    assert np.isfinite(response.curve["stress_mpa"]).all()
     # Nothing goes on behind our back.
     time.sleep(0.3)
     before = time.process_time()

@@ -267,7 +267,8 @@ impl PyMesh {
     /// ValueError, TypeError
     ///     For values that cannot be and for a mesh without faces for the plates or of second order, before any step.
     /// KeyboardInterrupt
-    ///     On Ctrl-C, within 0.5 s.
+    ///     On Ctrl-C, within 0.5 s on meshes of moderate size. Its attribute `response` is the test so far; it has none
+    ///     where the first step was not yet taken, or after a second Ctrl-C.
     #[pyo3(signature = (test="compression", *, materials=None, threads=None, progress=None, **options))]
     fn solve(
         slf: &Bound<'_, Self>,

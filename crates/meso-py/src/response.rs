@@ -3,7 +3,7 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::files;
-use crate::run::{Watch, beside_python_on, checked_threads, listener};
+use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
@@ -107,11 +107,19 @@ pub(crate) fn solve(
 ) -> PyResult<PyResponse> {
     let progress = listener(py, progress)?;
     let threads = asked.threads;
-    let tested = beside_python_on(py, threads, progress.as_ref(), None, move |watch| {
+    let response = |tested| PyResponse(Arc::new(tested));
+    let tested = beside_python_keeping(py, threads, progress.as_ref(), None, move |watch| {
         watch.stops_soon();
         test(&meshed, &asked, watch)
-    })?;
-    Ok(PyResponse(Arc::new(tested.map_err(|error| wrong(&error))?)))
+    });
+    match tested {
+        Ok(tested) => tested.map(response).map_err(|error| wrong(&error)),
+        Err(Broken { error, kept: Some(Ok(tested)) }) => {
+            error.value(py).setattr("response", response(tested))?;
+            Err(error)
+        }
+        Err(Broken { error, .. }) => Err(error),
+    }
 }
 
 fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
@@ -119,6 +127,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     // Progress is asked for while the test is still prepared.
     watch.update(0.0, asked.test.strain());
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
+    watch.keeps_what_it_has();
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(&watching);
     // A run that diverged holds no numbers now.

@@ -30,6 +30,8 @@ pub(crate) struct Watch {
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
     grace: AtomicU64,
+    /// What the work has when it is asked to stop is kept.
+    keeps: AtomicBool,
     /// When clock and time limit began to count.
     start: Instant,
     /// Of work in stages.
@@ -69,6 +71,11 @@ impl Watch {
     /// From now on the worker looks whether to stop at every step.
     pub(crate) fn stops_soon(&self) {
         self.grace.store(SOON_GRACE, Relaxed);
+    }
+
+    /// From now on the work has something to keep: it is waited for, until the user asks once more.
+    pub(crate) fn keeps_what_it_has(&self) {
+        self.keeps.store(true, Relaxed);
     }
 
     /// From now on there are temporary files, and the worker often looks whether to stop.
@@ -130,6 +137,29 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     plan: Option<Plan>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> PyResult<T> {
+    beside_python_keeping(py, threads, progress, plan, work).map_err(|broken| broken.error)
+}
+
+/// What ended the wait for some work, and what the work gave nevertheless.
+pub(crate) struct Broken<T> {
+    pub(crate) error: PyErr,
+    pub(crate) kept: Option<T>,
+}
+
+impl<T, E: Into<PyErr>> From<E> for Broken<T> {
+    fn from(error: E) -> Self {
+        Self { error: error.into(), kept: None }
+    }
+}
+
+/// The same; what the work has on Ctrl-C comes with the error, if it [keeps](Watch::keeps_what_it_has) it.
+pub(crate) fn beside_python_keeping<T: Send + 'static>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+    plan: Option<Plan>,
+    work: impl FnOnce(&Watch) -> T + Send + 'static,
+) -> Result<T, Broken<T>> {
     let watch = Arc::new(Watch {
         go_on: plan.as_ref().map_or_else(|| Arc::new(AtomicBool::new(true)), |plan| Arc::clone(&plan.go_on)),
         start: plan.as_ref().map_or_else(Instant::now, |plan| plan.began),
@@ -138,6 +168,7 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
         grace: AtomicU64::new(GRACE),
+        keeps: AtomicBool::new(false),
     });
     let abandoned = Arc::clone(&watch.abandoned);
     // Of none, as many as there are cores.
@@ -160,16 +191,23 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     loop {
         match wait(POLL) {
             Ok(Ok(value)) => {
-                return tell(progress, &watch).and_then(|()| close(progress)).map(|()| value);
+                tell(progress, &watch).and_then(|()| close(progress))?;
+                return Ok(value);
             }
-            Ok(Err(payload)) => return Err(bug(&*payload)),
-            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("bug: the worker is gone")),
+            Ok(Err(payload)) => return Err(bug(&*payload).into()),
+            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("bug: the worker is gone").into()),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
+                    let mut last = Err(RecvTimeoutError::Timeout);
+                    while watch.keeps.load(Relaxed) && last.is_err() && py.check_signals().is_ok() {
+                        last = wait(POLL);
+                    }
                     watch.abandoned.store(true, Relaxed);
-                    let _ = wait(Duration::from_millis(watch.grace.load(Relaxed)));
-                    return Err(error);
+                    if last.is_err() {
+                        last = wait(Duration::from_millis(watch.grace.load(Relaxed)));
+                    }
+                    return Err(Broken { error, kept: last.ok().and_then(Result::ok) });
                 }
             }
         }
