@@ -1,8 +1,11 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
 use crate::samples::{Meshed, brittle, concrete, cube, meshed, options, small_cube, voxels};
+use meso_core::Silent;
+use meso_core::aggregate::{Fibres, Voids};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase};
+use meso_solve::results::sample_of;
 use meso_solve::{Control, Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
 
@@ -188,4 +191,24 @@ fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
     };
     let [short, usual, long] = [1e-9, 3e-7, 1e-6].map(added);
     assert!(short == 0.0 && usual > 1.0 && usual < 300.0 && long > 3.0 * usual, "{short} {usual} {long}");
+}
+
+/// Fibres thinner than the elements, voids smaller than them, and aggregates of which no element is left.
+#[test]
+fn bodies_that_the_elements_lose_are_told() {
+    let mut spec = small_cube(1.0).spec;
+    spec.fibres = Some(Fibres { fraction: 0.005, length_mm: 8.0, diameter_mm: 0.4, orientation: None });
+    spec.voids = Some(Voids { fraction: 0.01, diameter_mm: [0.8, 1.2] });
+    let model = meso_core::pack(&spec, &Silent).unwrap();
+    let lost = |method, size| {
+        let options = options(method, size, ItzForm::None);
+        let mesh = mesh::build(&model, &options).unwrap();
+        let mut run = Run::new(sample_of(&mesh, &model, &options), &brittle(), &Test::default()).unwrap();
+        let warnings = run.to_end(&StopAtOnce).result.warnings;
+        ["aggregates", "fibres", "voids"]
+            .map(|name| warnings.iter().any(|text| text.starts_with(&format!("the {name} are"))))
+    };
+    assert_eq!(lost(Method::Voxel { thin_itz: false, subsamples: 2 }, 0.4), [false; 3]);
+    assert_eq!(lost(Method::FITTED, 3.0)[1..], [true; 2]);
+    assert_eq!(lost(Method::VOXEL, 24.0), [true; 3]);
 }

@@ -195,16 +195,19 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
                 return Ok(value);
             }
             Ok(Err(payload)) => return Err(bug(&*payload).into()),
-            Err(RecvTimeoutError::Disconnected) => return Err(PyRuntimeError::new_err("bug: the worker is gone").into()),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("bug: the worker is gone").into());
+            }
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
                     watch.go_on.store(false, Relaxed);
                     let mut last = Err(RecvTimeoutError::Timeout);
-                    while watch.keeps.load(Relaxed) && last.is_err() && py.check_signals().is_ok() {
+                    let runs_on = |last: &Result<_, _>| matches!(last, Err(RecvTimeoutError::Timeout));
+                    while watch.keeps.load(Relaxed) && runs_on(&last) && py.check_signals().is_ok() {
                         last = wait(POLL);
                     }
                     watch.abandoned.store(true, Relaxed);
-                    if last.is_err() {
+                    if runs_on(&last) {
                         last = wait(Duration::from_millis(watch.grace.load(Relaxed)));
                     }
                     return Err(Broken { error, kept: last.ok().and_then(Result::ok) });

@@ -2,6 +2,7 @@
 
 use crate::curve::{Figures, Row, to_half_peak};
 use crate::run::Run;
+use crate::sample::Sample;
 use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
 use meso_core::mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
@@ -118,7 +119,7 @@ const SLOW: f64 = 0.01;
 const FAST: f64 = 0.05;
 /// Hourglass over internal energy that is still small.
 const HOURGLASS: f64 = 0.02;
-/// Difference of the aggregates' volume from their own, over that, which is no more their share.
+/// Difference of the volume of bodies in the mesh from their own, over that, which is no more their share.
 const VOLUME: f64 = 0.02;
 /// Difference of work and energies, over the work, that is still rounding and impacts.
 const BALANCE: f64 = 1e-3;
@@ -189,7 +190,10 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
         }
     };
     let has_faces = !run.sample.mesh.cohesive.is_empty();
-    let is_there = |phase: &Phase| run.phases().contains(phase) || (*phase == Phase::Itz && has_faces);
+    // Bodies that the elements have lost are told with a volume of 0.
+    let is_asked = |phase| run.sample.exact.is_some_and(|exact| exact.of(phase) > 0.0);
+    let is_there =
+        |&phase: &Phase| run.phases().contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces);
     Phase::ALL.into_iter().filter(is_there).map(result).collect()
 }
 
@@ -258,23 +262,32 @@ impl Summary {
                  that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
             ));
         }
-        self.warn_of_the_volume();
+        self.warn_of_the_volumes(&run.sample);
         if run.sample.mesh.periodic != [false; 3] {
             self.warnings.push("the specimen is periodic, but its sides are free in this test".to_owned());
         }
     }
 
-    /// Aggregates that are another share of the specimen than they should be.
-    fn warn_of_the_volume(&mut self) {
-        let Some(aggregate) = self.phases.iter().find(|phase| phase.name == "aggregate") else { return };
-        let Some(exact) = aggregate.exact_fraction else { return };
-        let share = aggregate.volume_fraction;
-        if (share - exact).abs() > VOLUME * exact {
-            let (share, exact) = (100.0 * share, 100.0 * exact);
-            self.warnings.push(format!(
-                "the aggregates are {share:.1} % of the specimen in this mesh and {exact:.1} % in the packing: refine the \
-                 mesh, or pack with a larger gap"
-            ));
+    /// Bodies that are another share of the specimen than they should be.
+    fn warn_of_the_volumes(&mut self, sample: &Sample) {
+        let of = |name: &str| {
+            let phase = self.phases.iter().find(|phase| phase.name == name)?;
+            Some([phase.volume_fraction, phase.exact_fraction?])
+        };
+        let voids = sample.exact.and_then(|exact| exact.voids(sample.mesh, sample.volume_mm3));
+        let bodies = [
+            ("aggregates", of("aggregate"), "refine the mesh, or pack with a larger gap"),
+            ("fibres", of("fibre"), "take elements of at most half their diameter, or the method conforming"),
+            ("voids", voids.map(|voids| voids.map(|x| x / sample.volume_mm3)), "refine the mesh"),
+        ];
+        for (name, shares, way_out) in bodies {
+            let Some([share, exact]) = shares else { continue };
+            if (share - exact).abs() > VOLUME * exact {
+                let [share, exact] = [share, exact].map(|share| 100.0 * share);
+                self.warnings.push(format!(
+                    "the {name} are {share:.1} % of the specimen in this mesh and {exact:.1} % in the packing: {way_out}"
+                ));
+            }
         }
     }
 

@@ -30,12 +30,15 @@ pub(super) struct MeshReport {
     voxels: bool,
     #[serde(skip)]
     smeared: bool,
+    /// Volume of the voids in the mesh and their own.
+    #[serde(skip)]
+    voids_mm3: Option<[f64; 2]>,
 }
 
 /// An ITZ beyond this multiple of its exact volume is worth a warning.
 const FAR_TOO_MUCH: f64 = 1.2;
-/// Error of the fibres' volume without a warning, as a share; at half their diameter lattices were 2 % off.
-const FIBRES_OFF: f64 = 0.05;
+/// Error of the fibres' or the voids' volume without a warning, as a share; at half their diameter lattices were 2 % off.
+const INCLUSIONS_OFF: f64 = 0.05;
 
 /// The first few bad elements are named on stderr.
 const NAMED: usize = 5;
@@ -58,6 +61,7 @@ impl MeshReport {
             options,
             voxels: mesh.kind == CellKind::Hexahedron,
             smeared: mesh.has_smeared_itz(),
+            voids_mm3: quality.exact_volumes_mm3.and_then(|exact| exact.voids(mesh, specimen.volume())),
             quality,
         }
     }
@@ -79,7 +83,7 @@ impl MeshReport {
         stderr::line(format!("meshed {elements} elements{cohesive}, {nodes} nodes ({how})"));
         self.volumes();
         self.thick_shells();
-        self.lost_fibres();
+        self.lost_inclusions();
         let distance = &self.quality.interface_distance;
         stderr::line(format!(
             "of {} interface nodes, {} lie off the aggregates' surfaces: {:.4} mm rms over all, {:.4} mm at most",
@@ -116,13 +120,11 @@ impl MeshReport {
             };
             let wanted = exact.map_or(f64::NAN, |exact| of_specimen(exact, phase));
             if share > 0.0 || wanted > 0.0 {
-                // Rounding is no error.
-                let error = (1e5 * (share / wanted - 1.0)).round() / 1e3 + 0.0;
-                stderr::line(format!(
-                    "  {:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%",
-                    phase.name().to_lowercase()
-                ));
+                volume_row(&phase.name().to_lowercase(), [share, wanted]);
             }
+        }
+        if let Some(volumes) = self.voids_mm3 {
+            volume_row("void", volumes.map(|volume| volume / self.specimen_volume_mm3));
         }
         if self.smeared {
             let (itz, mortar) = (self.quality.volumes_mm3.itz, self.quality.volumes_mm3.mortar);
@@ -141,14 +143,16 @@ impl MeshReport {
         }
     }
 
-    /// Warns where the elements are too coarse for the fibres.
-    fn lost_fibres(&self) {
-        let Some(exact) = self.quality.exact_volumes_mm3 else { return };
-        if (self.quality.volumes_mm3.fibre - exact.fibre).abs() > FIBRES_OFF * exact.fibre {
-            stderr::line(
-                "the elements are too coarse for the fibres: use an --element-size-mm of at most half their diameter, or \
-                 --method conforming, which keeps them exactly",
-            );
+    /// Warns where the elements are too coarse for the fibres or the voids.
+    fn lost_inclusions(&self) {
+        let fibres = self.quality.exact_volumes_mm3.map(|exact| [self.quality.volumes_mm3.fibre, exact.fibre]);
+        for (name, volumes) in [("fibres", fibres), ("voids", self.voids_mm3)] {
+            if volumes.is_some_and(|[meshed, exact]| (meshed - exact).abs() > INCLUSIONS_OFF * exact) {
+                stderr::line(format!(
+                    "the elements are too coarse for the {name}: use an --element-size-mm of at most half their diameter, or \
+                     --method conforming, which keeps them exactly"
+                ));
+            }
         }
     }
 
@@ -202,6 +206,13 @@ impl MeshReport {
             QualityReport::BAD_DEG
         ));
     }
+}
+
+/// A phase's share of the specimen in the mesh, and its exact one.
+fn volume_row(name: &str, [share, wanted]: [f64; 2]) {
+    // Rounding is no error.
+    let error = (1e5 * (share / wanted - 1.0)).round() / 1e3 + 0.0;
+    stderr::line(format!("  {name:>11}  {share:>11.5}  {wanted:>10.5}  {error:>+7.3}%"));
 }
 
 /// A phase and the factor of its mass.

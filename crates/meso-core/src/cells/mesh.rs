@@ -130,6 +130,8 @@ pub struct Mesh {
 pub struct Notes {
     /// Whether the cells follow the bodies' facets, in which case they lie in no lattice and crack bands are narrower.
     pub conforming: bool,
+    /// Volume of the cells that voids took, which are left out, mm3; a conforming mesh has none to begin with.
+    pub voids_mm3: f64,
     /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
     pub closed_gaps: usize,
     /// Pairs of aggregates that share nodes.

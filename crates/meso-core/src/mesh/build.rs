@@ -12,7 +12,7 @@ use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, Narr
 use super::{clip, lattice, layer, voxel};
 use crate::aggregate::{Aggregate, Kind};
 use crate::analysis_mesh::{add_cohesive, part_joined, restore_volumes, smear_itz, spare_stiff, split_narrow};
-use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, drop_lone_nodes};
+use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume, drop_lone_nodes};
 use crate::mesh_figures::note_closed_gaps;
 use crate::model::Model;
 use crate::packing::{Container, Specimen, images_near};
@@ -200,7 +200,7 @@ fn clip(mesh: &mut Mesh, container: &dyn Container) {
     }
 }
 
-/// Keeps all cells but those of voids.
+/// Keeps all cells but those of voids, whose volume is noted.
 fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
     let mut voids: Vec<u32> = bodies.iter().filter(|body| body.kind == Kind::Void).map(|body| body.id).collect();
     if voids.is_empty() {
@@ -208,6 +208,8 @@ fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
     }
     voids.sort_unstable();
     let solid = parallel::map_short(mesh.aggregate.len(), |cell| voids.binary_search(&mesh.aggregate[cell]).is_err());
+    let taken = mesh.cells().zip(&solid).filter(|(_, is_solid)| !**is_solid);
+    mesh.notes.voids_mm3 = taken.map(|(cell, _)| cell_volume(mesh.kind, cell, &mesh.points)).sum();
     retain(mesh, &solid);
 }
 

@@ -21,6 +21,9 @@ pub struct PhaseVolumes {
     pub fibre: f64,
 }
 
+/// Share of a specimen that the sum of its phases may leave without a void.
+const ROUNDING: f64 = 1e-9;
+
 fn is_zero(volume: &f64) -> bool {
     *volume == 0.0
 }
@@ -85,6 +88,13 @@ impl PhaseVolumes {
         let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
         let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
         Self::exact(bodies, specimen, shell).ok()
+    }
+
+    /// Volume of the voids in `mesh` and their own in the packing, whose phases these are, mm3; `None` where there are no
+    /// voids, or where the mesh conforms to them.
+    pub fn voids(&self, mesh: &Mesh, specimen_mm3: f64) -> Option<[f64; 2]> {
+        let exact = specimen_mm3 - self.total();
+        (exact > ROUNDING * specimen_mm3 && !mesh.notes.conforming).then_some([mesh.notes.voids_mm3, exact])
     }
 
     /// Sum of the phases, mm3.
