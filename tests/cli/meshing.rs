@@ -321,17 +321,22 @@ fn a_mesh_is_told_with_its_phases_against_the_exact_ones_and_its_bad_elements_by
 }
 
 #[test]
-fn elements_too_coarse_for_the_fibres_are_told() {
+fn elements_too_coarse_for_fibres_and_voids_are_told() {
     let folder = Folder::new();
     let spec = "fraction = 0.1\nspecimen = { kind = \"cube\", side_mm = 30 }\n\
-                fibres = { fraction = 0.01, length_mm = 10, diameter_mm = 2 }\n";
-    folder.write("fibres.toml", spec);
-    assert_eq!(folder.run(&["pack", "fibres.toml", "-o", "fibres.json"]).code, 0);
+                fibres = { fraction = 0.01, length_mm = 10, diameter_mm = 2 }\n\
+                voids = { fraction = 0.01, diameter_mm = [3, 4] }\n";
+    folder.write("spec.toml", spec);
+    assert_eq!(folder.run(&["pack", "spec.toml", "-o", "model.json"]).code, 0);
     for (size, told) in [("3", true), ("1", false)] {
         let flags =
             ["--method", "lattice", "--itz", "none", "--element-size-mm", size, "--force", "--accept-phase-error"];
-        let run = folder.run(&[&["mesh", "fibres.json", "-o", "fibres.vtu"][..], &flags].concat());
+        let run = folder.run(&[&["mesh", "model.json", "-o", "mesh.vtu"][..], &flags].concat());
         assert_eq!(run.code, 0, "{}", run.stderr);
-        assert_eq!(run.stderr.contains("too coarse for the fibres"), told, "{size} mm: {}", run.stderr);
+        for name in ["fibres", "voids"] {
+            let text = format!("too coarse for the {name}");
+            assert_eq!(run.stderr.contains(&text), told, "{size} mm: {}", run.stderr);
+        }
+        assert!(run.stderr.contains("\n         void  "), "{}", run.stderr);
     }
 }

@@ -3,6 +3,7 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::files;
+use crate::mesh;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
@@ -339,6 +340,12 @@ impl PyFrame {
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         PyArray1::from_vec(py, self.1.phases.iter().map(|&phase| phase as u8).collect())
+    }
+
+    /// Id of the aggregate or fibre every cell of the mesh belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
+    #[getter]
+    fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        mesh::owners(py, &self.0)
     }
 
     /// Points, cells and the VTK type of the cells, for `to_pyvista`.

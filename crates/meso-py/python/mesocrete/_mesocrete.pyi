@@ -861,7 +861,7 @@ class Response:
 
 @final
 class Frame:
-    """The fields of a moment of a test; arrays are float32, one row for each node or cell."""
+    """The fields of a moment of a test; arrays have one row for each node or cell, real ones are float32."""
 
     @property
     def strain(self) -> float:
@@ -902,6 +902,10 @@ class Frame:
     @property
     def phase(self) -> NDArray[np.uint8]:
         """Phase that every cell has in the test: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
+
+    @property
+    def aggregate(self) -> NDArray[np.int64]:
+        """Id of the aggregate or fibre every cell of the mesh belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy."""
 
     def _mesh(self) -> tuple[NDArray[np.float64], NDArray[np.int64], str]: ...
     def __copy__(self) -> Frame: ...

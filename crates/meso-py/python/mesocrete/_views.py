@@ -274,6 +274,7 @@ def frame_to_pyvista(frame: Any) -> Any:
     grid.cell_data["crack_opening_mm"] = frame.crack_opening_mm
     grid.cell_data["stress_mpa"] = frame.stress
     grid.cell_data["phase"] = frame.phase
+    grid.cell_data["aggregate"] = frame.aggregate
     return grid
 
 
