@@ -4,6 +4,8 @@ import csv
 import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -43,6 +45,21 @@ def test_the_curve_is_a_dict_of_arrays(response):
     assert curve["strain"][-1] == pytest.approx(0.004, rel=0.01)
     lost = curve["external"] - curve["internal"] - curve["kinetic"] - curve["friction_work"]
     assert abs(lost).max() < 1e-3 * curve["external"].max()
+
+
+def test_a_mesh_for_a_test_gives_the_curve_of_the_command(tmp_path):
+    packing = mc.pack(CUBE)
+    packing.write(tmp_path / "model.json")
+    asked = ["--element-size-mm", "3", "--strain", "0.001", "--frames", "1", "--quiet"]
+    command = [sys.executable, "-m", "mesocrete", "solve", "model.json", "-o", "out", *asked]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=120)
+    mesh = packing.mesh(for_test=True, element_size=3.0, accept_phase_error=True)
+    mesh.solve(strain=0.001, frames=1).write(tmp_path / "python")
+    curves = [(tmp_path / folder / "curve.csv").read_bytes() for folder in ("out", "python")]
+    assert curves[0] == curves[1]
+    # Options that are given count.
+    other = packing.mesh(for_test=True, element_size=3.0, narrow_gaps="keep", accept_phase_error=True)
+    assert len(other) < len(mesh)
 
 
 def test_the_result_has_the_keys_of_the_file(response):

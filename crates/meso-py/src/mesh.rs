@@ -11,7 +11,7 @@ use crate::views::{call_view, cell_type};
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::{
-    self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes,
+    self, ItzForm, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes,
     conforming::Surfaces,
     quality::{self, MassScaling, QualityReport},
 };
@@ -36,6 +36,12 @@ impl PartialEq for PyMesh {
     fn eq(&self, other: &Self) -> bool {
         self.0 == other.0
     }
+}
+
+/// Keywords of the mesh that `mesocrete solve` makes of a model; the test smears the ITZ.
+pub(crate) fn keywords_of_a_test(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let table = MeshTable { itz: Some(ItzForm::None), ..MeshTable::of_a_test() };
+    Ok(plain(py, &table)?.cast_into()?)
 }
 
 /// Meshes `model` with the options that Python's keywords name.

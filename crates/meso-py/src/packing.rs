@@ -352,6 +352,9 @@ impl PyPacking {
     ///     Method of meshing; "voxel" is the default.
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
+    /// for_test : bool, optional
+    ///     Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="none",
+    ///     joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
     /// accept_phase_error : bool, optional
     ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
     /// progress : bool or callable, optional
@@ -364,18 +367,21 @@ impl PyPacking {
     /// ------
     /// ValueError, TypeError
     ///     Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
-    #[pyo3(signature = (*, method=None, element_size=None, accept_phase_error=false, progress=None, **options))]
+    #[pyo3(signature = (*, method=None, element_size=None, for_test=false, accept_phase_error=false, progress=None, **options))]
+    #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn mesh(
         &self,
         py: Python<'_>,
         method: Option<&Bound<'_, PyAny>>,
         element_size: Option<&Bound<'_, PyAny>>,
+        for_test: bool,
         accept_phase_error: bool,
         progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyMesh> {
         guard(|| {
-            let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
+            let keywords = if for_test { mesh::keywords_of_a_test(py)? } else { PyDict::new(py) };
+            options.map_or(Ok(()), |options| keywords.update(options.as_mapping()))?;
             for (key, value) in [("method", method), ("element_size_mm", element_size)] {
                 if let Some(value) = value {
                     keywords.set_item(key, value)?;

@@ -554,7 +554,7 @@ class Packing:
         """
 
     def mesh(
-        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, accept_phase_error: bool = False, progress: bool | Callable[..., object] | None = None, **options: Unpack[MeshOptions]
+        self, *, method: Literal["voxel", "lattice", "conforming"] | None = None, element_size: float | None = None, for_test: bool = False, accept_phase_error: bool = False, progress: bool | Callable[..., object] | None = None, **options: Unpack[MeshOptions]
     ) -> Mesh:
         """Meshes the packing.
 
@@ -564,6 +564,9 @@ class Packing:
             Method of meshing; "voxel" is the default.
         element_size : float, optional
             Edge length of the elements, mm; default 2.
+        for_test : bool, optional
+            Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="none",
+            joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
         accept_phase_error : bool, optional
             Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
         progress : bool or callable, optional
