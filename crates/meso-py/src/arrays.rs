@@ -1,6 +1,7 @@
 //! Points from Python and back: accepted (n, 3) arrays, and the errors for the rest.
 
 use meso_core::math::Vec3;
+use meso_core::mesh::Mesh;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -136,6 +137,12 @@ fn triple(p: &Vec3) -> String {
 pub(crate) fn from_points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<PointArray<'py>> {
     let flat: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y, p.z]).collect();
     PyArray1::from_vec(py, flat).reshape([points.len(), 3])
+}
+
+/// The ids of the bodies that cells belong to as a new int64 array, -1 in the mortar.
+pub(crate) fn from_owners<'py>(py: Python<'py>, owners: &[u32]) -> Bound<'py, PyArray1<i64>> {
+    let id = |&id: &u32| if id == Mesh::NO_AGGREGATE { -1 } else { i64::from(id) };
+    PyArray1::from_vec(py, owners.iter().map(id).collect())
 }
 
 /// Rows of `width` indices as a new int64 array.

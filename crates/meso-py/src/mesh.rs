@@ -114,7 +114,7 @@ impl PyMesh {
     /// Id of the aggregate or fibre every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        owners(py, &self.0)
+        arrays::from_owners(py, &self.0.aggregate)
     }
 
     /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where
@@ -341,10 +341,4 @@ impl PyMesh {
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
         slf
     }
-}
-
-/// Id of the body that every cell belongs to, -1 in the mortar.
-pub(crate) fn owners<'py>(py: Python<'py>, mesh: &Mesh) -> Bound<'py, PyArray1<i64>> {
-    let id = |&id: &u32| if id == Mesh::NO_AGGREGATE { -1 } else { i64::from(id) };
-    PyArray1::from_vec(py, mesh.aggregate.iter().map(id).collect())
 }

@@ -3,7 +3,6 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::guard;
 use crate::files;
-use crate::mesh;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
@@ -345,7 +344,7 @@ impl PyFrame {
     /// Id of the aggregate or fibre every cell of the mesh belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        mesh::owners(py, &self.0)
+        arrays::from_owners(py, &self.0.aggregate)
     }
 
     /// Points, cells and the VTK type of the cells, for `to_pyvista`.
