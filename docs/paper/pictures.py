@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib import pyplot
 
 matplotlib.use("Agg")
-# Points of the curve, as the paper names them: share of the peak, and on which side of it.
-POINTS = {"A": (0.3, "before"), "B": (0.8, "before"), "C": (1.0, "before"), "D": (0.8, "after"), "E": (0.0, "after")}
+# Points of the curve, as the paper names them: share of the peak, and where.
+POINTS = {"A": (0.3, "before"), "B": (0.8, "before"), "C": (1.0, "at the peak"), "D": (0.8, "after"), "E": (0.0, "at the end")}
 # Points whose stress in the aggregates is drawn, too.
 STRESSED = "DE"
 # What `phase` holds in a cell of an aggregate.
@@ -57,12 +57,15 @@ def draw_curves(group: list[tuple], path: Path) -> None:
 
 
 def frames_at_points(folder: Path) -> dict[str, str]:
-    """Find the frame nearest to each of the points A to E of the curve."""
-    strain, stress = read_curve(folder)
-    peak = max(range(len(stress)), key=stress.__getitem__)
-    frames = json.loads((folder / "result.json").read_text(encoding="utf-8"))["frames"]
-    wanted = {point: strain[index_at(stress, peak, *at)] for point, at in POINTS.items()}
-    return {p: min(frames, key=lambda frame: abs(frame["strain"] - x))["file"] for p, x in wanted.items()}
+    """Find the frame of each of the points A to E: the one of the nearest stress on its side of the peak."""
+    result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+    frames, strain, stress = (result[key] for key in ("frames", "peak_strain", "peak_mpa"))
+    peak = min(range(len(frames)), key=lambda i: abs(frames[i]["strain"] - strain))
+    places = {"before": frames[: peak + 1], "at the peak": [frames[peak]], "after": frames[peak:], "at the end": frames[-1:]}
+    return {
+        point: min(places[place], key=lambda frame: abs(frame["stress_mpa"] - share * stress))["file"]
+        for point, (share, place) in POINTS.items()
+    }
 
 
 def read_frames(folder: Path) -> dict:
@@ -72,13 +75,6 @@ def read_frames(folder: Path) -> dict:
     files = frames_at_points(folder)
     meshes = {file: pyvista.read(folder / file) for file in dict.fromkeys(files.values())}
     return {point: meshes[file] for point, file in files.items()}
-
-
-def index_at(stress: list[float], peak: int, share: float, side: str) -> int:
-    """Where the curve first reaches a share of its peak on that side; the end where it never falls so far."""
-    if side == "before":
-        return next(i for i in range(peak + 1) if stress[i] >= share * stress[peak])
-    return next((i for i in range(peak, len(stress)) if stress[i] <= share * stress[peak]), len(stress) - 1)
 
 
 def draw_sections(label: str, frames: dict, path: Path) -> None:
