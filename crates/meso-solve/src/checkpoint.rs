@@ -12,7 +12,7 @@ use crate::servo::Servo;
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 6;
+const VERSION: u64 = 7;
 
 impl Run<'_> {
     /// Writes the state.
