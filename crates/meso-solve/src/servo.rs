@@ -7,7 +7,7 @@
 //!    stop suddenly send waves through the specimen, and its curve descends in stairs.
 //! 2. If the specimen collapses nevertheless, they almost stop.
 //!
-//! Elastic energy grows until the peak, and until then the plates keep their speed. The constants were chosen among 14
+//! Elastic energy grows until the peak, and until then the plates keep their speed. The constants were chosen among 17
 //! rules (`benches/results/servo_rules.csv`).
 
 /// Share of the speed while the specimen softens.
