@@ -90,7 +90,7 @@ def main() -> int:
     parser.add_argument("rooms", nargs="*", help="or numbers of faults; all when absent")
     args = parser.parse_args()
     mutants = read(ROOT / "tests" / "mutants.txt")
-    plant(mutants)
+    plant(faulty(mutants))
     chosen = [m for m in mutants if not args.rooms or m.room in args.rooms or str(m.number) in args.rooms]
     binaries = build(chosen)
     usual = {tests: right(tests, binaries) for tests in dict.fromkeys(m.tests for m in chosen)}
@@ -138,8 +138,8 @@ def read(path: Path) -> list[Mutant]:
     return mutants
 
 
-def plant(mutants: list[Mutant]) -> None:
-    """Copy the sources and put all faults into the copy; what is there already keeps its age, and is not compiled again."""
+def faulty(mutants: list[Mutant]) -> dict[Path, bytes]:
+    """Read the sources and put all faults into them; exits if one does not have exactly one place."""
     texts = {path.relative_to(ROOT): path.read_bytes() for path in sources()}
     for crate in {m.file.split("/")[1] for m in mutants}:
         source = Path("crates") / crate / "src"
@@ -154,6 +154,11 @@ def plant(mutants: list[Mutant]) -> None:
         cases = "".join(f"if crate::mutant::is({m.number}) {{ {m.wrong} }} else " for m in here)
         planted = f"{before}({cases}{{ {changed} }}){after}"
         texts[Path(file)] = text.replace(before + changed + after, planted).encode()
+    return texts
+
+
+def plant(texts: dict[Path, bytes]) -> None:
+    """Write the copy; what is there already keeps its age, and is not compiled again."""
     for old in [path for path in COPY.rglob("*") if path.is_file() and path.relative_to(COPY) not in texts]:
         old.unlink()
     for name, text in texts.items():
