@@ -25,6 +25,9 @@ import arm64
 from stage import ROOT, Ended, run, told_again
 
 VENV = ROOT / ".venv"
+# Room that the whole suite takes, in a fresh clone and where all is built.
+FRESH_GB = 6
+BUILT_GB = 1
 # Programs that some Rust tests compare with; without them those tests skip. pytest names its own skips.
 PEERS = {
     "ccx": "CalculiX solving our decks (Debian: calculix-ccx)",
@@ -68,7 +71,7 @@ def main() -> int:
     """Run the stages in order and print what passed, failed and was skipped."""
     args = parse_args()
     started = time.monotonic()
-    check_tools()
+    check_machine()
     if not (ROOT / "target" / "debug" / "incremental").exists():
         # Nobody has worked in this tree: what only the next change's build would use costs the first a seventh.
         os.environ.setdefault("CARGO_INCREMENTAL", "0")
@@ -102,12 +105,16 @@ def parse_args() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def check_tools() -> None:
-    """Stop at once where the two things that must be there are not."""
+def check_machine() -> None:
+    """Stop at once where Python, cargo or room on the disk are missing."""
     if sys.version_info < (3, 10):
         sys.exit(f"Python 3.10 or newer is needed; this is {sys.version.split()[0]}")
     if shutil.which("cargo") is None:
         sys.exit("cargo is not on the PATH; install Rust (https://rustup.rs) first")
+    is_built = (ROOT / "target" / "debug").exists() and VENV.exists()
+    needed, free = BUILT_GB if is_built else FRESH_GB, shutil.disk_usage(ROOT).free / 1e9
+    if free < needed:
+        sys.exit(f"{free:.1f} GB are free on the disk of {ROOT}; the tests need {needed} GB. Delete something there first")
 
 
 def make_venv() -> Path:
