@@ -145,7 +145,7 @@ impl Unit {
         Self(whole::Unit::unforced(Signals))
     }
 
-    /// Lets `write` fill one output. A failure discards every file of the unit.
+    /// Lets `write` fill one output. Where that fails, the unit's other files still wait for their names.
     pub(crate) fn fill(
         &mut self,
         target: &Target,

@@ -114,7 +114,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     args.announce(&run, &mesh);
     let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&watch);
-    (folder, seconds.solve) = (watch.folder()?, begun.elapsed().as_secs_f64());
+    (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
 }
 
@@ -289,25 +289,27 @@ struct Finished<'a> {
 fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Failure> {
     let Finished { mesh, run, response, source, started, seconds } = finished;
     let ended = &response.result.ended;
-    if *ended == Ended::Stopped && args.checkpoint.is_some() {
-        folder.keep(run)?;
-    }
+    let keeps = *ended == Ended::Stopped && args.checkpoint.is_some();
+    let kept = if keeps { folder.keep(run) } else { Ok(()) };
     // A run that diverged holds no numbers now.
     let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
     let seconds = Seconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let frames = folder.frames().to_vec();
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
-    folder.fill(&outcome)?;
-    let written = folder.commit(*ended == Ended::Completed)?;
+    // Before a disk without room can hide them.
     tell(response, args.test().strain(), args.writing.quiet);
+    folder.fill(&outcome)?;
+    let lost = folder.lost();
+    let written = folder.commit(*ended == Ended::Completed)?;
     if !args.writing.quiet {
         written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
     }
-    Ok(match ended {
-        Ended::Completed => 0,
-        Ended::Stopped => INTERRUPTED,
-        Ended::Diverged(_) => RUN,
-    })
+    kept?;
+    match ended {
+        Ended::Completed => lost.map(|()| 0),
+        Ended::Stopped => Ok(INTERRUPTED),
+        Ended::Diverged(_) => Ok(RUN),
+    }
 }
 
 /// The curve's figures, then what is wrong with them.

@@ -14,6 +14,8 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
 const CHECKPOINT: &str = "checkpoint.bin";
+/// Room that the curve, the figures and the page need at most, bytes. Frames may take all the rest of a disk.
+const ROOM: usize = 4 << 20;
 
 /// A folder that results go to.
 pub(super) struct Folder {
@@ -23,7 +25,11 @@ pub(super) struct Folder {
     /// Whether frames get their names at once.
     keeps: bool,
     staged: Unit,
+    /// A file that keeps [`ROOM`] until the results are written, and never gets a name.
+    reserve: Unit,
     frames: Vec<Moment>,
+    /// Number of frames that could not be written.
+    lost: usize,
     /// Whether it was made here; taken away again where nothing comes into it.
     made: Option<Made>,
 }
@@ -55,12 +61,14 @@ impl Folder {
     /// Looks at the folder before any work, and makes it where it is not there.
     pub(super) fn open(path: &Path, keeps: bool, resumes: bool, force: bool) -> Result<Self, Failure> {
         let made = make(path)?;
-        let folder = Self {
+        let mut folder = Self {
             path: path.to_owned(),
             force: force || resumes,
             keeps: keeps || resumes,
             staged: Unit::default(),
+            reserve: Unit::unforced(),
             frames: Vec::new(),
+            lost: 0,
             made,
         };
         let checkpoint = path.join(CHECKPOINT);
@@ -75,6 +83,8 @@ impl Folder {
         for name in ResultFile::ALL.map(|file| file.name().to_owned()).into_iter().chain(folder.frames_there()?) {
             folder.target(&name)?;
         }
+        let room = Target::File { shown: path.to_owned(), path: path.join("room") };
+        folder.reserve.fill(&room, false, |out| out.write_all(&vec![0; ROOM]))?;
         Ok(folder)
     }
 
@@ -118,12 +128,23 @@ impl Folder {
         &self.frames
     }
 
-    /// Writes a frame.
+    /// What is said in the end of frames that could not be written.
+    pub(super) fn lost(&self) -> Result<(), Failure> {
+        let (lost, all) = (self.lost, self.lost + self.frames.len());
+        let message =
+            || Failure::Run(format!("{lost} of {all} frames could not be written; all other results are whole"));
+        if lost == 0 { Ok(()) } else { Err(message()) }
+    }
+
+    /// Writes a frame. Where that fails, those before it stay.
     pub(super) fn add(&mut self, mesh: &Mesh, frame: &Snapshot) -> Result<(), Failure> {
-        let target = Target::new(&self.path.join(frame.moment.file()), self.force || self.keeps)?;
-        self.write(&target, |out| frame.write(mesh, out))?;
-        self.frames.push(frame.moment);
-        Ok(())
+        let target = Target::new(&self.path.join(frame.moment.file()), self.force || self.keeps);
+        let written = target.and_then(|target| self.write(&target, |out| frame.write(mesh, out)));
+        match written {
+            Ok(()) => self.frames.push(frame.moment),
+            Err(_) => self.lost += 1,
+        }
+        written
     }
 
     /// Writes the checkpoint: whole, or the one before it stays.
@@ -154,6 +175,7 @@ impl Folder {
 
     /// Writes the results, which wait for their names.
     pub(super) fn fill(&mut self, outcome: &Outcome) -> Result<(), Failure> {
+        drop(std::mem::take(&mut self.reserve));
         for file in ResultFile::ALL {
             let target = self.target(file.name())?;
             self.staged.fill(&target, self.force, |out| file.write(outcome, out))?;

@@ -28,7 +28,6 @@ enum Shown {
 pub(super) struct Watching<'a> {
     mesh: &'a Mesh,
     folder: RefCell<Folder>,
-    failed: RefCell<Option<Failure>>,
     shown: Shown,
     started: Instant,
     /// Share of the test that a run before this one did.
@@ -38,6 +37,8 @@ pub(super) struct Watching<'a> {
     drawn: Cell<Option<Instant>>,
     every: Option<Duration>,
     kept: Cell<Instant>,
+    /// Whether the last checkpoint could not be written.
+    unkept: Cell<bool>,
     _polling: interrupt::Polling,
 }
 
@@ -56,7 +57,6 @@ impl<'a> Watching<'a> {
         Self {
             mesh,
             folder: RefCell::new(folder),
-            failed: RefCell::default(),
             shown: if quiet {
                 Shown::Nothing
             } else if seen {
@@ -70,23 +70,28 @@ impl<'a> Watching<'a> {
             drawn: Cell::new(None),
             every: every.map(Duration::from_secs_f64),
             kept: Cell::new(now),
+            unkept: Cell::new(false),
             _polling: interrupt::Polling::begin(),
         }
     }
 
-    /// The folder with the frames, or what went wrong with them.
-    pub(super) fn folder(self) -> Result<Folder, Failure> {
+    /// The folder with the frames.
+    pub(super) fn folder(self) -> Folder {
+        self.clear();
+        self.folder.into_inner()
+    }
+
+    /// Takes the bar away.
+    fn clear(&self) {
         if self.shown == Shown::Bar {
             show(CLEAR);
         }
-        self.failed.into_inner().map_or_else(|| Ok(self.folder.into_inner()), Err)
     }
 
-    /// A failure ends the test.
-    fn try_to(&self, work: impl FnOnce(&mut Folder) -> Result<(), Failure>) {
-        if self.failed.borrow().is_none() {
-            *self.failed.borrow_mut() = work(&mut self.folder.borrow_mut()).err();
-        }
+    /// Says that something could not be written: no reason to lose a test of hours.
+    fn warn(&self, failure: &Failure, what_then: &str) {
+        self.clear();
+        stderr::line(format!("warning: {}; {what_then}", failure.message()));
     }
 
     fn tell(&self, progress: &Progress) {
@@ -128,15 +133,22 @@ impl Observer for Watching<'_> {
     }
 
     fn stops(&self) -> bool {
-        interrupt::asked() || self.failed.borrow().is_some()
+        interrupt::asked()
     }
 
     fn frame(&self, frame: &Frame) {
-        self.try_to(|folder| folder.add(self.mesh, &Snapshot::of(frame)));
+        if let Err(failure) = self.folder.borrow_mut().add(self.mesh, &Snapshot::of(frame)) {
+            self.warn(&failure, "the test goes on without this frame");
+        }
     }
 
     fn keep(&self, run: &Run) {
-        self.try_to(|folder| folder.keep(run));
+        let failure = self.folder.borrow_mut().keep(run).err();
+        // Said once, not every few minutes.
+        let was_unkept = self.unkept.replace(failure.is_some());
+        if let Some(failure) = failure.filter(|_| !was_unkept) {
+            self.warn(&failure, "the test goes on with the checkpoint of before, if any");
+        }
         self.kept.set(Instant::now());
     }
 }
