@@ -22,6 +22,8 @@ import pictures
 
 HERE = Path(__file__).resolve().parent
 CHECKPOINT_S = "300"
+# Exit code of a test that Ctrl-C or a termination stopped.
+INTERRUPTED = 130
 # What cases.csv keeps of a result.json.
 FIGURES = [
     "elements", "steps", "modulus_mpa", "peak_mpa", "peak_strain", "stress_at_end_mpa", "softened",
@@ -189,6 +191,9 @@ def run(program: str, case: Case, folder: Path) -> None:
     command += with_defaults(case.flags)
     with (folder / "messages.txt").open("w", encoding="utf-8") as messages:
         code = subprocess.run(command, stderr=messages, check=False).returncode
+    if code == INTERRUPTED:
+        # Its checkpoint stays, and so does what it was asked.
+        sys.exit(code)
     if code != 0:
         asked.unlink()
         print(f"  failed: {(folder / 'messages.txt').read_text(encoding='utf-8').strip()}", file=sys.stderr)
