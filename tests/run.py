@@ -26,7 +26,7 @@ from stage import ROOT, Ended, run, told_again
 
 VENV = ROOT / ".venv"
 # Room that the whole suite takes, in a fresh clone and where all is built.
-FRESH_GB = 6
+FRESH_GB = 4
 BUILT_GB = 1
 # Programs that some Rust tests compare with; without them those tests skip. pytest names its own skips.
 PEERS = {
