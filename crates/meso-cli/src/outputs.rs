@@ -140,7 +140,7 @@ impl Keeper for Signals {
 }
 
 impl Unit {
-    /// For a case of a study: see [`whole::Unit::unforced`].
+    /// One whose files need not outlive a power failure: see [`whole::Unit::unforced`].
     pub(crate) fn unforced() -> Self {
         Self(whole::Unit::unforced(Signals))
     }
