@@ -112,7 +112,8 @@ def check_machine() -> None:
     if shutil.which("cargo") is None:
         sys.exit("cargo is not on the PATH; install Rust (https://rustup.rs) first")
     is_built = (ROOT / "target" / "debug").exists() and VENV.exists()
-    needed, free = BUILT_GB if is_built else FRESH_GB, shutil.disk_usage(ROOT).free / 1e9
+    needed = BUILT_GB if is_built else FRESH_GB
+    free = shutil.disk_usage(ROOT).free / 1e9
     if free < needed:
         sys.exit(f"{free:.1f} GB are free on the disk of {ROOT}; the tests need {needed} GB. Delete something there first")
 

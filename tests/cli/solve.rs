@@ -176,45 +176,51 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
     }
 }
 
+/// Steps of writing fail in debug builds alone.
+#[cfg(debug_assertions)]
+mod failures {
+    use super::*;
+
+    /// Fails the step of writing with this number; see `tests/cli/outputs.rs`.
+    fn solve_failing_at(step: u32, folder: &Folder, args: &[&str]) -> (Option<i32>, String) {
+        let flags = ["solve", "small.json", "--control", "steady"];
+        let run = folder
+            .command(&[&flags[..], args, &QUICK].concat())
+            .env("MESOCRETE_FAIL_AT", step.to_string())
+            .output()
+            .unwrap();
+        (run.status.code(), String::from_utf8(run.stderr).unwrap())
+    }
+
+    #[test]
+    fn a_frame_that_cannot_be_written_ends_no_test() {
+        let folder = Folder::with_model();
+        // A file takes four steps, the first one keeps room for the results: the second of three frames fails.
+        let (code, told) = solve_failing_at(9, &folder, &["--frames", "3"]);
+        assert_eq!(code, Some(1), "{told}");
+        assert!(
+            told.contains("warning: out/frame_0002.vtu: ") && told.contains("goes on without this frame"),
+            "{told}"
+        );
+        assert!(told.ends_with("error: 1 of 3 frames could not be written; all other results are whole\n"), "{told}");
+        let files = ["curve.csv", "frame_0001.vtu", "frame_0003.vtu", "frames.pvd", "result.html", "result.json"];
+        assert_eq!(folder.names_in("out"), files);
+        let result = result(&folder, "out/result.json");
+        assert!(result["ended"] == "completed" && result["frames"].as_array().unwrap().len() == 2, "{result}");
+        assert_eq!(String::from_utf8(folder.read("out/frames.pvd")).unwrap().matches("<DataSet").count(), 2);
+    }
+
+    #[test]
+    fn a_checkpoint_that_cannot_be_written_ends_no_test_and_is_told() {
+        let folder = Folder::with_model();
+        let (code, told) = solve_failing_at(6, &folder, &["--checkpoint", "0", "--frames", "1"]);
+        assert_eq!(code, Some(0), "{told}");
+        assert_eq!(told.matches("warning: out/checkpoint.bin: ").count(), 1, "{told}");
+        assert_eq!(folder.names_in("out"), ["curve.csv", "frame_0001.vtu", "frames.pvd", "result.html", "result.json"]);
+    }
+}
+
 #[cfg(unix)]
-/// Fails the step of writing with this number; see `tests/cli/outputs.rs`.
-#[cfg(debug_assertions)]
-fn solve_failing_at(step: u32, folder: &Folder, args: &[&str]) -> (Option<i32>, String) {
-    let flags = ["solve", "small.json", "--control", "steady"];
-    let run = folder
-        .command(&[&flags[..], args, &QUICK].concat())
-        .env("MESOCRETE_FAIL_AT", step.to_string())
-        .output()
-        .unwrap();
-    (run.status.code(), String::from_utf8(run.stderr).unwrap())
-}
-
-#[test]
-#[cfg(debug_assertions)]
-fn a_frame_that_cannot_be_written_ends_no_test() {
-    let folder = Folder::with_model();
-    // A file takes four steps, the first one keeps room for the results: the second of three frames fails.
-    let (code, told) = solve_failing_at(9, &folder, &["--frames", "3"]);
-    assert_eq!(code, Some(1), "{told}");
-    assert!(told.contains("warning: out/frame_0002.vtu: ") && told.contains("goes on without this frame"), "{told}");
-    assert!(told.ends_with("error: 1 of 3 frames could not be written; all other results are whole\n"), "{told}");
-    let files = ["curve.csv", "frame_0001.vtu", "frame_0003.vtu", "frames.pvd", "result.html", "result.json"];
-    assert_eq!(folder.names_in("out"), files);
-    let result = result(&folder, "out/result.json");
-    assert!(result["ended"] == "completed" && result["frames"].as_array().unwrap().len() == 2, "{result}");
-    assert_eq!(String::from_utf8(folder.read("out/frames.pvd")).unwrap().matches("<DataSet").count(), 2);
-}
-
-#[test]
-#[cfg(debug_assertions)]
-fn a_checkpoint_that_cannot_be_written_ends_no_test_and_is_told() {
-    let folder = Folder::with_model();
-    let (code, told) = solve_failing_at(6, &folder, &["--checkpoint", "0", "--frames", "1"]);
-    assert_eq!(code, Some(0), "{told}");
-    assert_eq!(told.matches("warning: out/checkpoint.bin: ").count(), 1, "{told}");
-    assert_eq!(folder.names_in("out"), ["curve.csv", "frame_0001.vtu", "frames.pvd", "result.html", "result.json"]);
-}
-
 mod signals {
     use super::*;
     use std::io::{BufRead, BufReader};

@@ -175,7 +175,7 @@ impl Folder {
 
     /// Writes the results, which wait for their names.
     pub(super) fn fill(&mut self, outcome: &Outcome) -> Result<(), Failure> {
-        drop(std::mem::take(&mut self.reserve));
+        self.reserve = Unit::default();
         for file in ResultFile::ALL {
             let target = self.target(file.name())?;
             self.staged.fill(&target, self.force, |out| file.write(outcome, out))?;
