@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+import pyvista
 from matplotlib import pyplot
 
 matplotlib.use("Agg")
@@ -70,8 +71,6 @@ def frames_at_points(folder: Path) -> dict[str, str]:
 
 def read_frames(folder: Path) -> dict:
     """Read the frames at the points A to E, by their points; a frame at two points is read once."""
-    import pyvista
-
     files = frames_at_points(folder)
     meshes = {file: pyvista.read(folder / file) for file in dict.fromkeys(files.values())}
     return {point: meshes[file] for point, file in files.items()}

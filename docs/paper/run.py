@@ -6,19 +6,23 @@
     python3 docs/paper/run.py OUT --only friction --seeds 1            one group, one seed
 
 A case whose result is there is skipped, and one that was killed goes on from its checkpoint, so the same command
-finishes what was begun. Needs numpy and matplotlib, and PyVista for the sections. The figures of every case go to
+finishes what was begun. Needs numpy, matplotlib and pyvista. The figures of every case go to
 OUT/cases.csv, the pictures to OUT/*.png, the tables to the terminal.
 """
 
 import argparse
 import csv
 import json
+import shutil
 import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import pictures
+try:
+    import pictures
+except ModuleNotFoundError as missing:
+    sys.exit(f"{missing.name} is missing: pip install numpy matplotlib pyvista")
 
 HERE = Path(__file__).resolve().parent
 CHECKPOINT_S = "300"
@@ -52,6 +56,8 @@ class Case:
 def main() -> None:
     """Run what is missing, then tabulate and draw all there is."""
     args = parse_args()
+    if not args.draw and shutil.which(args.program) is None:
+        sys.exit(f"{args.program} is missing: cargo build --release")
     args.out.mkdir(parents=True, exist_ok=True)
     chosen = [case for case in cases(small=args.small) if is_chosen(case, args)]
     folders = shared_folders(cases(small=args.small), args.out)
