@@ -17,8 +17,8 @@ mod table;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec, pack};
 use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Smoothing, Test, Wish};
 use std::cell::Cell;
@@ -53,7 +53,7 @@ struct Meshed {
 impl Meshed {
     fn of(model: &Model, method: Method, size: f64, itz: ItzForm) -> Self {
         let options = MeshOptions { method, element_size_mm: size, itz, ..Default::default() };
-        let mesh = mesh::build(model, &options).expect("a mesh");
+        let mesh = mesh::build(model, &options, &Tools::default()).expect("a mesh");
         Self { mesh, options, specimen: model.spec.specimen.clone() }
     }
 }

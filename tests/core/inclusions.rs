@@ -6,9 +6,10 @@ use meso_core::check::{Finding, check};
 use meso_core::export::abaqus;
 use meso_core::formats::{Format, Surfaces};
 use meso_core::geometry::Polyhedron;
+use meso_core::images::Images;
 use meso_core::math::{Vec3, longest_distance};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes};
-use meso_core::packing::{Images, StopReason};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::packing::StopReason;
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, Silent, Spec, pack, page, saved};
 use serde_json::{Value, json};
@@ -354,7 +355,7 @@ fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
 
 fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
     let options = MeshOptions { method, itz, element_size_mm: 1.0, ..Default::default() };
-    mesh::build(model, &options).unwrap()
+    mesh::build(model, &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -387,7 +388,7 @@ fn fibres_that_are_all_alike_keep_their_volume_as_a_whole_in_voxels() {
     let exact: f64 = of(&model, Kind::Fibre).iter().map(|fibre| fibre.body.volume()).sum();
     for element_size_mm in [1.5, 2.0, 2.5, 3.0] {
         let options = MeshOptions { element_size_mm, itz: ItzForm::None, ..MeshOptions::default() };
-        let meshed = PhaseVolumes::of_mesh(&mesh::build(&model, &options).unwrap()).fibre;
+        let meshed = PhaseVolumes::of_mesh(&mesh::build(&model, &options, &Tools::default()).unwrap()).fibre;
         assert!((meshed / exact - 1.0).abs() < 0.01, "{element_size_mm}: {meshed} {exact}");
     }
 }

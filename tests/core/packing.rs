@@ -3,7 +3,9 @@
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::check;
-use meso_core::packing::{Periodic, Progress, Silent, Specimen, StopReason, Strategy};
+use meso_core::packing::{StopReason, Strategy};
+use meso_core::progress::{Progress, Silent};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Spec, gjk, pack};
 use std::sync::atomic::{AtomicI32, Ordering};
 

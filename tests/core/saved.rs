@@ -1,8 +1,9 @@
 //! The saved model: what is written is read back, and what is not a model is refused by name.
 
 use crate::models::two_boxes;
-use meso_core::packing::{Built, Specimen, Stage};
+use meso_core::progress::Stage;
 use meso_core::saved::{self, ReadError};
+use meso_core::specimen::{Built, Specimen};
 use meso_core::{Progress, Spec, pack};
 use serde_json::{Value, json};
 use std::sync::Mutex;

@@ -4,7 +4,7 @@ use crate::models::box_body;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::{Rotation, Vec3};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, Silent, Spec, pack};
 use std::sync::LazyLock;

@@ -2,11 +2,11 @@
 //!
 //! What is measured is the processor time of the threads that work: a busy machine does not change it.
 
+use meso_concrete::stop::{Stopped, listen};
 use meso_core::check::check;
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, MeshError, MeshOptions, Method};
+use meso_core::mesh::{self, MeshError, MeshOptions, Method, Tools};
 use meso_core::statistics::{Options, Statistics};
-use meso_core::stop::{Stopped, listen};
 use meso_core::voxel_image::{ImageOptions, Quantity, VoxelImage};
 use meso_core::{Model, Silent, Spec, pack, saved};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -123,7 +123,7 @@ fn meshes_end_when_they_are_told_to() {
     let model = model(60.0);
     for (method, element_size_mm) in [(Method::VOXEL, 0.25), (Method::FITTED, 0.5)] {
         let options = MeshOptions { method, element_size_mm, ..MeshOptions::default() };
-        ends_soon(&format!("{method:?}"), &MOMENTS, || mesh::build(&model, &options).is_ok());
+        ends_soon(&format!("{method:?}"), &MOMENTS, || mesh::build(&model, &options, &Tools::default()).is_ok());
     }
 }
 
@@ -132,7 +132,9 @@ fn surfaces_for_gmsh_end_when_they_are_told_to() {
     let model = model(60.0);
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm: 0.25, ..MeshOptions::default() };
     let none = |_: &Surfaces| Err(MeshError::NeedsGmsh);
-    ends_soon("conforming", &MOMENTS, || mesh::build_with(&model, &options, &none, &|_| {}).is_ok());
+    ends_soon("conforming", &MOMENTS, || {
+        mesh::build(&model, &options, &Tools { gmsh: &none, ..Tools::default() }).is_ok()
+    });
 }
 
 #[test]
@@ -163,7 +165,7 @@ fn slow_no_step_of_any_stage_keeps_the_end_waiting() {
     ends_soon("pack", &moments, || pack(&spec, &Silent).is_ok());
     for (method, element_size_mm) in [(Method::VOXEL, 0.4), (Method::FITTED, 0.7)] {
         let options = MeshOptions { method, element_size_mm, ..MeshOptions::default() };
-        ends_soon(&format!("{method:?}"), &moments, || mesh::build(&small, &options).is_ok());
+        ends_soon(&format!("{method:?}"), &moments, || mesh::build(&small, &options, &Tools::default()).is_ok());
     }
     let many = pack(&Spec::default(), &Silent).unwrap();
     ends_soon("check", &moments, || check(&many).aggregates);

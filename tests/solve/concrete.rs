@@ -4,7 +4,7 @@ use crate::samples::{Meshed, brittle, concrete, cube, meshed, options, small_cub
 use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase};
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase, Tools};
 use meso_solve::results::sample_of;
 use meso_solve::{Control, Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
@@ -202,7 +202,7 @@ fn bodies_that_the_elements_lose_are_told() {
     let model = meso_core::pack(&spec, &Silent).unwrap();
     let lost = |method, size| {
         let options = options(method, size, ItzForm::None);
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut run = Run::new(sample_of(&mesh, &model, &options), &brittle(), &Test::default()).unwrap();
         let warnings = run.to_end(&StopAtOnce).result.warnings;
         ["aggregates", "fibres", "voids"]

@@ -9,7 +9,9 @@ use crate::samples::small_cube;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes};
+use meso_core::mesh::{
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Tools,
+};
 use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Silent, Smoothing, Test};
 use std::collections::BTreeMap;
 
@@ -261,7 +263,7 @@ fn defaults() -> MeshOptions {
 /// A deck of the 24 mm cube, with a step that is as fast as our engine's own, and the error of the aggregates' volume.
 fn deck(gap_mm: f64, options: &MeshOptions, crushing: Option<f64>) -> (String, f64) {
     let model = small_cube(gap_mm);
-    let mesh = mesh::build(&model, options).unwrap();
+    let mesh = mesh::build(&model, options, &Tools::default()).unwrap();
     let mut materials = Materials::default();
     let strength = &mut materials.mortar_strength;
     strength.crushing_energy_n_per_mm = crushing.unwrap_or(strength.crushing_energy_n_per_mm);

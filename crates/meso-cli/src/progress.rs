@@ -3,7 +3,7 @@
 use crate::interrupt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use meso_core::Progress;
-use meso_core::packing::{Measure, Stage};
+use meso_core::progress::{Measure, Stage};
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};

@@ -4,7 +4,7 @@ use crate::boundary::{file_error, mesh_error};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, Surfaces};
-use meso_core::mesh::{self, Mesh, MeshError, MeshOptions, MeshTable, PhaseOff};
+use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, Tools};
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
@@ -66,9 +66,8 @@ pub(crate) fn write_model(
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
         let options = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
-        let no_gmsh = |_: &mesh::conforming::Surfaces| Err(MeshError::NeedsGmsh);
-        let built = mesh::build_accepted(model, &options, &no_gmsh, PhaseOff::ACCEPTED, &|_| {});
-        let (mesh, _) = built.map_err(mesh_error)?;
+        let mesh = mesh::build(model, &options, &Tools::default()).map_err(mesh_error)?;
+        PhaseOff::accept(&mesh, model, &options, PhaseOff::ACCEPTED).map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.compress, watch);
     }
     if is_page(path) {

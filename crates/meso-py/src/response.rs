@@ -7,9 +7,10 @@ use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked
 use crate::spec::options;
 use crate::tree;
 use crate::views::{call_view, cell_type, framing};
+use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
-use meso_core::{Model, Progress as _, thousands};
+use meso_core::{Model, Progress as _};
 use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Ended, Frame, Kind, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};

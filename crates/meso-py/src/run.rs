@@ -1,8 +1,9 @@
 //! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
 
 use crate::boundary::bug;
-use meso_core::packing::{Measure, Stage};
-use meso_core::{Progress, stop};
+use meso_concrete::stop;
+use meso_core::Progress;
+use meso_core::progress::{Measure, Stage};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -10,8 +10,8 @@ use crate::parts::Parts;
 use crate::patches::{Numbered, Patches};
 use crate::test::Smoothing;
 use crate::weight::Weight;
-use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase};
+use meso_collision::math::{Aabb, Vec3};
+use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 
 /// A mesh in the engine's order.

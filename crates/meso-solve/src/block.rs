@@ -11,8 +11,8 @@ use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
 use crate::law::{Elastic, Law, Tensor};
 use crate::matter::{LawTask, Matter};
-use meso_core::mesh::Phase;
-use meso_core::prefetch::prefetch;
+use meso_collision::prefetch::prefetch;
+use meso_mesh::Phase;
 
 /// Elements of a block.
 pub(crate) const BLOCK: usize = 2048;

@@ -9,8 +9,8 @@ use crate::lanes::{Eight, LANES};
 use crate::parts::Parts;
 use crate::patches::{MOST_NODES, Patch, Patches, band};
 use crate::weight::facing;
-use meso_core::materials::regular_edge;
-use meso_core::mesh::{CellKind, Mesh, Phase};
+use meso_mesh::materials::regular_edge;
+use meso_mesh::{CellKind, Mesh, Phase};
 
 /// Order of the phases within a block.
 const PHASES: [Phase; 4] = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Fibre];

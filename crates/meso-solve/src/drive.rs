@@ -5,7 +5,7 @@ use crate::observer::{Observer, Progress, Wish};
 use crate::plates::Plates;
 use crate::response::{Ended, Response};
 use crate::run::Run;
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
 const RUNAWAY: f64 = 4.0;

@@ -7,7 +7,7 @@ use crate::law::{Law, Tensor};
 use crate::matter::LawTask;
 use crate::plates::Plates;
 use crate::run::Run;
-use meso_core::mesh::{Mesh, Phase};
+use meso_mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
 /// A moment of a test.

@@ -47,7 +47,7 @@ pub use run::Run;
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
 
-use meso_core::materials::Materials;
+use meso_mesh::materials::Materials;
 
 /// Checks what is known before there is a mesh: the test's values, and the materials that its law takes.
 ///

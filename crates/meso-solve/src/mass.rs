@@ -11,7 +11,7 @@ use crate::element::hex::BoxShape;
 use crate::element::tet::Shape;
 use crate::matter::Matter;
 use crate::patches::Patch;
-use meso_core::math::{Mat3, Vec3};
+use meso_collision::math::{Mat3, Vec3};
 
 /// Step over the stable one.
 pub(crate) const SAFETY: f64 = 0.98;
@@ -72,7 +72,7 @@ pub(crate) fn tet_metric(corners: &[Vec3; 4]) -> (Mat3, f64) {
 mod tests {
     use super::*;
     use crate::matter::Behaviour;
-    use meso_core::materials::Elastic;
+    use meso_mesh::materials::Elastic;
 
     #[test]
     fn no_eigenvalue_is_above_its_bound_which_two_equal_ones_meet() {

@@ -1,6 +1,6 @@
 //! Morton's curve: neighbours in space are neighbours in memory.
 
-use meso_core::math::{Aabb, Vec3};
+use meso_collision::math::{Aabb, Vec3};
 use rayon::prelude::*;
 
 /// Bits per axis.

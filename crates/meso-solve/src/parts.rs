@@ -3,7 +3,7 @@
 use crate::block::Common;
 use crate::sample::Sample;
 use crate::test::Smoothing;
-use meso_core::mesh::Phase;
+use meso_mesh::Phase;
 
 /// A mesh, its phases in the test, and the choices that its elements depend on.
 pub(crate) struct Parts<'a> {

@@ -7,8 +7,8 @@
 //! out while each tetrahedron has two, which costs a third of the time and relieves more (docs/engine.md).
 
 use crate::element::tet::{Shape, corners};
-use meso_core::math::{Mat3, Vec3};
-use meso_core::mesh::{Mesh, Phase};
+use meso_collision::math::{Mat3, Vec3};
+use meso_mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
 /// Patches that a tetrahedron has, at least. The displacement for which patches are softest meets 1/25 of what irregular
@@ -283,14 +283,14 @@ impl Patch {
 mod tests {
     use super::*;
     use crate::dice::dice;
-    use meso_core::mesh::{self, ItzForm, MeshOptions, Method};
-    use meso_core::packing::Specimen;
+    use meso_concrete::specimen::Specimen;
+    use meso_mesh::{self as mesh, ItzForm, MeshOptions, Method, Tools};
 
     /// A cuboid of mortar in irregular tetrahedra, and phases of its cells: an ITZ in every fifth, an aggregate at one end.
     fn sample() -> (Mesh, Vec<Phase>) {
         let options =
             MeshOptions { method: Method::FITTED, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
-        let mut mesh = mesh::build_parts(&[], &Specimen::cuboid([8.0, 9.0, 10.0]), &options).unwrap();
+        let mut mesh = mesh::build((&[], &Specimen::cuboid([8.0, 9.0, 10.0])), &options, &Tools::default()).unwrap();
         let mut state = 7_u64;
         mesh.points.iter_mut().for_each(|point| *point += Vec3::from_fn(|_, _| 0.25 * dice(&mut state)));
         let phase = |cell: u32| {

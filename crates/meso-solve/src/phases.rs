@@ -1,7 +1,7 @@
 //! Phase of every cell in a test: joined aggregates are parted, and the ITZ is smeared where the mesh has none.
 
 use crate::test::{Itz, Joined};
-use meso_core::mesh::{Mesh, Phase};
+use meso_mesh::{Mesh, Phase};
 
 /// Phases as they are solved, and what was changed.
 #[derive(Clone, Debug)]

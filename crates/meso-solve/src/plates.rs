@@ -8,9 +8,9 @@
 
 use crate::error::SolveError;
 use crate::test::{Kind, Test};
-use meso_core::math::Aabb;
-use meso_core::mesh::Mesh;
-use meso_core::mesh::sides::Sides;
+use meso_collision::math::Aabb;
+use meso_mesh::Mesh;
+use meso_mesh::cells::Sides;
 
 /// A node that can meet a plate.
 #[derive(Clone, Copy, Debug)]

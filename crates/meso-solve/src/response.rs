@@ -4,7 +4,7 @@ use crate::curve::{Figures, Row, to_half_peak};
 use crate::run::Run;
 use crate::sample::Sample;
 use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
-use meso_core::mesh::{Mesh, Phase, PhaseVolumes};
+use meso_mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
 
 /// How a test came to its end.

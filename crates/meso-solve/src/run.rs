@@ -19,8 +19,8 @@ use crate::plates::{Motion, Plates};
 use crate::sample::Sample;
 use crate::servo::Servo;
 use crate::test::{Control, Kind, LawName, Smoothing, Test};
-use meso_core::materials::Materials;
-use meso_core::mesh::{CellKind, Mesh, Phase};
+use meso_mesh::materials::Materials;
+use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 use std::cell::RefCell;
 

@@ -1,10 +1,10 @@
 //! The sample of a test: a mesh, and the facts about its specimen that the mesh does not hold.
 
 use crate::error::SolveError;
-use meso_core::materials::band_factor;
-use meso_core::math::Aabb;
-use meso_core::mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes};
-use meso_core::packing::Specimen;
+use meso_collision::math::Aabb;
+use meso_concrete::specimen::Specimen;
+use meso_mesh::materials::band_factor;
+use meso_mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes};
 
 /// A meshed specimen; it is loaded along z.
 #[derive(Clone, Debug)]

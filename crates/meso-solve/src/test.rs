@@ -2,7 +2,7 @@
 
 use crate::error::{SolveError, require};
 use crate::lanes::InstructionSet;
-use meso_core::mesh::CellKind;
+use meso_mesh::CellKind;
 use serde::{Deserialize, Serialize};
 
 /// A test between rigid plates. Whatever is absent takes its default from the mesh and the kind of test.

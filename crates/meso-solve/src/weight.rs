@@ -6,8 +6,8 @@ use crate::error::SolveError;
 use crate::mass::{Need, box_metric, tet_metric};
 use crate::parts::Parts;
 use crate::patches::{Patch, Patches};
-use meso_core::math::{Mat3, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase};
+use meso_collision::math::{Mat3, Vec3};
+use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
 
 /// Patches whose needs are known at once.

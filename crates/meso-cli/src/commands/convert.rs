@@ -7,7 +7,8 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr};
 use meso_core::formats::{Format, Surfaces};
-use meso_core::packing::{Images, Stage};
+use meso_core::images::Images;
+use meso_core::progress::Stage;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]

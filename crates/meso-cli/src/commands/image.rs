@@ -7,7 +7,7 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
 use meso_core::formats::ImageFormat;
-use meso_core::packing::Stage;
+use meso_core::progress::Stage;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
 use meso_core::{Progress, SpecError};
 use std::path::{Path, PathBuf};

@@ -9,11 +9,12 @@ use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{
-    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff,
+    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff, Tools,
     VolumeMesher, Volumes,
 };
-use meso_core::packing::{Specimen, Stage};
+use meso_core::progress::Stage;
 use meso_core::spec::options_from_toml;
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Progress, Spec};
 use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
@@ -343,9 +344,10 @@ impl Meshing {
     /// Meshes, and finds the phase that is farthest off its exact volume; options that cannot be are wrong usage.
     pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
         let accepted = if self.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        let progress = |share| watch.stage(Stage::Mesh, share);
-        let gmsh = Announced { gmsh: Gmsh::program(&self.gmsh), quiet };
-        mesh::build_accepted(model, &self.options()?, &gmsh, accepted, &progress).map_err(|error| wrong_mesh(&error))
+        let options = self.options()?;
+        let mesh = build(model, &options, &self.gmsh, quiet, watch)?;
+        let off = PhaseOff::accept(&mesh, model, &options, accepted).map_err(|error| wrong_mesh(&error))?;
+        Ok((mesh, off))
     }
 }
 
@@ -368,7 +370,7 @@ pub(super) fn build(
 ) -> Result<Mesh, Failure> {
     let progress = |share| watch.stage(Stage::Mesh, share);
     let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
-    mesh::build_with(model, options, &gmsh, &progress).map_err(|error| wrong_mesh(&error))
+    mesh::build(model, options, &Tools { gmsh: &gmsh, progress: &progress }).map_err(|error| wrong_mesh(&error))
 }
 
 /// gmsh, whose second attempts the user hears of.

@@ -8,13 +8,16 @@ use crate::failure::{Failure, INTERRUPTED, RUN, SHORT};
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{PACK, Watch};
 use crate::{inputs, stderr};
+use meso_concrete::thousands;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, MeshFormat, Surfaces};
+use meso_core::images::Images;
 use meso_core::mesh::Mesh;
-use meso_core::packing::{Images, Placement, Report, Seconds, Stage, StopReason, Strategy};
+use meso_core::packing::{Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::page;
+use meso_core::progress::Stage;
 use meso_core::statistics::{Options, Statistics};
-use meso_core::{Model, Progress, Spec, SpecError, thousands};
+use meso_core::{Model, Progress, Spec, SpecError};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]

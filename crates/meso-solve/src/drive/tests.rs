@@ -8,10 +8,10 @@ use crate::response::Ended;
 use crate::run::Run;
 use crate::sample::Sample;
 use crate::test::{Itz, LawName, Smoothing, Test};
-use meso_core::materials::{Elastic, Materials};
-use meso_core::math::{Aabb, Mat3, Vec3};
-use meso_core::mesh::{self, Mesh, MeshOptions, Method, Phase};
-use meso_core::packing::Specimen;
+use meso_collision::math::{Aabb, Mat3, Vec3};
+use meso_concrete::specimen::Specimen;
+use meso_mesh::materials::{Elastic, Materials};
+use meso_mesh::{self as mesh, Mesh, MeshOptions, Method, Phase, Tools};
 use std::cell::Cell;
 
 /// A specimen of mortar and its mesh; tetrahedra are irregular: their inner nodes are moved by up to 0.2 mm.
@@ -25,7 +25,7 @@ struct Body {
 impl Body {
     fn of(specimen: Specimen, method: Method) -> Self {
         let options = MeshOptions { method, element_size_mm: 2.0, itz: mesh::ItzForm::None, ..MeshOptions::default() };
-        let mut mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
+        let mut mesh = mesh::build((&[], &specimen), &options, &Tools::default()).unwrap();
         if method != Method::VOXEL {
             let inner: Vec<bool> = (0..mesh.points.len()).map(|node| is_inner(&mesh, node)).collect();
             let mut state = 1_u64;

@@ -16,7 +16,7 @@
 
 use crate::element::hex::{BoxShape, Hourglass};
 use crate::real::Real;
-use meso_core::materials::Elastic;
+use meso_mesh::materials::Elastic;
 
 /// Stiffness of the twelve amplitudes, as registers.
 #[derive(Clone, Copy, Debug)]

@@ -28,7 +28,7 @@ use super::invariants::Invariants;
 use super::limits::{self, ELASTIC_LIMIT, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
 use crate::real::Real;
-use meso_core::materials::{self, Materials, Plasticity, Strength};
+use meso_mesh::materials::{self, Materials, Plasticity, Strength};
 
 /// Parameters, as registers.
 #[derive(Clone, Copy, Debug)]

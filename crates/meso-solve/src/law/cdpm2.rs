@@ -29,7 +29,7 @@ use super::invariants::Invariants;
 use super::limits::{self, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
 use crate::real::Real;
-use meso_core::materials::{self, Materials, Strength};
+use meso_mesh::materials::{self, Materials, Strength};
 
 /// The paper's parameters that `[materials]` has no word for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Material values that a law cannot have, by name, before any step.
 
-use meso_core::materials::{Elastic, Materials, Strength};
-use meso_core::mesh::Phase;
+use meso_mesh::Phase;
+use meso_mesh::materials::{Elastic, Materials, Strength};
 
 /// A value that a law cannot have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -2,8 +2,8 @@
 
 use crate::frame::Frame;
 use crate::run::Run;
-use meso_core::export::vtu_mesh::{self, Field};
-use meso_core::mesh::{Mesh, Phase};
+use meso_mesh::{Mesh, Phase};
+use meso_write::export::vtu_mesh::{self, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 

@@ -7,11 +7,11 @@ use super::{Outcome, Snapshot};
 use crate::curve::Row;
 use crate::response::{Ended, Summary};
 use crate::test::Kind;
-use meso_core::math::Aabb;
-use meso_core::mesh::Mesh;
-use meso_core::page::TURNTABLE;
-use meso_core::page::plot::{Curve, Plot, escape};
-use meso_core::thousands;
+use meso_collision::math::Aabb;
+use meso_concrete::thousands;
+use meso_mesh::Mesh;
+use meso_write::page::TURNTABLE;
+use meso_write::page::plot::{Curve, Plot, escape};
 use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("style.css");
