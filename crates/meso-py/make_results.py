@@ -26,8 +26,8 @@ SOURCES = {
     "meso-core/src/mesh_figures/quality.rs": ["QualityReport"],
     "meso-core/src/mesh_figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
     "meso-core/src/check.rs": ["Check"],
-    "meso-solve/src/curve.rs": ["Figures"],
-    "meso-solve/src/response.rs": ["Energies", "PhaseResult", "Summary"],
+    "meso-solve/src/march/curve.rs": ["Figures"],
+    "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
 CHANGED = {

@@ -1,7 +1,7 @@
 //! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
 
 use crate::block::Block;
-use crate::plates::{Motion, Plates};
+use crate::march::plates::{Motion, Plates};
 use rayon::prelude::*;
 
 /// Nodes that move together; sums over them are added in their order, whatever the threads.
