@@ -1,13 +1,21 @@
 //! Mass of the nodes: the elements' own, and what mass scaling adds.
 
+use crate::assemble::mass::{Need, box_metric, tet_metric};
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{Patch, Patches};
 use crate::element::face::DAMPED;
 use crate::element::tet::corners;
 use crate::error::SolveError;
+<<<<<<< HEAD:crates/meso-solve/src/weight.rs
 use crate::mass::{Need, box_metric, tet_metric};
 use crate::parts::Parts;
 use crate::patches::{Patch, Patches};
 use meso_collision::math::{Mat3, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
+=======
+use meso_core::math::{Mat3, Vec3};
+use meso_core::mesh::{CellKind, Mesh, Phase};
+>>>>>>> h-solver:crates/meso-solve/src/assemble/weight.rs
 use rayon::prelude::*;
 
 /// Patches whose needs are known at once.
@@ -86,7 +94,7 @@ impl Weight {
     fn add_faces(&mut self, parts: &Parts) {
         let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
         let mut needed = vec![0.0; mesh.points.len()];
-        let safe = parts.dt / crate::mass::SAFETY;
+        let safe = parts.dt / crate::assemble::mass::SAFETY;
         for face in mesh.cohesive() {
             let (_, area) = facing(mesh, face);
             let share = DAMPED * cohesion.stiffness * area * safe * safe / 2.0;

@@ -1,17 +1,31 @@
 //! From a mesh to blocks of elements.
 
+mod builder;
+pub(crate) mod mass;
+mod order;
+pub(crate) mod parts;
+pub(crate) mod patches;
+pub(crate) mod phases;
+mod weight;
+
+use crate::assemble::builder::{Builder, OwnPatches};
+use crate::assemble::order::{along_curve, key};
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{Numbered, Patches};
+use crate::assemble::weight::Weight;
 use crate::block::{BLOCK, Block, Cells};
-use crate::builder::{Builder, OwnPatches};
 use crate::element::hex::BoxShape;
 use crate::element::uniform::Uniform;
 use crate::error::SolveError;
-use crate::order::{along_curve, key};
-use crate::parts::Parts;
-use crate::patches::{Numbered, Patches};
 use crate::test::Smoothing;
+<<<<<<< HEAD:crates/meso-solve/src/assembly.rs
 use crate::weight::Weight;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
+=======
+use meso_core::math::{Aabb, Vec3};
+use meso_core::mesh::{CellKind, Mesh, Phase};
+>>>>>>> h-solver:crates/meso-solve/src/assemble/mod.rs
 use rayon::prelude::*;
 
 /// A mesh in the engine's order.
