@@ -9,16 +9,8 @@ use crate::element::hex::Hexes;
 use crate::element::tet::{Shape, corners};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES};
-<<<<<<< HEAD:crates/meso-solve/src/builder.rs
-use crate::parts::Parts;
-use crate::patches::{MOST_NODES, Patch, Patches, band};
-use crate::weight::facing;
 use meso_mesh::materials::regular_edge;
 use meso_mesh::{CellKind, Mesh, Phase};
-=======
-use meso_core::materials::regular_edge;
-use meso_core::mesh::{CellKind, Mesh, Phase};
->>>>>>> h-solver:crates/meso-solve/src/assemble/builder.rs
 
 /// Order of the phases within a block.
 const PHASES: [Phase; 4] = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Fibre];

@@ -11,13 +11,7 @@ use crate::assemble::patches::Patch;
 use crate::block::matter::Matter;
 use crate::element::hex::BoxShape;
 use crate::element::tet::Shape;
-<<<<<<< HEAD:crates/meso-solve/src/mass.rs
-use crate::matter::Matter;
-use crate::patches::Patch;
 use meso_collision::math::{Mat3, Vec3};
-=======
-use meso_core::math::{Mat3, Vec3};
->>>>>>> h-solver:crates/meso-solve/src/assemble/mass.rs
 
 /// Step over the stable one.
 pub(crate) const SAFETY: f64 = 0.98;
@@ -77,13 +71,8 @@ pub(crate) fn tet_metric(corners: &[Vec3; 4]) -> (Mat3, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-<<<<<<< HEAD:crates/meso-solve/src/mass.rs
-    use crate::matter::Behaviour;
-    use meso_mesh::materials::Elastic;
-=======
     use crate::block::matter::Behaviour;
-    use meso_core::materials::Elastic;
->>>>>>> h-solver:crates/meso-solve/src/assemble/mass.rs
+    use meso_mesh::materials::Elastic;
 
     #[test]
     fn no_eigenvalue_is_above_its_bound_which_two_equal_ones_meet() {

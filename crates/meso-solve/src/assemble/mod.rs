@@ -18,14 +18,8 @@ use crate::element::hex::BoxShape;
 use crate::element::uniform::Uniform;
 use crate::error::SolveError;
 use crate::test::Smoothing;
-<<<<<<< HEAD:crates/meso-solve/src/assembly.rs
-use crate::weight::Weight;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
-=======
-use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase};
->>>>>>> h-solver:crates/meso-solve/src/assemble/mod.rs
 use rayon::prelude::*;
 
 /// A mesh in the engine's order.

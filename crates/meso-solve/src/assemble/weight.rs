@@ -6,16 +6,8 @@ use crate::assemble::patches::{Patch, Patches};
 use crate::element::face::DAMPED;
 use crate::element::tet::corners;
 use crate::error::SolveError;
-<<<<<<< HEAD:crates/meso-solve/src/weight.rs
-use crate::mass::{Need, box_metric, tet_metric};
-use crate::parts::Parts;
-use crate::patches::{Patch, Patches};
 use meso_collision::math::{Mat3, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
-=======
-use meso_core::math::{Mat3, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase};
->>>>>>> h-solver:crates/meso-solve/src/assemble/weight.rs
 use rayon::prelude::*;
 
 /// Patches whose needs are known at once.

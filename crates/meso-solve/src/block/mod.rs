@@ -13,14 +13,8 @@ use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
 use crate::law::{Elastic, Law, Tensor};
-<<<<<<< HEAD:crates/meso-solve/src/block.rs
-use crate::matter::{LawTask, Matter};
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
-=======
-use meso_core::mesh::Phase;
-use meso_core::prefetch::prefetch;
->>>>>>> h-solver:crates/meso-solve/src/block/mod.rs
 
 /// Elements of a block.
 pub(crate) const BLOCK: usize = 2048;

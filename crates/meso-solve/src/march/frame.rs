@@ -5,16 +5,9 @@ use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch};
 use crate::element::uniform::Uniform;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
-<<<<<<< HEAD:crates/meso-solve/src/frame.rs
-use crate::matter::LawTask;
-use crate::plates::Plates;
-use crate::run::Run;
-use meso_mesh::{Mesh, Phase};
-=======
 use crate::march::plates::Plates;
 use crate::march::run::Run;
-use meso_core::mesh::{Mesh, Phase};
->>>>>>> h-solver:crates/meso-solve/src/march/frame.rs
+use meso_mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
 /// A moment of a test.

@@ -1,16 +1,9 @@
 //! Fields that outlive their moment, for the frames' files and the page's pictures.
 
-<<<<<<< HEAD
-use crate::frame::Frame;
-use crate::run::Run;
-use meso_mesh::{Mesh, Phase};
-use meso_write::export::vtu_mesh::{self, Field};
-=======
 use crate::march::Frame;
 use crate::march::Run;
-use meso_core::export::vtu_mesh::{self, Field};
-use meso_core::mesh::{Mesh, Phase};
->>>>>>> h-solver
+use meso_mesh::{Mesh, Phase};
+use meso_write::export::vtu_mesh::{self, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 

@@ -1,20 +1,11 @@
 //! The loop of a test: steps, rows, frames and the observer's wishes, until the end.
 
-<<<<<<< HEAD:crates/meso-solve/src/drive.rs
-use crate::frame::Frame;
-use crate::observer::{Observer, Progress, Wish};
-use crate::plates::Plates;
-use crate::response::{Ended, Response};
-use crate::run::Run;
-use meso_collision::math::Vec3;
-=======
 use crate::march::frame::Frame;
 use crate::march::observer::{Observer, Progress, Wish};
 use crate::march::plates::Plates;
 use crate::march::response::{Ended, Response};
 use crate::march::run::Run;
-use meso_core::math::Vec3;
->>>>>>> h-solver:crates/meso-solve/src/march/run/drive/mod.rs
+use meso_collision::math::Vec3;
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
 const RUNAWAY: f64 = 4.0;
