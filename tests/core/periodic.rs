@@ -9,8 +9,8 @@ use meso_core::images::Images;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, MeshOptions, Method, Tools};
 use meso_core::packing::{StopReason, Strategy};
-use meso_core::progress::Silent;
 use meso_core::specimen::{Period, Periodic, Specimen};
+use meso_core::watch::Silent;
 use meso_core::{Model, Spec, gjk, pack, saved};
 
 fn periodic(side_mm: f64, axes: [bool; 3]) -> Specimen {

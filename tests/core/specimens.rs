@@ -6,9 +6,9 @@ use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Mesh, MeshOptions, Method, Tools};
 use meso_core::packing::{StopReason, Strategy};
-use meso_core::progress::{Silent, Stage};
 use meso_core::specimen::{Built, Specimen};
-use meso_core::{Model, Progress, Spec, pack};
+use meso_core::watch::{Silent, Stage};
+use meso_core::{Model, Spec, Watch, pack};
 use std::f64::consts::PI;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -306,11 +306,7 @@ struct Diary {
     asked: AtomicU32,
 }
 
-impl Progress for Diary {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
-
+impl Watch for Diary {
     fn stage(&self, stage: Stage, share: f64) {
         self.told.lock().unwrap().push((stage, share));
     }

@@ -6,8 +6,8 @@ use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::take::{Recipe, take};
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::progress::{Progress, Silent, Stage};
 use meso_concrete::specimen::Largest;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, parallel};
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,24 +30,24 @@ pub struct Model {
 ///
 /// # Errors
 /// A spec that cannot be met is named before any work starts.
-pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
-    let (start, started) = (progress.seconds(), progress.began());
-    spec.validate_while(progress)?;
+pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
+    let (start, started) = (watch.seconds(), watch.began());
+    spec.validate_while(watch)?;
     spec.has_room()?;
     spec.is_reachable_at_random()?;
-    let (grains, complete) = take_grains(spec, progress, started)?;
+    let (grains, complete) = take_grains(spec, watch, started)?;
     let largest = largest_body(spec, &grains)?;
-    let taken = progress.seconds();
+    let taken = watch.seconds();
     let Spec { specimen, grading, placement, .. } = spec;
     let target = target(spec);
-    let request = Request { target, largest, grains: &grains, placement, progress, started };
+    let request = Request { target, largest, grains: &grains, placement, watch, started };
     let mut outcome = packing::place(&request);
     let tally = Tally::of(&grains, &outcome.poses, grading.classes().len(), complete);
     // Every grain is freed as it settles, so that the two lists never coexist in full.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
     packing::keep_off_faces(&mut bodies, specimen, placement.wall_gap_mm);
-    let placed = progress.seconds();
+    let placed = watch.seconds();
     let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     let report = packing::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
@@ -103,14 +103,14 @@ fn largest_body(spec: &Spec, grains: &[Grain]) -> Result<Largest, SpecError> {
 }
 
 /// The grains that the time allows, and whether these are all.
-fn take_grains(spec: &Spec, progress: &dyn Progress, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
+fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
     let deadline = spec.placement.deadline(started);
     let stopped = AtomicBool::new(false);
     let inclusions: f64 = spec.inclusions().fractions().iter().sum();
     let wanted = spec.specimen.volume() * (spec.fraction + inclusions);
     let go_on = |volume: f64| {
-        progress.stage(Stage::Take, volume / wanted);
-        let go_on = progress.update(0.0, spec.fraction) && progress.seconds() < deadline;
+        watch.stage(Stage::Take, volume / wanted);
+        let go_on = !watch.stops() && watch.seconds() < deadline;
         stopped.fetch_or(!go_on, Ordering::Relaxed);
         go_on
     };

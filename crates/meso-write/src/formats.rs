@@ -9,6 +9,7 @@ use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
 use meso_concrete::images::Images;
 use meso_concrete::specimen::{Specimen, Surface};
+use meso_concrete::watch::Watch;
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::saved;
@@ -317,12 +318,12 @@ impl ImageFormat {
         image: &VoxelImage,
         model: &Model,
         region: Region,
-        progress: &dyn Fn(f64),
+        watch: &dyn Watch,
         out: impl Write + Seek,
     ) -> io::Result<()> {
         match self {
-            Self::Tif => tif::write(&image.frame(), image.slabs_watched(progress), out),
-            _ => self.write(image, model, region, progress, out),
+            Self::Tif => tif::write(&image.frame(), image.slabs_watched(watch), out),
+            _ => self.write(image, model, region, watch, out),
         }
     }
 
@@ -335,13 +336,13 @@ impl ImageFormat {
         image: &VoxelImage,
         model: &Model,
         region: Region,
-        progress: &dyn Fn(f64),
+        watch: &dyn Watch,
         mut out: impl Write,
     ) -> io::Result<()> {
         let frame = image.frame();
         match (self, region) {
-            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(progress), out),
-            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(progress), out),
+            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(watch), out),
+            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(watch), out),
             (Self::Svg, Region::Section { axis, at }) => page::section(model, axis, at, &mut out),
             (Self::Png, Region::Section { .. }) => {
                 let values: Values = image.layers(0..frame.counts[2]);

@@ -8,7 +8,7 @@ use crate::progress::Watch;
 use crate::{inputs, stderr};
 use meso_core::formats::{Format, Surfaces};
 use meso_core::images::Images;
-use meso_core::progress::Stage;
+use meso_core::watch::Stage;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]

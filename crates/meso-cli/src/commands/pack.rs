@@ -15,9 +15,9 @@ use meso_core::images::Images;
 use meso_core::mesh::Mesh;
 use meso_core::packing::{Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::page;
-use meso_core::progress::Stage;
 use meso_core::statistics::{Options, Statistics};
-use meso_core::{Model, Progress, Spec, SpecError};
+use meso_core::watch::Stage;
+use meso_core::{Model, Spec, SpecError, Watch as _};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -280,9 +280,8 @@ impl Plan {
         mesh: Option<&Mesh>,
         watch: &Watch,
     ) -> Result<(), Failure> {
-        let progress = |share| watch.stage(Stage::Measure, share);
-        let figures = Statistics::watched(model, &Options::quick(), &progress)
-            .map_err(|error| Failure::Run(error.to_string()))?;
+        let figures =
+            Statistics::watched(model, &Options::quick(), watch).map_err(|error| Failure::Run(error.to_string()))?;
         unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
     }
 }

@@ -8,14 +8,15 @@ use super::meshing::flag;
 use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, stderr};
 use division::Division;
 use folder::{Folder, Kept};
 use meso_concrete::thousands;
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions};
-use meso_core::progress::Stage;
 use meso_core::specimen::Specimen;
+use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
 use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
@@ -116,7 +117,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
     args.announce(&run, &mesh);
     let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.writing.quiet);
-    let response = run.to_end(&watch);
+    let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
 }

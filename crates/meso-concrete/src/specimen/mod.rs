@@ -22,7 +22,7 @@ pub use container::{Container, Surface};
 pub use largest::Largest;
 pub use period::{Period, Periodic};
 
-use super::progress::{Silent, Stage, Waiting};
+use super::watch::{Silent, Stage, Waiting};
 use convex::Convex;
 use cuboid::Cuboid;
 use cylinder::Cylinder;
@@ -270,7 +270,7 @@ impl Specimen {
     /// # Errors
     /// See [`ContainerError`].
     pub fn check(&self) -> Result<Arc<dyn Container>, ContainerError> {
-        self.check_while(Waiting { progress: &Silent, deadline: f64::INFINITY })
+        self.check_while(Waiting { watch: &Silent, deadline: f64::INFINITY })
     }
 
     /// As [`Specimen::check`], while somebody waits for it.
@@ -294,7 +294,7 @@ impl Specimen {
         }
         built.checked.get_or_init(|| fingerprint);
         let container = built.container.get_or_init(|| convex_or(closed).into());
-        waiting.progress.stage(Stage::Read, 1.0);
+        waiting.watch.stage(Stage::Read, 1.0);
         Ok(Arc::clone(container))
     }
 

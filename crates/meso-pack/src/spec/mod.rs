@@ -29,14 +29,14 @@ pub use mix_design::MixDesign;
 
 use crate::packing::Placement;
 use meso_concrete::aggregate::{Fibres, Grading, Inclusions, Itz, Shape, Voids};
-use meso_concrete::progress::{Progress, Silent};
 use meso_concrete::specimen::Specimen;
+use meso_concrete::watch::{Silent, Watch};
 use serde::{Deserialize, Serialize};
 
 /// What reading a spec needs from outside.
 struct Reading<'a> {
     files: &'a mut dyn Files,
-    progress: &'a dyn Progress,
+    watch: &'a dyn Watch,
     /// In place of the spec's.
     time_limit_s: Option<f64>,
 }
@@ -104,17 +104,17 @@ impl Spec {
     }
 
     /// As [`Spec::from_toml_with`], while somebody waits for it: of a specimen of a million triangles that takes seconds.
-    /// `progress` is told of them, and of the fraction asked for; `time_limit_s` takes the place of the spec's.
+    /// `watch` is told of them, and of the fraction asked for; `time_limit_s` takes the place of the spec's.
     ///
     /// # Errors
     /// As [`Spec::from_toml_with`], and where the time limit ends the proof of the surface: see [`SpecError::is_late`].
     pub fn from_toml_while(
         text: &str,
         files: &mut dyn Files,
-        progress: &dyn Progress,
+        watch: &dyn Watch,
         time_limit_s: Option<f64>,
     ) -> Result<Self, SpecError> {
-        Self::from_tree(tree::parse_toml(text)?, &mut Reading { files, progress, time_limit_s })
+        Self::from_tree(tree::parse_toml(text)?, &mut Reading { files, watch, time_limit_s })
     }
 
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
@@ -140,10 +140,10 @@ impl Spec {
     pub fn from_value_while(
         value: &serde_json::Value,
         files: &mut dyn Files,
-        progress: &dyn Progress,
+        watch: &dyn Watch,
         time_limit_s: Option<f64>,
     ) -> Result<Self, SpecError> {
-        Self::from_tree(tree::from_json(value), &mut Reading { files, progress, time_limit_s })
+        Self::from_tree(tree::from_json(value), &mut Reading { files, watch, time_limit_s })
     }
 
     /// The further phases.
@@ -153,7 +153,7 @@ impl Spec {
 
     fn from_tree(mut tree: tree::Node, reading: &mut Reading<'_>) -> Result<Self, SpecError> {
         if let Some(fraction) = plain_fraction(&tree) {
-            reading.progress.update(0.0, fraction);
+            reading.watch.target(fraction);
         }
         sieves::inline(&mut tree, reading.files)?;
         library::inline(&mut tree, reading.files)?;
@@ -171,8 +171,8 @@ impl Spec {
             spec.fraction = mix.fraction(&spec.grading).map_err(|error| error.at(&tree))?;
         }
         spec.placement.time_limit_s = reading.time_limit_s.or(spec.placement.time_limit_s);
-        reading.progress.update(0.0, spec.fraction);
-        spec.validate_while(reading.progress).map_err(|error| error.at(&tree))?;
+        reading.watch.target(spec.fraction);
+        spec.validate_while(reading.watch).map_err(|error| error.at(&tree))?;
         Ok(spec)
     }
 }

@@ -26,6 +26,7 @@ use meso_concrete::aggregate::Aggregate;
 use meso_concrete::images::near as images_near;
 use meso_concrete::parallel;
 use meso_concrete::specimen::Container;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use serde::{Deserialize, Serialize};
 
 /// How much is sampled, and how finely it is resolved.
@@ -110,27 +111,27 @@ impl Statistics {
     /// # Errors
     /// A loaded model may hold coordinates beyond what the exact distance accepts.
     pub fn of(model: &Model, options: &Options) -> Result<Self, GjkError> {
-        Self::watched(model, options, &|_| {})
+        Self::watched(model, options, &Silent)
     }
 
     /// As [`Statistics::of`], and reports which share of the work is done, 0 to 1.
     ///
     /// # Errors
     /// As [`Statistics::of`].
-    pub fn watched(model: &Model, options: &Options, progress: &(dyn Fn(f64) + Sync)) -> Result<Self, GjkError> {
-        progress(0.02);
+    pub fn watched(model: &Model, options: &Options, watch: &dyn Watch) -> Result<Self, GjkError> {
+        watch.stage(Stage::Measure, 0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
         // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
         let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
         let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
         let (shapes, orientation) = (Shapes::of(aggregates), Orientation::of(aggregates));
-        progress(0.2);
+        watch.stage(Stage::Measure, 0.2);
         let wall_effect = wall::wall_effect(&sample);
-        progress(0.35);
+        watch.stage(Stage::Measure, 0.35);
         let nearest_distance_mm = nearest::nearest_distances(model, &images)?;
-        progress(0.7);
+        watch.stage(Stage::Measure, 0.7);
         let correlation = correlation::correlation(&sample);
-        progress(1.0);
+        watch.stage(Stage::Measure, 1.0);
         Ok(Statistics {
             fraction: ordered_sum(aggregates, |a| a.body.volume()) / container.volume(),
             specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / container.volume(),

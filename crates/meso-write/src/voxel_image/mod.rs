@@ -22,6 +22,7 @@ use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::images::near as images_near;
 use meso_concrete::parallel;
 use meso_concrete::specimen::Container;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_mesh::cells::Phase;
 use meso_mesh::location::{Facets, PointGrid, Scan};
 use meso_pack::model::Model;
@@ -118,16 +119,16 @@ impl VoxelImage {
 
     /// The whole image, some layers at a time, from z = 0 upwards.
     pub fn slabs(&self) -> impl Iterator<Item = Values> {
-        self.slabs_watched(&|_| {})
+        self.slabs_watched(&Silent)
     }
 
     /// As [`VoxelImage::slabs`], and reports the share that is made, 0 to 1.
-    pub fn slabs_watched<'a>(&'a self, progress: &'a dyn Fn(f64)) -> impl Iterator<Item = Values> + 'a {
+    pub fn slabs_watched<'a>(&'a self, watch: &'a dyn Watch) -> impl Iterator<Item = Values> + 'a {
         let layers = self.grid.counts[2];
         let step = (AT_ONCE / self.grid.layer_len()).clamp(1, layers.max(1));
         (0..layers).step_by(step).map(move |from| {
             let made = self.layers(from..layers.min(from + step));
-            progress((from + step).min(layers) as f64 / layers as f64);
+            watch.stage(Stage::Image, (from + step).min(layers) as f64 / layers as f64);
             made
         })
     }

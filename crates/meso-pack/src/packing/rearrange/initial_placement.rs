@@ -9,8 +9,8 @@ use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::Kind;
 use meso_concrete::aggregate::random::{Purpose, Stream};
 use meso_concrete::parallel;
-use meso_concrete::progress::Stage;
 use meso_concrete::stop;
+use meso_concrete::watch::Stage;
 
 /// Random positions tried per dropped grain.
 const LOOKS: usize = 12;

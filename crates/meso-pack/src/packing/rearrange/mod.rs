@@ -27,7 +27,7 @@ use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use contact_cache::{Gaps, Look};
 use damping::{Damping, FALL, HOPEFUL};
-use meso_concrete::progress::Stage;
+use meso_concrete::watch::Stage;
 use neighbour_list::NeighbourList;
 use walls::Walls;
 

@@ -9,8 +9,8 @@ use crate::packing::Placement;
 use grading::grading;
 pub(super) use inclusions::RANDOM_RODS;
 use meso_concrete::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
-use meso_concrete::progress::{Progress, Silent, Waiting};
 use meso_concrete::specimen::{ContainerError, Specimen};
+use meso_concrete::watch::{Silent, Waiting, Watch};
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
 pub(crate) const MIN_LENGTH_MM: f64 = 1e-3;
@@ -35,11 +35,11 @@ impl Spec {
     }
 
     /// As [`Spec::validate`]; the proof of a surface says how far it is, and ends at the time limit.
-    pub(crate) fn validate_while(&self, progress: &dyn Progress) -> Result<(), SpecError> {
+    pub(crate) fn validate_while(&self, watch: &dyn Watch) -> Result<(), SpecError> {
         fraction(self.fraction)?;
         placement(&self.placement)?;
-        let deadline = self.placement.deadline(progress.began());
-        specimen(&self.specimen, Waiting { progress, deadline }).map_err(|error| self.with_limit(error))?;
+        let deadline = self.placement.deadline(watch.began());
+        specimen(&self.specimen, Waiting { watch, deadline }).map_err(|error| self.with_limit(error))?;
         grading(&self.grading)?;
         shape(&self.shape)?;
         itz(&self.itz, &self.grading)?;
