@@ -3,7 +3,6 @@
 use crate::export::abaqus::{self, DeckOptions};
 use crate::export::raster::{Values, npy, png, tif, vti};
 use crate::export::step::Block;
-use crate::export::vtk::Encoding;
 use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
 use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
@@ -13,6 +12,7 @@ use meso_concrete::watch::Watch;
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::saved;
+use meso_view::vtk::Encoding;
 use std::borrow::Cow;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};

@@ -12,10 +12,9 @@ pub(crate) mod raster;
 pub(crate) mod step;
 #[doc(hidden)]
 pub mod stl;
-pub mod vtk;
 pub(crate) mod vtu;
-#[doc(hidden)]
-pub mod vtu_mesh;
+
+pub use meso_view::vtu_mesh;
 
 #[doc(hidden)]
 pub use appearance::{CLASSES, PALETTE};

@@ -3,8 +3,6 @@
 //! Pictures are exact: the polygons in which the plane meets the polyhedra and their cores.
 
 mod mesh_section;
-#[doc(hidden)]
-pub mod plot;
 mod scene;
 mod slice;
 mod tables;
@@ -16,10 +14,7 @@ use meso_concrete::thousands;
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::statistics::Statistics;
-#[doc(hidden)]
-pub use scene::{TURNTABLE, base64};
-
-use plot::{Curve, Plot};
+use meso_view::plot::{self, Curve, Plot};
 use std::io::{self, BufWriter, Write};
 
 /// Writes the page to `out`, with a section through `mesh` where there is one.

@@ -10,8 +10,8 @@ use crate::test::Kind;
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
-use meso_write::page::TURNTABLE;
-use meso_write::page::plot::{Curve, Plot, escape};
+use meso_view::embedded::TURNTABLE;
+use meso_view::plot::{Curve, Plot, escape};
 use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("style.css");
