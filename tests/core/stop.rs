@@ -7,7 +7,7 @@ use meso_core::check::check;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, MeshError, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::{ImageOptions, Quantity, VoxelImage};
 use meso_core::watch::Stage;
 use meso_core::{Model, Silent, Spec, Watch, pack, saved};
@@ -120,7 +120,7 @@ fn the_reader_of_a_large_model_ends_when_it_is_told_to() {
 fn shapes_of_many_grains_end_when_they_are_told_to() {
     let many = repeated(&model(40.0), 400);
     ends_soon("shapes", &[10, 100], || {
-        Statistics::of(&many, &Options { lines: 0, points: 0, ..Options::default() }).is_ok()
+        Statistics::of(&many, &StatisticsOptions { lines: 0, points: 0, ..StatisticsOptions::default() }).is_ok()
     });
 }
 
@@ -152,7 +152,7 @@ fn surfaces_for_gmsh_end_when_they_are_told_to() {
 #[test]
 fn checks_statistics_and_images_end_when_they_are_told_to() {
     let model = model(60.0);
-    let options = Options { lines: 10_000_000, points: 10_000_000, ..Options::default() };
+    let options = StatisticsOptions { lines: 10_000_000, points: 10_000_000, ..StatisticsOptions::default() };
     ends_soon("statistics", &MOMENTS, || Statistics::of(&model, &options).is_ok());
     ends_soon("check", &MOMENTS, || (0..1000).map(|_| check(&model).aggregates).sum::<usize>());
     for quantity in [Quantity::Share, Quantity::Distance, Quantity::Phase] {
@@ -181,7 +181,7 @@ fn slow_no_step_of_any_stage_keeps_the_end_waiting() {
     }
     let many = pack(&Spec::default(), &Silent).unwrap();
     ends_soon("check", &moments, || check(&many).aggregates);
-    let options = Options { lines: 300_000, points: 1_000_000, ..Options::default() };
+    let options = StatisticsOptions { lines: 300_000, points: 1_000_000, ..StatisticsOptions::default() };
     ends_soon("statistics", &moments, || Statistics::of(&many, &options).is_ok());
 }
 

@@ -4,7 +4,7 @@ use crate::packing::{self, Pose, Report, Request, Seconds, Strategy, Tally, Targ
 use crate::spec::{Spec, SpecError};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
-use meso_concrete::aggregate::take::{Recipe, take};
+use meso_concrete::aggregate::take::{Mixture, take};
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
@@ -115,9 +115,9 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
         go_on
     };
     let Spec { grading, shape, itz, seed, .. } = spec;
-    let recipe = Recipe { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
+    let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
-    let grains = take(&recipe, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
+    let grains = take(&mixture, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
     Ok((grains, !stopped.into_inner()))
 }
 

@@ -1,7 +1,7 @@
 //! Formats of packings, meshes and images; the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
-use crate::export::raster::{Values, npy, png, tif, vti};
+use crate::export::raster::{Voxels, npy, png, tif, vti};
 use crate::export::step::Block;
 use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
 use crate::page;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// How the aggregates' surfaces are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Surfaces {
+pub struct SurfaceOptions {
     /// Treatment of aggregates that cross a face of a periodic specimen.
     pub images: Images,
     /// Whether the data of a `.vtu` and a `.vtp` are compressed (zlib).
@@ -117,7 +117,7 @@ impl Format {
     ///
     /// # Errors
     /// Those of `out`; what the format cannot hold.
-    pub fn write(self, model: &Model, surfaces: Surfaces, out: impl Write) -> io::Result<()> {
+    pub fn write(self, model: &Model, surfaces: SurfaceOptions, out: impl Write) -> io::Result<()> {
         let shown = || match surfaces.images {
             Images::None => model.bodies(),
             images => Cow::Owned(images.of(&model.bodies(), &model.spec.specimen)),
@@ -195,7 +195,6 @@ impl MeshFormat {
 
     /// The files that `mesh` is written as where `path` is asked for: it alone, or what goes beside it and then it. A deck
     /// with a curve has the script that writes this down.
-    #[doc(hidden)]
     pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
@@ -218,7 +217,6 @@ impl MeshFormat {
 }
 
 /// One of the files that a mesh is written as.
-#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
     /// Where.
@@ -345,7 +343,7 @@ impl ImageFormat {
             (Self::Vti, _) => vti::write(&frame, image.slabs_watched(watch), out),
             (Self::Svg, Region::Section { axis, at }) => page::section(model, axis, at, &mut out),
             (Self::Png, Region::Section { .. }) => {
-                let values: Values = image.layers(0..frame.counts[2]);
+                let values: Voxels = image.layers(0..frame.counts[2]);
                 png::write(&frame, &values, out)
             }
             _ => Err(io::Error::other("a .png or .svg holds a section, and a .tif needs a file to seek in")),

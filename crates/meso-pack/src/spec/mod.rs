@@ -190,7 +190,6 @@ fn plain_fraction(tree: &tree::Node) -> Option<f64> {
 ///
 /// # Errors
 /// Names the key and the way out: unknown keys and wrong types; values are for the options' own `validate`.
-#[doc(hidden)]
 pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Value) -> Result<T, SpecError> {
     read::read(&tree::from_json(value))
 }
@@ -199,7 +198,6 @@ pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Va
 ///
 /// # Errors
 /// As [`options_from_value`], with the line; syntax.
-#[doc(hidden)]
 pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
     read::read(&tree::parse_toml(text)?)
 }

@@ -13,7 +13,7 @@ mod share;
 pub use options::{ImageOptions, Quantity, Region, ShareOf};
 
 use crate::export::appearance::phase;
-pub use crate::export::raster::Values;
+pub use crate::export::raster::Voxels;
 use crate::export::raster::{Frame, ValueKind};
 use meso_concrete::aggregate::Aggregate;
 
@@ -118,12 +118,12 @@ impl VoxelImage {
     }
 
     /// The whole image, some layers at a time, from z = 0 upwards.
-    pub fn slabs(&self) -> impl Iterator<Item = Values> {
+    pub fn slabs(&self) -> impl Iterator<Item = Voxels> {
         self.slabs_watched(&Silent)
     }
 
     /// As [`VoxelImage::slabs`], and reports the share that is made, 0 to 1.
-    pub fn slabs_watched<'a>(&'a self, watch: &'a dyn Watch) -> impl Iterator<Item = Values> + 'a {
+    pub fn slabs_watched<'a>(&'a self, watch: &'a dyn Watch) -> impl Iterator<Item = Voxels> + 'a {
         let layers = self.grid.counts[2];
         let step = (AT_ONCE / self.grid.layer_len()).clamp(1, layers.max(1));
         (0..layers).step_by(step).map(move |from| {
@@ -134,18 +134,18 @@ impl VoxelImage {
     }
 
     /// The values of some layers, x fastest.
-    pub fn layers(&self, layers: Range<usize>) -> Values {
+    pub fn layers(&self, layers: Range<usize>) -> Voxels {
         match &self.maker {
             Maker::Phase(scan, labels) => {
-                Values::Label(self.painted(layers, scan, labels, Phase::Mortar as u8, OUTSIDE))
+                Voxels::Label(self.painted(layers, scan, labels, Phase::Mortar as u8, OUTSIDE))
             }
             Maker::Grain(scan, ids) => {
                 let ids: Vec<[i32; 2]> = ids.iter().map(|&id| [id; 2]).collect();
-                Values::Id(self.painted(layers, scan, &ids, NO_GRAIN, OUTSIDE_ID))
+                Voxels::Id(self.painted(layers, scan, &ids, NO_GRAIN, OUTSIDE_ID))
             }
-            Maker::Share(shares) => Values::Real(self.made(layers, 0.0, |k, layer| shares.add(k, layer), None)),
+            Maker::Share(shares) => Voxels::Real(self.made(layers, 0.0, |k, layer| shares.add(k, layer), None)),
             Maker::Distance(scan, surfaces) => {
-                Values::Real(self.made(layers, f32::NAN, |k, layer| surfaces.measure(scan, k, layer), Some(f32::NAN)))
+                Voxels::Real(self.made(layers, f32::NAN, |k, layer| surfaces.measure(scan, k, layer), Some(f32::NAN)))
             }
         }
     }
