@@ -1,10 +1,12 @@
 //! Files for a core that opens none: those that a spec names, read from its folder, and outputs, [`whole`] or not at all.
+//! [`lock`] keeps a second process out of a folder.
 #![forbid(unsafe_code)]
 
+pub mod lock;
 pub mod whole;
 
-use meso_core::recipes::Recipe;
-use meso_core::spec::Files;
+use meso_pack::recipes::Recipe;
+use meso_pack::spec::Files;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
