@@ -14,7 +14,10 @@ use num_traits::{Signed, Zero};
 pub(crate) struct ExactPair<'a, A: ?Sized, B: ?Sized> {
     a: &'a A,
     b: &'a B,
+    /// Displacement of B, rounded.
     x: Vec3,
+    /// Magnitudes of `x` where it was rounded, else 0.
+    rounded: Vec3,
     /// Coordinates are integers times 2^`exponent`.
     exponent: i32,
     x_scaled: Point,
@@ -65,7 +68,16 @@ impl<'a, A: Support + ?Sized, B: Support + ?Sized> ExactPair<'a, A, B> {
         let of_b = (0..b.len()).map(|i| b.point(i));
         let exponent = of_a.chain(of_b).chain([*x]).flat_map(|p| [p.x, p.y, p.z]).filter_map(lowest_bit).min();
         let exponent = exponent.unwrap_or(0);
-        Self { a, b, x: *x, exponent, x_scaled: Point::new(x, exponent) }
+        Self { a, b, x: *x, rounded: Vec3::zeros(), exponent, x_scaled: Point::new(x, exponent) }
+    }
+
+    /// The two bodies, B displaced by `motion` times `time`, which is not rounded.
+    pub(crate) fn at_time(a: &'a A, b: &'a B, motion: &Vec3, time: f64) -> Self {
+        let (still, x) = (Self::new(a, b, &Vec3::zeros()), motion * time);
+        let power = lowest_bit(time).unwrap_or(0);
+        let lowest = motion.iter().filter_map(|value| lowest_bit(*value)).map(|bit| bit + power).min();
+        let exponent = lowest.map_or(still.exponent, |bit| bit.min(still.exponent));
+        Self { x, rounded: x.abs(), exponent, x_scaled: Point::product(motion, time, exponent), ..still }
     }
 
     /// Whether the bodies share a point, starting from the pairs of points in `start`.
@@ -154,8 +166,8 @@ impl<'a, A: Support + ?Sized, B: Support + ?Sized> ExactPair<'a, A, B> {
         let rounded = v.direction();
         let down = Point::negated(v).direction();
         let origin = self.a.point(0);
-        let of_a = Heights::new(self.a, &Vec3::zeros(), &origin, &down);
-        let of_b = Heights::new(self.b, &self.x, &origin, &rounded);
+        let of_a = Heights::new(self.a, [&Vec3::zeros(); 2], &origin, &down);
+        let of_b = Heights::new(self.b, [&self.x, &self.rounded], &origin, &rounded);
         let first = self.corner((of_a.highest() as u32, of_b.highest() as u32));
         if accepts(&first) {
             return Some(first);
@@ -176,7 +188,8 @@ struct Heights(Vec<(f64, f64)>);
 
 impl Heights {
     /// Heights of points + `x` - `origin`: near the pair, so that its distance from the frame's origin costs no digits.
-    fn new<S: Support + ?Sized>(body: &S, x: &Vec3, origin: &Vec3, v: &Vec3) -> Self {
+    /// Displacements are `x`, and the magnitudes that were rounded in it.
+    fn new<S: Support + ?Sized>(body: &S, x: [&Vec3; 2], origin: &Vec3, v: &Vec3) -> Self {
         Self((0..body.len()).map(|i| height(&body.point(i), x, origin, v)).collect())
     }
 
@@ -191,13 +204,13 @@ impl Heights {
     }
 }
 
-/// Height of p + x - origin along `v` (largest component about 1), and a bound of its error: one rounding for each
-/// subtraction, one for each component of v, four for the dot product; and what v itself leaves out below 2^-900.
-fn height(p: &Vec3, x: &Vec3, origin: &Vec3, v: &Vec3) -> (f64, f64) {
+/// Height of p + x - origin along `v` (largest component about 1), and a bound of its error: one rounding for what is
+/// `rounded` in x, one for each subtraction, one for each component of v, four for the dot product; and what v itself leaves out below 2^-900.
+fn height(p: &Vec3, [x, rounded]: [&Vec3; 2], origin: &Vec3, v: &Vec3) -> (f64, f64) {
     let moved = p + x;
     let shifted = moved - origin;
     let rounded_twice = moved.zip_map(x, |m, x| if x == 0.0 { 0.0 } else { m.abs() });
-    let size = (shifted.abs() + rounded_twice).zip_map(v, |s, v| s * (v.abs() + 1e-270));
+    let size = (shifted.abs() + rounded_twice + rounded).zip_map(v, |s, v| s * (v.abs() + 1e-270));
     let (height, error) = (shifted.dot(v), size.sum() * (8.0 * f64::EPSILON) + 1e-320);
     // Where it overflows, nothing is known.
     if height.is_finite() && error.is_finite() { (height, error) } else { (0.0, f64::INFINITY) }

@@ -27,8 +27,8 @@ const LATER: i32 = 24;
 pub struct Impact {
     /// Before this share of the motion they are apart, for certain.
     pub not_before: f64,
-    /// Displaced by this share of the motion (each product rounded), B shares a point with A. `None` where it passes A so
-    /// closely that rounding hides whether they touch.
+    /// At this share of the motion B shares a point with A, for certain; so the first time is not later. `None` where B
+    /// passes A so closely that rounding hides whether they touch.
     pub by: Option<f64>,
     /// Of unit length, from A to B: what separates them until then. 0 where they share a point at the start.
     pub direction: Vec3,
@@ -64,7 +64,7 @@ impl Impact {
         let brought = |points: &[Vec3]| points.iter().map(|p| times_power(p, exponent)).collect::<Vec<_>>();
         let (near_a, near_b, near_motion) = (brought(a), brought(b), times_power(motion, exponent));
         let found = Flight::new(&Scaled::beside(&near_a, &near_b, &near_motion), &near_motion).run();
-        let meet = |time: &f64| is_overlap(ExactPair::new(a, b, &(motion * *time)).decide(&[]));
+        let meet = |time: &f64| is_overlap(ExactPair::at_time(a, b, motion, *time).decide(&[]));
         Ok(found.map(|impact| Impact { by: impact.by.filter(meet), ..impact }))
     }
 }
@@ -94,9 +94,7 @@ impl<'a> Flight<'a> {
     fn run(&self) -> Option<Impact> {
         let (mut time, mut direction) = (0.0, Vec3::zeros());
         for _ in 0..MAX_STEPS {
-            let Some(v) = self.separating(time) else {
-                return Some(Impact { not_before: time, by: Some(time), direction });
-            };
+            let Some(v) = self.separating(time) else { break };
             let Separation { v, until } = self.lasting(v, time);
             if until > 1.0 {
                 return None;
@@ -156,13 +154,20 @@ impl<'a> Flight<'a> {
         Separation { v: v.normalize(), until }
     }
 
-    /// The first of some later times at which the bodies share a point.
+    /// The first of some times from this one on at which the bodies share a point. The displacement is rounded in the
+    /// search, and not in the proof: a rounded one can be beyond the true one.
     fn later(&self, time: f64) -> Option<f64> {
         // The rounding of the bodies' own coordinates: of a motion far beyond their size that of the motion says nothing.
         let extent = extent(&self.scaled.a).max(extent(&self.scaled.b));
         let step = U * (time + 4.0 * extent / (self.motion.amax() * self.scaled.originals.scale));
-        let mut times = (0..LATER).map(|k| (time + step * f64::from(1 << k)).min(1.0));
-        times.find(|time| self.separating(*time).is_none())
+        let later = (0..LATER).map(|k| (time + step * f64::from(1 << k)).min(1.0));
+        std::iter::once(time).chain(later).find(|time| self.separating(*time).is_none() && self.meet(*time))
+    }
+
+    /// True when the bodies share a point at this time, for certain.
+    fn meet(&self, time: f64) -> bool {
+        let Originals { a, b, .. } = self.scaled.originals;
+        is_overlap(ExactPair::at_time(a, b, self.motion, time).decide(&[]))
     }
 }
 

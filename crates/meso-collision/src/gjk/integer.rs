@@ -18,6 +18,16 @@ impl Point {
         }))
     }
 
+    /// `p` times `factor` in units of 2^`exponent`, which must divide the product.
+    pub(crate) fn product(p: &Vec3, factor: f64, exponent: i32) -> Self {
+        let (factor, power) = decode(factor);
+        Self([p.x, p.y, p.z].map(|value| {
+            let (mantissa, own) = decode(value);
+            let (product, shift) = (BigInt::from(mantissa) * factor, own + power - exponent);
+            if shift >= 0 { product << shift } else { product >> -shift }
+        }))
+    }
+
     pub(crate) fn zero() -> Self {
         Self(std::array::from_fn(|_| BigInt::zero()))
     }
