@@ -1,7 +1,8 @@
 //! Bodies that are laid out once and asked often, wherever they lie.
 //!
-//! Each is laid out about a centre of its own, where bounds and searches work best: its points, and the displacement of two
-//! centres, are rounded once there, which all certificates allow for. What they leave open is asked of the points as given.
+//! Each is laid out about a centre of its own, where bounds and searches work best: its points, and the displacement of
+//! two centres, are rounded once there, which all certificates allow for. Pairs they leave open are decided from the
+//! points as given.
 
 use crate::geometry::convex_hull;
 use crate::gjk::ask::many::{Settle, clear_settled, overlap_settled};
@@ -88,8 +89,8 @@ impl Bodies {
         &self.0[body].points
     }
 
-    /// For each (i, j, shift): do our body i and the `others`' body j, displaced by `shift`, share a point? Exactly, for points
-    /// and shift as given.
+    /// For each (i, j, shift): do our body i and the `others`' body j, displaced by `shift`, share a point? Exactly,
+    /// for points and shift as given.
     ///
     /// # Errors
     /// A shift that is not finite.
@@ -124,8 +125,8 @@ impl Bodies {
         pairs.into_iter().zip(answer(&asks)).filter_map(|(pair, overlap)| overlap.then_some(pair)).collect()
     }
 
-    /// At which of these shifts the `others`' body `body` is more than `gap` (at least 0) away from all bodies: placement
-    /// attempts.
+    /// At which of these shifts the `others`' body `body` is more than `gap` (at least 0) away from all bodies:
+    /// placement attempts.
     ///
     /// # Errors
     /// A shift that is not finite.
@@ -223,7 +224,7 @@ impl Ask<'_> {
     }
 }
 
-/// a + b, rounded, and what was rounded off (D. E. Knuth).
+/// a + b, rounded, and the rounding error (D. E. Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;

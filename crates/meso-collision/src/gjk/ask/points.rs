@@ -138,7 +138,8 @@ pub fn distance(a: &[Vec3], b: &[Vec3]) -> Result<f64, GjkError> {
     Ok(Scaled::new(a, b).distance())
 }
 
-/// A point of A's hull and one of B's that are nearest each other; where the hulls share any point, one of these, twice.
+/// A point of A's hull and one of B's that are nearest each other; where the hulls share any point, one of these,
+/// twice.
 ///
 /// Each coordinate is the exact one, rounded once. Parallel faces and edges have many such pairs; which one is found
 /// depends on the points alone.
@@ -159,8 +160,8 @@ pub fn closest_points(a: &[Vec3], b: &[Vec3]) -> Result<[Vec3; 2], GjkError> {
     Ok(Scaled::new(a, b).closest_points())
 }
 
-/// True when the hulls of `a` and `b` are more than `gap` (finite, at least 0) apart: what [`distance`] says, mostly
-/// without it.
+/// True when the hulls of `a` and `b` are more than `gap` (finite, at least 0) apart: agrees with [`distance`], mostly
+/// without computing it.
 ///
 /// # Errors
 /// As [`intersects`].
