@@ -4,6 +4,8 @@
 //! unpadded and in the order of the arrays, and one line break after the last. Raw arrays are streamed; compressed
 //! ones are built before the first byte is written, because the declarations state where each begins.
 
+pub mod mesh;
+
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use meso_concrete::parallel;

@@ -3,7 +3,7 @@
 //! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
 //! `radius_ratio` and `min_dihedral_deg`.
 
-use crate::vtk::{Array, Encoding, Grid, Layout};
+use super::{Array, Encoding, Grid, Layout};
 use meso_mesh::cells::{CellKind, Mesh, Phase};
 use meso_mesh::figures::CellQuality;
 use std::io::{self, Write};
