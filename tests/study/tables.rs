@@ -1,4 +1,4 @@
-//! One tidy table. `tests/python/test_study.py` reads its Parquet form with pyarrow.
+//! One tidy table, as CSV.
 
 use crate::plan;
 use meso_study::{Record, Table, Values, of_summary, tabulate};

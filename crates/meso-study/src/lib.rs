@@ -8,7 +8,6 @@
 mod case;
 mod ensemble;
 mod folder;
-mod parquet;
 mod plan;
 mod record;
 mod results;

@@ -167,14 +167,6 @@ impl Table {
         }
         Ok(())
     }
-
-    /// Writes the table as Parquet.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn write_parquet(&self, out: impl Write) -> io::Result<()> {
-        crate::parquet::write(self, out)
-    }
 }
 
 fn quoted(text: &str) -> String {

@@ -21,7 +21,7 @@ pub(crate) struct Args {
     /// Study (TOML): `spec`, a file or a table; `[over]`, the options to vary; `outputs`, `[mesh]` and `[solve]`,
     /// the work on each packing; see docs/studies.md
     study: PathBuf,
-    /// Folder of the study: a folder for each case, table.csv, table.parquet and ensemble.csv
+    /// Folder of the study: a folder for each case, table.csv and ensemble.csv
     #[arg(short, long, value_name = "DIR", default_value = "study")]
     output: PathBuf,
     /// Run failed cases again, and leave finished ones

@@ -164,7 +164,7 @@ def study(
         Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; what it returns, a dict or a
         number, becomes columns of the table. Absent: the figures of the packing's report.
     out : path
-        The study's folder: one folder for each case with `model.json` and `case.json`, and `table.csv`, `table.parquet`,
+        The study's folder: one folder for each case with `model.json` and `case.json`, `table.csv` and
         `ensemble.csv`.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Runs the cases; all workers must see the folder `out`. Absent: one case after the other, here.
