@@ -10,11 +10,11 @@ use std::path::Path;
 /// Names of the tables: all cases, then the ensembles.
 pub const TABLES: [&str; 2] = ["table.csv", "ensemble.csv"];
 
-/// Writes the tables of `records` into `out`, each whole or not at all; returns the table of all cases. `keeper` knows of
-/// temporary files.
+/// Writes the tables of `records` into `out`, each whole or not at all; returns the table of all cases. `keeper` removes
+/// temporary files after a signal.
 ///
 /// # Errors
-/// Those of the file system.
+/// Errors of the file system.
 pub fn save_tables<K: Keeper + Copy>(out: &Path, keys: &[String], records: &[Record], keeper: K) -> io::Result<Table> {
     let table = tabulate(keys, records);
     let groups = ensemble(&table, keys, REPLICATE);
