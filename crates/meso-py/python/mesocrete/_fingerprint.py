@@ -28,6 +28,8 @@ _CLASS_NOISE = {
     "__parameters__", "__orig_bases__",
 }  # fmt: skip
 _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
+# Flag of a class that Python code made (Py_TPFLAGS_HEAPTYPE).
+_HEAP_TYPE = 1 << 9
 # Functions and methods that C implements.
 _BUILTINS = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, types.MethodWrapperType, types.ClassMethodDescriptorType)
 _SLOTS = (types.MemberDescriptorType, types.GetSetDescriptorType)
@@ -192,8 +194,11 @@ class _Reader:
         return self._global(value, attributes - {name}, place) if is_part else self.digest(value, place)
 
     def _class(self, value: type, place: str) -> bytes:
-        if _is_installed(value.__module__):
-            return _hash("class", value.__module__, value.__qualname__, _version(value.__module__))
+        module = value.__module__
+        # A class of C may have no module, and one that `exec` made may claim to be Python's.
+        is_made_here = module == "builtins" and bool(value.__flags__ & _HEAP_TYPE)
+        if not isinstance(module, str) or (_is_installed(module) and not is_made_here):
+            return _hash("class", value.__qualname__, *((module, _version(module)) if isinstance(module, str) else ()))
         entries = {name: item for name, item in vars(value).items() if name not in _CLASS_NOISE}
         members = (_hash(name, self.digest(item, f"{value.__qualname__}.{name}")) for name, item in sorted(entries.items()))
         bases = (self.digest(base, place) for base in (*value.__bases__, type(value)))
