@@ -31,8 +31,8 @@ _LIBRARY = Path(sysconfig.get_path("stdlib")).resolve()
 # Flag of a class that Python code made (Py_TPFLAGS_HEAPTYPE).
 _HEAP_TYPE = 1 << 9
 # Functions and methods that C implements.
-_BUILTINS = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, types.MethodWrapperType, types.ClassMethodDescriptorType)
-_SLOTS = (types.MemberDescriptorType, types.GetSetDescriptorType)
+_BUILTINS: tuple[type, ...] = (types.BuiltinFunctionType, types.MethodDescriptorType, types.WrapperDescriptorType, types.MethodWrapperType, types.ClassMethodDescriptorType)
+_SLOTS: tuple[type, ...] = (types.MemberDescriptorType, types.GetSetDescriptorType)
 
 
 def fingerprint(then: Callable[..., Any] | None, version: str | int | None = None) -> str:
@@ -275,7 +275,6 @@ def _cell(cell: types.CellType) -> Any:
         return None
 
 
-@functools.cache
 def _is_installed(module: str | None) -> bool:
     """Tell whether a module is of Python or of an installed package, whose version stands for its content."""
     if module is None or module == "__main__":
@@ -296,7 +295,6 @@ def _is_library(path: Path) -> bool:
     return not {"site-packages", "dist-packages"}.isdisjoint(path.parts) or path.is_relative_to(_LIBRARY)
 
 
-@functools.cache
 def _version(module: str) -> str:
     """Return the version of the package that a module is in; Python's own for its library."""
     top = sys.modules.get(module.partition(".")[0])
