@@ -16,8 +16,8 @@ mod rows;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Order, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Order, Tools, figures};
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec, pack};
 use meso_gmsh::Gmsh;
 use rows::{enter, number};
@@ -72,11 +72,12 @@ fn case(slabs: Option<u32>, side_mm: f64, element_size_mm: f64) {
         ..Default::default()
     };
     let before = cpu_seconds();
-    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh"), &|_| {}).expect("a mesh");
+    let mesh =
+        mesh::build(&model, &options, &Tools { gmsh: &Gmsh::program("gmsh"), ..Tools::default() }).expect("a mesh");
     let [own, gmsh] = [0, 1].map(|i| cpu_seconds()[i] - before[i]);
-    let cells = quality::CellQuality::of_cells(&mesh);
-    let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
-    let below = |degrees: f64| quality::CellQuality::below(&cells, degrees).len();
+    let cells = figures::CellQuality::of_cells(&mesh);
+    let least = |of: fn(&figures::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
+    let below = |degrees: f64| figures::CellQuality::below(&cells, degrees).len();
     println!(
         "{own},{gmsh},{},{},{:.2},{},{},{:.4}",
         model.aggregates.len(),

@@ -11,10 +11,10 @@ mod clock;
 #[path = "collision/table.rs"]
 mod table;
 
+use meso_concrete::aggregate::random::{Purpose, Stream};
 use meso_core::geometry::HullBuilder;
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::Vec3;
-use meso_core::testing::{Purpose, Stream};
 use std::hint::black_box;
 use table::Table;
 

@@ -15,8 +15,8 @@ mod rows;
 mod table;
 
 use layer_errors::LayerErrors;
-use meso_core::mesh::{self, MeshOptions, Method, PhaseVolumes, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, MeshOptions, Method, PhaseVolumes, Tools, figures};
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec, pack};
 use meso_gmsh::Gmsh;
 use rows::{enter, number};
@@ -34,12 +34,13 @@ fn main() {
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.05, 0.05);
     let model = pack(&spec, &Silent).expect("the spec is valid");
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm, ..MeshOptions::default() };
-    let mesh = mesh::build_with(&model, &options, &Gmsh::program("gmsh"), &|_| {}).expect("a mesh");
+    let mesh =
+        mesh::build(&model, &options, &Tools { gmsh: &Gmsh::program("gmsh"), ..Tools::default() }).expect("a mesh");
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).expect("cores");
     let volume = 100.0 * (PhaseVolumes::of_mesh(&mesh).itz / exact.itz - 1.0);
     let layer = LayerErrors::of(&mesh, &model);
-    let cells = quality::CellQuality::of_cells(&mesh);
-    let least = |of: fn(&quality::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
+    let cells = figures::CellQuality::of_cells(&mesh);
+    let least = |of: fn(&figures::CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
     let figures = format!("{:.5},{:.0},{volume:.3},{}", layer.rms_mm, layer.area_mm2, mesh.notes.thinned_itz_nodes);
     let worst = format!(
         "{:.2},{:.5},{}",

@@ -18,7 +18,7 @@ mod table;
 
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::mesh::{
-    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, VolumeMesher, quality,
+    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, Tools, VolumeMesher, figures,
 };
 use meso_core::{Model, Silent, Spec, pack, saved};
 use meso_gmsh::Gmsh;
@@ -169,7 +169,8 @@ fn build(model: &Model, method: &str, element_size_mm: f64) -> (Mesh, Option<(f6
         *outside = Some((seconds + start.elapsed().as_secs_f64(), peak.max(peak_before)));
         output
     };
-    let mesh = mesh::build_with(model, &options, &gmsh, &|_| {}).expect("the specimen can be meshed");
+    let mesh =
+        mesh::build(model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }).expect("the specimen can be meshed");
     (mesh, outside.into_inner().expect("no run has panicked"))
 }
 
@@ -203,9 +204,9 @@ fn errors(mesh: &Mesh, model: &Model) -> String {
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).expect("grains have volumes");
     let volume = 100.0 * (PhaseVolumes::of_mesh(mesh).aggregate / exact.aggregate - 1.0);
     let distance = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
-    let cells = quality::CellQuality::of_cells(mesh);
+    let cells = figures::CellQuality::of_cells(mesh);
     let worst = cells.iter().map(|cell| cell.min_dihedral_deg).fold(f64::INFINITY, f64::min);
-    let bad = quality::CellQuality::below(&cells, 8.0).len();
+    let bad = figures::CellQuality::below(&cells, 8.0).len();
     let interface = format!("{},{},{:.4},{:.5}", distance.nodes, distance.off, distance.max_mm, distance.rms_mm);
     let joined = format!("{},{:.4},{:.5}", distance.joined, distance.joined_max_mm, distance.joined_rms_mm);
     format!("{volume:.4},{interface},{joined},{worst:.2},{bad}")

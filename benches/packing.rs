@@ -12,7 +12,9 @@ mod plot;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_core::packing::{Periodic, Placement, Silent, Specimen, Strategy};
+use meso_core::packing::{Placement, Strategy};
+use meso_core::specimen::{Periodic, Specimen};
+use meso_core::watch::Silent;
 use meso_core::{Spec, pack};
 use plot::{Line, Plot};
 use std::process::Command;

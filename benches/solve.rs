@@ -17,11 +17,12 @@ mod table;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
-use meso_core::packing::Specimen;
-use meso_core::{Model, Silent, Spec, pack};
-use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Smoothing, Test, Wish};
-use std::cell::Cell;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
+use meso_core::specimen::Specimen;
+use meso_core::watch::Stage;
+use meso_core::{Model, Silent, Spec, Watch, pack};
+use meso_solve::{InstructionSet, LawName, Run, Sample, Smoothing, Test};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 use table::Table;
 
@@ -53,23 +54,26 @@ struct Meshed {
 impl Meshed {
     fn of(model: &Model, method: Method, size: f64, itz: ItzForm) -> Self {
         let options = MeshOptions { method, element_size_mm: size, itz, ..Default::default() };
-        let mesh = mesh::build(model, &options).expect("a mesh");
+        let mesh = mesh::build(model, &options, &Tools::default()).expect("a mesh");
         Self { mesh, options, specimen: model.spec.specimen.clone() }
     }
 }
 
 /// Lets a run go on by so many rows, of one step each or more.
-struct Rows(Cell<u64>);
+struct Rows(AtomicU64);
 
-impl Observer for Rows {
-    fn progress(&self, _: &Progress) -> Wish {
-        self.0.set(self.0.get() - 1);
-        if self.0.get() == 0 { Wish::Stop } else { Wish::GoOn }
+impl Watch for Rows {
+    fn stage(&self, _: Stage, _: f64) {
+        self.0.fetch_sub(1, Relaxed);
+    }
+
+    fn stops(&self) -> bool {
+        self.0.load(Relaxed) == 0
     }
 }
 
 fn go(run: &mut Run, steps: u64) {
-    run.to_end(&Rows(Cell::new(steps)));
+    run.to_end(&Rows(AtomicU64::new(steps)), &Silent);
 }
 
 /// A run that has come to where it is measured; every step is a row.

@@ -54,7 +54,7 @@ def saved_model() -> bytes:
 
 def main() -> None:
     """Fill all corpora."""
-    for recipe in sorted((FUZZ.parent / "crates/meso-core/src/recipes").glob("*.toml")):
+    for recipe in sorted((FUZZ.parent / "crates/meso-pack/src/recipes").glob("*.toml")):
         keep("spec", recipe.name, recipe.read_bytes())
     keep("saved-model", "small.json", saved_model())
     keep("stl", "text.stl", text_stl())

@@ -1,6 +1,6 @@
 //! A specimen of triangles that is not convex, for the tests of the core and of the command.
 
-use meso_core::packing::{Built, Specimen};
+use meso_core::specimen::{Built, Specimen};
 
 /// An L as triangles: two arms of length `long`, `thick` across and `high`, each corner moved by `place`.
 pub(crate) fn angle_piece([long, thick, high]: [f64; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Specimen {

@@ -41,8 +41,8 @@ TESTS = {
         ("meso-core", "core", ["shapes::"]),
     ],
     "grading": [("meso-core", "core", ["grading::", "spec::"]), ("meso-collision", "collision", ["sieve::"])],
-    "specimens": [("meso-core", "lib", ["packing::specimen"]), ("meso-core", "core", ["specimens::"])],
-    "check": [("meso-core", "lib", ["check::"]), ("meso-core", "core", ["check::", "lies::", "inclusions::"])],
+    "specimens": [("meso-concrete", "lib", ["specimen"]), ("meso-core", "core", ["specimens::"])],
+    "check": [("meso-pack", "lib", ["check::"]), ("meso-core", "core", ["check::", "lies::", "inclusions::"])],
     "solver": [("meso-solve", "lib", []), ("meso-solve", "solve", ["elastic::", "softening::"])],
     "laws": [("meso-solve", "lib", ["law::"]), ("meso-solve", "laws", ["cdp::"])],
 }

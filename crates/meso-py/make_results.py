@@ -14,20 +14,20 @@ TARGET = Path(__file__).parent / "python" / "mesocrete" / "_results.py"
 
 # Where the structs stand, in the order in which they are written; a dict's own keys follow in `EXTENDED`.
 SOURCES = {
-    "meso-core/src/packing/report.rs": ["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "Report"],
-    "meso-core/src/statistics/distribution.rs": ["Distribution"],
-    "meso-core/src/statistics/shape.rs": ["Zingg", "Shapes", "Orientation"],
-    "meso-core/src/statistics/wall.rs": ["WallEffect"],
-    "meso-core/src/statistics/correlation.rs": ["Correlation"],
-    "meso-core/src/statistics/phases.rs": ["PhaseFigures"],
-    "meso-core/src/statistics.rs": ["Statistics"],
-    "meso-core/src/mesh_figures/interface_distance.rs": ["InterfaceDistance"],
-    "meso-core/src/mesh_figures/phase_volumes.rs": ["PhaseVolumes"],
-    "meso-core/src/mesh_figures/quality.rs": ["QualityReport"],
-    "meso-core/src/mesh_figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
-    "meso-core/src/check.rs": ["Check"],
-    "meso-solve/src/curve.rs": ["Figures"],
-    "meso-solve/src/response.rs": ["Energies", "PhaseResult", "Summary"],
+    "meso-pack/src/packing/report.rs": ["SpecimenReport", "ClassReport", "PhaseReport", "Work", "Seconds", "Report"],
+    "meso-pack/src/statistics/distribution.rs": ["Distribution"],
+    "meso-pack/src/statistics/shape.rs": ["Zingg", "Shapes", "Orientation"],
+    "meso-pack/src/statistics/wall.rs": ["WallEffect"],
+    "meso-pack/src/statistics/correlation.rs": ["Correlation"],
+    "meso-pack/src/statistics/phases.rs": ["PhaseFigures"],
+    "meso-pack/src/statistics/mod.rs": ["Statistics"],
+    "meso-mesh/src/figures/interface_distance.rs": ["InterfaceDistance"],
+    "meso-mesh/src/figures/phase_volumes.rs": ["PhaseVolumes"],
+    "meso-mesh/src/figures/quality.rs": ["QualityReport"],
+    "meso-mesh/src/figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
+    "meso-pack/src/check/mod.rs": ["Check"],
+    "meso-solve/src/march/curve.rs": ["Figures"],
+    "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
 CHANGED = {

@@ -5,8 +5,8 @@ use crate::layer_errors::LayerErrors;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, CellKind, ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, Tools, figures};
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec};
 use meso_gmsh::Gmsh;
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,14 +40,21 @@ pub(crate) fn with_options(model: &Model, options: MeshOptions) -> Option<Mesh> 
         conforming @ Method::Conforming { .. } => conforming,
         _ => Method::CONFORMING,
     };
-    Some(mesh::build_with(model, &MeshOptions { method, ..options }, &Gmsh::program("gmsh"), &|_| {}).unwrap())
+    Some(
+        mesh::build(
+            model,
+            &MeshOptions { method, ..options },
+            &Tools { gmsh: &Gmsh::program("gmsh"), ..Tools::default() },
+        )
+        .unwrap(),
+    )
 }
 
 #[test]
 fn a_conforming_mesh_has_every_aggregates_exact_volume() {
     let model = packed(0.05);
     let Some(mesh) = conforming(&model, ItzForm::None) else { return };
-    let cells = quality::CellQuality::of_cells(&mesh);
+    let cells = figures::CellQuality::of_cells(&mesh);
     assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
     assert!((cells.iter().map(|q| q.volume_mm3).sum::<f64>() / 13_824.0 - 1.0).abs() < 1e-12);
     let mut volumes = vec![0.0; model.aggregates.len()];
@@ -63,7 +70,7 @@ fn a_conforming_mesh_has_every_aggregates_exact_volume() {
 fn the_solid_itz_of_a_conforming_mesh_is_as_thick_as_asked() {
     let model = packed(0.05);
     let Some(mesh) = conforming(&model, ItzForm::Solid) else { return };
-    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(figures::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
     let itz = PhaseVolumes::of_mesh(&mesh).itz;
     // Measured: 0.5 % too small.
@@ -142,9 +149,13 @@ fn assert_coarse_elements_end(side_mm: f64) {
 #[test]
 fn aggregates_that_nearly_touch_are_named_at_once_with_the_remedy() {
     let (model, options) = (packed(0.0), MeshOptions { method: Method::CONFORMING, ..Default::default() });
-    let error = mesh::build_with(&model, &options, &|_: &Surfaces| panic!("gmsh must not be asked"), &|_| {})
-        .unwrap_err()
-        .to_string();
+    let error = mesh::build(
+        &model,
+        &options,
+        &Tools { gmsh: &|_: &Surfaces| panic!("gmsh must not be asked"), ..Tools::default() },
+    )
+    .unwrap_err()
+    .to_string();
     assert!(error.starts_with("aggregate ") && error.contains("too close for a conforming mesh"), "{error}");
     assert!(error.contains("min_gap_mm = 0.05 and wall_gap_mm = 0.05 or more under [placement]"), "{error}");
 }

@@ -3,8 +3,8 @@
 use crate::command::Folder;
 use crate::conforming::{has_gmsh, with_options};
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, VolumeMesher, quality};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, VolumeMesher, figures};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use meso_gmsh::Gmsh;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -50,14 +50,14 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
         let model = packed(axes, seed);
         let Some(mesh) = conforming(&model, ItzForm::None) else { return };
         assert_eq!(mesh.periodic, axes);
-        assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+        assert!(figures::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
         let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).unwrap();
         let meshed = PhaseVolumes::of_mesh(&mesh);
         for (meshed, exact) in [(meshed.aggregate, exact.aggregate), (meshed.mortar, exact.mortar)] {
             assert!((meshed / exact - 1.0).abs() < 1e-12, "{axes:?}: {meshed} {exact}");
         }
         let mut volumes = vec![0.0; model.aggregates.len()];
-        for (q, id) in quality::CellQuality::of_cells(&mesh)
+        for (q, id) in figures::CellQuality::of_cells(&mesh)
             .iter()
             .zip(&mesh.aggregate)
             .filter(|(_, id)| **id != Mesh::NO_AGGREGATE)
@@ -99,7 +99,7 @@ fn voids_and_fibres_are_cut_at_periodic_faces_too() {
 fn the_solid_itz_leaves_the_surfaces_of_a_periodic_box_as_they_are_and_matches_across_its_faces() {
     let model = packed([true, true, false], 4);
     let Some(mesh) = conforming(&model, ItzForm::Solid) else { return };
-    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(figures::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |a| a.itz_thickness_mm).unwrap();
     let meshed = PhaseVolumes::of_mesh(&mesh);
     assert!((meshed.mortar / exact.mortar - 1.0).abs() < 1e-12);
@@ -133,7 +133,8 @@ fn with_lone_nodes(spoilt: usize) -> (Result<Mesh, String>, usize) {
         output[at + 8] ^= 1;
         Ok(output)
     };
-    let mesh = mesh::build_with(&model, &options, &moved, &|_| {}).map_err(|error| error.to_string());
+    let mesh =
+        mesh::build(&model, &options, &Tools { gmsh: &moved, ..Tools::default() }).map_err(|error| error.to_string());
     (mesh, runs.into_inner())
 }
 

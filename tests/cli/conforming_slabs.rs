@@ -2,7 +2,7 @@
 
 use crate::conforming::with_options;
 use meso_core::math::Vec3;
-use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, quality};
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Order, Phase, PhaseVolumes, figures};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -61,7 +61,7 @@ fn slabs_make_one_mesh_in_which_every_aggregate_has_its_exact_volume() {
     let [one, four] = [1, 4].map(|slabs| in_slabs(model, ItzForm::None, slabs).unwrap());
     for (slabs, mesh) in [(3, three), (4, &four)] {
         assert_whole(mesh);
-        let cells = quality::CellQuality::of_cells(mesh);
+        let cells = figures::CellQuality::of_cells(mesh);
         assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
         assert!(mesh.cell_count() > one.cell_count() && mesh.cell_count() < 2 * one.cell_count(), "{slabs}");
         let mut volumes = vec![0.0; model.aggregates.len()];
@@ -122,7 +122,7 @@ fn slabs_of_cylinders_prisms_and_polyhedra_make_one_mesh_with_every_volume_exact
         let mesh = in_slabs(&model, ItzForm::None, slabs).unwrap();
         // Chords of curved walls are within 0.02 mm of these.
         assert_whole_within(&mesh, |corners| corners.iter().all(|corner| container.depth(corner).abs() < 0.02));
-        assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+        assert!(figures::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
         let [meshed, whole] = [PhaseVolumes::of_mesh(&mesh), PhaseVolumes::of_mesh(&one)];
         assert!((meshed.aggregate / aggregates - 1.0).abs() < 1e-9, "{specimen}");
         assert!((meshed.mortar / whole.mortar - 1.0).abs() < 1e-9, "{specimen}");

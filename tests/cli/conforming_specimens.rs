@@ -3,8 +3,8 @@
 use crate::angle_piece::angle_piece;
 use crate::conforming::with_options;
 use meso_core::aggregate::Grading;
-use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Phase, PhaseVolumes, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Phase, PhaseVolumes, figures};
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 
@@ -76,7 +76,7 @@ fn meshed_within(specimen: &Specimen, off_mm: f64) -> Option<Mesh> {
     let kind = specimen.kind();
     assert!(model.aggregates.len() > 15, "{kind}: {} aggregates", model.aggregates.len());
     let mesh = with_options(&model, MeshOptions { itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() })?;
-    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0), "{kind}");
+    assert!(figures::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0), "{kind}");
     let (container, outside) = (specimen.container(), outside(&mesh));
     let off = outside.iter().map(|x| container.depth(x).abs()).fold(0.0, f64::max);
     assert!(outside.len() > 1000 && off < off_mm, "{kind}: {off} mm off the surface");

@@ -6,9 +6,11 @@ use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::{Elastic, Materials, Strength};
 use meso_core::math::Vec3;
-use meso_core::mesh::quality::{self, MassScaling};
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Phase, PhaseVolumes, Volumes};
-use meso_core::packing::Specimen;
+use meso_core::mesh::figures::{self, MassScaling};
+use meso_core::mesh::{
+    self, ItzForm, Joined, Mesh, MeshOptions, Method, NarrowGaps, Phase, PhaseVolumes, Tools, Volumes,
+};
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use nalgebra::{DMatrix, Matrix3x4, SMatrix};
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,7 +28,7 @@ fn grains() -> (Vec<Aggregate>, Specimen) {
 
 fn meshed(options: MeshOptions) -> Mesh {
     let (grains, specimen) = self::grains();
-    mesh::build_parts(&grains, &specimen, &options).unwrap()
+    mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap()
 }
 
 fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
@@ -146,7 +148,7 @@ fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
     for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
         cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
     }
-    let qualities = quality::CellQuality::of_cells(kept);
+    let qualities = figures::CellQuality::of_cells(kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
     let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
     let both: f64 =
@@ -164,7 +166,7 @@ fn exact_volumes_are_within_half_a_percent_where_chords_cut_more_off() {
     assert!(error(&fitted) < -0.01, "{}", error(&fitted));
     assert!(error(restored).abs() < 0.005, "{}", error(restored));
     let sharpest =
-        |mesh: &Mesh| quality::CellQuality::of_cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
+        |mesh: &Mesh| figures::CellQuality::of_cells(mesh).iter().map(|q| q.min_dihedral_deg).fold(90.0, f64::min);
     assert!(sharpest(restored) > sharpest(&fitted).min(9.0) - 1e-9);
     assert_eq!(restored.cells, fitted.cells);
 }
@@ -209,7 +211,7 @@ fn split_gaps_leave_no_edge_of_mortar_from_one_aggregate_to_another() {
         let [split, whole] = [&mesh, kept].map(|mesh| PhaseVolumes::of_mesh(mesh).aggregate + mesh.notes.stiff_mm3);
         assert!((split - whole).abs() < 1e-9 * volumes[1].total());
         assert!((volumes[0].total() - volumes[1].total()).abs() < 1e-9 * volumes[1].total());
-        assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0));
+        assert!(figures::CellQuality::of_cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0));
     }
     let voxels = split(Method::VOXEL, ItzForm::None, Joined::Mortar);
     assert_eq!(voxels.notes.split_gap_edges, 0);
@@ -288,7 +290,7 @@ fn the_itz_of_thin_cells_is_no_tougher_than_mortar() {
     let mut spec = Spec { fraction: 0.3, specimen: Specimen::cube(20.0), ..Default::default() };
     (spec.grading.d_max_mm, spec.grading.classes_mm) = (10.0, vec![5.0, 10.0]);
     let options = MeshOptions { method: Method::FITTED, joined: Joined::Mortar, ..Default::default() };
-    let mesh = mesh::build(&meso_core::pack(&spec, &Silent).unwrap(), &options).unwrap();
+    let mesh = mesh::build(&meso_core::pack(&spec, &Silent).unwrap(), &options, &Tools::default()).unwrap();
     let deck = Deck::read(&deck(&mesh, &compression()));
     let softened =
         |material| rows(&deck, material, "CONCRETE COMPRESSION DAMAGE").into_iter().filter(|row| row[0] > 0.0);
@@ -346,7 +348,12 @@ fn side_cut() -> Mesh {
     let (mut grains, specimen) = self::grains();
     grains.iter_mut().for_each(|grain| grain.body = grain.body.translated(&Vec3::new(0.0, 0.0, -4.0)));
     let itz = ItzForm::Cohesive;
-    mesh::build_parts(&grains, &specimen, &MeshOptions { itz, element_size_mm: 2.0, ..Default::default() }).unwrap()
+    mesh::build(
+        (&grains, &specimen),
+        &MeshOptions { itz, element_size_mm: 2.0, ..Default::default() },
+        &Tools::default(),
+    )
+    .unwrap()
 }
 
 #[test]
@@ -415,7 +422,7 @@ fn the_stable_time_step_is_a_bound_and_not_far_from_the_longest() {
     let elastic = Materials::default().mortar;
     let mesh = lattice(ItzForm::Solid, Joined::Mortar, Volumes::Fitted);
     let (mut tightest, mut altitudes_too_long) = (0.0_f64, 0);
-    for (cell, quality) in mesh.cells().zip(quality::CellQuality::of_cells(&mesh)).step_by(97) {
+    for (cell, quality) in mesh.cells().zip(figures::CellQuality::of_cells(&mesh)).step_by(97) {
         let p = [0, 1, 2, 3].map(|i| mesh.points[cell[i] as usize]);
         let longest = 2.0 / highest_frequency(p, &elastic);
         let told = quality.stable_length_mm / elastic.wave_speed_mm_per_s();

@@ -5,8 +5,8 @@ use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -112,7 +112,7 @@ fn calculix_finds_moduli_between_the_hashin_shtrikman_bounds_that_agree() {
     let mut moduli = Vec::new();
     for method in [Method::Voxel { thin_itz: false, subsamples: 4 }, Method::FITTED, Method::CONFORMING] {
         let options = MeshOptions { itz: ItzForm::None, ..as_stiff(method) };
-        let Ok(mesh) = mesh::build_with(&model, &options, &gmsh, &|_| {}) else {
+        let Ok(mesh) = mesh::build(&model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }) else {
             eprintln!("{method:?} skipped: no `gmsh` here (Debian: gmsh)");
             continue;
         };
@@ -135,7 +135,7 @@ pub(crate) fn as_stiff(method: Method) -> MeshOptions {
 #[test]
 fn calculix_reads_the_geometry_through_include() {
     let options = MeshOptions { itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
-    let mesh = mesh::build(&packed(), &options).unwrap();
+    let mesh = mesh::build(&packed(), &options, &Tools::default()).unwrap();
     let whole = deck(&mesh, &elastic());
     let geometry = deck(&mesh, &DeckOptions { geometry_only: true, ..elastic() });
     // A user's own deck: what follows the geometry, after one line.
@@ -186,7 +186,7 @@ fn calculix_knows_all_of_the_explicit_decks_but_the_documented_keywords() {
         (Analysis::Compression, ItzForm::Cohesive, Method::FITTED),
     ] {
         let options = MeshOptions { method, itz, joined: Joined::Mortar, element_size_mm: 3.0, ..Default::default() };
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let deck = std::fs::File::create(folder.path().join("job.inp")).unwrap();
         abaqus::write(&mesh, &DeckOptions { analysis, ..Default::default() }, deck).unwrap();

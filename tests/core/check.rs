@@ -5,7 +5,7 @@ use meso_core::Model;
 use meso_core::check::{Check, Finding, check};
 use meso_core::geometry::Polyhedron;
 use meso_core::math::Vec3;
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::specimen::{Periodic, Specimen};
 
 /// A model whose boxes are all as long as their class asks (5 to 10 mm along the diagonal) and reported rightly.
 fn sound(bodies: Vec<Polyhedron>) -> Model {

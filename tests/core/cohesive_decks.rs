@@ -5,7 +5,7 @@ use crate::calculix::{AREA_MM2, elastic, modulus, modulus_of, packed};
 use crate::mesh::deck;
 use crate::periodic_decks::{self, modulus_by_force, tied};
 use meso_core::export::abaqus::Analysis;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
 use std::collections::BTreeSet;
 
 /// `text` with a spring of `stiffness` N/mm in every direction between every two nodes that a cohesive element joins.
@@ -50,7 +50,7 @@ fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_when_stiff_and_
     for method in [Method::VOXEL, Method::FITTED] {
         let meshed = |itz| {
             let options = MeshOptions { method, itz, element_size_mm: 4.0, ..Default::default() };
-            mesh::build(&model, &options).unwrap()
+            mesh::build(&model, &options, &Tools::default()).unwrap()
         };
         let Some(bonded) = modulus(&meshed(ItzForm::None), AREA_MM2) else { return };
         let apart = meshed(ItzForm::Cohesive);
@@ -68,7 +68,7 @@ fn springs_in_place_of_cohesive_elements_give_the_bonded_modulus_of_a_periodic_b
     for method in [Method::VOXEL, Method::PLAIN] {
         let text = |itz| {
             let options = MeshOptions { method, itz, element_size_mm: 3.0, ..Default::default() };
-            let mesh = mesh::build(&model, &options).unwrap();
+            let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
             let text = deck(&mesh, &tied(Analysis::Elastic));
             if itz == ItzForm::Cohesive { with_springs(&mesh, &text, 1e10) } else { text }
         };

@@ -8,8 +8,8 @@ use crate::periodic_decks::{SIDE_MM, equations, modulus, modulus_by_force, solve
 use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Tools};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ fn packed(axes: [bool; 3]) -> Model {
 /// `None` without gmsh.
 fn meshed(model: &Model, options: MeshOptions) -> Option<Mesh> {
     let no_gmsh = |error: MeshError| eprintln!("skipped: no `gmsh` here (Debian: gmsh): {error}");
-    mesh::build_with(model, &options, &gmsh, &|_| {}).map_err(no_gmsh).ok()
+    mesh::build(model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }).map_err(no_gmsh).ok()
 }
 
 fn conforming(model: &Model, itz: ItzForm, element_size_mm: f64) -> Option<Mesh> {

@@ -1,8 +1,8 @@
 //! When gmsh is asked again, for elements of another size, and when it is not.
 
 use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{self, MeshError, MeshOptions, Method};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, MeshError, MeshOptions, Method, Tools};
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use std::io;
 use std::sync::Mutex;
@@ -18,7 +18,7 @@ fn asked(error: impl Fn() -> MeshError + Sync) -> (MeshError, Vec<f64>) {
         Err(error())
     };
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm: 5.0, ..Default::default() };
-    let error = mesh::build_with(&model, &options, &gmsh, &|_| {}).unwrap_err();
+    let error = mesh::build(&model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }).unwrap_err();
     (error, sizes.into_inner().unwrap())
 }
 

@@ -6,8 +6,8 @@ use crate::mesh_specimens::every_kind;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{self, CellKind, Fit, ItzForm, Joined, Mesh, MeshOptions, Method, Notes, Order, Phase, Tools};
+use meso_core::specimen::{Periodic, Specimen};
 use std::collections::BTreeSet;
 
 /// Two tetrahedra over one face, the first of them aggregate; with a cohesive element between them or without.
@@ -36,7 +36,8 @@ fn two_tetrahedra(cohesive: bool) -> Mesh {
 fn two_voxels(periodic: bool) -> Mesh {
     let specimen = Specimen::Box { size_mm: [1.0, 1.0, 2.0], periodic: Periodic([periodic; 3]) };
     let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::None, ..Default::default() };
-    mesh::build_parts(&[aggregate(0, block([0.0, 0.0, 1.0], [1.0, 1.0, 2.0]), 0.1)], &specimen, &options).unwrap()
+    mesh::build((&[aggregate(0, block([0.0, 0.0, 1.0], [1.0, 1.0, 2.0]), 0.1)], &specimen), &options, &Tools::default())
+        .unwrap()
 }
 
 #[test]
@@ -102,7 +103,7 @@ fn every_kind_of_deck_keeps_the_keyword_rules_and_names_only_what_it_has() {
             }
             let joined = Joined::Mortar;
             let options = MeshOptions { method, itz, joined, element_size_mm: 3.0, ..Default::default() };
-            let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+            let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
             for analysis in [Analysis::None, Analysis::Elastic, Analysis::Compression, Analysis::Tension] {
                 for reduced_integration in [false, true] {
                     let options = DeckOptions { analysis, reduced_integration, ..Default::default() };
@@ -123,7 +124,7 @@ fn decks_of_specimens_of_every_kind_have_nodes_and_faces_on_all_six_sides() {
     for specimen in every_kind() {
         for method in [Method::VOXEL, Method::FITTED] {
             let options = MeshOptions { method, element_size_mm: 4.0, ..Default::default() };
-            let mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
+            let mesh = mesh::build((&[], &specimen), &options, &Tools::default()).unwrap();
             let text = deck(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() });
             Deck::read(&text);
             for side in ["XMIN", "XMAX", "YMIN", "YMAX", "ZMIN", "ZMAX"] {

@@ -1,7 +1,8 @@
 //! Files as an enemy or a bad disk would write them: mutated by chance, from seeds that are good.
 
 use crate::targets::{TARGETS, Target};
-use meso_core::{Silent, pack, saved, spec::Spec};
+use meso_core::spec::Spec;
+use meso_core::{Silent, pack, saved};
 use std::time::{Duration, Instant};
 
 /// What each target is fed with, before it is mutated.

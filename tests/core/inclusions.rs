@@ -4,12 +4,13 @@ use crate::models::two_boxes;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::check::{Finding, check};
 use meso_core::export::abaqus;
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::geometry::Polyhedron;
+use meso_core::images::Images;
 use meso_core::math::{Vec3, longest_distance};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes};
-use meso_core::packing::{Images, StopReason};
-use meso_core::statistics::{Options, Statistics};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
+use meso_core::packing::StopReason;
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, Silent, Spec, pack, page, saved};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -109,7 +110,9 @@ fn fibres_point_in_all_directions() {
 
 /// Mean square of the cosine between the fibres' axes and z.
 fn along_z(model: &Model) -> f64 {
-    let figures = Statistics::of(model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap().phases;
+    let figures = Statistics::of(model, &StatisticsOptions { lines: 64, points: 64, ..StatisticsOptions::default() })
+        .unwrap()
+        .phases;
     figures.iter().find_map(|figures| figures.orientation).expect("there are fibres").tensor[2][2]
 }
 
@@ -168,7 +171,7 @@ fn what_crosses_a_periodic_face_meets_no_image() {
 
 fn bytes(model: &Model, format: Format) -> Vec<u8> {
     let mut bytes = Vec::new();
-    format.write(model, Surfaces::default(), &mut bytes).unwrap();
+    format.write(model, SurfaceOptions::default(), &mut bytes).unwrap();
     bytes
 }
 
@@ -304,7 +307,7 @@ fn surfaces_are_written_with_the_phase_they_bound() {
 #[test]
 fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
     let page_of = |model: &Model| {
-        let options = Options { lines: 100, points: 100, ..Options::default() };
+        let options = StatisticsOptions { lines: 100, points: 100, ..StatisticsOptions::default() };
         let mut out = Vec::new();
         page::write(model, &Statistics::of(model, &options).unwrap(), None, &mut out).unwrap();
         String::from_utf8(out).unwrap()
@@ -328,7 +331,8 @@ fn a_phase_of_which_nothing_is_placed_holds_nothing_and_not_less() {
 #[test]
 fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
     let model = both();
-    let figures = Statistics::of(&model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap();
+    let figures =
+        Statistics::of(&model, &StatisticsOptions { lines: 64, points: 64, ..StatisticsOptions::default() }).unwrap();
     assert!((figures.fraction - model.report.fraction).abs() < 1e-9, "of the aggregates alone");
     assert_eq!(figures.phases.iter().map(|figures| figures.phase).collect::<Vec<_>>(), [Kind::Void, Kind::Fibre]);
     for (figures, reported) in figures.phases.iter().zip(&model.report.phases) {
@@ -354,7 +358,7 @@ fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
 
 fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
     let options = MeshOptions { method, itz, element_size_mm: 1.0, ..Default::default() };
-    mesh::build(model, &options).unwrap()
+    mesh::build(model, &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -387,7 +391,7 @@ fn fibres_that_are_all_alike_keep_their_volume_as_a_whole_in_voxels() {
     let exact: f64 = of(&model, Kind::Fibre).iter().map(|fibre| fibre.body.volume()).sum();
     for element_size_mm in [1.5, 2.0, 2.5, 3.0] {
         let options = MeshOptions { element_size_mm, itz: ItzForm::None, ..MeshOptions::default() };
-        let meshed = PhaseVolumes::of_mesh(&mesh::build(&model, &options).unwrap()).fibre;
+        let meshed = PhaseVolumes::of_mesh(&mesh::build(&model, &options, &Tools::default()).unwrap()).fibre;
         assert!((meshed / exact - 1.0).abs() < 0.01, "{element_size_mm}: {meshed} {exact}");
     }
 }

@@ -5,7 +5,7 @@ use crate::deck_reader::Deck;
 use meso_core::check::check;
 use meso_core::export::abaqus::{self, DeckOptions};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, NarrowGaps, Order, PhaseVolumes, Volumes};
+use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, NarrowGaps, Order, PhaseVolumes, Tools, Volumes};
 use meso_core::{Model, Silent, Spec, pack};
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -86,7 +86,7 @@ fn volume(corners: &[[f64; 3]]) -> f64 {
 
 /// Reads the deck of a mesh and holds it against the mesh; decks of the analysis that the mesh cannot carry are refused.
 fn read_back(model: &Model, options: &MeshOptions, chance: &mut Chance) {
-    let mesh = mesh::build(model, options).unwrap_or_else(|error| panic!("{options:?}: {error}"));
+    let mesh = mesh::build(model, options, &Tools::default()).unwrap_or_else(|error| panic!("{options:?}: {error}"));
     let deck = DeckOptions {
         periodic_equations: mesh.periodic != [false; 3] && chance.of(2) == 0,
         geometry_only: chance.of(4) == 0,

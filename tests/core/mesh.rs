@@ -4,8 +4,8 @@ use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::{abaqus, vtu_mesh};
 use meso_core::geometry::{Plane, Polyhedron};
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshError, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
+use meso_core::specimen::Specimen;
 use std::io;
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ fn thin(subsamples: u32) -> Method {
 }
 
 fn voxels(aggregates: &[Aggregate], specimen: &Specimen, options: MeshOptions) -> Mesh {
-    mesh::build_parts(aggregates, specimen, &options).unwrap()
+    mesh::build((aggregates, specimen), &options, &Tools::default()).unwrap()
 }
 
 /// A deck written by hand, for this version.
@@ -135,8 +135,11 @@ fn meshes_are_identical_at_one_and_eight_threads() {
 
 #[test]
 fn an_element_size_beyond_the_specimen_is_named() {
-    let error =
-        mesh::build_parts(&[], &Specimen::cube(10.0), &MeshOptions { element_size_mm: 20.0, ..Default::default() });
+    let error = mesh::build(
+        (&[], &Specimen::cube(10.0)),
+        &MeshOptions { element_size_mm: 20.0, ..Default::default() },
+        &Tools::default(),
+    );
     let text = error.unwrap_err().to_string();
     assert_eq!(text, "mesh.element_size_mm is 20; it must lie within 0.006666666666666667 and 10 mm for this specimen");
 }
@@ -202,7 +205,7 @@ fn lattice(element_size_mm: f64, method: Method) -> Mesh {
 fn a_fitted_lattice_fills_the_specimen_without_inverted_cells() {
     let mesh = lattice(1.0, Method::FITTED);
     assert!((PhaseVolumes::of_mesh(&mesh).total() / 27_000.0 - 1.0).abs() < 1e-9);
-    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(figures::CellQuality::of_cells(&mesh).iter().all(|q| q.volume_mm3 > 0.0));
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use crate::mesh::{aggregate, block, turned_blocks};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, Fit, InterfaceDistance, ItzForm, MeshOptions, Method, Order};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{self, Fit, InterfaceDistance, ItzForm, MeshOptions, Method, Order, Tools};
+use meso_core::specimen::{Periodic, Specimen};
 
 fn distance(block_mm: f64, specimen: &Specimen, itz: ItzForm) -> InterfaceDistance {
     let grains = [aggregate(0, block([2.0; 3], [block_mm; 3]), 0.5)];
@@ -13,7 +13,7 @@ fn distance(block_mm: f64, specimen: &Specimen, itz: ItzForm) -> InterfaceDistan
         method: Method::Voxel { thin_itz: true, subsamples: 1 },
         ..Default::default()
     };
-    InterfaceDistance::of(&mesh::build_parts(&grains, specimen, &options).unwrap(), &grains, specimen)
+    InterfaceDistance::of(&mesh::build((&grains, specimen), &options, &Tools::default()).unwrap(), &grains, specimen)
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn an_aggregate_that_comes_in_again_is_measured_by_its_nearest_image() {
     let moved = block([2.0; 3], [6.0; 3]).translated(&Vec3::new(-4.0, 0.0, 0.0));
     let grains = [aggregate(7, moved, 0.5)];
     let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::None, ..Default::default() };
-    let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+    let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
     assert!(mesh.points.iter().zip(0u32..).any(|(p, _)| p.x > 7.0), "the image is there");
     let found = InterfaceDistance::of(&mesh, &grains, &specimen);
     assert!(found.nodes > 90 && found.max_mm < 1e-12, "{found:?}");
@@ -47,7 +47,12 @@ fn a_fitted_lattice_lies_nearer_than_a_plain_one_and_both_halve_with_the_element
     let (grains, specimen) = turned_blocks();
     let of = |method, element_size_mm| {
         let options = MeshOptions { method, itz: ItzForm::None, element_size_mm, ..Default::default() };
-        InterfaceDistance::of(&mesh::build_parts(&grains, &specimen, &options).unwrap(), &grains, &specimen).rms_mm
+        InterfaceDistance::of(
+            &mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap(),
+            &grains,
+            &specimen,
+        )
+        .rms_mm
     };
     let (plain, finer, fitted) = (of(Method::PLAIN, 2.0), of(Method::PLAIN, 1.0), of(Method::FITTED, 2.0));
     assert!(plain > 0.2 && finer < 0.6 * plain && fitted < 0.1 * plain, "{plain} {finer} {fitted}");
@@ -59,7 +64,11 @@ fn second_order_is_measured_at_its_corners() {
     let of = |order| {
         let method = Method::Lattice { fit: Fit::Fitted, order };
         let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.5, ..Default::default() };
-        InterfaceDistance::of(&mesh::build_parts(&grains, &specimen, &options).unwrap(), &grains, &specimen)
+        InterfaceDistance::of(
+            &mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap(),
+            &grains,
+            &specimen,
+        )
     };
     assert_eq!(of(Order::Quadratic), of(Order::Linear));
 }

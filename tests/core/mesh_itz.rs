@@ -3,14 +3,14 @@
 use crate::mesh::{aggregate, block, by_hand, deck, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 
 fn lattice(itz: ItzForm) -> Mesh {
     let (grains, specimen) = turned_blocks();
     let options = MeshOptions { method: Method::FITTED, element_size_mm: 1.25, itz, ..Default::default() };
-    mesh::build_parts(&grains, &specimen, &options).unwrap()
+    mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -27,9 +27,9 @@ fn a_solid_layer_in_a_dense_packing_turns_no_cell_over() {
     let model = meso_core::pack(&spec, &Silent).unwrap();
     for (element_size_mm, volume_error) in [(3.0, 0.1), (2.0, 0.005)] {
         let options = MeshOptions { method: Method::FITTED, element_size_mm, ..Default::default() };
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         assert!(mesh.notes.closed_gaps > 100, "gaps that close are what turned cells over");
-        let cells = quality::CellQuality::of_cells(&mesh);
+        let cells = figures::CellQuality::of_cells(&mesh);
         assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
         assert!(cells.iter().all(|q| q.min_dihedral_deg > 1.99), "a layer of 0.1 mm has angles of 3 degrees by itself");
         assert!(mesh.notes.shifted_itz_nodes > 0, "nodes left the exact offset for these angles");
@@ -46,7 +46,7 @@ fn cohesive_elements_close_every_interface_with_their_normal_out_of_the_aggregat
     for method in [Method::VOXEL, Method::FITTED] {
         let (grains, specimen) = turned_blocks();
         let options = MeshOptions { method, element_size_mm: 1.25, itz: ItzForm::Cohesive, ..Default::default() };
-        let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+        let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
         assert!(mesh.cohesive().len() > 1000);
         for (nodes, id) in mesh.cohesive().zip(&mesh.cohesive_aggregate) {
             let (bottom, top) = nodes.split_at(nodes.len() / 2);
@@ -71,7 +71,7 @@ fn cohesive_elements_close_every_interface_with_their_normal_out_of_the_aggregat
 fn two_voxels_apart() -> Mesh {
     let grains = [aggregate(0, block([1.0, 0.0, 0.0], [2.0, 1.0, 1.0]), 0.1)];
     let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::Cohesive, ..Default::default() };
-    mesh::build_parts(&grains, &Specimen::cuboid([2.0, 1.0, 1.0]), &options).unwrap()
+    mesh::build((&grains, &Specimen::cuboid([2.0, 1.0, 1.0])), &options, &Tools::default()).unwrap()
 }
 
 #[test]

@@ -4,8 +4,8 @@ use crate::mesh::{aggregate, block};
 use meso_core::aggregate::Aggregate;
 use meso_core::geometry::Plane;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, quality};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, PhaseVolumes, Tools, figures};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
@@ -16,7 +16,7 @@ fn packed(specimen: Specimen, fraction: f64, seed: u64) -> Model {
 
 fn fitted(model: &Model, element_size_mm: f64) -> Mesh {
     let options = MeshOptions { method: Method::FITTED, itz: ItzForm::None, element_size_mm, ..Default::default() };
-    mesh::build(model, &options).unwrap()
+    mesh::build(model, &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -24,8 +24,8 @@ fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_
     let model = packed(Specimen::cube(50.0), 0.5, 1);
     let mesh = fitted(&model, 2.0);
     assert!(mesh.notes.closed_gaps > 1000, "closed gaps are what makes angles and volumes hard");
-    let cells = quality::CellQuality::of_cells(&mesh);
-    assert_eq!(quality::CellQuality::below(&cells, 10.0 - 1e-9), [0; 0]);
+    let cells = figures::CellQuality::of_cells(&mesh);
+    assert_eq!(figures::CellQuality::below(&cells, 10.0 - 1e-9), [0; 0]);
     let exact = PhaseVolumes::exact(&model.aggregates, &model.spec.specimen, |_| 0.0).unwrap();
     let volumes = PhaseVolumes::of_mesh(&mesh);
     assert!((volumes.aggregate / exact.aggregate - 1.0).abs() < 0.005, "{volumes:?} {exact:?}");
@@ -88,7 +88,7 @@ fn assert_on_aggregates(model: &Model, mesh: &Mesh) {
     assert!(alone > 10_000 && nodes.len() - alone > 2000, "{alone} of {}", nodes.len());
     assert_eq!(nodes.iter().filter(|(height, _)| *height > 1e-8).count(), 0);
     assert_eq!((mesh.notes.off_surface_nodes, mesh.notes.closed_side_gaps), (0, 0));
-    assert_eq!(quality::CellQuality::below(&quality::CellQuality::of_cells(mesh), 8.0 - 1e-9), [0; 0]);
+    assert_eq!(figures::CellQuality::below(&figures::CellQuality::of_cells(mesh), 8.0 - 1e-9), [0; 0]);
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn the_distance_of_interfaces_tells_nodes_that_are_off_from_nodes_that_close_gap
     let nodes = off(mesh, model);
     let joined = nodes.iter().filter(|(_, bodies)| *bodies > 1).count();
     let options = MeshOptions { method: Method::FITTED, itz: ItzForm::Cohesive, ..Default::default() };
-    for mesh in [mesh, &mesh::build(model, &options).unwrap()] {
+    for mesh in [mesh, &mesh::build(model, &options, &Tools::default()).unwrap()] {
         let found = InterfaceDistance::of(mesh, &model.aggregates, &model.spec.specimen);
         assert_eq!((found.nodes, found.joined, found.off), (nodes.len(), joined, 0));
         assert!(found.max_mm < 1e-8, "{found:?}");
@@ -113,11 +113,11 @@ fn where_a_face_hardly_rises_from_the_specimens_side_nodes_become_one_with_other
     let place = Vec3::new(9.0, 9.0, 0.02 - body.aabb().min.z);
     let (blocks, specimen) = ([aggregate(0, body.translated(&place), 0.5)], Specimen::cuboid([18.0, 18.0, 15.0]));
     let options = MeshOptions { method: Method::FITTED, itz: ItzForm::None, ..Default::default() };
-    let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
+    let mesh = mesh::build((&blocks, &specimen), &options, &Tools::default()).unwrap();
     let distance = InterfaceDistance::of(&mesh, &blocks, &specimen);
     assert!(distance.nodes > 200 && distance.off == 0, "{distance:?}");
     assert_eq!((mesh.notes.off_surface_nodes, mesh.notes.closed_side_gaps), (0, 0));
-    assert_eq!(quality::CellQuality::below(&quality::CellQuality::of_cells(&mesh), 10.0 - 1e-9), [0; 0]);
+    assert_eq!(figures::CellQuality::below(&figures::CellQuality::of_cells(&mesh), 10.0 - 1e-9), [0; 0]);
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_gap_to_a_side_thinner_than_the_elements_is_counted_where_they_close_it_and_
             let blocks = [aggregate(5, block([gap, 6.0, 6.0], [9.0, 14.0, 14.0]), 0.5)];
             let specimen = Specimen::Cube { side_mm: 20.0, periodic: Periodic([repeats; 3]) };
             let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
-            let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
+            let mesh = mesh::build((&blocks, &specimen), &options, &Tools::default()).unwrap();
             let there =
                 around(&mesh).iter().zip(&mesh.points).filter(|(ids, p)| ids.contains(&5) && p.x == 0.0).count();
             let closed = method != Method::FITTED && gap < 1.0;
@@ -169,7 +169,7 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
         for (gap, joined) in [(0.2, true), (5.0, false)] {
             let (blocks, specimen) = neighbours(gap);
             let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
-            let mesh = mesh::build_parts(&blocks, &specimen, &options).unwrap();
+            let mesh = mesh::build((&blocks, &specimen), &options, &Tools::default()).unwrap();
             let nodes = |id: u32| -> BTreeSet<u32> {
                 let cells = mesh.cells().zip(&mesh.aggregate).filter(|(_, of)| **of == id);
                 cells.flat_map(|(cell, _)| cell.iter().copied()).collect()
@@ -207,7 +207,7 @@ fn opposite_faces_of_a_periodic_box_match_node_for_node() {
     for method in [Method::VOXEL, Method::PLAIN, Method::FITTED] {
         for itz in [ItzForm::None, ItzForm::Cohesive] {
             let options = MeshOptions { method, itz, element_size_mm: 2.0, ..Default::default() };
-            let mesh = mesh::build(&model, &options).unwrap();
+            let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
             for axis in 0..3 {
                 let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
                 assert!(low.len() >= 225);

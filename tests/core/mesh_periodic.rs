@@ -6,8 +6,10 @@ use crate::periodic_decks::{SIDE_MM, equations, packed, tied};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};
-use meso_core::mesh::{self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{
+    self, InterfaceDistance, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures,
+};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeMap;
 
@@ -19,7 +21,7 @@ const METHODS: [Method; 3] = [THIN_VOXELS, Method::PLAIN, Method::FITTED];
 fn meshed(model: &Model, method: Method, itz: ItzForm) -> Mesh {
     let element_size_mm = if method == THIN_VOXELS { 1.0 } else { 2.0 };
     let options = MeshOptions { method, itz, element_size_mm, ..Default::default() };
-    mesh::build(model, &options).unwrap()
+    mesh::build(model, &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -30,7 +32,7 @@ fn every_mesh_of_a_periodic_box_fills_it_with_cells_of_positive_volume_and_match
             for itz in [ItzForm::None, ItzForm::Solid, ItzForm::Cohesive] {
                 let what = format!("{method:?} {itz:?} along {axes:?}");
                 let mesh = meshed(&model, method, itz);
-                assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0), "{what}");
+                assert!(figures::CellQuality::of_cells(&mesh).iter().all(|cell| cell.volume_mm3 > 0.0), "{what}");
                 for axis in (0..3).filter(|axis| axes[*axis]) {
                     let [low, high] = [0.0, SIDE_MM].map(|place| face(&mesh, axis, place));
                     assert!(low.len() > 200 && low == high, "{what} across {axis}: {} {}", low.len(), high.len());
@@ -64,7 +66,8 @@ fn check_volumes(model: &Model, mesh: &Mesh, method: Method, itz: ItzForm, what:
 #[test]
 fn the_solid_itz_of_voxels_is_never_thinner_than_one_across_periodic_faces_too() {
     let model = packed([true; 3]);
-    let mesh = mesh::build(&model, &MeshOptions { element_size_mm: 1.0, ..Default::default() }).unwrap();
+    let mesh =
+        mesh::build(&model, &MeshOptions { element_size_mm: 1.0, ..Default::default() }, &Tools::default()).unwrap();
     let side = SIDE_MM as usize;
     let at = |[i, j, k]: [usize; 3]| mesh.phase[(k % side * side + j % side) * side + i % side];
     let mut across = 0;
@@ -89,11 +92,11 @@ fn a_layer_in_a_dense_periodic_box_has_the_angles_and_volumes_of_one_with_walls_
     let options = MeshOptions { method: Method::FITTED, ..Default::default() };
     let [mesh, other] = [1, 4].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| mesh::build(&model, &options).unwrap())
+        pool.install(|| mesh::build(&model, &options, &Tools::default()).unwrap())
     });
     assert!(mesh == other);
     assert!(mesh.notes.closed_gaps > 500);
-    assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.99));
+    assert!(figures::CellQuality::of_cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 1.99));
     for axis in 0..3 {
         let [low, high] = [0.0, SIDE].map(|place| face(&mesh, axis, place));
         assert!(low.len() > 500 && low == high, "across {axis}: {} {}", low.len(), high.len());
@@ -115,7 +118,7 @@ fn nodes_on_periodic_faces_go_onto_their_aggregates_and_those_that_do_not_are_in
         let distance = InterfaceDistance::of(&mesh, &model.aggregates, &model.spec.specimen);
         assert_eq!(mesh.notes.off_surface_nodes, distance.off, "{distance:?}");
         assert!(distance.off < most, "{distance:?}");
-        assert!(quality::CellQuality::of_cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 8.0 - 1e-9));
+        assert!(figures::CellQuality::of_cells(&mesh).iter().all(|cell| cell.min_dihedral_deg > 8.0 - 1e-9));
         for axis in (0..3).filter(|axis| axes[*axis]) {
             let [low, high] = [0.0, 40.0].map(|place| face(&mesh, axis, place));
             assert!(low.len() > 1000 && low == high, "across {axis}: {} {}", low.len(), high.len());
@@ -129,7 +132,7 @@ fn block_across() -> Mesh {
     let body = block([-4.0; 3], [4.0; 3]).rotated(&turn).translated(&Vec3::new(0.0, 8.0, 8.0));
     let options = MeshOptions { method: Method::FITTED, element_size_mm: 1.0, ..Default::default() };
     let specimen = Specimen::Cube { side_mm: 16.0, periodic: Periodic([true; 3]) };
-    mesh::build_parts(&[aggregate(0, body, 0.5)], &specimen, &options).unwrap()
+    mesh::build((&[aggregate(0, body, 0.5)], &specimen), &options, &Tools::default()).unwrap()
 }
 
 #[test]

@@ -4,9 +4,9 @@ use crate::calculix::gmsh;
 use crate::mesh::turned_blocks;
 use meso_core::aggregate::Grading;
 use meso_core::materials::Materials;
-use meso_core::mesh::quality::{CellQuality, QualityReport};
-use meso_core::mesh::{self, ItzForm, MeshError, MeshOptions, Method, Order, Phase, PhaseOff, PhaseVolumes};
-use meso_core::packing::Specimen;
+use meso_core::mesh::figures::{CellQuality, QualityReport};
+use meso_core::mesh::{self, ItzForm, MeshError, MeshOptions, Method, Order, Phase, PhaseOff, PhaseVolumes, Tools};
+use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec};
 
 fn packed(specimen: Specimen, fraction: f64) -> Model {
@@ -21,7 +21,7 @@ fn the_report_of_a_mesh_has_the_worst_of_its_cells() {
     let (grains, specimen) = turned_blocks();
     let options =
         MeshOptions { method: Method::FITTED, element_size_mm: 1.5, itz: ItzForm::None, ..Default::default() };
-    let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+    let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
     let materials = Materials::default();
     let report = QualityReport::of(&mesh, &grains, &specimen, &materials);
 
@@ -59,7 +59,7 @@ fn the_report_of_a_mesh_has_the_worst_of_its_cells() {
 fn cells_of_cohesive_elements_have_a_time_step_of_their_own() {
     let (grains, specimen) = turned_blocks();
     let options = MeshOptions { element_size_mm: 2.0, itz: ItzForm::Cohesive, ..Default::default() };
-    let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+    let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
     let materials = Materials::default();
     let report = QualityReport::of(&mesh, &grains, &specimen, &materials);
     assert_eq!(report.cohesive_time_step_s, Some(materials.cohesive_time_step_s()));
@@ -69,7 +69,10 @@ fn cells_of_cohesive_elements_have_a_time_step_of_their_own() {
 fn a_mesh_that_has_far_from_a_phase_is_refused_unless_that_is_accepted() {
     let model = packed(Specimen::cube(40.0), 0.3);
     let coarse = |itz: ItzForm, method: Method| MeshOptions { method, itz, element_size_mm: 4.0, ..Default::default() };
-    let build = |options: &MeshOptions, accepted: f64| mesh::build_accepted(&model, options, &gmsh, accepted, &|_| {});
+    let build = |options: &MeshOptions, accepted: f64| {
+        let mesh = mesh::build(&model, options, &Tools { gmsh: &gmsh, ..Tools::default() })?;
+        PhaseOff::accept(&mesh, &model, options, accepted).map(|off| (mesh, off))
+    };
     let solid = coarse(ItzForm::Solid, Method::VOXEL);
     let error = build(&solid, PhaseOff::ACCEPTED).unwrap_err();
     assert!(matches!(error, MeshError::PhaseError { .. }), "{error}");
@@ -103,7 +106,7 @@ fn a_conforming_mesh_fills_a_cylinder_to_its_curved_side_whole_or_in_slabs() {
     for slabs in [1, 2] {
         let method = Method::Conforming { order: Order::Linear, slabs: Some(slabs) };
         let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 3.0, ..Default::default() };
-        let mesh = match mesh::build_with(&model, &options, &gmsh, &|_| {}) {
+        let mesh = match mesh::build(&model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }) {
             Err(MeshError::Gmsh(why)) => return eprintln!("skipped: no `gmsh` here (Debian: gmsh): {why}"),
             meshed => meshed.unwrap(),
         };

@@ -4,9 +4,9 @@ use crate::angle_piece::angle_piece;
 use crate::mesh::deck;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::math::Vec3;
-use meso_core::mesh::sides::Sides;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, quality};
-use meso_core::packing::Specimen;
+use meso_core::mesh::cells::Sides;
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
+use meso_core::specimen::Specimen;
 use meso_core::{Silent, Spec};
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ fn lattice(specimen: &Specimen, method: Method, itz: ItzForm) -> Mesh {
     let spec = Spec { fraction: 0.4, specimen: specimen.clone(), ..Default::default() };
     let model = meso_core::pack(&spec, &Silent).unwrap();
     let options = MeshOptions { method, itz, element_size_mm: 2.5, ..Default::default() };
-    mesh::build(&model, &options).unwrap()
+    mesh::build(&model, &options, &Tools::default()).unwrap()
 }
 
 fn cylinder() -> Specimen {
@@ -74,8 +74,8 @@ fn sides_are_the_specimens_own_with_its_volume_and_angles_of_eight_degrees() {
         let kind = specimen.kind();
         let volume = PhaseVolumes::of_mesh(&mesh).total();
         assert!((volume / specimen.volume() - 1.0).abs() < 0.005, "{kind}: {volume} of {}", specimen.volume());
-        let cells = quality::CellQuality::of_cells(&mesh);
-        assert_eq!(quality::CellQuality::below(&cells, 8.0), [0; 0], "{kind}");
+        let cells = figures::CellQuality::of_cells(&mesh);
+        assert_eq!(figures::CellQuality::below(&cells, 8.0), [0; 0], "{kind}");
         let container = specimen.container();
         let outside = outside(&mesh);
         assert!(outside.len() > 3000 && outside.iter().all(|(_, phase)| *phase == Phase::Mortar), "{kind}");
@@ -117,14 +117,14 @@ fn a_cylinders_sets_are_its_ends_and_the_quarters_of_its_mantle() {
     }
     assert!(sides.members(5).all(|node| mesh.points[node as usize].z == 40.0));
     let text = deck(&mesh, &DeckOptions::default());
-    assert!(mesh::sides::SIDES.iter().all(|(_, _, name)| text.contains(&format!("NAME=S_{name}\n"))));
+    assert!(mesh::cells::SIDES.iter().all(|(_, _, name)| text.contains(&format!("NAME=S_{name}\n"))));
 }
 
 #[test]
 fn a_solid_layer_in_a_cylinder_turns_no_cell_over_and_leaves_its_sides_alone() {
     let specimen = cylinder();
     let [without, with] = [ItzForm::None, ItzForm::Solid].map(|itz| lattice(&specimen, Method::FITTED, itz));
-    assert!(quality::CellQuality::of_cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
+    assert!(figures::CellQuality::of_cells(&with).iter().all(|q| q.volume_mm3 > 0.0));
     let volume = |mesh: &Mesh| PhaseVolumes::of_mesh(mesh).total();
     assert!(PhaseVolumes::of_mesh(&with).itz > 0.0 && (volume(&with) / volume(&without) - 1.0).abs() < 1e-12);
     assert_eq!(outside(&with).len(), outside(&without).len());

@@ -3,7 +3,9 @@
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::check;
-use meso_core::packing::{Periodic, Progress, Silent, Specimen, StopReason, Strategy};
+use meso_core::packing::{StopReason, Strategy};
+use meso_core::specimen::{Periodic, Specimen};
+use meso_core::watch::{Silent, Watch};
 use meso_core::{Model, Spec, gjk, pack};
 use std::sync::atomic::{AtomicI32, Ordering};
 
@@ -174,12 +176,9 @@ fn a_hopeless_target_ends_where_a_lower_one_would_with_its_grading() {
 /// Says stop after so many questions.
 struct StopAfter(AtomicI32);
 
-impl Progress for StopAfter {
-    fn update(&self, _: f64, _: f64) -> bool {
-        self.0.fetch_sub(1, Ordering::Relaxed) > 0
-    }
-    fn seconds(&self) -> f64 {
-        0.0
+impl Watch for StopAfter {
+    fn stops(&self) -> bool {
+        self.0.fetch_sub(1, Ordering::Relaxed) <= 0
     }
 }
 
@@ -201,10 +200,7 @@ fn an_interrupted_run_keeps_a_sound_packing() {
 /// A clock that goes on by a hundredth of a second whenever it is asked.
 struct Ticking(AtomicI32);
 
-impl Progress for Ticking {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
+impl Watch for Ticking {
     fn seconds(&self) -> f64 {
         f64::from(self.0.fetch_add(1, Ordering::Relaxed)) / 100.0
     }
@@ -224,11 +220,7 @@ fn a_run_short_of_time_leaves_grains_out_in_time() {
 /// A clock that ticks, of a run whose spec took 3.5 s to read.
 struct Late(Ticking);
 
-impl Progress for Late {
-    fn update(&self, fraction: f64, target: f64) -> bool {
-        self.0.update(fraction, target)
-    }
-
+impl Watch for Late {
     fn seconds(&self) -> f64 {
         self.0.seconds()
     }

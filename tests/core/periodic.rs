@@ -3,11 +3,14 @@
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::{Finding, check};
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::geometry::Polyhedron;
+use meso_core::images::Images;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, MeshOptions, Method};
-use meso_core::packing::{Images, Period, Periodic, Silent, Specimen, StopReason, Strategy};
+use meso_core::mesh::{self, MeshOptions, Method, Tools};
+use meso_core::packing::{StopReason, Strategy};
+use meso_core::specimen::{Period, Periodic, Specimen};
+use meso_core::watch::Silent;
 use meso_core::{Model, Spec, gjk, pack, saved};
 
 fn periodic(side_mm: f64, axes: [bool; 3]) -> Specimen {
@@ -174,7 +177,7 @@ fn surfaces_are_written_with_images_and_models_without() {
     let model = packed(periodic(40.0, [true; 3]), Strategy::TakeAndPlace, 0.3);
     let size = |format: Format, images| {
         let mut out = Vec::new();
-        format.write(&model, Surfaces { images, ..Default::default() }, &mut out).unwrap();
+        format.write(&model, SurfaceOptions { images, ..Default::default() }, &mut out).unwrap();
         out.len()
     };
     assert!(size(Format::Stl, Images::Whole) > size(Format::Stl, Images::None));
@@ -191,7 +194,7 @@ fn meshes_of_a_periodic_box_have_matching_faces() {
     let model = packed(periodic(40.0, [true; 3]), Strategy::Rearrange, 0.45);
     for method in [Method::VOXEL, Method::PLAIN] {
         let options = MeshOptions { method, element_size_mm: 1.6, ..Default::default() };
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut phases = [Vec::new(), Vec::new()];
         for (cell, phase) in mesh.cells().zip(&mesh.phase) {
             for (side, place) in [0.0, 40.0].into_iter().enumerate() {
@@ -220,7 +223,7 @@ fn meshes_of_a_periodic_box_have_matching_faces() {
         method: Method::Voxel { thin_itz: true, subsamples: 1 },
         ..Default::default()
     };
-    let mesh = mesh::build(&model, &options).unwrap();
+    let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
     let volumes = mesh::PhaseVolumes::of_mesh(&mesh);
     assert!(((volumes.aggregate + volumes.itz) / (exact.aggregate + exact.itz) - 1.0).abs() < 0.01);
 }

@@ -6,8 +6,8 @@ use meso_core::aggregate::{Aggregate, Grading, Kind};
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, Order, PhaseVolumes, quality};
-use meso_core::packing::{Periodic, Specimen};
+use meso_core::mesh::{self, Fit, ItzForm, Mesh, MeshOptions, Method, Order, PhaseVolumes, Tools, figures};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -28,7 +28,7 @@ const QUADRATIC: Method = Method::Lattice { fit: Fit::Plain, order: Order::Quadr
 fn meshed(axes: [bool; 3], method: Method) -> Mesh {
     let element_size_mm = if method == Method::VOXEL { 1.5 } else { 4.0 };
     let options = MeshOptions { method, itz: ItzForm::None, element_size_mm, ..Default::default() };
-    mesh::build(&packed(axes), &options).unwrap()
+    mesh::build(&packed(axes), &options, &Tools::default()).unwrap()
 }
 
 pub(crate) fn tied(analysis: Analysis) -> DeckOptions {
@@ -103,7 +103,7 @@ fn materials_that_meet_across_a_face_of_voxels_are_joined_there() {
     let specimen = Specimen::Cube { side_mm: 4.0, periodic: Periodic([true; 3]) };
     let options = MeshOptions { element_size_mm: 1.0, itz: ItzForm::Cohesive, ..Default::default() };
     let grains = [aggregate(0, block([2.0, 0.0, 1.0], [4.0, 4.0, 3.0]), 0.1)];
-    let mesh = mesh::build_parts(&grains, &specimen, &options).unwrap();
+    let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
     assert_eq!(mesh.cohesive().len(), 8 + 8 + 8 + 8, "two sides across x, two across z, none across y");
     let on_upper = |nodes: &&[u32]| nodes.iter().all(|&node| mesh.points[node as usize].x == 4.0);
     let mut across = 0;
@@ -122,7 +122,7 @@ fn cohesive_elements_across_a_face_leave_no_node_alone_and_images_are_tied_mater
     let model = meso_core::pack(&Spec { fraction: 0.45, specimen, seed: 4, ..Default::default() }, &Silent).unwrap();
     for (method, element_size_mm) in [(Method::VOXEL, 1.5), (Method::FITTED, 2.0)] {
         let options = MeshOptions { method, element_size_mm, itz: ItzForm::Cohesive, ..Default::default() };
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut owners = vec![None; mesh.points.len()];
         for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
             cell.iter().for_each(|&node| owners[node as usize] = Some(*id));
@@ -158,7 +158,7 @@ fn cohesive_elements_across_a_face_leave_no_node_alone_and_images_are_tied_mater
 fn faces_that_do_not_match_are_told_where() {
     let specimen = Specimen::Cube { side_mm: 4.0, periodic: Periodic([true; 3]) };
     let options = MeshOptions { element_size_mm: 1.0, ..Default::default() };
-    let mut mesh = mesh::build_parts(&[], &specimen, &options).unwrap();
+    let mut mesh = mesh::build((&[], &specimen), &options, &Tools::default()).unwrap();
     let moved = mesh.points.iter().position(|p| *p == Vec3::new(4.0, 1.0, 2.0)).unwrap();
     mesh.points[moved].y += 1e-6;
     let error = tied(Analysis::None).validate(&mesh).unwrap_err().to_string();
@@ -247,7 +247,7 @@ pub(crate) fn modulus_by_force(text: &str) -> Option<f64> {
 #[test]
 fn one_material_has_its_own_modulus_and_the_strain_is_the_same_all_over() {
     let options = MeshOptions { element_size_mm: 3.0, itz: ItzForm::None, ..Default::default() };
-    let mesh = mesh::build(&packed([true; 3]), &options).unwrap();
+    let mesh = mesh::build(&packed([true; 3]), &options, &Tools::default()).unwrap();
     let mortar = Materials::default().mortar;
     let Some(solved) = solve(&mesh, Materials { aggregate: mortar, itz: mortar, ..Materials::default() }) else {
         return;
@@ -268,7 +268,7 @@ fn with_a_void(corner: [f64; 3]) -> Mesh {
     let void = Aggregate { kind: Kind::Void, ..aggregate(0, body, 0.0) };
     let specimen = Specimen::Cube { side_mm: SIDE_MM, periodic: Periodic::ALL };
     let options = MeshOptions { element_size_mm: SIDE_MM / 6.0, itz: ItzForm::None, ..Default::default() };
-    mesh::build_parts(&[void], &specimen, &options).unwrap()
+    mesh::build((&[void], &specimen), &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -299,7 +299,7 @@ fn materials_that_meet_across_a_face_are_joined_where_a_void_leaves_no_node_on_t
     let grain = aggregate(0, block([4.0; 3], [6.0; 3]), 0.1);
     for void in [[2.0, 2.0, 6.0], [2.0; 3]] {
         let void = Aggregate { id: 1, kind: Kind::Void, ..aggregate(1, block([0.0; 3], void), 0.0) };
-        let mesh = mesh::build_parts(&[grain.clone(), void], &specimen, &options).unwrap();
+        let mesh = mesh::build((&[grain.clone(), void], &specimen), &options, &Tools::default()).unwrap();
         assert_eq!(mesh.cohesive().len(), 6 * 4, "four voxels on each side of the grain");
         let mut alone: BTreeSet<u32> = (0..mesh.points.len() as u32).collect();
         for node in mesh.cells().chain(mesh.cohesive()).flatten() {
@@ -340,7 +340,7 @@ fn matched_nodes_differ_by_the_prescribed_jump_and_the_modulus_lies_between_the_
 /// Stress over the whole box, MPa; tetrahedra of first order and voxels, whose points weigh the same.
 fn mean_stress(mesh: &Mesh, solved: &Solved) -> [f64; 6] {
     let mut sum = [0.0; 6];
-    for ((points, cell), element) in solved.stress.values().zip(quality::CellQuality::of_cells(mesh)).zip(1..) {
+    for ((points, cell), element) in solved.stress.values().zip(figures::CellQuality::of_cells(mesh)).zip(1..) {
         assert!(solved.stress.contains_key(&element));
         for stress in points {
             (0..6).for_each(|i| sum[i] += stress[i] * cell.volume_mm3 / points.len() as f64);
@@ -356,7 +356,7 @@ fn a_solid_itz_in_a_fitted_periodic_lattice_is_in_balance_and_as_stiff_as_in_vox
     let mut moduli = Vec::new();
     for (method, element_size_mm) in [(Method::Voxel { thin_itz: true, subsamples: 1 }, 1.5), (Method::FITTED, 2.0)] {
         let options = MeshOptions { method, element_size_mm, ..Default::default() };
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let text = deck(&mesh, &tied(Analysis::Elastic));
         let Some(solved) = solve_for(&text, "TOTALS=YES\nELSE, S\n") else { return };
         let modulus = modulus(&solved);

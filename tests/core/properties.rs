@@ -6,7 +6,8 @@ use meso_core::aggregate::{
     AspectRatio, Curve, Fibres, Form, Grading, Itz, Shape, ShapeKind, SizeLaw, Standard, Voids,
 };
 use meso_core::check::check;
-use meso_core::packing::{Periodic, Placement, Specimen, Strategy as Placing};
+use meso_core::packing::{Placement, Strategy as Placing};
+use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec, pack, saved};
 use proptest::array::{uniform2, uniform3, uniform6};
 use proptest::collection::vec;

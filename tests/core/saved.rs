@@ -1,9 +1,10 @@
 //! The saved model: what is written is read back, and what is not a model is refused by name.
 
 use crate::models::two_boxes;
-use meso_core::packing::{Built, Specimen, Stage};
 use meso_core::saved::{self, ReadError};
-use meso_core::{Progress, Spec, pack};
+use meso_core::specimen::{Built, Specimen};
+use meso_core::watch::Stage;
+use meso_core::{Spec, Watch, pack};
 use serde_json::{Value, json};
 use std::sync::Mutex;
 
@@ -143,9 +144,9 @@ fn no_changed_byte_makes_reading_panic() {
 /// Writes down how far reading is. Its clock is past every limit.
 struct Late(Mutex<Vec<f64>>);
 
-impl Progress for Late {
-    fn update(&self, _: f64, _: f64) -> bool {
-        false
+impl Watch for Late {
+    fn stops(&self) -> bool {
+        true
     }
 
     fn stage(&self, stage: Stage, share: f64) {

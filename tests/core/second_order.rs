@@ -5,9 +5,10 @@ use crate::mesh::{by_hand, deck, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
-use meso_core::mesh::sides::Sides;
+use meso_core::mesh::cells::Sides;
 use meso_core::mesh::{
     self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseVolumes,
+    Tools,
 };
 
 /// Two tetrahedra that share a face, the first of them aggregate.
@@ -48,7 +49,7 @@ fn lattice(order: Order) -> Mesh {
     let (grains, specimen) = turned_blocks();
     let method = Method::Lattice { fit: Fit::Fitted, order };
     let options = MeshOptions { method, element_size_mm: 2.5, itz: ItzForm::None, ..Default::default() };
-    mesh::build_parts(&grains, &specimen, &options).unwrap()
+    mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap()
 }
 
 #[test]
@@ -123,7 +124,8 @@ fn an_option_of_another_method_is_refused_and_every_table_is_its_options_again()
 #[test]
 fn orders_that_no_element_has_are_named() {
     let (grains, specimen) = turned_blocks();
-    let error = |options: MeshOptions| mesh::build_parts(&grains, &specimen, &options).unwrap_err().to_string();
+    let error =
+        |options: MeshOptions| mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap_err().to_string();
     let table = |method, order| MeshTable { method, order, ..Default::default() };
     let refused = |table: MeshTable| MeshOptions::try_from(table).unwrap_err().to_string();
     assert_eq!(refused(table(MethodName::Lattice, 3)), "mesh.order is 3; it must be 1 or 2");
@@ -140,7 +142,7 @@ fn calculix_finds_second_order_softer_than_first_and_above_the_lower_bound() {
     let solve = |order| {
         let method = Method::Lattice { fit: Fit::Fitted, order };
         let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 5.0, ..Default::default() };
-        let mesh = mesh::build(&model, &options).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         modulus(&mesh, AREA_MM2).map(|modulus| (modulus, PhaseVolumes::of_mesh(&mesh)))
     };
     let (Some((first, _)), Some((second, volumes))) = (solve(Order::Linear), solve(Order::Quadratic)) else { return };

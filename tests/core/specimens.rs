@@ -4,9 +4,11 @@ use crate::angle_piece::angle_piece;
 use crate::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, Mesh, MeshOptions, Method};
-use meso_core::packing::{Built, Silent, Specimen, Stage, StopReason, Strategy};
-use meso_core::{Model, Progress, Spec, pack};
+use meso_core::mesh::{self, Mesh, MeshOptions, Method, Tools};
+use meso_core::packing::{StopReason, Strategy};
+use meso_core::specimen::{Built, Specimen};
+use meso_core::watch::{Silent, Stage};
+use meso_core::{Model, Spec, Watch, pack};
 use std::f64::consts::PI;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -226,7 +228,8 @@ fn grains_lie_inside_a_closed_surface_that_is_not_convex() {
 fn voxels_of_specimens_that_are_not_convex_have_their_volume() {
     for specimen in [moved_angle_piece(), notched()] {
         let model = packed(specimen.clone(), Strategy::TakeAndPlace, 0.0);
-        let mesh = mesh::build(&model, &MeshOptions { element_size_mm: 1.0, ..Default::default() }).unwrap();
+        let mesh = mesh::build(&model, &MeshOptions { element_size_mm: 1.0, ..Default::default() }, &Tools::default())
+            .unwrap();
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
         assert!((volume / specimen.volume() - 1.0).abs() < 0.005, "{volume} of {}", specimen.volume());
     }
@@ -251,7 +254,9 @@ fn a_vertex_outside_a_curved_or_leaning_wall_is_found() {
 fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
     let model = packed(Specimen::Cylinder { diameter_mm: 40.0, height_mm: 30.0 }, Strategy::Rearrange, 0.0);
     for method in [Method::VOXEL, Method::PLAIN, Method::FITTED] {
-        let mesh = mesh::build(&model, &MeshOptions { method, element_size_mm: 2.0, ..Default::default() }).unwrap();
+        let mesh =
+            mesh::build(&model, &MeshOptions { method, element_size_mm: 2.0, ..Default::default() }, &Tools::default())
+                .unwrap();
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
         let exact = model.spec.specimen.volume();
         assert!((volume / exact - 1.0).abs() < 0.02, "{method:?}: {volume} of {exact}");
@@ -301,11 +306,7 @@ struct Diary {
     asked: AtomicU32,
 }
 
-impl Progress for Diary {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
-
+impl Watch for Diary {
     fn stage(&self, stage: Stage, share: f64) {
         self.told.lock().unwrap().push((stage, share));
     }

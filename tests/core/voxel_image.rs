@@ -5,9 +5,10 @@ use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::formats::ImageFormat;
 use meso_core::geometry::Plane;
 use meso_core::gjk;
+use meso_core::images::Images;
 use meso_core::math::{Aabb, Vec3};
-use meso_core::packing::{Container, Images};
 use meso_core::spec::Spec;
+use meso_core::specimen::Container;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
 use meso_core::{Model, Silent, pack};
 use std::io::Cursor;
@@ -199,7 +200,7 @@ fn files_hold_the_values_behind_their_headers() {
     let (image, values) = image(&model, ImageOptions { voxel_size_mm: 2.0, ..ImageOptions::default() });
     let written = |format: ImageFormat| {
         let mut out = Cursor::new(Vec::new());
-        format.write_file(&image, &model, Region::Whole, &|_| {}, &mut out).unwrap();
+        format.write_file(&image, &model, Region::Whole, &Silent, &mut out).unwrap();
         out.into_inner()
     };
     let array = written(ImageFormat::Npy);
@@ -234,5 +235,5 @@ fn what_cannot_be_asked_of_an_image_is_named() {
     let section = Region::Section { axis: 2, at: 3.0 };
     let boxes = models::two_boxes();
     let (image, _) = image(&boxes, ImageOptions { region: section, ..usual });
-    ImageFormat::Png.write(&image, &boxes, section, &|_| {}, Vec::new()).unwrap();
+    ImageFormat::Png.write(&image, &boxes, section, &Silent, Vec::new()).unwrap();
 }

@@ -8,7 +8,7 @@ use meso_core::geometry::convex_hull;
 use meso_core::gjk::{self, Method};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
-use meso_core::mesh::{self, ItzForm, MeshOptions};
+use meso_core::mesh::{self, ItzForm, MeshOptions, Tools};
 use meso_core::packing::Strategy;
 use meso_core::spec::{Files, Spec, options_from_toml};
 use meso_core::{Model, Silent, pack, saved};
@@ -149,7 +149,7 @@ pub(crate) fn tiny_mesh(bytes: &[u8]) {
     for method in [mesh::Method::VOXEL, mesh::Method::FITTED] {
         let element_size_mm = model.spec.specimen.aabb().size().min() / 6.0;
         let options = MeshOptions { method, element_size_mm, itz: ItzForm::Cohesive, ..MeshOptions::default() };
-        let Ok(mesh) = mesh::build(&model, &options) else { continue };
+        let Ok(mesh) = mesh::build(&model, &options, &Tools::default()) else { continue };
         let filled = mesh::PhaseVolumes::of_mesh(&mesh).total() / model.spec.specimen.volume();
         assert!(filled > 0.5 && filled < 1.5, "{filled}");
     }

@@ -2,9 +2,9 @@
 
 use crate::subject::{Number, cdp, from_peak, mortar, peak};
 use meso_core::export::abaqus::{Analysis, DeckOptions, write};
-use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, build_parts};
-use meso_core::packing::Specimen;
-use meso_solve::point::{Held, Sample, curve, ramp};
+use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
+use meso_core::specimen::Specimen;
+use meso_solve::law::point::{Held, Sample, curve, ramp};
 
 const E: f64 = 26_000.0;
 
@@ -24,7 +24,7 @@ const EDGE: f64 = 4.0;
 
 fn mesh(method: Method) -> Mesh {
     let options = MeshOptions { method, element_size_mm: 1.0, itz: ItzForm::None, ..Default::default() };
-    build_parts(&[], &Specimen::cube(EDGE), &options).unwrap()
+    build((&[], &Specimen::cube(EDGE)), &options, &Tools::default()).unwrap()
 }
 
 fn deck(mesh: &Mesh) -> String {

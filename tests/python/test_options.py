@@ -30,7 +30,7 @@ def schema(command):
 
 @pytest.mark.skipif(sys.version_info < (3, 11), reason="tomllib came with 3.11")
 def test_every_recipe_fits_the_schema(schema):
-    recipes = sorted((ROOT / "crates" / "meso-core" / "src" / "recipes").glob("*.toml"))
+    recipes = sorted((ROOT / "crates" / "meso-pack" / "src" / "recipes").glob("*.toml"))
     assert {path.stem for path in recipes} == set(mc.recipes())
     for path in recipes:
         spec = tomllib.loads(path.read_text(encoding="utf-8"))

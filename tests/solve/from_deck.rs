@@ -6,11 +6,14 @@
 
 use crate::deck_reader::{Card, Deck};
 use crate::samples::small_cube;
+use meso_core::Silent;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes};
-use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Silent, Smoothing, Test};
+use meso_core::mesh::{
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Tools,
+};
+use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Smoothing, Test};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -43,7 +46,7 @@ impl Model {
             band_factor: band_factor(&self.mesh),
             exact: None,
         };
-        let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent);
+        let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent, &Silent);
         assert!(response.result.errors.is_empty(), "{:?}", response.result.errors);
         response.result.figures
     }
@@ -261,7 +264,7 @@ fn defaults() -> MeshOptions {
 /// A deck of the 24 mm cube, with a step that is as fast as our engine's own, and the error of the aggregates' volume.
 fn deck(gap_mm: f64, options: &MeshOptions, crushing: Option<f64>) -> (String, f64) {
     let model = small_cube(gap_mm);
-    let mesh = mesh::build(&model, options).unwrap();
+    let mesh = mesh::build(&model, options, &Tools::default()).unwrap();
     let mut materials = Materials::default();
     let strength = &mut materials.mortar_strength;
     strength.crushing_energy_n_per_mm = crushing.unwrap_or(strength.crushing_energy_n_per_mm);

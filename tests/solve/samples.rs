@@ -2,9 +2,9 @@
 
 use meso_core::aggregate::{Aggregate, Grading};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method};
-use meso_core::packing::Specimen;
-use meso_core::{Model, Silent, Spec};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
+use meso_core::specimen::Specimen;
+use meso_core::{Model, Silent, Spec, Watch};
 use meso_gmsh::Gmsh;
 use meso_solve::{Observer, Response, Run, Sample, Test};
 
@@ -18,7 +18,7 @@ pub(crate) struct Meshed {
 impl Meshed {
     /// Of bodies in a specimen.
     pub(crate) fn of(bodies: &[Aggregate], specimen: Specimen, options: MeshOptions) -> Self {
-        let mesh = mesh::build_parts(bodies, &specimen, &options).unwrap();
+        let mesh = mesh::build((bodies, &specimen), &options, &Tools::default()).unwrap();
         Self { mesh, specimen, options }
     }
 
@@ -39,7 +39,7 @@ impl Meshed {
         let specimen = Specimen::cube(side_mm);
         model.spec.specimen = specimen.clone();
         let options = options(Method::CONFORMING, element_size_mm, ItzForm::None);
-        let mesh = mesh::build_with(&model, &options, &gmsh, &|_| {}).unwrap();
+        let mesh = mesh::build(&model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }).unwrap();
         Some(Self { mesh, specimen, options })
     }
 
@@ -54,11 +54,17 @@ impl Meshed {
 
     /// The whole test.
     pub(crate) fn solve(&self, materials: &Materials, test: &Test) -> Response {
-        self.watched(materials, test, &meso_solve::Silent)
+        self.watched(materials, test, &Silent, &Silent)
     }
 
-    pub(crate) fn watched(&self, materials: &Materials, test: &Test, observer: &dyn Observer) -> Response {
-        Run::new(self.sample(), materials, test).unwrap().to_end(observer)
+    pub(crate) fn watched(
+        &self,
+        materials: &Materials,
+        test: &Test,
+        watch: &dyn Watch,
+        observer: &dyn Observer,
+    ) -> Response {
+        Run::new(self.sample(), materials, test).unwrap().to_end(watch, observer)
     }
 }
 

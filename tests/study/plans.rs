@@ -1,7 +1,7 @@
 //! Every combination, once, with a hash of its complete spec.
 
 use crate::plan;
-use meso_core::packing::Specimen;
+use meso_core::specimen::Specimen;
 use meso_files::Beside;
 use meso_study::{Axis, Plan, PlanError, digest};
 use serde_json::json;

@@ -5,8 +5,8 @@
 pub mod lock;
 pub mod whole;
 
-use meso_core::recipes::Recipe;
-use meso_core::spec::Files;
+use meso_pack::recipes::Recipe;
+use meso_pack::spec::Files;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;

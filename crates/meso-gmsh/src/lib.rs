@@ -9,8 +9,8 @@ mod running;
 
 pub use running::end_all;
 
-use meso_core::mesh::conforming::Surfaces;
-use meso_core::mesh::{MeshError, VolumeMesher};
+use meso_mesh::conforming::Surfaces;
+use meso_mesh::{MeshError, VolumeMesher};
 use running::Running;
 use std::ffi::{OsStr, OsString};
 use std::fs::File;

@@ -8,15 +8,14 @@ use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
 use crate::tree::plain;
 use crate::views::{call_view, cell_type};
+use meso_concrete::thousands;
+use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
-use meso_core::mesh::{
-    self, ItzForm, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes,
-    conforming::Surfaces,
-    quality::{self, MassScaling, QualityReport},
-};
-use meso_core::packing::Stage;
-use meso_core::{Model, Progress, thousands};
+use meso_core::mesh::conforming::Surfaces;
+use meso_core::mesh::figures::{MassScaling, QualityReport};
+use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Tools, figures};
+use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
@@ -70,9 +69,11 @@ pub(crate) fn build(
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         };
         let accepted = if accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        mesh::build_accepted(&model, &with, &fill, accepted, &|share| watch.stage(Stage::Mesh, share))
+        let mesh = mesh::build(&*model, &with, &Tools { gmsh: &fill, watch })?;
+        PhaseOff::accept(&mesh, &*model, &with, accepted)?;
+        Ok(mesh)
     })?;
-    built.map(|(mesh, _)| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
+    built.map(|mesh| PyMesh(Arc::new(mesh), of, options)).map_err(mesh_error)
 }
 
 /// gmsh for conforming meshes: this Python's module, else the program. It runs in a process of its own either way.
@@ -178,7 +179,7 @@ impl PyMesh {
         guard(|| {
             let mesh = Arc::clone(&self.0);
             let bad = beside_python(py, None, move |_| {
-                quality::CellQuality::below(&quality::CellQuality::of_cells(&mesh), degrees)
+                figures::CellQuality::below(&figures::CellQuality::of_cells(&mesh), degrees)
             })?;
             Ok(PyArray1::from_vec(py, bad.into_iter().map(|cell| cell as i64).collect()))
         })

@@ -2,8 +2,8 @@
 
 use crate::arrays;
 use crate::boundary::guard;
+use meso_concrete::thousands;
 use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
-use meso_core::thousands;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 use pyo3::prelude::*;

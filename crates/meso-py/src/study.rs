@@ -9,7 +9,8 @@ use crate::tree::{self, plain};
 use meso_files::Beside;
 use meso_files::lock::LockError;
 use meso_study::{
-    Again, Axis, Case, Plan, PlanError, Planning, Record, Run, RunError, State, Table, ensemble, of_packing, save_tables,
+    Again, Axis, Case, Plan, PlanError, Planning, Record, Run, RunError, State, Table, ensemble, of_packing,
+    save_tables,
 };
 use pyo3::exceptions::{PyBlockingIOError, PyTypeError, PyValueError};
 use pyo3::prelude::*;

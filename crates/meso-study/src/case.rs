@@ -1,6 +1,6 @@
 //! One case: the complete spec, its hash and the name of its folder.
 
-use meso_core::Spec;
+use meso_pack::Spec;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 

@@ -1,8 +1,8 @@
 //! The cases of a study: a base, and axes whose values are laid over it in every combination.
 
 use crate::case::Case;
-use meso_core::spec::Files;
-use meso_core::{Spec, SpecError};
+use meso_pack::spec::Files;
+use meso_pack::{Spec, SpecError};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,6 +1,6 @@
 //! Results that a study records of a packing, a mesh and a test.
 
-use meso_core::packing::Report;
+use meso_pack::packing::Report;
 use serde_json::{Map, Value, json};
 
 /// The figures of a packing, by the keys of `--summary-json`; no times and no counters of work.

@@ -11,7 +11,7 @@ use meso_core::Spec;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
 use meso_core::mesh::{Mesh, PhaseOff};
-use meso_core::packing::Stage;
+use meso_core::watch::Stage;
 use meso_study::{NameError, Names};
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,11 @@
 //! Report on a mesh: its size, its phases against the exact ones, its worst elements; on stderr, and as JSON.
 
 use crate::stderr;
+use meso_concrete::thousands;
+use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::mesh::quality::{MassScaling, PhaseScaling, QualityReport};
+use meso_core::mesh::figures::{MassScaling, PhaseScaling, QualityReport};
 use meso_core::mesh::{CellKind, Mesh, MeshOptions, Notes, Phase, PhaseVolumes};
-use meso_core::{Model, thousands};
 use serde::Serialize;
 use std::io::{self, Write};
 

@@ -4,17 +4,18 @@ use super::{names, values};
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, stderr};
+use meso_concrete::OutOfRange;
 use meso_core::aggregate::Itz;
-use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
+use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{
-    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff,
+    self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff, Tools,
     VolumeMesher, Volumes,
 };
-use meso_core::packing::{Specimen, Stage};
 use meso_core::spec::options_from_toml;
-use meso_core::{Model, Progress, Spec};
+use meso_core::specimen::Specimen;
+use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -343,9 +344,10 @@ impl Meshing {
     /// Meshes, and finds the phase that is farthest off its exact volume; options that cannot be are wrong usage.
     pub(super) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
         let accepted = if self.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        let progress = |share| watch.stage(Stage::Mesh, share);
-        let gmsh = Announced { gmsh: Gmsh::program(&self.gmsh), quiet };
-        mesh::build_accepted(model, &self.options()?, &gmsh, accepted, &progress).map_err(|error| wrong_mesh(&error))
+        let options = self.options()?;
+        let mesh = build(model, &options, &self.gmsh, quiet, watch)?;
+        let off = PhaseOff::accept(&mesh, model, &options, accepted).map_err(|error| wrong_mesh(&error))?;
+        Ok((mesh, off))
     }
 }
 
@@ -366,9 +368,8 @@ pub(super) fn build(
     quiet: bool,
     watch: &Watch,
 ) -> Result<Mesh, Failure> {
-    let progress = |share| watch.stage(Stage::Mesh, share);
     let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
-    mesh::build_with(model, options, &gmsh, &progress).map_err(|error| wrong_mesh(&error))
+    mesh::build(model, options, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error))
 }
 
 /// gmsh, whose second attempts the user hears of.
@@ -390,7 +391,7 @@ impl VolumeMesher for Announced {
 pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
     let text = error.message(flag);
     match error {
-        MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
+        MeshError::Option(wrong) => Failure::Usage(format!("{} {}", flag(&wrong.key), wrong.fault())),
         MeshError::MissingGmsh { .. } => {
             Failure::Run(format!("{text} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
@@ -439,13 +440,13 @@ fn name(value: impl serde::Serialize) -> String {
 }
 
 /// Turns an error of a deck into wrong usage.
-pub(super) fn wrong_deck(error: &DeckError) -> Failure {
-    Failure::Usage(format!("{} {}", flag(error.key()), error.fault()))
+pub(super) fn wrong_deck(error: &OutOfRange) -> Failure {
+    Failure::Usage(format!("{} {}", flag(&error.key), error.fault()))
 }
 
 /// The core speaks of `element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag. Of a key that
 /// ends in its unit, seconds, the flag has only the name.
-fn flag(key: &str) -> String {
+pub(super) fn flag(key: &str) -> String {
     if key.contains('.') {
         return key.to_owned();
     }

@@ -4,16 +4,20 @@ mod division;
 mod folder;
 mod watch;
 
+use super::meshing::flag;
 use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, stderr};
 use division::Division;
 use folder::{CHECKPOINT, Folder, Kept};
+use meso_concrete::thousands;
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions};
-use meso_core::packing::{Specimen, Stage};
-use meso_core::{Model, Spec, thousands};
+use meso_core::specimen::Specimen;
+use meso_core::watch::Stage;
+use meso_core::{Model, Spec};
 use meso_solve::results::{Moment, Outcome, ResultFile, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
 use meso_study::{NameError, Names};
@@ -114,7 +118,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
     args.announce(&run, &mesh);
     let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.writing.quiet);
-    let response = run.to_end(&watch);
+    let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
 }
@@ -348,9 +352,12 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     }
 }
 
-/// Turns an error of the engine into wrong usage.
+/// Turns an error of the engine into wrong usage; a value of the test has a flag.
 fn wrong(error: &SolveError) -> Failure {
-    Failure::Usage(with_flags(&error.to_string()))
+    Failure::Usage(match error {
+        SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", flag(&wrong.key), wrong.fault()),
+        _ => error.to_string(),
+    })
 }
 
 /// The engine speaks of `test.time_step_s`, the user typed `--time-step`.

@@ -9,7 +9,7 @@ use crate::outputs::Signals;
 use crate::progress::{CLEAR, bar, show};
 use crate::{interrupt, stderr};
 use file::StudyFile;
-use meso_core::thousands;
+use meso_concrete::thousands;
 use meso_study::{Again, Case, Plan, Run, RunError, State, Status, TABLES, Tally};
 use std::io::{self, IsTerminal};
 use std::num::NonZero;

@@ -1,7 +1,7 @@
 //! The linear tetrahedron (C3D4): its shape functions.
 
-use meso_core::math::{Mat3, Vec3};
-use meso_core::mesh::Mesh;
+use meso_collision::math::{Mat3, Vec3};
+use meso_mesh::Mesh;
 
 /// Corners of a cell of `mesh`.
 pub(crate) fn corners(mesh: &Mesh, cell: u32) -> [Vec3; 4] {

@@ -5,7 +5,7 @@
 
 use crate::lanes::{Eight, LANES, Lanes, Vectors};
 use crate::law::Tensor;
-use meso_core::math::Vec3;
+use meso_collision::math::Vec3;
 
 /// Eight elements of `N` nodes beside the first one.
 #[derive(Clone, Copy, Debug)]

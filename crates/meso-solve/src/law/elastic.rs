@@ -14,7 +14,7 @@ pub struct Elastic<R> {
 
 impl<R: Real> Elastic<R> {
     /// From Young's modulus and Poisson's ratio.
-    pub fn new(values: &meso_core::materials::Elastic) -> Self {
+    pub fn new(values: &meso_mesh::materials::Elastic) -> Self {
         let (e, nu) = (values.youngs_modulus_mpa, values.poisson_ratio);
         let shear = e / (2.0 * (1.0 + nu));
         Self { lambda: R::splat(2.0 * shear * nu / (1.0 - 2.0 * nu)), shear: R::splat(shear) }

@@ -1,8 +1,8 @@
 //! The cracked cells' surface as triangles that a page can hold.
 
 use super::snapshot::Snapshot;
-use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{CellKind, Mesh};
+use meso_collision::math::{Aabb, Vec3};
+use meso_mesh::{CellKind, Mesh};
 use std::collections::BTreeMap;
 
 /// A crack that is open less than this is not shown, mm.
@@ -108,8 +108,8 @@ fn key(kind: CellKind, face: &[u32]) -> [u32; 4] {
 mod tests {
     use super::*;
     use crate::results::{Moment, Snapshot};
-    use meso_core::mesh::{ItzForm, MeshOptions, Method};
-    use meso_core::packing::Specimen;
+    use meso_concrete::specimen::Specimen;
+    use meso_mesh::{ItzForm, MeshOptions, Method, Tools};
 
     fn moment(mesh: &Mesh, openings: &[(usize, f32)]) -> Snapshot {
         let mut opening_mm = vec![0.0; mesh.cell_count()];
@@ -130,7 +130,7 @@ mod tests {
     fn open_cells_show_their_outside_alone() {
         let options =
             MeshOptions { method: Method::VOXEL, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
-        let mesh = meso_core::mesh::build_parts(&[], &Specimen::cuboid([4.0, 2.0, 8.0]), &options).unwrap();
+        let mesh = meso_mesh::build((&[], &Specimen::cuboid([4.0, 2.0, 8.0])), &options, &Tools::default()).unwrap();
         assert_eq!(mesh.cell_count(), 8);
         // Two neighbours and a third one whose crack is hardly open.
         let cracks = Cracks::of(&mesh, &moment(&mesh, &[(0, 0.05), (1, 0.1), (7, 0.001)])).unwrap();

@@ -10,11 +10,11 @@ mod snapshot;
 
 pub use snapshot::{Moment, Snapshot};
 
-use crate::curve::Row;
-use crate::response::Response;
+use crate::march::Response;
+use crate::march::Row;
 use crate::sample::Sample;
-use meso_core::Model;
-use meso_core::mesh::{Mesh, MeshOptions, PhaseVolumes};
+use meso_mesh::{Mesh, MeshOptions, PhaseVolumes};
+use meso_pack::Model;
 use serde::Serialize;
 use std::io::{self, Write};
 

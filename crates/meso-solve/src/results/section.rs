@@ -2,8 +2,8 @@
 
 use super::png::Picture;
 use super::snapshot::Snapshot;
-use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{CellKind, Mesh, Phase};
+use meso_collision::math::{Aabb, Vec3};
+use meso_mesh::{CellKind, Mesh, Phase};
 
 /// Pixels along the longer side.
 const PIXELS: f64 = 680.0;
@@ -143,8 +143,8 @@ fn span(values: impl Iterator<Item = f64>, end: usize) -> std::ops::Range<usize>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use meso_core::mesh::{ItzForm, MeshOptions, Method};
-    use meso_core::packing::Specimen;
+    use meso_concrete::specimen::Specimen;
+    use meso_mesh::{ItzForm, MeshOptions, Method, Tools};
 
     #[test]
     fn polygons_that_tile_a_square_leave_no_pixel_out() {
@@ -168,7 +168,7 @@ mod tests {
     fn a_plane_along_faces_shows_the_cells_below_it() {
         let options =
             MeshOptions { method: Method::FITTED, element_size_mm: 2.0, itz: ItzForm::None, ..MeshOptions::default() };
-        let mesh = meso_core::mesh::build_parts(&[], &Specimen::cube(8.0), &options).unwrap();
+        let mesh = meso_mesh::build((&[], &Specimen::cube(8.0)), &options, &Tools::default()).unwrap();
         // The plane z = 4 passes through nodes.
         let area = |cell: &[u32]| {
             let corners = cut(&mesh, cell, 2, 4.0);

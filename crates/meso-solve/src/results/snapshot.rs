@@ -1,9 +1,9 @@
 //! Fields that outlive their moment, for the frames' files and the page's pictures.
 
-use crate::frame::Frame;
-use crate::run::Run;
-use meso_core::export::vtu_mesh::{self, Field};
-use meso_core::mesh::{Mesh, Phase};
+use crate::march::Frame;
+use crate::march::Run;
+use meso_mesh::{Mesh, Phase};
+use meso_view::vtu_mesh::{self, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 

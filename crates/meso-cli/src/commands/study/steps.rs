@@ -7,7 +7,7 @@ use crate::outputs::{Target, Unit};
 use crate::progress::Watch;
 use crate::{interrupt, stderr, threads};
 use clap::Parser;
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Spec};
 use meso_study::{Case, MODEL, NameError, Names, Outcome, RECORD, of_packing, of_summary};
 use serde_json::{Map, Value};
@@ -128,7 +128,7 @@ impl Steps {
         let saved = (folder.join(MODEL), Format::Json);
         for (path, format) in std::iter::once(&saved).chain(&self.outputs) {
             let target = Target::new(path, true)?;
-            unit.fill(&target, true, |out| format.write(model, Surfaces::default(), out))?;
+            unit.fill(&target, true, |out| format.write(model, SurfaceOptions::default(), out))?;
         }
         unit.commit()
     }

@@ -1,0 +1,166 @@
+//! A grain: the shape and orientation of an aggregate, void or fibre, on the lattice that keeps translations exact.
+
+use super::random::Stream;
+use meso_collision::geometry::{CompactPolyhedron, HullError, convex_hull};
+use meso_collision::math::{Mat3, Rotation, Vec3};
+use meso_collision::simd::{Wide, widest};
+use serde::{Deserialize, Serialize};
+
+/// Kind of a placed body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// An aggregate, with its ITZ.
+    #[default]
+    Aggregate,
+    /// A spherical void.
+    Void,
+    /// A straight fibre.
+    Fibre,
+}
+
+impl Kind {
+    /// All kinds but the aggregates, in the order of their classes.
+    pub const FURTHER: [Self; 2] = [Self::Void, Self::Fibre];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aggregate => "aggregate",
+            Self::Void => "void",
+            Self::Fibre => "fibre",
+        }
+    }
+
+    /// Many of it, which is the name of its table in a spec.
+    pub fn plural(self) -> &'static str {
+        match self {
+            Self::Aggregate => "aggregates",
+            Self::Void => "voids",
+            Self::Fibre => "fibres",
+        }
+    }
+}
+
+/// A grain has a shape and an orientation, but no position yet.
+#[derive(Clone, Debug)]
+pub struct Grain {
+    /// Its kind.
+    pub kind: Kind,
+    /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
+    pub class: u16,
+    /// Number within its class; with the class it names the grain's random streams.
+    pub index: u32,
+    /// Thickness of its ITZ, mm.
+    pub itz_thickness_mm: f64,
+    /// True when the drawn thickness was too large for the grain and was limited.
+    pub itz_limited: bool,
+    /// Outer surface about a point inside of it, mm, on the [`snap`] lattice.
+    pub body: CompactPolyhedron,
+    /// Radius of the sphere about the centre that holds the body, mm, rounded up.
+    pub outer_radius: f32,
+    /// Radius of the sphere about the centre that the body holds, mm, rounded down.
+    pub inner_radius: f32,
+}
+
+impl Grain {
+    /// mm3.
+    pub fn volume(&self) -> f64 {
+        self.body.volume()
+    }
+
+    /// From the centre to the middle of that end of a fibre where the farthest vertex is, mm.
+    pub fn half_length(&self) -> Vec3 {
+        let farther = |a: Vec3, b: Vec3| if b.norm_squared() > a.norm_squared() { b } else { a };
+        let farthest = self.body.vertices().fold(Vec3::zeros(), farther);
+        let end = || self.body.vertices().filter(|vertex| vertex.dot(&farthest) > 0.0);
+        end().sum::<Vec3>() / end().count() as f64
+    }
+
+    /// Radius of the ball of the same volume, mm.
+    pub fn ball_radius(&self) -> f64 {
+        libm::cbrt(self.volume() * 0.75 / std::f64::consts::PI)
+    }
+}
+
+/// Coordinates of grains and of their centres are multiples of 2^-30 mm: their sums are then exact in f64 up to 8 km,
+/// so that translating a grain changes no shape, no volume and no face by rounding.
+pub(crate) const LATTICE_MM: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Rounds to the lattice of [`LATTICE_MM`].
+#[inline(always)]
+pub fn snap(v: &Vec3) -> Vec3 {
+    rounded_to(LATTICE_MM, v)
+}
+
+/// Rounds to multiples of `lattice`, a power of two.
+#[inline(always)]
+pub fn rounded_to(lattice: f64, v: &Vec3) -> Vec3 {
+    v.map(|x| (x / lattice).round_ties_even() * lattice)
+}
+
+/// The vertices turned and rounded to the lattice.
+pub fn turned(vertices: impl ExactSizeIterator<Item = Vec3>, rotation: &Mat3) -> Vec<Vec3> {
+    widest(Turned { vertices, rotation })
+}
+
+/// [`turned`] in vector registers that round in hardware.
+struct Turned<'a, I> {
+    vertices: I,
+    rotation: &'a Mat3,
+}
+
+impl<I: ExactSizeIterator<Item = Vec3>> Wide for Turned<'_, I> {
+    type Output = Vec<Vec3>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<Vec3> {
+        let mut turned = Vec::with_capacity(self.vertices.len());
+        for vertex in self.vertices {
+            turned.push(snap(&(self.rotation * vertex)));
+        }
+        turned
+    }
+}
+
+/// Rounds to the single precision of a [`CompactPolyhedron`]. A point of the lattice stays on it: single precision is
+/// finer only where all of the lattice's digits fit into it.
+fn narrowed(v: &Vec3) -> Vec3 {
+    v.map(|x| f64::from(x as f32))
+}
+
+impl Grain {
+    /// The grain of these vertices in a random orientation, without ITZ.
+    pub(super) fn turned(
+        kind: Kind,
+        ids: (u16, u32),
+        vertices: &[Vec3],
+        stream: &mut Stream,
+    ) -> Result<Self, HullError> {
+        Self::oriented(kind, ids, vertices, &stream.rotation())
+    }
+
+    /// The grain of these vertices that is turned by `rotation`, without ITZ.
+    pub(super) fn oriented(
+        kind: Kind,
+        (class, index): (u16, u32),
+        vertices: &[Vec3],
+        rotation: &Rotation,
+    ) -> Result<Self, HullError> {
+        let mut vertices = turned(vertices.iter().copied(), &rotation.to_rotation_matrix().into_inner());
+        vertices.iter_mut().for_each(|vertex| *vertex = narrowed(vertex));
+        let body = convex_hull(&vertices)?;
+        let outer_radius = body.vertices().iter().map(Vec3::norm).fold(0.0, f64::max);
+        let inner_radius = body.planes().map(|plane| plane.offset).fold(f64::INFINITY, f64::min);
+        Ok(Self {
+            kind,
+            class,
+            index,
+            itz_thickness_mm: 0.0,
+            itz_limited: false,
+            outer_radius: outer_radius as f32 * (1.0 + f32::EPSILON),
+            inner_radius: inner_radius as f32 * (1.0 - f32::EPSILON),
+            body: body.into(),
+        })
+    }
+}

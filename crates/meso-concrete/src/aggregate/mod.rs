@@ -1,0 +1,56 @@
+//! Aggregates before they have a pose: grading, shape, ITZ, and the *take* that makes a batch of them.
+
+mod aspect_ratio;
+pub(crate) mod grading;
+pub mod grain;
+mod inclusions;
+mod itz;
+mod library;
+pub mod random;
+mod shape;
+pub mod take;
+
+pub use aspect_ratio::AspectRatio;
+pub use grading::{Curve, Form, Grading, SizeClass, SizeDefinition, SizeLaw, Standard};
+pub use grain::Grain;
+pub use grain::Kind;
+pub use inclusions::Inclusions;
+pub use inclusions::{Cone, Fibres, Voids};
+pub use itz::Itz;
+pub use library::Template;
+pub use shape::{Shape, ShapeKind};
+
+use meso_collision::geometry::{OffsetError, Polyhedron};
+
+/// One aggregate, or one void or fibre, at its position in the specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aggregate {
+    /// Position in the model's list, from 0; voids and fibres count on from the last aggregate.
+    pub id: u32,
+    /// Its kind.
+    pub kind: Kind,
+    /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
+    pub class: u16,
+    /// Thickness of its ITZ shell, measured inwards, mm; 0 where the model has none.
+    pub itz_thickness_mm: f64,
+    /// The outer surface, in the specimen's frame, mm.
+    pub body: Polyhedron,
+}
+
+impl Aggregate {
+    /// The body inside the ITZ shell, or `None` where the shell takes it all.
+    ///
+    /// # Errors
+    /// Where the offset of an ill-shaped body has no trustworthy answer.
+    pub fn core(&self) -> Result<Option<Polyhedron>, OffsetError> {
+        self.body.inward_offset(self.itz_thickness_mm)
+    }
+
+    /// The volume inside a shell of `thickness` mm, mm3.
+    ///
+    /// # Errors
+    /// As [`core`](Self::core).
+    pub fn core_volume(&self, thickness: f64) -> Result<f64, OffsetError> {
+        Ok(self.body.inward_offset(thickness)?.map_or(0.0, |core| core.volume()))
+    }
+}

@@ -1,0 +1,120 @@
+//! The *take*: enough grains of every class, each made from its own random stream (Sec. 2.1).
+
+use super::grain::{Grain, Kind};
+use super::inclusions::{self, Inclusions};
+use super::random::{Purpose, Stream};
+use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
+use crate::parallel;
+use crate::stop;
+use meso_collision::geometry::{HullError, convex_hull};
+
+/// An ITZ takes at most this share of the distance from a grain's centre to its nearest face, so that a core remains.
+pub(crate) const ITZ_LIMIT: f64 = 0.5;
+
+/// The parts of a spec that the take needs.
+#[derive(Clone, Copy)]
+pub struct Mixture<'a> {
+    /// Sizes.
+    pub grading: &'a Grading,
+    /// Shapes.
+    pub shape: &'a Shape,
+    /// ITZ.
+    pub itz: &'a Itz,
+    /// Further phases.
+    pub inclusions: &'a Inclusions,
+    /// Seed of all streams.
+    pub seed: u64,
+    /// Called now and then with the volume generated so far, mm3; `false` ends the take with the grains it has.
+    pub go_on: &'a (dyn Fn(f64) -> bool + Sync),
+}
+
+/// Generates grains of every class until each class holds `fraction * volume * share * (1 + surplus)` mm3, as nearly
+/// as whole grains allow, and the further phases likewise; the specimen's `volume` is in mm3. Fibres come first,
+/// because nothing else is as long, then everything else in descending volume.
+///
+/// # Errors
+/// A shape without volume.
+pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
+    let (classes, beyond) = (mixture.grading.classes(), 1.0 + surplus);
+    let mut grains = Vec::new();
+    // Coarse classes first: if it ends early, they are what a packing begins with.
+    for (class, limits) in (0..classes.len() as u16).zip(&classes).rev() {
+        let target = fraction * volume * limits.share * beyond;
+        fill(&mut grains, target, mixture.go_on, |index| make(mixture, class, limits, index))?;
+    }
+    take_inclusions(&mut grains, mixture, classes.len() as u16, volume * beyond)?;
+    grains.shrink_to_fit();
+    let last = |grain: &Grain| grain.kind != Kind::Fibre;
+    // No two have the same number in the same class.
+    grains.sort_unstable_by(|p, q| {
+        let by_volume = q.volume().total_cmp(&p.volume());
+        last(p).cmp(&last(q)).then(by_volume).then((p.class, p.index).cmp(&(q.class, q.index)))
+    });
+    Ok(grains)
+}
+
+/// Most grains generated at once: enough to share among threads.
+const CHUNK: u32 = 256;
+/// Grains generated beyond the number predicted from the mean volume so far.
+const SPARE: u32 = 8;
+
+/// Generates grains by number until they hold `target` mm3, and adds them to the `grains`.
+fn fill(
+    grains: &mut Vec<Grain>,
+    target: f64,
+    go_on: &(dyn Fn(f64) -> bool + Sync),
+    make: impl Fn(u32) -> Result<Grain, HullError> + Sync,
+) -> Result<(), HullError> {
+    let before: f64 = grains.iter().map(Grain::volume).sum();
+    let (mut volume, mut made) = (0.0, 0);
+    loop {
+        if !go_on(before + volume) {
+            return Ok(());
+        }
+        // With no grain yet this is NaN, and NaN.min(CHUNK) is CHUNK.
+        let expected = (target - volume) / volume * f64::from(made);
+        let count = CHUNK.min((expected.min(f64::from(CHUNK)) as u32).saturating_add(SPARE));
+        let chunk = parallel::try_map(count as usize, |k| make(made + k as u32))?;
+        for grain in chunk {
+            // The last grain is included when that brings the class nearer to its target.
+            if volume + grain.volume() / 2.0 >= target {
+                return Ok(());
+            }
+            volume += grain.volume();
+            grains.push(grain);
+        }
+        made += count;
+    }
+}
+
+fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
+    stop::point();
+    let stream = &mut Stream::new(mixture.seed, Purpose::Take, class, u64::from(index));
+    let size = mixture.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
+    let mut vertices = mixture.shape.outline(size, limits.d_min_mm, stream);
+    if mixture.grading.size == SizeDefinition::Sieve {
+        let scale = size / convex_hull(&vertices)?.sieve_size();
+        vertices.iter_mut().for_each(|vertex| *vertex *= scale);
+    }
+    let bare = Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?;
+    let drawn = stream.uniform(mixture.itz.thickness_mm[0], mixture.itz.thickness_mm[1]);
+    let most = ITZ_LIMIT * f64::from(bare.inner_radius);
+    Ok(Grain { itz_thickness_mm: drawn.min(most), itz_limited: drawn > most, ..bare })
+}
+
+/// Adds voids and fibres for a specimen of `volume` mm3 to the `grains`; their classes begin at `first_class`.
+fn take_inclusions(grains: &mut Vec<Grain>, mixture: &Mixture, first_class: u16, volume: f64) -> Result<(), HullError> {
+    let Inclusions { voids, fibres } = mixture.inclusions;
+    let stream = |class, index: u32| Stream::new(mixture.seed, Purpose::Take, class, u64::from(index));
+    if let Some(voids) = voids {
+        let (ball, class) = (inclusions::ball(), first_class);
+        let make = |index| voids.grain(&ball, (class, index), &mut stream(class, index));
+        fill(grains, voids.fraction * volume, mixture.go_on, make)?;
+    }
+    if let Some(fibres) = fibres {
+        let (prism, class) = (fibres.prism(), first_class + 1);
+        let make = |index| fibres.grain(&prism, (class, index), &mut stream(class, index));
+        fill(grains, fibres.fraction * volume, mixture.go_on, make)?;
+    }
+    Ok(())
+}

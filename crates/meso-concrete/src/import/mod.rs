@@ -1,0 +1,3 @@
+//! Bodies from files that other programs wrote.
+
+pub mod stl;

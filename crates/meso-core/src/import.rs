@@ -1,3 +1,0 @@
-//! Bodies from files that other programs wrote.
-
-pub(crate) mod stl;

@@ -1,0 +1,105 @@
+//! What a finished mesh has to be: of cells with a positive volume, and of phases that have nearly theirs.
+//!
+//! Elements as large as the grains lose phases, shells and fibres first: [`PhaseOff`] names the one that is farthest off.
+
+use super::error::MeshError;
+use super::options::{ItzForm, MeshOptions, MethodName};
+use crate::cells::{Cells, Mesh, Phase, cell_volume};
+use crate::figures::PhaseVolumes;
+use meso_concrete::{Parts, parallel};
+
+/// Refuses cells of which one has no positive volume: no solver takes them.
+pub(super) fn all_positive(cells: Cells) -> Result<(), MeshError> {
+    let is_solid = |cell: usize| cell_volume(cells.kind, cells.cell(cell), cells.points) > 0.0;
+    let flat = parallel::filter(cells.owner.len(), |cell| !is_solid(cell));
+    match flat.first() {
+        None => Ok(()),
+        Some(&first) => {
+            let at = cells.points[cells.cell(first as usize)[0] as usize].into();
+            Err(MeshError::Flat { cells: flat.len(), at })
+        }
+    }
+}
+
+/// The phase of a mesh that is farthest from its exact volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseOff {
+    /// Which one.
+    pub phase: Phase,
+    /// Its volume in the mesh over the specimen's.
+    pub meshed: f64,
+    /// That of its bodies.
+    pub exact: f64,
+}
+
+impl PhaseOff {
+    /// Most that a phase's volume in a mesh may differ from its exact one, as a share of this.
+    pub const ACCEPTED: f64 = 0.1;
+
+    /// Accepts a mesh of `parts` made with `options`, unless a phase has more or less of its volume than `accepted` allows.
+    ///
+    /// `accepted` is a share of the exact volume, [`ACCEPTED`](Self::ACCEPTED) unless a coarse mesh is wanted. Returns the
+    /// phase that is farthest off; `None` where a core has no trustworthy volume.
+    ///
+    /// # Errors
+    /// [`MeshError::PhaseError`].
+    pub fn accept<'a>(
+        mesh: &Mesh,
+        parts: impl Into<Parts<'a>>,
+        options: &MeshOptions,
+        accepted: f64,
+    ) -> Result<Option<Self>, MeshError> {
+        let off = Self::of(mesh, &parts.into(), options);
+        match off.filter(|off| off.error().abs() > accepted) {
+            Some(off) => Err(off.refused(options)),
+            None => Ok(off),
+        }
+    }
+
+    fn of(mesh: &Mesh, parts: &Parts, options: &MeshOptions) -> Option<Self> {
+        let Parts { bodies, specimen } = parts;
+        let exact = PhaseVolumes::exact(bodies, specimen, |aggregate| options.shell_mm(aggregate)).ok()?;
+        let meshed = comparable(mesh, options.itz);
+        let whole = specimen.volume();
+        let off = |phase| Self { phase, meshed: meshed.of(phase) / whole, exact: exact.of(phase) / whole };
+        let wanted = Phase::ALL.into_iter().map(off).filter(|off| off.exact > 0.0);
+        wanted.max_by(|a, b| a.error().abs().total_cmp(&b.error().abs()))
+    }
+
+    /// Its excess, or, below 0, its lack, as a share of its exact volume.
+    pub fn error(&self) -> f64 {
+        self.meshed / self.exact - 1.0
+    }
+
+    /// The error that says so, and the ways out.
+    fn refused(&self, options: &MeshOptions) -> MeshError {
+        let Self { phase, meshed, exact } = *self;
+        MeshError::PhaseError { phase: phase.in_words(), meshed, exact, ways: ways_out(phase, options) }
+    }
+}
+
+/// The volumes in `mesh`, a smeared ITZ as the mortar that it is.
+fn comparable(mesh: &Mesh, itz: ItzForm) -> PhaseVolumes {
+    let volumes = PhaseVolumes::of_mesh(mesh);
+    match itz {
+        ItzForm::Smeared => PhaseVolumes { mortar: volumes.mortar + volumes.itz, itz: 0.0, ..volumes },
+        ItzForm::Solid | ItzForm::Cohesive | ItzForm::None => volumes,
+    }
+}
+
+/// The ways to keep the phase, by the options' names.
+fn ways_out(phase: Phase, options: &MeshOptions) -> String {
+    let size = match phase {
+        Phase::Fibre => "an element_size_mm of at most half the fibres' diameter",
+        Phase::Aggregate | Phase::Itz | Phase::Mortar => "a smaller element_size_mm",
+    };
+    let method = match options.method.name() {
+        MethodName::Voxel => "the method lattice or conforming",
+        MethodName::Lattice => "the method conforming",
+        MethodName::Conforming => "another method",
+    };
+    match options.itz {
+        ItzForm::Solid => format!("{size}, {method}, or itz none"),
+        ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => format!("{size}, or {method}"),
+    }
+}

@@ -1,0 +1,304 @@
+//! The mesh itself: points, cells, and the phase and owner of every cell.
+
+use meso_collision::math::Vec3;
+use meso_concrete::aggregate::Kind;
+use meso_concrete::parallel;
+use serde::Serialize;
+
+/// The material a cell is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Phase {
+    /// The matrix.
+    Mortar = 0,
+    /// The shell between an aggregate's outer and inner surface.
+    Itz = 1,
+    /// The inside of an aggregate.
+    Aggregate = 2,
+    /// A fibre. 3 is what surfaces of voids have in a file: meshes have no cells there.
+    Fibre = 4,
+}
+
+impl Phase {
+    /// All phases, in the order decks list them.
+    pub const ALL: [Self; 4] = [Self::Aggregate, Self::Itz, Self::Mortar, Self::Fibre];
+
+    /// The body inside its ITZ; cells of voids are left out before a mesh is returned.
+    pub(crate) fn inside(kind: Kind) -> Self {
+        match kind {
+            Kind::Aggregate | Kind::Void => Self::Aggregate,
+            Kind::Fibre => Self::Fibre,
+        }
+    }
+
+    /// Its name in messages.
+    pub(crate) fn in_words(self) -> &'static str {
+        match self {
+            Self::Mortar => "mortar",
+            Self::Itz => "ITZ",
+            Self::Aggregate => "phase of the aggregates",
+            Self::Fibre => "phase of the fibres",
+        }
+    }
+
+    /// The name of its element set and of its material.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mortar => "MORTAR",
+            Self::Itz => "ITZ",
+            Self::Aggregate => "AGGREGATE",
+            Self::Fibre => "FIBRE",
+        }
+    }
+}
+
+/// The shape of a mesh's cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CellKind {
+    /// Four nodes, positive volume in Abaqus' (and VTK's) order.
+    Tetrahedron,
+    /// Its four corners, then the middles of its edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
+    QuadraticTetrahedron,
+    /// Eight nodes, bottom face counter-clockwise from above, then the top face.
+    Hexahedron,
+}
+
+impl CellKind {
+    /// Nodes per cell.
+    pub fn nodes(self) -> usize {
+        match self {
+            Self::Tetrahedron => 4,
+            Self::QuadraticTetrahedron => 10,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    /// Nodes of a cell that are corners; they come first.
+    pub fn corners(self) -> usize {
+        match self {
+            Self::Tetrahedron | Self::QuadraticTetrahedron => 4,
+            Self::Hexahedron => 8,
+        }
+    }
+
+    /// The faces' corners in Abaqus' order, S1 first, as positions in the cell; counter-clockwise seen from outside.
+    pub fn faces(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::Tetrahedron | Self::QuadraticTetrahedron => &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]],
+            Self::Hexahedron => {
+                &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
+            }
+        }
+    }
+
+    /// The same faces with the middle nodes of their edges after the corners, the first edge's first.
+    pub fn face_nodes(self) -> &'static [&'static [usize]] {
+        match self {
+            Self::QuadraticTetrahedron => {
+                &[&[0, 2, 1, 6, 5, 4], &[0, 1, 3, 4, 8, 7], &[1, 2, 3, 5, 9, 8], &[2, 0, 3, 6, 7, 9]]
+            }
+            _ => self.faces(),
+        }
+    }
+}
+
+/// A mesh of one kind of cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Node positions, mm.
+    pub points: Vec<Vec3>,
+    /// Kind of all cells.
+    pub kind: CellKind,
+    /// Node indices, [`CellKind`]'s number of them per cell.
+    pub cells: Vec<u32>,
+    /// Phase of every cell.
+    pub phase: Vec<Phase>,
+    /// Id of the aggregate or fibre every cell belongs to; `u32::MAX` in the mortar.
+    pub aggregate: Vec<u32>,
+    /// Zero-thickness cohesive elements: the aggregate side's face, then the nodes over it (6 or 8 in all).
+    pub cohesive: Vec<u32>,
+    /// Id of the aggregate below every cohesive element.
+    pub cohesive_aggregate: Vec<u32>,
+    /// The directions in which the specimen repeats itself.
+    pub periodic: [bool; 3],
+    /// Decisions of the builder.
+    pub notes: Notes,
+}
+
+/// Decisions of the builder, and how often it took each: every bridged gap and thinned ITZ is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Notes {
+    /// Whether the cells follow the bodies' facets, in which case they lie in no lattice and crack bands are narrower.
+    pub conforming: bool,
+    /// Volume of the cells that voids took, which are left out, mm3; a conforming mesh has none to begin with.
+    pub voids_mm3: f64,
+    /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
+    pub closed_gaps: usize,
+    /// Pairs of aggregates that share nodes.
+    pub closed_gap_pairs: usize,
+    /// The widest gap between two of these, mm.
+    pub widest_closed_gap_mm: f64,
+    /// Nodes that two or more aggregates shared and mortar parts now.
+    pub parted_nodes: usize,
+    /// Pairs of aggregates that mortar parts there.
+    pub parted_pairs: usize,
+    /// Cells of aggregates that became mortar for it.
+    pub parted_cells: usize,
+    /// Their volume, mm3, before any volume was made good.
+    pub parted_mm3: f64,
+    /// Cells of aggregates that became mortar, since their stable time step was shorter than that of all mortar.
+    pub stiff_cells: usize,
+    /// Their volume, mm3.
+    pub stiff_mm3: f64,
+    /// Edges of mortar between two aggregates that got a node in the middle.
+    pub split_gap_edges: usize,
+    /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
+    /// two, thinner than the elements can show, is closed.
+    pub closed_side_gaps: usize,
+    /// Aggregates that have such nodes.
+    pub closed_side_gap_aggregates: usize,
+    /// The widest gap between one of them and its side, mm.
+    pub widest_closed_side_gap_mm: f64,
+    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
+    pub off_surface_nodes: usize,
+    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
+    pub thinned_itz_aggregates: usize,
+    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
+    pub thinned_itz_nodes: usize,
+    /// The nodes where the layer has no thickness at all.
+    pub pinched_itz_nodes: usize,
+    /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
+    pub shifted_itz_nodes: usize,
+}
+
+/// Within the core, by a short name.
+pub(crate) const NO_AGGREGATE: u32 = Mesh::NO_AGGREGATE;
+
+/// The owner of a cell that lies in no body.
+pub(crate) const NO_BODY: u32 = NO_AGGREGATE;
+
+impl Mesh {
+    /// [`Mesh::aggregate`] of a cell that belongs to none.
+    pub const NO_AGGREGATE: u32 = u32::MAX;
+
+    /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
+    pub fn of(kind: CellKind, points: Vec<Vec3>, cells: Vec<u32>, phase: Vec<Phase>, aggregate: Vec<u32>) -> Self {
+        let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
+        let (periodic, notes) = ([false; 3], Notes::default());
+        Self { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+    }
+
+    /// The cells' node indices, one slice per cell.
+    pub fn cells(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.cells.chunks_exact(self.kind.nodes())
+    }
+
+    /// The node indices of one cell.
+    pub fn cell(&self, cell: usize) -> &[u32] {
+        let nodes = self.kind.nodes();
+        &self.cells[nodes * cell..][..nodes]
+    }
+
+    /// The cohesive elements' nodes, one slice per element.
+    pub fn cohesive(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())
+    }
+
+    /// Number of cells, cohesive elements apart.
+    pub fn cell_count(&self) -> usize {
+        self.phase.len()
+    }
+
+    /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](crate::ItzForm::Smeared): its cells
+    /// belong to no aggregate.
+    pub fn has_smeared_itz(&self) -> bool {
+        let mut cells = self.phase.iter().zip(&self.aggregate);
+        cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
+    }
+}
+
+/// Volume of a cell, mm3; negative where its nodes are out of order.
+pub(crate) fn cell_volume(kind: CellKind, cell: &[u32], points: &[Vec3]) -> f64 {
+    let p = |i: usize| points[cell[i] as usize];
+    let six = |a: usize, b: usize, c: usize, d: usize| (p(b) - p(a)).cross(&(p(c) - p(a))).dot(&(p(d) - p(a)));
+    match kind {
+        CellKind::Tetrahedron | CellKind::QuadraticTetrahedron => volume([p(0), p(1), p(2), p(3)]),
+        // Six tetrahedra around the diagonal 0-6: exact for the parallelepipeds that voxels are.
+        CellKind::Hexahedron => {
+            [(1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)].iter().map(|&(b, c)| six(0, b, c, 6)).sum::<f64>() / 6.0
+        }
+    }
+}
+
+/// The new number of a node that is dropped.
+pub(crate) const DROPPED: u32 = u32::MAX;
+
+/// Takes the nodes without cells out, and numbers the others anew in their order; the new numbers, or [`DROPPED`].
+pub(crate) fn drop_lone_nodes(points: &mut Vec<Vec3>, cells: &mut [u32]) -> Vec<u32> {
+    let mut number = vec![DROPPED; points.len()];
+    cells.iter().for_each(|&node| number[node as usize] = 0);
+    for (count, number) in (0..).zip(number.iter_mut().filter(|number| **number != DROPPED)) {
+        *number = count;
+    }
+    let mut old = number.iter();
+    points.retain(|_| old.next() != Some(&DROPPED));
+    parallel::each_short_mut(cells, |_, node| *node = number[*node as usize]);
+    number
+}
+
+/// Volume of a tetrahedron, mm3; negative where its corners are out of order.
+pub(crate) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
+    (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
+}
+
+/// Cells with the body or aggregate that owns each, whoever keeps them.
+#[derive(Clone, Copy)]
+pub struct Cells<'a> {
+    pub(crate) kind: CellKind,
+    pub(crate) points: &'a [Vec3],
+    /// Node indices, [`CellKind`]'s number of them per cell.
+    pub(crate) nodes: &'a [u32],
+    pub(crate) owner: &'a [u32],
+}
+
+impl<'a> Cells<'a> {
+    /// The cells' node indices, one slice per cell.
+    pub(crate) fn iter(&self) -> impl ExactSizeIterator<Item = &'a [u32]> + use<'a> {
+        self.nodes.chunks_exact(self.kind.nodes())
+    }
+
+    /// The node indices of one cell.
+    pub(crate) fn cell(&self, cell: usize) -> &'a [u32] {
+        let nodes = self.kind.nodes();
+        &self.nodes[nodes * cell..][..nodes]
+    }
+
+    /// The corners of a cell's face, counter-clockwise from outside.
+    pub fn face(&self, cell: u32, face: usize) -> impl Iterator<Item = u32> + use<'a> {
+        let of_cell = self.cell(cell as usize);
+        self.kind.faces()[face].iter().map(|&i| of_cell[i])
+    }
+}
+
+/// Cells looked at, or added up, together.
+const RUN: usize = 1 << 16;
+
+impl Mesh {
+    /// The cells by their aggregates' ids.
+    pub fn by_aggregate(&self) -> Cells<'_> {
+        Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.aggregate }
+    }
+
+    /// Volume of a cell, mm3.
+    pub(crate) fn volume(&self, cell: usize) -> f64 {
+        let nodes = self.kind.nodes();
+        cell_volume(self.kind, &self.cells[cell * nodes..][..nodes], &self.points)
+    }
+
+    /// Applies `of_run` to runs of cells: the number of the first, all nodes, all phases. Runs have one length and their results are
+    /// in order, so that sums are the same on any number of threads.
+    pub(crate) fn in_runs<T: Send>(&self, of_run: impl Fn(usize, &[u32], &[Phase]) -> T + Sync) -> Vec<T> {
+        let runs: Vec<_> = self.cells.chunks(RUN * self.kind.nodes()).zip(self.phase.chunks(RUN)).collect();
+        parallel::map(runs.len(), |run| of_run(run * RUN, runs[run].0, runs[run].1))
+    }
+}

@@ -1,0 +1,24 @@
+//! A mesh as data: points, cells, the phase and the owner of every cell; where owners meet, and the sides.
+//!
+//! Nothing here knows how meshes are made, nor any file format.
+
+mod copies;
+mod images;
+mod interface;
+mod joins;
+mod mesh;
+mod owners;
+mod second_order;
+mod sides;
+
+pub(crate) use copies::{Copies, copies};
+pub use images::{NodeImages, Spots, upper};
+pub(crate) use interface::{InterfaceFace, faces};
+pub(crate) use joins::complete;
+pub use joins::owners;
+pub use mesh::{CellKind, Cells, Mesh, Notes, Phase};
+pub(crate) use mesh::{DROPPED, NO_AGGREGATE, NO_BODY, cell_volume, drop_lone_nodes, volume};
+pub(crate) use owners::{Owners, pairs};
+pub(crate) use second_order::EDGES;
+pub(crate) use sides::{FlatSides, bits as side_bits, repeating};
+pub use sides::{SIDES, Sides};

@@ -1,0 +1,169 @@
+//! Why a mesh cannot be made.
+
+use crate::triangulation::Untriangulated;
+use meso_concrete::{OutOfRange, Ranges, thousands};
+use std::fmt::Display;
+use std::io;
+use std::path::PathBuf;
+
+/// Gaps that leave gmsh room, mm: seven packings of 30 mm and those of 60 and 150 mm at 0.50 were meshed with them.
+const ADVISED_GAP_MM: f64 = 0.05;
+
+/// The option that ways out speak of.
+const SIZE: &str = "element_size_mm";
+
+/// Why there is no mesh: what, where, and the way out.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// An option is out of its range.
+    #[error(transparent)]
+    Option(#[from] OutOfRange),
+    /// Cells came out flat or turned over: there the aggregates' gaps and corners are too fine for the elements.
+    #[error(
+        "the mesh would have {} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
+         element_size_mm or method",
+        thousands(*cells), at[0], at[1], at[2]
+    )]
+    Flat {
+        /// How many.
+        cells: usize,
+        /// A node of the first one, mm.
+        at: [f64; 3],
+    },
+    /// A phase has far from its own volume.
+    #[error(
+        "the {phase} takes {meshed:.4} of the specimen in the mesh and {exact:.4} in the packing: {:+.0} %, where 10 % are accepted; \
+         take {ways}",
+        100.0 * (meshed / exact - 1.0)
+    )]
+    PhaseError {
+        /// The phase that is farthest off, in words.
+        phase: &'static str,
+        /// Its volume in the mesh over the specimen's.
+        meshed: f64,
+        /// That of its bodies.
+        exact: f64,
+        /// The body or surface in the way.
+        ways: String,
+    },
+    /// A conforming mesh was asked for where gmsh cannot run.
+    #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
+    NeedsGmsh,
+    /// gmsh cannot be started.
+    #[error(
+        "{program} {why}; conforming meshes need gmsh: install it (Debian: apt install gmsh; PyPI: pip install gmsh)"
+    )]
+    MissingGmsh {
+        /// The program to be run.
+        program: String,
+        /// Why it cannot be.
+        why: String,
+    },
+    /// gmsh failed: it broke off, made no mesh, or wrote one that cannot be read.
+    #[error("{0}")]
+    Gmsh(String),
+    /// The watch stopped the work.
+    #[error("meshing was stopped")]
+    Stopped,
+    /// The files that gmsh reads and writes.
+    #[error("the files for gmsh in {}: {}; TMPDIR names another folder for them", folder.display(), plain(error))]
+    Files {
+        /// Where they are.
+        folder: PathBuf,
+        /// The system's message.
+        #[source]
+        error: io::Error,
+    },
+    /// A facet, a face of the box or a plane between slabs cannot be triangulated.
+    #[error("{what} at {:.6}, {:.6}, {:.6} mm", at[0], at[1], at[2])]
+    Triangulation {
+        /// The fault.
+        what: &'static str,
+        /// Where, mm.
+        at: [f64; 3],
+    },
+    /// gmsh's meshes of two slabs have different triangles on the plane between them.
+    #[error(
+        "gmsh's meshes of two slabs do not meet at {:.6}, {:.6}, {:.6} mm; choose another element_size_mm or fewer slabs",
+        at[0], at[1], at[2]
+    )]
+    Seam {
+        /// Where, mm.
+        at: [f64; 3],
+    },
+    /// Two aggregates, or one and the specimen's surface, are too close for a conforming mesh.
+    #[error(
+        "aggregate {aggregate} and {} are {gap_mm:.1e} mm apart, too close for a conforming mesh; pack with min_gap_mm = {ADVISED_GAP_MM} \
+         and wall_gap_mm = {ADVISED_GAP_MM} or more under [placement], or mesh by the method lattice",
+        other.map_or("the specimen's surface".to_owned(), |id| format!("aggregate {id}"))
+    )]
+    NearTouching {
+        /// The gap, mm.
+        gap_mm: f64,
+        /// An aggregate's id.
+        aggregate: u32,
+        /// The other's id; `None` for the specimen's surface.
+        other: Option<u32>,
+    },
+    /// gmsh put a node on a face of a periodic box that the opposite face does not have.
+    #[error(
+        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box without one on the opposite face, also with \
+         slightly smaller elements; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the \
+         method lattice",
+        at[0], at[1], at[2]
+    )]
+    Unmatched {
+        /// Where, mm.
+        at: [f64; 3],
+    },
+    /// Faces of a periodic box cut an aggregate so that edges without length are left.
+    #[error(
+        "the faces of the periodic box graze an edge or corner of aggregate {aggregate} at {:.6}, {:.6}, {:.6} mm; pack with \
+         wall_gap_mm = {ADVISED_GAP_MM} or more under [placement], with another seed, or mesh by the method lattice",
+        at[0], at[1], at[2]
+    )]
+    Grazed {
+        /// The aggregate's id.
+        aggregate: u32,
+        /// Where, mm.
+        at: [f64; 3],
+    },
+}
+
+impl MeshError {
+    /// Gaps that a conforming mesh needs, mm.
+    pub const ADVISED_GAP_MM: f64 = ADVISED_GAP_MM;
+
+    pub(crate) fn option(key: &str, value: impl Display, accepted: impl Into<String>) -> Self {
+        Self::Option(Ranges("mesh").error(key, value, accepted))
+    }
+
+    /// The message, with an option by the name that a front has for it. Only sentences of our own are searched for one: a
+    /// folder may be called what it likes.
+    pub fn message(&self, name: impl Fn(&str) -> String) -> String {
+        let text = self.to_string();
+        match self {
+            Self::Flat { .. } | Self::PhaseError { .. } | Self::Seam { .. } | Self::Unmatched { .. } => {
+                text.replace(SIZE, &name(SIZE))
+            }
+            _ => text,
+        }
+    }
+
+    /// Whether gmsh may do better when it is asked for other elements: its own failures, never a stop or a full disk.
+    pub(super) fn is_worth_another_try(&self) -> bool {
+        matches!(self, Self::Unmatched { .. } | Self::Flat { .. } | Self::Seam { .. } | Self::Gmsh(_))
+    }
+}
+
+impl From<Untriangulated> for MeshError {
+    fn from(Untriangulated { what, at }: Untriangulated) -> Self {
+        Self::Triangulation { what, at }
+    }
+}
+
+/// The system's message without Rust's "(os error 28)".
+fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_owned()
+}

@@ -1,0 +1,104 @@
+//! The volumes of a mesh's phases, beside the exact ones.
+
+use crate::cells::{Mesh, Phase, cell_volume};
+use meso_collision::geometry::OffsetError;
+use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::parallel;
+use meso_concrete::specimen::Specimen;
+use serde::Serialize;
+
+/// Volume of every phase, mm3.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PhaseVolumes {
+    /// Aggregate cores.
+    pub aggregate: f64,
+    /// Shells.
+    pub itz: f64,
+    /// Everything else, but for voids.
+    pub mortar: f64,
+    /// Fibres.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub fibre: f64,
+}
+
+/// Share of a specimen that the sum of its phases may leave without a void.
+const ROUNDING: f64 = 1e-9;
+
+fn is_zero(volume: &f64) -> bool {
+    *volume == 0.0
+}
+
+impl PhaseVolumes {
+    /// The phases' volumes in `mesh`.
+    pub fn of_mesh(mesh: &Mesh) -> Self {
+        let nodes = mesh.kind.nodes();
+        let of_run = |_: usize, cells: &[u32], phases: &[Phase]| {
+            let mut sums = [0.0; 5];
+            for (cell, phase) in cells.chunks_exact(nodes).zip(phases) {
+                sums[*phase as usize] += cell_volume(mesh.kind, cell, &mesh.points);
+            }
+            sums
+        };
+        let runs = mesh.in_runs(of_run);
+        let [mortar, itz, aggregate, _, fibre] = std::array::from_fn(|i| runs.iter().map(|sums| sums[i]).sum());
+        Self { aggregate, itz, mortar, fibre }
+    }
+
+    /// That of one phase.
+    pub fn of(&self, phase: Phase) -> f64 {
+        match phase {
+            Phase::Mortar => self.mortar,
+            Phase::Itz => self.itz,
+            Phase::Aggregate => self.aggregate,
+            Phase::Fibre => self.fibre,
+        }
+    }
+
+    /// The exact volumes, from the polyhedra; `shell(aggregate)` is the thickness of its shell, mm.
+    ///
+    /// # Errors
+    /// Where an aggregate's core has no trustworthy volume.
+    pub fn exact(
+        aggregates: &[Aggregate],
+        specimen: &Specimen,
+        shell: impl Fn(&Aggregate) -> f64 + Sync,
+    ) -> Result<Self, OffsetError> {
+        let core = |index: usize| {
+            let aggregate = &aggregates[index];
+            aggregate.core_volume(if aggregate.kind == Kind::Aggregate { shell(aggregate) } else { 0.0 })
+        };
+        // Summed in the aggregates' order: the same on any number of threads.
+        let cores = parallel::try_map(aggregates.len(), core)?;
+        let (mut all, mut outer, mut inside, mut fibre) = (0.0, 0.0, 0.0, 0.0);
+        for (aggregate, core) in aggregates.iter().zip(cores) {
+            let volume = aggregate.body.volume();
+            all += volume;
+            match aggregate.kind {
+                Kind::Aggregate => (outer, inside) = (outer + volume, inside + core),
+                Kind::Void => {}
+                Kind::Fibre => fibre += volume,
+            }
+        }
+        Ok(Self { aggregate: inside, itz: outer - inside, mortar: specimen.volume() - all, fibre })
+    }
+
+    /// The exact volumes of the phases that `mesh` has: with the shells where its ITZ is solid; `None` where a core has no
+    /// trustworthy volume.
+    pub fn exact_for(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen) -> Option<Self> {
+        let solid = mesh.phase.contains(&Phase::Itz) && !mesh.has_smeared_itz();
+        let shell = |aggregate: &Aggregate| if solid { aggregate.itz_thickness_mm } else { 0.0 };
+        Self::exact(bodies, specimen, shell).ok()
+    }
+
+    /// Volume of the voids in `mesh` and their own in the packing, whose phases these are, mm3; `None` where there are no
+    /// voids, or where the mesh conforms to them.
+    pub fn voids(&self, mesh: &Mesh, specimen_mm3: f64) -> Option<[f64; 2]> {
+        let exact = specimen_mm3 - self.total();
+        (exact > ROUNDING * specimen_mm3 && !mesh.notes.conforming).then_some([mesh.notes.voids_mm3, exact])
+    }
+
+    /// Sum of the phases, mm3.
+    pub fn total(&self) -> f64 {
+        self.aggregate + self.itz + self.mortar + self.fibre
+    }
+}

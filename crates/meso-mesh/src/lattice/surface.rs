@@ -1,0 +1,159 @@
+//! A body's surface as the fit needs it: edges and corners near a point, and steps along a face.
+
+use crate::cells::NO_BODY;
+use crate::tet::TetMesh;
+use meso_collision::geometry::{Plane, Polyhedron};
+use meso_collision::math::Vec3;
+
+/// Sine of the angle below which planes count as parallel.
+const PARALLEL: f64 = 1e-3;
+
+/// Faces, edges and corners of a body.
+pub(super) struct Surface {
+    planes: Vec<Plane>,
+    edges: Vec<Edge>,
+    corners: Vec<Vec3>,
+    /// mm3.
+    pub(super) volume: f64,
+    /// Points this far from a plane count as on it, mm.
+    slack: f64,
+}
+
+/// An edge of a body.
+struct Edge {
+    start: Vec3,
+    along: Vec3,
+    /// `along` over its squared length.
+    measure: Vec3,
+}
+
+impl Edge {
+    fn new([a, b]: [Vec3; 2]) -> Self {
+        let along = b - a;
+        Self { start: a, along, measure: along / along.norm_squared() }
+    }
+}
+
+impl Surface {
+    pub(super) fn new(body: &Polyhedron) -> Self {
+        let at = |i: u32| body.vertices()[i as usize];
+        let mut edges = Vec::new();
+        for face in body.faces() {
+            let face: Vec<u32> = face.iter().collect();
+            for i in 0..face.len() {
+                let (a, b) = (face[i], face[(i + 1) % face.len()]);
+                if a < b {
+                    edges.push([a, b]);
+                }
+            }
+        }
+        Self {
+            planes: body.planes().collect(),
+            edges: edges.into_iter().map(|edge| Edge::new(edge.map(at))).collect(),
+            corners: body.vertices().to_vec(),
+            volume: body.volume(),
+            slack: 1e-9 * body.aabb().size().max(),
+        }
+    }
+
+    /// Calls `visit` with the corners and the nearest points of the edges within `reach` of `x`.
+    pub(super) fn features_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
+        let near = |p: &Vec3| (p - x).norm_squared() < reach * reach;
+        self.corners.iter().filter(|corner| near(corner)).for_each(|corner| visit(*corner));
+        for edge in &self.edges {
+            let t = (x - edge.start).dot(&edge.measure);
+            if t > 0.0 && t < 1.0 {
+                let position = edge.start + edge.along * t;
+                if near(&position) {
+                    visit(position);
+                }
+            }
+        }
+    }
+
+    /// `x` after the part of `step` that lies in all the faces at `x`, or `None` where that leaves the faces.
+    pub(super) fn along_face(&self, x: &Vec3, step: &Vec3) -> Option<Vec3> {
+        let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
+        let step = match at[..] {
+            [plane] => step - plane.normal * plane.normal.dot(step),
+            [first, second] => {
+                let edge = first.normal.cross(&second.normal).normalize();
+                edge * edge.dot(step)
+            }
+            _ => return None,
+        };
+        let position = x + step;
+        (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
+    }
+
+    /// The same within the planes through `x` across `axes`, too.
+    pub(super) fn along_face_within(&self, x: &Vec3, step: &Vec3, axes: [bool; 3]) -> Option<Vec3> {
+        let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
+        let mut normals: Vec<Vec3> = (0..3).filter(|i| axes[*i]).map(|i| Vec3::ith(i, 1.0)).collect();
+        normals.extend(at.iter().map(|plane| plane.normal));
+        let &[first, second] = normals.as_slice() else { return None };
+        let edge = first.cross(&second).try_normalize(PARALLEL)?;
+        let position = x + edge * edge.dot(step);
+        (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
+    }
+
+    /// Calls `visit` with the positions nearest to `x` on the faces, and with the edges, within the planes through `x` across
+    /// `axes`, as far as these are within `reach`.
+    pub(super) fn nearest_within(&self, x: &Vec3, axes: [bool; 3], reach: f64, mut visit: impl FnMut(Vec3)) {
+        for plane in &self.planes {
+            let direction = Vec3::from_fn(|i, _| if axes[i] { 0.0 } else { plane.normal[i] });
+            let step = direction * ((plane.offset - plane.normal.dot(x)) / direction.norm_squared());
+            if direction.norm() > PARALLEL && step.norm() < reach && self.holds(&(x + step)) {
+                visit(x + step);
+            }
+        }
+        let Some(axis) = (0..3).find(|i| axes[*i]).filter(|_| axes.iter().filter(|held| **held).count() == 1) else {
+            return;
+        };
+        for edge in &self.edges {
+            let t = (x[axis] - edge.start[axis]) / edge.along[axis];
+            let position = edge.start + edge.along * t;
+            if (0.0..=1.0).contains(&t) && (position - x).norm() < reach {
+                visit(Vec3::from_fn(|i, _| if axes[i] { x[i] } else { position[i] }));
+            }
+        }
+    }
+
+    /// Calls `visit` with the feet of the perpendiculars from `x` to the faces, as far as these are within `reach`.
+    pub(super) fn feet_near(&self, x: &Vec3, reach: f64, mut visit: impl FnMut(Vec3)) {
+        for plane in &self.planes {
+            let height = plane.height(x);
+            let foot = x - plane.normal * height;
+            if height.abs() < reach && self.holds(&foot) {
+                visit(foot);
+            }
+        }
+    }
+
+    /// Whether `x` lies on the surface.
+    pub(super) fn has(&self, x: &Vec3) -> bool {
+        self.planes.iter().any(|p| self.is_on(p, x)) && self.holds(x)
+    }
+
+    /// Whether `x` lies in the closed body.
+    pub(super) fn holds(&self, x: &Vec3) -> bool {
+        self.planes.iter().all(|p| p.normal.dot(x) <= p.offset + self.slack)
+    }
+
+    fn is_on(&self, plane: &Plane, x: &Vec3) -> bool {
+        plane.height(x).abs() <= self.slack
+    }
+}
+
+/// A body that lacks this share of its volume, or more, counts in full.
+const FULL: f64 = 0.02;
+
+/// How much every body's tetrahedra lack of its volume: 1 for [`FULL`] of it or more, -1 for as much too much.
+pub(super) fn volume_deficits(mesh: &TetMesh, surfaces: &[Surface]) -> Vec<f64> {
+    let mut volumes = vec![0.0; surfaces.len()];
+    for cell in mesh.numbers().filter(|&cell| mesh.owner[cell as usize] != NO_BODY) {
+        volumes[mesh.owner[cell as usize] as usize] += mesh.volume(cell);
+    }
+    let deficit = |(surface, volume): (&Surface, f64)| (1.0 - volume / surface.volume) / FULL;
+    surfaces.iter().zip(volumes).map(|pair| deficit(pair).clamp(-1.0, 1.0)).collect()
+}

@@ -1,0 +1,73 @@
+//! The solid ITZ: a layer of tetrahedra of its exact thickness, split off the inside of every body.
+//!
+//! Meshing a thin shell directly makes slivers by the hundred thousand. Instead all of a body's cells shrink towards its centroid,
+//! surface nodes onto the offsets of their own faces ([`offset`]), and between each interface triangle and its offset stands a
+//! prism, cut into three tetrahedra ([`prisms`]). Where a cell would turn over, its nodes are untangled; where that does not help
+//! they step back, at last to where they were; a rail (an edge between the two ends) of no length takes just one of the
+//! three tetrahedra of each prism with it, so neighbours still match. In lattices small angles are enlarged, by smoothing and by
+//! rails that collapse, and the layer's volume made right again ([`improve`](mod@improve)).
+//!
+//! In a periodic box whose opposite faces match they match afterwards, too, whatever made the tetrahedra: nodes on faces
+//! stay in these, and images of each other move by the same displacement ([`periodic`]).
+
+mod improve;
+mod offset;
+mod periodic;
+mod prisms;
+
+use crate::cells::{NO_BODY, Owners, copies, faces};
+pub(super) use improve::improve;
+use meso_collision::math::Aabb;
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::parallel;
+use offset::RadialOffsets;
+use periodic::{Bodies, PeriodicConstraint};
+pub(super) use prisms::Layered;
+use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
+
+/// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
+///
+/// Every cell must have a positive volume; then every cell has one afterwards, too. Where the mesh repeats itself it must fill its
+/// bounding box, with opposite faces that match.
+pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl Fn(&Aggregate) -> f64 + Sync) -> Layer {
+    let Layered { mesh, periodic, .. } = layered;
+    let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
+    let thickness = |body: u32| thickness(bodies.get(body));
+    let mut faces = faces(mesh.by_body());
+    faces.retain(|face| thickness(mesh.owner[face.cell as usize]) > 0.0);
+    let copies = copies(mesh.by_body(), &faces, None);
+    copies.part(&mut mesh.points, 4, mesh.cells.as_flattened_mut(), &mesh.owner);
+    // Nodes of the mortar, and of interfaces, have none.
+    let owners = Owners::among(mesh.by_body(), |cell| mesh.owner[cell] != NO_BODY);
+    let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
+    let mut constraint = PeriodicConstraint::new(mesh, *periodic, &bodies, &owner, copies.first());
+    constraint.align(&mut mesh.points);
+    let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut constraint, *periodic);
+    let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &constraint));
+    let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
+    offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
+    let mut targets = on_rays.clone();
+    let mut loose = offset::project(mesh, &copies, &offsets, &constraint, &mut targets);
+    loose.sort_unstable();
+    untangle(mesh, &layer, &constraint, &on_rays, &mut targets);
+    let backtracking = step_back(mesh, &targets, &layer, &constraint);
+    let count = |counts: &dyn Fn(u32) -> bool| copies.iter().filter(|(.., copy)| counts(*copy)).count();
+    let (short_nodes, pinched_nodes) =
+        (count(&|copy| backtracking.is_short(copy)), count(&|copy| backtracking.is_pinched(copy)));
+    parallel::each_short_mut(&mut mesh.points, |node, p| *p = backtracking.position(node as u32, p, &targets[node]));
+    let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !backtracking.is_pinched(*copy));
+    let loose = kept.map(|copy| loose.binary_search(&constraint.lead(copy)).is_ok()).collect();
+    let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));
+    let rails = append(layered, &layer, &copies, &backtracking);
+    Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, loose, exact_mm3 }
+}
+
+/// The exact volume of all layers, mm3, those of a body and its images once.
+fn exact_mm3(bodies: &Bodies, thickness: impl Fn(u32) -> f64 + Sync) -> Option<f64> {
+    let shell = |&body: &u32| {
+        let whole = bodies.get(body);
+        Some(whole.body.volume() - whole.core_volume(thickness(body)).ok()?)
+    };
+    let ones: Vec<u32> = bodies.first_of_each().filter(|body| thickness(*body) > 0.0).collect();
+    parallel::map_each(&ones, shell).into_iter().sum()
+}

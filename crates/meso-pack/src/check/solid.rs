@@ -1,0 +1,74 @@
+//! One body alone: closed, convex, seen from outside, by exact signs.
+
+use meso_collision::geometry::{Face, Polyhedron};
+use meso_collision::math::Vec3;
+use robust::{Coord3D, orient3d};
+
+/// Describes what is wrong with the faces of `body`.
+pub(super) fn check(body: &Polyhedron) -> Result<(), String> {
+    closed(body)?;
+    let mut solid = false;
+    for (f, face) in body.faces().enumerate() {
+        solid |= supports(body.vertices(), face).map_err(|reason| format!("face {f} {reason}"))?;
+    }
+    if solid { Ok(()) } else { Err("it has no volume".to_owned()) }
+}
+
+/// Every edge is passed once in each direction.
+fn closed(body: &Polyhedron) -> Result<(), String> {
+    let mut edges: Vec<(u32, u32)> = Vec::new();
+    for face in body.faces() {
+        let count = face.len();
+        edges.extend((0..count).map(|k| (face.vertex(k), face.vertex((k + 1) % count))));
+    }
+    edges.sort_unstable();
+    if let Some(pair) = edges.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(format!("edge {}-{} is passed twice in one direction", pair[0].0, pair[0].1));
+    }
+    match edges.iter().find(|&&(from, to)| edges.binary_search(&(to, from)).is_err()) {
+        Some((from, to)) => Err(format!("edge {from}-{to} has a face on one side only")),
+        None => Ok(()),
+    }
+}
+
+/// No vertex lies outside the plane of the face, and all corners lie in it; true when some vertex lies inside.
+fn supports(vertices: &[Vec3], face: Face<'_>) -> Result<bool, String> {
+    let corners = face.to_vec();
+    let mut inside = false;
+    for triangle in face.triangles() {
+        let [a, b, c] = triangle.map(|i| &vertices[i as usize]);
+        for (i, vertex) in vertices.iter().enumerate() {
+            // The triangle's own corners lie in its plane; to find that out exactly costs the most.
+            let side = if triangle.contains(&(i as u32)) { 0.0 } else { side(a, b, c, vertex) };
+            if side > 0.0 {
+                return Err(format!("has vertex {i} outside"));
+            }
+            if side < 0.0 && corners.contains(&(i as u32)) {
+                return Err("is not flat".to_owned());
+            }
+            inside |= side < 0.0;
+        }
+    }
+    Ok(inside)
+}
+
+/// Exact sign: positive where `p` sees the triangle counter-clockwise, from outside.
+fn side(a: &Vec3, b: &Vec3, c: &Vec3, p: &Vec3) -> f64 {
+    let coord = |v: &Vec3| Coord3D { x: v.x, y: v.y, z: v.z };
+    -orient3d(coord(a), coord(b), coord(c), coord(p))
+}
+
+/// The distance of the vertices' mean to the nearest face plane, mm.
+pub(super) fn depth_of_mean(body: &Polyhedron) -> f64 {
+    let mean = body.vertices().iter().sum::<Vec3>() / body.vertices().len() as f64;
+    body.planes().map(|plane| plane.offset - plane.normal.dot(&mean)).fold(f64::INFINITY, f64::min)
+}
+
+/// The smallest distance of the core's vertices to the planes of `body`, mm.
+pub(super) fn thinnest_shell(body: &Polyhedron, core: &Polyhedron) -> f64 {
+    let inwards = body.planes().map(|plane| {
+        let highest = core.vertices().iter().map(|v| plane.normal.dot(v)).fold(f64::NEG_INFINITY, f64::max);
+        plane.offset - highest
+    });
+    inwards.fold(f64::INFINITY, f64::min)
+}

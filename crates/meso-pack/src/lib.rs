@@ -1,0 +1,18 @@
+//! From a [`Spec`] to a packed [`Model`], and the questions asked of one: is it sound, how is it distributed.
+//!
+//! The way through: [`spec`] holds every option, [`pack`] takes grains and places them, [`saved`] keeps the model,
+//! [`check`](mod@check) proves it and [`statistics`](mod@statistics) measures it.
+
+// No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods, clippy::disallowed_types, clippy::disallowed_macros))]
+
+pub mod check;
+pub mod model;
+pub mod packing;
+pub mod recipes;
+pub mod saved;
+pub mod spec;
+pub mod statistics;
+
+pub use model::{Model, pack};
+pub use spec::{Spec, SpecError};

@@ -1,0 +1,316 @@
+//! Reading a saved model, which may come from anywhere: everything a later step relies on is looked at here.
+//!
+//! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
+
+use super::polygons::Polygons;
+use super::{VERSION, gzip};
+use crate::model::Model;
+use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
+use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
+use meso_collision::geometry::Polyhedron;
+use meso_collision::math::Vec3;
+use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::stop;
+use meso_concrete::watch::{Silent, Stage, Watch};
+use serde::Deserialize;
+use std::borrow::Cow;
+use std::collections::BTreeSet;
+
+/// Why a file is no saved model.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// Not JSON, or not with the keys a model has.
+    #[error("this is not a saved model of mesocrete: {0}")]
+    NotAModel(String),
+    /// Written by a version that may mean something else.
+    #[error("it was written by mesocrete {found}, and this is {VERSION}, which cannot read it: update mesocrete")]
+    Version {
+        /// The file's text.
+        found: String,
+    },
+    /// Its spec cannot be.
+    #[error("its spec is wrong: {0}")]
+    Spec(#[from] SpecError),
+    /// Two entries that must agree do not.
+    #[error("{0}")]
+    Contradiction(String),
+    /// A void or fibre that is none of those the spec asks for, or no closed surface.
+    #[error("body {index}, one of the inclusions: {reason}")]
+    Inclusion {
+        /// Position in the file, counted from the first aggregate.
+        index: usize,
+        /// The fault.
+        reason: String,
+    },
+    /// An aggregate whose surface is not closed.
+    #[error("aggregate {index}: {reason}")]
+    Aggregate {
+        /// Position in the file, from 0.
+        index: usize,
+        /// The fault.
+        reason: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    mesocrete: String,
+    spec: serde_json::Value,
+    seed: u64,
+    specimen: serde_json::Value,
+    report: Option<Report>,
+    aggregates: Vec<FileAggregate>,
+    #[serde(default)]
+    inclusions: Vec<FileInclusion>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileAggregate {
+    id: u32,
+    class: u16,
+    itz_thickness_mm: f64,
+    vertices: Vec<[f64; 3]>,
+    faces: Polygons,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileInclusion {
+    id: u32,
+    phase: Kind,
+    vertices: Vec<[f64; 3]>,
+    faces: Polygons,
+}
+
+/// Reads the bytes of a saved model, compressed or not.
+///
+/// A file without a `report` gets the figures that follow from its aggregates.
+///
+/// # Errors
+/// See [`ReadError`].
+pub fn read(bytes: &[u8]) -> Result<Model, ReadError> {
+    read_while(bytes, &Silent)
+}
+
+/// Bytes of a model that takes a good part of a second to read.
+const LONG: usize = 16 << 20;
+/// Shares of the stage [`Stage::Read`] that are over when the bytes are there, and when they are parsed and the proof of a
+/// surface begins.
+const LOADED: f64 = 0.05;
+const PARSED: f64 = 0.3;
+
+/// As [`read`], while somebody waits for it: a long file and the proof of a specimen's surface of a million triangles take
+/// seconds, of which `watch` is told. A time limit of the model's spec was its packing's, and does not count here.
+///
+/// # Errors
+/// See [`ReadError`].
+pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
+    let reading = Reading { watch, is_long: bytes.len() >= LONG };
+    reading.tell(LOADED);
+    let text = if bytes.starts_with(&gzip::MAGIC) {
+        Cow::Owned(gzip::expand(bytes).map_err(ReadError::NotAModel)?)
+    } else {
+        Cow::Borrowed(bytes)
+    };
+    if let Some(other) = other_kind(&text) {
+        return Err(ReadError::NotAModel(other.to_owned()));
+    }
+    let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
+    drop(text);
+    reading.tell(PARSED);
+    accept_version(&file.mesocrete)?;
+    let spec = Spec::from_value_while(&file.spec, &mut NoFiles, &reading, None)?;
+    accept_repeats(&file, &spec)?;
+    let classes = spec.grading.classes().len();
+    let aggregates = file.aggregates.into_iter().enumerate();
+    let aggregates = aggregates.map(|(i, a)| aggregate(i, a, classes)).collect::<Result<Vec<_>, _>>()?;
+    let inclusions = (aggregates.len()..).zip(file.inclusions);
+    let inclusions = inclusions.map(|(i, body)| inclusion(i, body, &spec)).collect::<Result<Vec<_>, _>>()?;
+    let report = match file.report {
+        Some(report) => accept_report(report, &spec, aggregates.len())?,
+        None => figures(&spec, &aggregates, &inclusions),
+    };
+    Ok(Model { spec, aggregates, inclusions, report })
+}
+
+/// Hears how far reading is, and has no clock.
+struct Reading<'a> {
+    watch: &'a dyn Watch,
+    is_long: bool,
+}
+
+impl Reading<'_> {
+    /// This share of the stage is over; a short file is read before anybody looks.
+    fn tell(&self, share: f64) {
+        if self.is_long {
+            self.watch.stage(Stage::Read, share);
+        }
+    }
+}
+
+impl Watch for Reading<'_> {
+    fn stage(&self, stage: Stage, share: f64) {
+        self.watch.stage(stage, PARSED + (1.0 - PARSED) * share);
+    }
+}
+
+/// Guesses the kind of a file that does not begin like a model, and names the way out.
+fn other_kind(text: &[u8]) -> Option<&'static str> {
+    let mut lines = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.find(|line| !line.is_empty() && line[0] != b'#').unwrap_or_default();
+    match first {
+        [b'{', ..] => None,
+        [] => Some("it is empty"),
+        [b'*', ..] => Some("it is a deck, which holds a mesh; name the .json that it was made from"),
+        [b'<', ..] => Some("it is XML or a page; name the .json that it was made from"),
+        [b'[', second, ..] if second.is_ascii_alphabetic() || *second == b'[' => Some(A_SPEC),
+        line if line[0].is_ascii_alphabetic() && line.contains(&b'=') => Some(A_SPEC),
+        _ => Some("it does not begin with {; name the .json or .json.gz of a saved packing"),
+    }
+}
+
+/// Said of TOML.
+const A_SPEC: &str = "it is TOML, as a spec is; pack it first, and save the packing as .json";
+
+/// The same major and minor version, or an older minor one.
+fn accept_version(found: &str) -> Result<(), ReadError> {
+    let numbers = |version: &str| {
+        let parts = version.split('.').map(|part| part.parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
+        <[u32; 3]>::try_from(parts).ok()
+    };
+    match (numbers(found), numbers(VERSION)) {
+        _ if found == VERSION => Ok(()),
+        (Some([major, minor, _]), Some(own)) if major == own[0] && minor <= own[1] => Ok(()),
+        _ => Err(ReadError::Version { found: found.chars().take(40).collect() }),
+    }
+}
+
+/// `seed` and `specimen` stand twice in the file.
+fn accept_repeats(file: &File, spec: &Spec) -> Result<(), ReadError> {
+    if file.seed != spec.seed {
+        let message = format!("seed is {} but spec.seed is {}; they must agree", file.seed, spec.seed);
+        return Err(ReadError::Contradiction(message));
+    }
+    let specimen = options_from_value(&file.specimen).ok();
+    if specimen.as_ref() != Some(&spec.specimen) {
+        return Err(ReadError::Contradiction("specimen and spec.specimen differ; they must agree".to_owned()));
+    }
+    Ok(())
+}
+
+fn accept_report(report: Report, spec: &Spec, aggregates: usize) -> Result<Report, ReadError> {
+    let classes = spec.grading.classes().len();
+    if report.aggregates != aggregates || report.classes.len() != classes || report.seed != spec.seed {
+        let message = format!(
+            "report speaks of {} aggregates in {} classes with seed {}, the file holds {aggregates} in {classes} with seed {}",
+            report.aggregates,
+            report.classes.len(),
+            report.seed,
+            spec.seed
+        );
+        return Err(ReadError::Contradiction(message));
+    }
+    Ok(report)
+}
+
+fn aggregate(index: usize, file: FileAggregate, classes: usize) -> Result<Aggregate, ReadError> {
+    let wrong = |reason: String| ReadError::Aggregate { index, reason };
+    if file.id as usize != index {
+        return Err(wrong(format!("its id is {}; ids count from 0 in the order of the file", file.id)));
+    }
+    if usize::from(file.class) >= classes {
+        return Err(wrong(format!("its class is {}; the spec has {classes} classes, counted from 0", file.class)));
+    }
+    if !(0.0..=MAX_LENGTH_MM).contains(&file.itz_thickness_mm) {
+        return Err(wrong(format!("its itz_thickness_mm is {}; it must be 0 or more", file.itz_thickness_mm)));
+    }
+    let FileAggregate { id, class, itz_thickness_mm, vertices, faces } = file;
+    let body = body(vertices, faces).map_err(wrong)?;
+    Ok(Aggregate { id, kind: Kind::Aggregate, class, itz_thickness_mm, body })
+}
+
+/// A void or fibre, of the phases that the spec asks for.
+fn inclusion(index: usize, file: FileInclusion, spec: &Spec) -> Result<Aggregate, ReadError> {
+    let wrong = |reason: String| ReadError::Inclusion { index, reason };
+    if file.id as usize != index {
+        return Err(wrong(format!("its id is {}; ids count on from the last aggregate's", file.id)));
+    }
+    let mut asked = Kind::FURTHER.into_iter().zip(spec.inclusions().fractions());
+    let Some(index) = asked.position(|(kind, fraction)| kind == file.phase && fraction > 0.0) else {
+        return Err(wrong(format!("its phase is {}; the spec asks for none", file.phase.name())));
+    };
+    let class = (spec.grading.classes().len() + index) as u16;
+    let body = body(file.vertices, file.faces).map_err(wrong)?;
+    Ok(Aggregate { id: file.id, kind: file.phase, class, itz_thickness_mm: 0.0, body })
+}
+
+fn body(vertices: Vec<[f64; 3]>, faces: Polygons) -> Result<Polyhedron, String> {
+    stop::point();
+    let in_reach = |v: &[f64; 3]| v.iter().all(|x| x.abs() <= 2.0 * MAX_LENGTH_MM);
+    if let Some(vertex) = vertices.iter().position(|v| !in_reach(v)) {
+        return Err(format!("vertex {vertex} is farther than {} mm from the origin", 2.0 * MAX_LENGTH_MM));
+    }
+    closed_surface(vertices.len(), &faces)?;
+    Ok(Polyhedron::from_parts(vertices.into_iter().map(Vec3::from).collect(), faces.iter()))
+}
+
+/// Every face has three corners or more, all of them there, every edge is passed once in each direction, and no vertex is
+/// left over.
+fn closed_surface(vertices: usize, faces: &Polygons) -> Result<(), String> {
+    if vertices < 4 || faces.len() < 4 {
+        return Err(format!("{vertices} vertices and {} faces; a solid has at least 4 of each", faces.len()));
+    }
+    let (mut edges, mut is_named) = (BTreeSet::new(), vec![false; vertices]);
+    for (f, face) in faces.iter().enumerate() {
+        if face.len() < 3 {
+            return Err(format!("face {f} has {} corners; it takes at least 3", face.len()));
+        }
+        if let Some(corner) = face.iter().find(|&&corner| corner as usize >= vertices) {
+            return Err(format!("face {f} names vertex {corner}; there are {vertices}, counted from 0"));
+        }
+        for (i, &from) in face.iter().enumerate() {
+            let to = face[(i + 1) % face.len()];
+            is_named[from as usize] = true;
+            if from == to || !edges.insert((from, to)) {
+                return Err(format!("face {f} passes the edge {from}-{to} a second time in the same direction"));
+            }
+        }
+    }
+    if let Some(vertex) = is_named.iter().position(|is_named| !is_named) {
+        return Err(format!("vertex {vertex} is the corner of no face; leave it out"));
+    }
+    match edges.iter().find(|&&(from, to)| !edges.contains(&(to, from))) {
+        Some((from, to)) => {
+            Err(format!("the edge {from}-{to} has a face on one side only; the surface must be closed"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The report of a file without one, computed from its aggregates.
+fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> Report {
+    let volume = spec.specimen.volume();
+    let classes = ClassReport::all(&spec.grading, spec.fraction, aggregates, volume);
+    let fraction = classes.iter().map(|class| class.fraction).sum();
+    let reached = fraction >= spec.fraction - 0.001;
+    Report {
+        version: VERSION.to_owned(),
+        seed: spec.seed,
+        target_fraction: spec.fraction,
+        fraction,
+        aggregates: aggregates.len(),
+        discarded: 0,
+        specimen: SpecimenReport { kind: spec.specimen.kind().to_owned(), volume_mm3: volume },
+        grading: NOT_RECORDED.to_owned(),
+        strategy: NOT_RECORDED.to_owned(),
+        classes,
+        phases: PhaseReport::all(&spec.inclusions(), inclusions, volume),
+        itz_limited: Vec::new(),
+        stop_reason: if reached { StopReason::TargetReached } else { StopReason::AttemptsExhausted },
+        stop_detail: NOT_RECORDED.to_owned(),
+        seconds: Seconds::default(),
+        work: Work::default(),
+    }
+}

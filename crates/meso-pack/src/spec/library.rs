@@ -1,0 +1,138 @@
+//! Grain libraries from STL and JSON files, put into the spec as if their vertices had been written there.
+
+use super::SpecError;
+use super::files::Files;
+use super::tree::{Node, Value};
+use meso_collision::geometry::{TriangleMesh, convex_hull};
+use meso_collision::math::Vec3;
+use meso_concrete::import::stl;
+use serde::Deserialize;
+
+const KEY: &str = "shape.library";
+/// A surface that holds less than this share of its hull is not convex; coordinates in f32 dent a convex one by 1e-6.
+const CONVEX: f64 = 0.999;
+const NO_LIST: &str = "it is not a list of grains, each its vertices, [[x, y, z], ...], or with its faces, {\"vertices\": [[x, y, z], \
+                       ...], \"faces\": [[0, 1, 2], ...]}";
+
+/// Replaces `shape.library` by the grains that its file, or the files of its folder, hold.
+pub(super) fn inline(tree: &mut Node, files: &mut dyn Files) -> Result<(), SpecError> {
+    let Some(shape) = tree.child_mut("shape") else { return Ok(()) };
+    let Some((_, Node { value, line })) = shape.take("library") else { return Ok(()) };
+    let Value::Text(name) = value else {
+        let message = "must be the name of a folder, an STL or a JSON file in quotes";
+        return Err(SpecError { is_wrong_type: true, line, ..SpecError::value(KEY, message) });
+    };
+    let grains = grains(&name, files)
+        .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
+    let kind = shape.child("kind").is_some();
+    if let Value::Table(entries) = &mut shape.value {
+        let grains = grains.iter().map(|grain| node(Value::Array(grain.iter().map(row).collect()), line));
+        entries.push(("grains".to_owned(), node(Value::Array(grains.collect()), line)));
+        if !kind {
+            entries.push(("kind".to_owned(), node(Value::Text("library".to_owned()), line)));
+        }
+    }
+    Ok(())
+}
+
+fn node(value: Value, line: Option<usize>) -> Node {
+    Node { value, line }
+}
+
+fn row(vertex: &Vec3) -> Node {
+    Node::list(vertex.iter().map(|&x| Value::Float(x)))
+}
+
+/// The vertices of every grain in the file, or in the files of the folder in the order of their names.
+fn grains(name: &str, files: &mut dyn Files) -> Result<Vec<Vec<Vec3>>, String> {
+    if is_grain_file(name) {
+        return read(name, files);
+    }
+    let mut names: Vec<String> = files.list(name).map_err(|error| error.to_string())?;
+    names.retain(|name| is_grain_file(name));
+    names.sort();
+    if names.is_empty() {
+        return Err("the folder holds no .stl and no .json".to_owned());
+    }
+    let mut all = Vec::new();
+    for file in names {
+        let path = format!("{}/{file}", name.trim_end_matches('/'));
+        all.append(&mut read(&path, files).map_err(|reason| format!("{file}: {reason}"))?);
+    }
+    Ok(all)
+}
+
+fn is_grain_file(name: &str) -> bool {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_lowercase());
+    matches!(extension.as_deref(), Some("stl" | "json"))
+}
+
+fn read(name: &str, files: &mut dyn Files) -> Result<Vec<Vec<Vec3>>, String> {
+    let bytes = files.read(name).map_err(|error| error.to_string())?;
+    if name.to_lowercase().ends_with(".json") {
+        return read_json(&bytes);
+    }
+    let surface = stl::read(&bytes).map_err(|error| error.to_string())?;
+    convex(surface).map(|grain| vec![grain])
+}
+
+/// A list of grains, bare or under `grains` or (a saved model) `aggregates`.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Listed {
+    Bare(Vec<Grain>),
+    Grains { grains: Vec<Grain> },
+    Model { aggregates: Vec<Grain> },
+}
+
+/// A grain is the hull of its vertices where nothing is said of faces.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Grain {
+    Vertices(Vec<[f64; 3]>),
+    Named { name: Option<String>, vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>> },
+}
+
+fn read_json(bytes: &[u8]) -> Result<Vec<Vec<Vec3>>, String> {
+    // Some programs begin a text with its byte order.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let tree: serde_json::Value = serde_json::from_slice(bytes).map_err(|error| format!("it is not JSON: {error}"))?;
+    let (Listed::Bare(grains) | Listed::Grains { grains } | Listed::Model { aggregates: grains }) =
+        serde_json::from_value(tree).map_err(|_| NO_LIST)?;
+    if grains.is_empty() {
+        return Err("it has no grains".to_owned());
+    }
+    let named = |(i, grain): (usize, Grain)| {
+        let (name, vertices, faces) = match grain {
+            Grain::Vertices(vertices) => (None, vertices, None),
+            Grain::Named { name, vertices, faces } => (name, vertices, faces),
+        };
+        let name = name.unwrap_or_else(|| format!("grain {i}"));
+        json_grain(vertices, faces).map_err(|reason| format!("{name}: {reason}"))
+    };
+    grains.into_iter().enumerate().map(named).collect()
+}
+
+fn json_grain(vertices: Vec<[f64; 3]>, faces: Option<Vec<Vec<u32>>>) -> Result<Vec<Vec3>, String> {
+    let vertices: Vec<Vec3> = vertices.into_iter().map(Vec3::from).collect();
+    let Some(faces) = faces else {
+        return convex_hull(&vertices).map(|hull| hull.vertices().to_vec()).map_err(|error| error.to_string());
+    };
+    if let Some(corner) = faces.iter().flatten().find(|&&corner| corner as usize >= vertices.len()) {
+        return Err(format!("a face names vertex {corner} of {}", vertices.len()));
+    }
+    let fans = faces.iter().flat_map(|face| face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]));
+    convex(TriangleMesh { triangles: fans.collect(), vertices })
+}
+
+/// The hull's vertices of a closed convex surface.
+fn convex(surface: TriangleMesh) -> Result<Vec<Vec3>, String> {
+    let hull = surface.hull().map_err(|error| error.to_string())?;
+    surface.check_closed().map_err(|error| error.to_string())?;
+    let share = surface.volume() / hull.volume();
+    if share < CONVEX {
+        let percent = 100.0 * share;
+        return Err(format!("it is not convex: it fills {percent:.1} % of its hull; take its hull instead"));
+    }
+    Ok(hull.vertices().to_vec())
+}

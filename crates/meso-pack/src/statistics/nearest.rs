@@ -1,0 +1,76 @@
+//! How much mortar is between an aggregate and the nearest other one.
+
+use super::index::Index;
+use super::{Distribution, Images};
+use crate::model::Model;
+use meso_collision::gjk::{self, GjkError};
+use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::aggregate::Aggregate;
+use meso_concrete::parallel;
+use meso_concrete::stop;
+
+/// Distances from each aggregate to the nearest other one, mm; `None` where there is no other. In a periodic specimen
+/// images count as others, an aggregate's own among them.
+pub(super) fn nearest_distances(model: &Model, images: &Images) -> Result<Option<Distribution>, GjkError> {
+    let (count, specimen) = (model.aggregates.len(), &model.spec.specimen);
+    let mut found = distances(&images.aggregates, count, &images.index)?;
+    let mut margin = images.margin;
+    // An image further off than those at hand may be nearer than the nearest of them.
+    while !specimen.period().is_none() && found.iter().any(|distance| *distance > margin - outmost(model)) {
+        margin *= 2.0;
+        let wider = Images::near(model, margin);
+        found = distances(&wider.aggregates, count, &wider.index)?;
+    }
+    Ok(Distribution::of(found.into_iter().filter(|distance| distance.is_finite())))
+}
+
+/// How far aggregates reach out of the specimen's box, mm.
+fn outmost(model: &Model) -> f64 {
+    let container = model.spec.specimen.aabb();
+    let beyond = |body: Aabb| (container.min - body.min).sup(&(body.max - container.max)).max();
+    model.aggregates.iter().map(|aggregate| beyond(aggregate.body.aabb())).fold(0.0, f64::max)
+}
+
+/// From each of the first `count` aggregates; infinite where there is no other.
+fn distances(aggregates: &[Aggregate], count: usize, index: &Index) -> Result<Vec<f64>, GjkError> {
+    if aggregates.len() < 2 {
+        return Ok(vec![f64::INFINITY; count]);
+    }
+    parallel::try_map(count, |a| nearest(aggregates, index, a as u32))
+}
+
+/// Looks into a growing box around the aggregate until the nearest found is nearer than the box reaches.
+fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkError> {
+    stop::point();
+    let own = index.aabb(a);
+    let mut reach = 0.25 * index.cell();
+    loop {
+        let margin = Vec3::repeat(reach);
+        let mut near = Vec::new();
+        index.near(&Aabb { min: own.min - margin, max: own.max + margin }, &mut near);
+        near.sort_unstable();
+        near.dedup();
+        let mut candidates: Vec<(f64, u32)> =
+            near.into_iter().filter(|&b| b != a).map(|b| (gap(own, index.aabb(b)), b)).collect();
+        candidates.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let mut best = f64::INFINITY;
+        for (at_least, b) in candidates {
+            let [a, b] = [a, b].map(|i| aggregates[i as usize].body.vertices());
+            // Most that are farther are told at a fraction of a distance's cost, which is correctly rounded.
+            if at_least < best && !(best.is_finite() && gjk::distance_exceeds(a, b, best)?) {
+                best = best.min(gjk::distance(a, b)?);
+            }
+        }
+        if best <= reach {
+            return Ok(best);
+        }
+        // An aggregate found further off than the box reaches bounds the search; none found doubles it.
+        reach = if best.is_finite() { best } else { 2.0 * reach };
+    }
+}
+
+/// Distance between two boxes.
+fn gap(a: &Aabb, b: &Aabb) -> f64 {
+    let apart = (a.min - b.max).sup(&(b.min - a.max));
+    apart.sup(&Vec3::zeros()).norm()
+}

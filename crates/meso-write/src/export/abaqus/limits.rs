@@ -1,0 +1,63 @@
+//! Ranges of a deck's values besides those of its materials.
+
+use super::{Analysis, DeckOptions};
+use meso_concrete::{OutOfRange, Ranges};
+use meso_mesh::cells::Phase;
+use meso_mesh::materials::{MATERIALS, Materials};
+
+/// Checks values by their names in the options of a deck.
+pub(super) const DECK: Ranges = Ranges("deck");
+
+/// Every value against its range; NaN lies in none.
+pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
+    let loading = &options.loading;
+    let strain = options.final_strain();
+    let accepted = "it must lie between 0 and 1; the analysis sets its sign";
+    DECK.require("strain", strain, strain > 0.0 && strain < 1.0, accepted)?;
+    DECK.require("friction", loading.friction, (0.0..=10.0).contains(&loading.friction), "it must be 0 to 10")?;
+    DECK.require("frames", loading.frames, loading.frames > 0, "it must be 1 or more")?;
+    DECK.positive("duration_s", loading.duration_s)?;
+    DECK.positive("time_increment_s", loading.time_increment_s)?;
+    let met = !options.with_damage || options.analysis != Analysis::Elastic;
+    let accepted = "analysis elastic has no damage; take compression, tension or none";
+    DECK.require("with_damage", "true", met, accepted)?;
+    if let Some(section) = options.section_mm2 {
+        DECK.positive("section_mm2", section)?;
+    }
+    let fits = |line: &&String| line.is_ascii() && !line.starts_with('*') && !line.contains(['\n', '\r']);
+    if let Some(line) = options.heading.iter().find(|line| !fits(line)) {
+        return Err(DECK.error("heading", format!("{line:?}"), "a line must be ASCII and must not begin with *"));
+    }
+    materials(&options.materials).map_err(in_deck)
+}
+
+fn materials(values: &Materials) -> Result<(), OutOfRange> {
+    values.validate_elastic()?;
+    values.validate_strength()?;
+    values.validate_cohesive()?;
+    values.validate_plasticity()
+}
+
+/// Names a value of `[materials]` as a deck's option.
+fn in_deck(error: OutOfRange) -> OutOfRange {
+    error.within(DECK.0)
+}
+
+/// Finds out whether Abaqus takes the curves of `phase`: it refuses plastic strains that fall. The curves of compression
+/// ensure that themselves. `opening` is the deck's share of a crack's opening; a crack's plastic opening grows by that share
+/// of G / (4 f) where it loses f / (5 E).
+pub(super) fn curves(materials: &Materials, phase: Phase, opening: f64) -> Result<(), OutOfRange> {
+    let Some(strength) = materials.strength(phase) else { return Ok(()) };
+    materials.validate_peak_strain(phase).map_err(in_deck)?;
+    let (e, ft) = (materials.elastic(phase).youngs_modulus_mpa, strength.tensile_mpa);
+    let given = materials.mortar_strength.fracture_energy_n_per_mm;
+    let share = opening * strength.fracture_energy_n_per_mm / given;
+    let least = 0.8 * ft * ft / e / share;
+    let accepted = format!("{} needs {least:.3e} or more for its elastic strain", phase.name());
+    MATERIALS.require("mortar_strength.fracture_energy_n_per_mm", given, given >= least, accepted).map_err(in_deck)
+}
+
+/// Finds out whether Abaqus takes the softening of a cohesive ITZ.
+pub(super) fn separation(materials: &Materials) -> Result<(), OutOfRange> {
+    materials.validate_cohesive_softening().map_err(in_deck)
+}

@@ -1,0 +1,300 @@
+//! Abaqus input decks (`.inp`): flat, streamed, read by Abaqus, CalculiX and meshio.
+//!
+//! gmsh writes such decks but has no reader for them (none in 4.15); `.msh` is for gmsh.
+//!
+//! Element sets, node sets, surfaces and materials have the names AGGREGATE, ITZ, MORTAR (and FIBRE, where there are
+//! fibres), XMIN to ZMAX and S_XMIN to S_ZMAX. Node and element numbers are the mesh's indices plus 1. The rules kept throughout: keyword lines under 80
+//! characters, data lines of at most 16 entries and 256 characters, numbers of at most 20.
+
+mod curve;
+mod damage;
+mod elastic;
+mod explicit;
+mod geometry;
+mod limits;
+mod lines;
+mod materials;
+mod periodic;
+
+pub(crate) use curve::write_curve;
+use limits::DECK;
+use lines::Lines;
+use meso_concrete::{OutOfRange, thousands};
+use meso_mesh::cells::Sides;
+use meso_mesh::cells::{Mesh, Phase};
+use meso_mesh::figures::PhaseVolumes;
+use meso_mesh::materials::Materials;
+use serde::{Deserialize, Serialize};
+use std::io::{self, Write};
+
+/// Content of a deck besides the mesh.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct DeckOptions {
+    /// Write nodes, elements, sets and surfaces alone, for `*INCLUDE`.
+    pub geometry_only: bool,
+    /// Hexahedra with reduced integration, C3D8R for C3D8.
+    pub reduced_integration: bool,
+    /// Tie opposite faces of a periodic box by `*EQUATION`, with the reference nodes REF_X, REF_Y and REF_Z.
+    pub periodic_equations: bool,
+    /// The analysis the deck runs; `geometry_only` leaves it out.
+    pub analysis: Analysis,
+    /// Mean axial strain at the end of the analysis, a positive number; absent: the analysis' own.
+    pub strain: Option<f64>,
+    /// How compression and tension are loaded.
+    pub loading: Loading,
+    /// Let aggregates that share nodes be crushed or torn: they make an elastic skeleton that never breaks.
+    pub allow_joined: bool,
+    /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of one's own.
+    pub with_damage: bool,
+    /// Material values.
+    pub materials: Materials,
+    /// Section that stresses are forces over, mm2; absent: the mesh's volume over its height.
+    pub section_mm2: Option<f64>,
+    /// Lines for `*HEADING`, e.g. the command and the seed: ASCII, none beginning with `*`; 76 characters of each are kept.
+    pub heading: Vec<String>,
+}
+
+/// A specimen softens in the step where its mortar is at half its strength within so many times the step's strain.
+const SOFTENS_WITHIN: f64 = 3.0;
+
+/// Analysis of a deck.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Analysis {
+    /// Nothing: mesh, materials and sections, ready for one's own steps.
+    #[default]
+    None,
+    /// Linear elastic uniaxial compression by `*STATIC` (default strain 0.001); of the mean stress, where the box is
+    /// periodic and its faces are tied.
+    Elastic,
+    /// Quasi-static compression between rigid plates with friction, explicit, with damage (default strain 0.006).
+    Compression,
+    /// Quasi-static tension between glued plates, explicit, with damage (default strain 0.001).
+    Tension,
+}
+
+/// How the explicit analyses are loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Loading {
+    /// Friction between plates and specimen; the paper's low and high cases are 0.1 and 0.6.
+    pub friction: f64,
+    /// Length of the step, s.
+    pub duration_s: f64,
+    /// Time increment that mass scaling keeps, s.
+    pub time_increment_s: f64,
+    /// Frames of field output.
+    pub frames: u32,
+}
+
+impl Default for Loading {
+    /// 40,000 increments: a bar wave crosses the paper's specimen, its mass scaled 22 times, 114 times in a step. On a cube
+    /// of 24 mm twice the crossings changed the peak by 1 %.
+    fn default() -> Self {
+        Self { friction: 0.1, duration_s: 0.02, time_increment_s: 5e-7, frames: 50 }
+    }
+}
+
+impl Analysis {
+    /// Whether it is computed by explicit dynamics, with damage.
+    pub fn is_explicit(self) -> bool {
+        matches!(self, Self::Compression | Self::Tension)
+    }
+
+    /// Mean axial strain at its end where none is asked for; its sign is the analysis'.
+    pub fn usual_strain(self) -> f64 {
+        if self == Self::Compression { 0.006 } else { 0.001 }
+    }
+}
+
+impl DeckOptions {
+    /// Mean axial strain at the end of the analysis, a positive number.
+    pub fn final_strain(&self) -> f64 {
+        self.strain.unwrap_or(self.analysis.usual_strain())
+    }
+
+    /// Whether a job of the deck gives a curve, which the script beside it writes down.
+    pub fn has_curve(&self) -> bool {
+        self.analysis.is_explicit() && !self.geometry_only
+    }
+
+    /// Finds out whether `mesh` can be written as a deck with these options.
+    ///
+    /// # Errors
+    /// Names the option, its value and what is accepted.
+    pub fn validate(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
+        self.validate_for(mesh.periodic)?;
+        if self.has_curves() {
+            materials::check(mesh, &self.materials)?;
+        }
+        if !mesh.cohesive.is_empty() {
+            self.validate_cohesive()?;
+        }
+        if self.analysis == Analysis::Compression && !self.geometry_only {
+            explicit::check(&Sides::of(mesh))?;
+        }
+        if self.has_curve() && !self.allow_joined {
+            refuse_joined(mesh, self.analysis)?;
+        }
+        if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
+    }
+
+    /// Checks the values of cohesive elements before there is a mesh.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate).
+    pub fn validate_cohesive(&self) -> Result<(), OutOfRange> {
+        if self.geometry_only { Ok(()) } else { limits::separation(&self.materials) }
+    }
+
+    /// The inelastic strain at which the deck's curve of mortar has come to half its strength; `None` where it has no curve.
+    pub fn half_strength_strain(&self, mesh: &Mesh) -> Option<f64> {
+        self.has_curves().then(|| materials::half_strength_strain(mesh, &self.materials))
+    }
+
+    /// Doubts about this deck of `mesh`, a sentence each. The deck can be written and run all the same.
+    /// `exact` has the volumes of the packing's own phases, where known.
+    pub fn doubts(&self, mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Vec<String> {
+        if self.analysis == Analysis::None || self.geometry_only {
+            return Vec::new();
+        }
+        let softening = if self.has_curves() { materials::band_doubt(mesh, &self.materials) } else { None };
+        let softening = softening.or_else(|| self.softening_doubt(mesh));
+        let doubts = [joined_doubt(mesh), volume_doubt(mesh, exact), softening, self.bond_doubt(mesh)];
+        doubts.into_iter().flatten().collect()
+    }
+
+    fn softening_doubt(&self, mesh: &Mesh) -> Option<String> {
+        let (strain, half) = (self.final_strain(), self.half_strength_strain(mesh)?);
+        (half > SOFTENS_WITHIN * strain).then(|| {
+            format!(
+                "mortar is at half its strength at an inelastic strain of {half:.4} only, and the step ends at {strain}: the \
+                 specimen will hardly soften; take a smaller materials.mortar_strength.crushing_energy_n_per_mm"
+            )
+        })
+    }
+
+    fn bond_doubt(&self, mesh: &Mesh) -> Option<String> {
+        let is_bonded = self.has_curve() && mesh.cohesive.is_empty() && !mesh.phase.contains(&Phase::Itz);
+        is_bonded.then(|| {
+            "without an ITZ the elastic aggregates stay bonded to the mortar for ever; take itz smeared, \
+             cohesive or solid"
+                .to_owned()
+        })
+    }
+
+    /// Whether mortar and ITZ have strength in the deck.
+    fn has_curves(&self) -> bool {
+        self.damages() && !self.geometry_only
+    }
+
+    /// Whether mortar and ITZ get strength and damage.
+    fn damages(&self) -> bool {
+        self.with_damage || self.analysis.is_explicit()
+    }
+
+    /// Checks all values before there is a mesh, for a specimen that is periodic along the `periodic` axes.
+    ///
+    /// # Errors
+    /// As [`validate`](Self::validate).
+    pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), OutOfRange> {
+        limits::check(self)?;
+        if self.has_curves() {
+            limits::curves(&self.materials, Phase::Mortar, 1.0)?;
+        }
+        if !self.periodic_equations {
+            return Ok(());
+        }
+        let no = |key, value, accepted| Err(DECK.error(key, value, accepted));
+        let tie = "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
+        let step = "with periodic_equations it needs a box without any wall; take none and a step of your own";
+        match self.analysis {
+            _ if periodic == [false; 3] => no("periodic_equations", "true", tie),
+            Analysis::Elastic if !self.geometry_only && periodic != [true; 3] => no("analysis", "elastic", step),
+            Analysis::None | Analysis::Elastic => Ok(()),
+            Analysis::Compression | Analysis::Tension => {
+                no("periodic_equations", "true", "plates need free faces; take analysis elastic or none")
+            }
+        }
+    }
+}
+
+/// The volumes of aggregates in a mesh for an analysis are within this share of their own.
+const VOLUMES_OFF: f64 = 0.05;
+
+/// Of aggregates that are far from their own volume.
+fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
+    let (exact, meshed) = (exact?.aggregate, PhaseVolumes::of_mesh(mesh).aggregate);
+    ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
+        let percent = 100.0 * (meshed / exact - 1.0);
+        format!(
+            "the aggregates of this mesh have {percent:+.1} % of their exact volume, so this is another concrete; take \
+             smaller elements, a larger min_gap_mm, or the method lattice with itz smeared and volumes exact"
+        )
+    })
+}
+
+/// Of aggregates that share nodes, where that was asked for or is only stiff.
+fn joined_doubt(mesh: &Mesh) -> Option<String> {
+    let ((nodes, pairs), touching) = (mesh.joined_aggregates(), mesh.touching_share());
+    if nodes > 0 {
+        let (nodes, pairs) = (thousands(nodes), thousands(pairs));
+        return Some(format!(
+            "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton: too stiff, and it never breaks; mesh with \
+             joined mortar or itz cohesive, or pack with a larger min_gap_mm"
+        ));
+    }
+    (touching > Mesh::FEW_TOUCH).then(|| {
+        let share = 100.0 * touching;
+        format!(
+            "{share:.1} % of the cohesive elements lie between two aggregates: without mortar there these form a skeleton that \
+             hardly breaks; mesh with joined mortar, or pack with a larger min_gap_mm"
+        )
+    })
+}
+
+/// Refuses a mesh whose aggregates share nodes: however the mortar softens, they carry the load.
+fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
+    let (nodes, pairs) = mesh.joined_aggregates();
+    if nodes == 0 {
+        return Ok(());
+    }
+    let (nodes, pairs) = (thousands(nodes), thousands(pairs));
+    let accepted = format!(
+        "{pairs} pairs of aggregates share {nodes} nodes, an elastic skeleton that never breaks; mesh with joined mortar or itz \
+         cohesive, pack with a larger min_gap_mm, or set allow_joined"
+    );
+    let analysis = if analysis == Analysis::Compression { "compression" } else { "tension" };
+    Err(DECK.error("analysis", analysis, accepted))
+}
+
+/// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.
+///
+/// # Errors
+/// Those of `out`, and those of [`DeckOptions::validate`] as invalid input.
+pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
+    options.validate(mesh).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
+    let mut lines = Lines::new(out);
+    geometry::heading(&mut lines, mesh, options)?;
+    let sides = Sides::of(mesh);
+    geometry::write(&mut lines, mesh, &sides, options)?;
+    if options.periodic_equations {
+        periodic::write(&mut lines, mesh, &sides)?;
+    }
+    if !options.geometry_only {
+        materials::write(&mut lines, mesh, options)?;
+        match options.analysis {
+            Analysis::None => {}
+            Analysis::Elastic => {
+                let step = if options.periodic_equations { elastic::write_periodic } else { elastic::write };
+                step(&mut lines, mesh, &sides, options.final_strain())?;
+            }
+            Analysis::Compression | Analysis::Tension => explicit::write(&mut lines, mesh, &sides, options)?,
+        }
+    }
+    lines.finish()
+}

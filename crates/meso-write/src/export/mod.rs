@@ -1,0 +1,18 @@
+//! Writers, one file per format; each takes `impl io::Write` and knows nothing of packing.
+
+pub mod abaqus;
+pub(crate) mod appearance;
+pub(crate) mod csv;
+pub(crate) mod glb;
+pub(crate) mod msh;
+pub(crate) mod obj;
+pub(crate) mod ply;
+pub(crate) mod pvtu;
+pub(crate) mod raster;
+pub(crate) mod step;
+pub mod stl;
+pub(crate) mod vtu;
+
+pub use meso_view::vtu_mesh;
+
+pub use appearance::{CLASSES, PALETTE};

@@ -1,0 +1,61 @@
+//! Large meshes in pieces (`.pvtu`): an index that names `.vtu` files beside it, which ParaView reads at the same time.
+//!
+//! A piece has its own nodes; those between two pieces are in both.
+
+use super::vtu_mesh;
+use meso_concrete::parallel;
+use meso_mesh::cells::Mesh;
+use rayon::prelude::*;
+use std::io::{self, Write};
+use std::ops::Range;
+
+/// Most cells of a piece: some 50 MB, raw.
+pub(crate) const PIECE_CELLS: usize = 500_000;
+
+/// Number of pieces of `mesh`, at least one.
+pub(crate) fn pieces(mesh: &Mesh) -> usize {
+    mesh.cell_count().div_ceil(PIECE_CELLS).max(1)
+}
+
+/// Piece `index` of `mesh`, without cohesive elements, which no `.vtu` holds.
+pub(crate) fn piece(mesh: &Mesh, index: usize) -> Mesh {
+    let count = mesh.cell_count();
+    // Equal shares, so that no piece is a rest.
+    let range = index * count / pieces(mesh)..(index + 1) * count / pieces(mesh);
+    part(mesh, range)
+}
+
+fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
+    let width = mesh.kind.nodes();
+    let cells = &mesh.cells[width * range.start..width * range.end];
+    let mut nodes = cells.to_vec();
+    nodes.par_sort_unstable();
+    nodes.dedup();
+    let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
+    let points = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
+    let (phase, aggregate) = (mesh.phase[range.clone()].to_vec(), mesh.aggregate[range].to_vec());
+    Mesh::of(mesh.kind, points, parallel::map_short(cells.len(), |k| number(&cells[k])), phase, aggregate)
+}
+
+/// Writes the index of the pieces of `mesh`, which are the files `names` beside it.
+///
+/// # Errors
+/// Those of `out`.
+pub(crate) fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    write!(out, "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ")?;
+    writeln!(out, "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">")?;
+    writeln!(out, "<PPoints>\n<PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n</PPoints>")?;
+    writeln!(out, "<PCellData Scalars=\"phase\">")?;
+    for (kind, name) in vtu_mesh::declared(mesh.kind) {
+        writeln!(out, "<PDataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"1\"/>")?;
+    }
+    writeln!(out, "</PCellData>")?;
+    names.iter().try_for_each(|name| writeln!(out, "<Piece Source=\"{}\"/>", escaped(name)))?;
+    writeln!(out, "</PUnstructuredGrid>\n</VTKFile>")
+}
+
+/// Escapes the characters of a file's name that XML does not allow.
+fn escaped(name: &str) -> String {
+    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

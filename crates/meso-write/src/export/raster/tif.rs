@@ -1,0 +1,78 @@
+//! TIFF (`.tif`): a page for every layer, lowest z first, or one page of a section. By the crate `tiff`.
+//!
+//! The resolution is the voxels' own, in pixels per centimetre. Images near 4 GB and beyond are BigTIFF.
+
+use super::{Frame, Voxels};
+use std::io::{self, Seek, Write};
+use tiff::TiffError;
+use tiff::encoder::colortype::{ColorType, Gray8, Gray32Float, GrayI32};
+use tiff::encoder::{Rational, TiffEncoder, TiffKind, TiffValue};
+use tiff::tags::ResolutionUnit;
+
+/// Bytes of values from which offsets need 64 bits: directories and padding come on top.
+const LARGE: usize = 3_900_000_000;
+
+/// Writes an image to `out`, slab by slab.
+///
+/// # Errors
+/// Those of `out`.
+pub(crate) fn write(frame: &Frame, slabs: impl Iterator<Item = Voxels>, out: impl Write + Seek) -> io::Result<()> {
+    let is_large = frame.counts.iter().product::<usize>() * frame.kind.bytes() > LARGE;
+    let written = if is_large {
+        TiffEncoder::new_big(out).and_then(|encoder| pages(frame, slabs, encoder))
+    } else {
+        TiffEncoder::new(out).and_then(|encoder| pages(frame, slabs, encoder))
+    };
+    written.map_err(|error| match error {
+        TiffError::IoError(error) => error,
+        other => io::Error::other(other),
+    })
+}
+
+fn pages<W: Write + Seek, K: TiffKind>(
+    frame: &Frame,
+    slabs: impl Iterator<Item = Voxels>,
+    mut encoder: TiffEncoder<W, K>,
+) -> Result<(), TiffError> {
+    let ([rows, columns], _) = frame.pictures();
+    let of_page = rows as usize * columns as usize;
+    for slab in slabs {
+        match &slab {
+            Voxels::Label(values) => {
+                values.chunks_exact(of_page).try_for_each(|page| add::<Gray8, _, _>(frame, page, &mut encoder))?;
+            }
+            Voxels::Id(values) => {
+                values.chunks_exact(of_page).try_for_each(|page| add::<GrayI32, _, _>(frame, page, &mut encoder))?;
+            }
+            Voxels::Real(values) => {
+                values
+                    .chunks_exact(of_page)
+                    .try_for_each(|page| add::<Gray32Float, _, _>(frame, page, &mut encoder))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn add<C: ColorType, W: Write + Seek, K: TiffKind>(
+    frame: &Frame,
+    page: &[C::Inner],
+    encoder: &mut TiffEncoder<W, K>,
+) -> Result<(), TiffError>
+where
+    [C::Inner]: TiffValue,
+{
+    let ([rows, columns], _) = frame.pictures();
+    let mut image = encoder.new_image::<C>(columns, rows)?;
+    image.resolution(ResolutionUnit::Centimeter, per_cm(frame.voxel_size_mm));
+    image.write_data(page)
+}
+
+/// Pixels per centimetre, to a millionth.
+fn per_cm(voxel_size_mm: f64) -> Rational {
+    let mut d = 1_000_000_u32;
+    while d > 1 && 10.0 / voxel_size_mm * f64::from(d) > f64::from(u32::MAX) {
+        d /= 10;
+    }
+    Rational { n: (10.0 / voxel_size_mm * f64::from(d)).round() as u32, d }
+}

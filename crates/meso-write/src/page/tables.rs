@@ -1,0 +1,143 @@
+//! The page's tables.
+
+use meso_concrete::specimen::Specimen;
+use meso_concrete::thousands;
+use meso_mesh::figures::PhaseVolumes;
+use meso_pack::model::Model;
+use meso_pack::spec::Spec;
+use meso_pack::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
+use meso_view::plot::escape;
+use std::io::{self, Write};
+
+/// Target and result by class.
+pub(super) fn outcome(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let report = &model.report;
+    writeln!(out, "<p>Target {}: {}.</p>", report.target_fraction, escape(&report.stop_detail))?;
+    let row = "<tr><th>class, mm<th>asked<th>reached<th>deviation<th>aggregates";
+    writeln!(out, "<table>{row}")?;
+    for class in &report.classes {
+        let deviation = if class.target_fraction > 0.0 { class.fraction / class.target_fraction - 1.0 } else { 0.0 };
+        writeln!(
+            out,
+            "<tr><td>{} to {}<td>{:.5}<td>{:.5}<td>{:+.2} %<td>{}",
+            class.d_min_mm,
+            class.d_max_mm,
+            class.target_fraction,
+            class.fraction,
+            100.0 * deviation,
+            thousands(class.aggregates)
+        )?;
+    }
+    for phase in &report.phases {
+        let (name, deviation) = (phase.phase.plural(), 100.0 * (phase.fraction / phase.target_fraction - 1.0));
+        let (asked, reached, bodies) = (phase.target_fraction, phase.fraction, thousands(phase.bodies));
+        writeln!(out, "<tr><td>{name}<td>{asked:.5}<td>{reached:.5}<td>{deviation:+.2} %<td>{bodies}")?;
+    }
+    writeln!(out, "</table>")?;
+    let volume = report.specimen.volume_mm3;
+    writeln!(
+        out,
+        "<p class=\"note\">Fractions are exact volumes of the polyhedra, ITZ included, over the specimen ({}, {volume} mm\u{b3}). \
+         Placed by {}; {} aggregates were left out.</p>",
+        escape(&report.specimen.kind),
+        escape(&report.strategy),
+        thousands(report.discarded)
+    )?;
+    phases(model, out)
+}
+
+/// The exact volumes of the phases over the specimen's; nothing where a core has no trustworthy volume.
+fn phases(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let specimen = &model.spec.specimen;
+    let exact = PhaseVolumes::exact(&model.bodies(), specimen, |aggregate| aggregate.itz_thickness_mm);
+    let Ok(PhaseVolumes { aggregate, itz, mortar, .. }) = exact else { return Ok(()) };
+    let [aggregate, itz, mortar] = [aggregate, itz, mortar].map(|volume| volume / specimen.volume());
+    writeln!(
+        out,
+        "<p>Shares of the specimen: aggregates inside their ITZ {aggregate:.4}, ITZ {itz:.4}, mortar {mortar:.4}.</p>"
+    )
+}
+
+/// Shapes, gaps, orientation.
+pub(super) fn shapes(statistics: &Statistics, out: &mut impl Write) -> io::Result<()> {
+    let shapes = &statistics.shapes;
+    writeln!(
+        out,
+        "<h2>Shapes and gaps</h2>\n<table><tr><th><th>mean<th class=brief>sd<th>min<th class=brief>10 %<th>median<th class=brief>90 %<th>max"
+    )?;
+    let rows: [(&str, &Option<Distribution>); 7] = [
+        ("length, mm", &shapes.length_mm),
+        ("sieve size, mm", &shapes.sieve_size_mm),
+        ("elongation, intermediate over longest axis", &shapes.elongation),
+        ("flatness, shortest over intermediate axis", &shapes.flatness),
+        ("sphericity after Wadell", &shapes.wadell_sphericity),
+        ("sphericity after Krumbein", &shapes.krumbein_sphericity),
+        ("distance to the nearest neighbour, mm", &statistics.nearest_distance_mm),
+    ];
+    for (name, distribution) in rows {
+        let Some(d) = distribution else { continue };
+        write!(out, "<tr><td>{name}")?;
+        let Distribution { mean, sd, min, p10, median, p90, max } = d;
+        // A phone shows four of them.
+        writeln!(
+            out,
+            "<td>{mean:.4}<td class=brief>{sd:.4}<td>{min:.4}<td class=brief>{p10:.4}<td>{median:.4}<td class=brief>{p90:.4}\
+             <td>{max:.4}"
+        )?;
+    }
+    let (zingg, [low, middle, high]) = (&shapes.zingg, statistics.orientation.eigenvalues);
+    writeln!(
+        out,
+        "</table>\n<p>Zingg: {} equant, {} disc, {} rod, {} blade. Eigenvalues of the orientation tensor of the longest \
+         axes: {low:.4}, {middle:.4}, {high:.4} (all 1/3 without a preferred direction). Specific surface {:.4} \
+         mm\u{207b}\u{b9}, mean chord {:.3} mm.</p>",
+        thousands(zingg.equant),
+        thousands(zingg.disc),
+        thousands(zingg.rod),
+        thousands(zingg.blade),
+        statistics.specific_surface_per_mm,
+        statistics.correlation.mean_chord_mm
+    )?;
+    statistics.phases.iter().try_for_each(|phase| further(phase, out))
+}
+
+/// Voids or fibres in a sentence.
+fn further(figures: &PhaseFigures, out: &mut impl Write) -> io::Result<()> {
+    let PhaseFigures { phase, bodies, volume_mm3, specific_surface_per_mm: surface, orientation, .. } = figures;
+    let (mut name, bodies) = (phase.plural().to_owned(), thousands(*bodies));
+    name[..1].make_ascii_uppercase();
+    write!(out, "<p>{name}: {bodies}, {volume_mm3:.1} mm\u{b3}, specific surface {surface:.4} mm\u{207b}\u{b9}")?;
+    if let Some(Orientation { eigenvalues: [low, middle, high], .. }) = orientation {
+        write!(out, "; eigenvalues of their orientation tensor: {low:.4}, {middle:.4}, {high:.4}")?;
+    }
+    writeln!(out, ".</p>")
+}
+
+/// Corners and triangles of a surface, and grains of a library, that the page's spec shows: a scan has 100,000.
+const LISTED: usize = 20;
+
+/// The spec, its longest lists cut.
+pub(super) fn spec(model: &Model, out: &mut impl Write) -> io::Result<()> {
+    let brief = brief(&model.spec);
+    write!(out, "<details><summary>The spec</summary>")?;
+    if brief != model.spec {
+        let what = "Of corners, triangles and grains the first";
+        write!(out, "<p>{what} {LISTED} are listed; the saved model has them all.</p>")?;
+    }
+    writeln!(out, "<pre>{}</pre></details>", escape(&serde_json::to_string_pretty(&brief)?))
+}
+
+/// The spec with the beginning of every list that may be long.
+fn brief(spec: &Spec) -> Spec {
+    let mut brief = spec.clone();
+    match &mut brief.specimen {
+        Specimen::Polyhedron { vertices_mm } => vertices_mm.truncate(LISTED),
+        Specimen::Mesh { vertices_mm, triangles, .. } => {
+            vertices_mm.truncate(LISTED);
+            triangles.truncate(LISTED);
+        }
+        _ => {}
+    }
+    brief.shape.grains.truncate(LISTED);
+    brief
+}

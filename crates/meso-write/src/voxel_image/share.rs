@@ -1,0 +1,293 @@
+//! The share of every voxel that bodies take, exact to rounding.
+//!
+//! A column of voxels along x holds of a body what lies between the faces that look to +x and those that look to -x. So
+//! every face is divided by the planes between voxels, and each piece counts twice: what lies between it and its voxel's
+//! lower side, and its projection, which all voxels below it in the column have whole (the divergence theorem). The work
+//! grows with the surface, not with the planes that cross a voxel.
+
+use super::options::ShareOf;
+use meso_collision::geometry::Polyhedron;
+use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::aggregate::{Aggregate, Kind};
+use meso_concrete::parallel;
+use meso_concrete::stop;
+use meso_mesh::location::PointGrid;
+use std::ops::Range;
+
+/// Convex bodies whose shares are added up, or subtracted.
+pub(super) struct Shares {
+    grid: PointGrid,
+    bodies: Vec<Body>,
+    by_layer: Vec<Vec<u32>>,
+}
+
+struct Body {
+    surface: Polyhedron,
+    aabb: Aabb,
+    /// 1, or -1 of the core that a shell lacks.
+    sign: f32,
+}
+
+/// Shares this close to 0 or 1 are; rounding leaves less.
+const WHOLE: f64 = 1e-9;
+
+impl Shares {
+    pub(super) fn new(grid: PointGrid, of: ShareOf, aggregates: &[Aggregate]) -> Self {
+        Self::of(grid, parallel::flat_map(aggregates.len(), |number| parts(&aggregates[number], of)))
+    }
+
+    fn of(grid: PointGrid, bodies: Vec<Body>) -> Self {
+        let mut by_layer = vec![Vec::new(); grid.counts[2]];
+        for (index, body) in bodies.iter().enumerate() {
+            touched(&grid, 2, &body.aabb).for_each(|k| by_layer[k].push(index as u32));
+        }
+        Self { grid, bodies, by_layer }
+    }
+
+    /// Adds what all bodies take of the voxels of layer `k`.
+    pub(super) fn add(&self, k: usize, layer: &mut [f32]) {
+        let mut columns = Columns::default();
+        for &index in &self.by_layer[k] {
+            stop::point();
+            let body = &self.bodies[index as usize];
+            columns.fill(&self.grid, k, body);
+            columns.add_to(&self.grid, body.sign, layer);
+        }
+    }
+}
+
+/// The convex parts of an aggregate that count.
+fn parts(aggregate: &Aggregate, of: ShareOf) -> Vec<Body> {
+    stop::point();
+    let part = |surface: Polyhedron, sign: f32| Body { aabb: surface.aabb(), surface, sign };
+    let whole = || part(aggregate.body.clone(), 1.0);
+    let core = |sign: f32| aggregate.core().ok().flatten().map(|core| part(core, sign));
+    match (of, aggregate.kind) {
+        (ShareOf::Aggregate, Kind::Aggregate) | (ShareOf::Void, Kind::Void) | (ShareOf::Fibre, Kind::Fibre) => {
+            vec![whole()]
+        }
+        (ShareOf::Core, Kind::Aggregate) => core(1.0).into_iter().collect(),
+        (ShareOf::Itz, Kind::Aggregate) => std::iter::once(whole()).chain(core(-1.0)).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// The voxels along an axis that a body's box reaches into.
+fn touched(grid: &PointGrid, axis: usize, aabb: &Aabb) -> Range<usize> {
+    let half = grid.spacing[axis] / 2.0;
+    grid.range(axis, aabb.min[axis] - half, aabb.max[axis] + half)
+}
+
+/// The lower side of a voxel.
+fn side(grid: &PointGrid, axis: usize, voxel: usize) -> f64 {
+    grid.coordinate(axis, voxel) - grid.spacing[axis] / 2.0
+}
+
+/// One layer of the columns that a body reaches into.
+#[derive(Default)]
+struct Columns {
+    across: Range<usize>,
+    along: Range<usize>,
+    /// By column and voxel, and one more for what lies beyond the last voxel.
+    pieces: Vec<Pieces>,
+    knives: [Knife; 2],
+}
+
+/// Sums over the pieces of faces in a voxel.
+#[derive(Clone, Copy, Default)]
+struct Pieces {
+    /// Their projections along x, mm2; negative where they look to -x.
+    area: f64,
+    /// The volume between them and the voxel's lower side, mm3, signed as the area.
+    volume: f64,
+}
+
+impl Columns {
+    fn fill(&mut self, grid: &PointGrid, k: usize, body: &Body) {
+        (self.across, self.along) = (touched(grid, 1, &body.aabb), touched(grid, 0, &body.aabb));
+        self.pieces.clear();
+        self.pieces.resize(self.across.len() * (self.along.len() + 1), Pieces::default());
+        let (bottom, top) = (side(grid, 2, k), side(grid, 2, k + 1));
+        let Self { across, along, pieces, knives: [by_y, by_x] } = self;
+        let [mut above, mut layer, mut rest] = [const { Vec::new() }; 3];
+        for face in body.surface.faces() {
+            let polygon: Vec<Vec3> = face.iter().map(|corner| body.surface.vertices()[corner as usize]).collect();
+            divide(&polygon, 2, bottom, &mut rest, &mut above);
+            divide(&above, 2, top, &mut layer, &mut rest);
+            by_y.slice(grid, 1, across.clone(), &layer, |j, strip| {
+                if j == across.end {
+                    return;
+                }
+                let column = &mut pieces[(j - across.start) * (along.len() + 1)..][..=along.len()];
+                by_x.slice(grid, 0, along.clone(), strip, |i, piece| {
+                    column[i - along.start].add(piece, side(grid, 0, i));
+                });
+            });
+        }
+    }
+
+    fn add_to(&self, grid: &PointGrid, sign: f32, layer: &mut [f32]) {
+        let h = grid.spacing.x;
+        let voxel = h * grid.spacing.y * grid.spacing.z;
+        for (j, column) in self.across.clone().zip(self.pieces.chunks_exact(self.along.len() + 1)) {
+            let row = &mut layer[j * grid.counts[0]..][self.along.clone()];
+            let mut beyond = column[row.len()].area;
+            for (value, pieces) in row.iter_mut().zip(column).rev() {
+                let share = (pieces.volume + h * beyond) / voxel;
+                beyond += pieces.area;
+                *value += sign * snapped(share) as f32;
+            }
+        }
+    }
+}
+
+fn snapped(share: f64) -> f64 {
+    match share {
+        share if share < WHOLE => 0.0,
+        share if share > 1.0 - WHOLE => 1.0,
+        share => share,
+    }
+}
+
+impl Pieces {
+    /// Adds a convex polygon above `bottom`.
+    fn add(&mut self, piece: &[Vec3], bottom: f64) {
+        let first = piece[0];
+        for pair in piece[1..].windows(2) {
+            let (a, b) = (pair[0] - first, pair[1] - first);
+            let area = (a.y * b.z - a.z * b.y) / 2.0;
+            self.area += area;
+            self.volume += area * (first.x - bottom + (a.x + b.x) / 3.0);
+        }
+    }
+}
+
+/// Divides polygons, and keeps the memory for it.
+#[derive(Default)]
+struct Knife {
+    rest: Vec<Vec3>,
+    below: Vec<Vec3>,
+    above: Vec<Vec3>,
+}
+
+impl Knife {
+    /// Hands the parts of a polygon in each of `voxels` along `axis` to `visit`, and what is beyond the last with the
+    /// number after it. What lies before the first is left out.
+    fn slice(
+        &mut self,
+        grid: &PointGrid,
+        axis: usize,
+        voxels: Range<usize>,
+        polygon: &[Vec3],
+        mut visit: impl FnMut(usize, &[Vec3]),
+    ) {
+        let Self { rest, below, above } = self;
+        let ends = polygon.iter().map(|v| v[axis]);
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let met = grid.range(axis, low - grid.spacing[axis] / 2.0, grid.coordinate(axis, grid.counts[axis]));
+        // Rounding may call the first one later than it is, not earlier than the body's first.
+        let first =
+            if met.is_empty() { voxels.end } else { met.start.saturating_sub(1).clamp(voxels.start, voxels.end) };
+        divide(polygon, axis, side(grid, axis, first), below, rest);
+        for voxel in first..voxels.end {
+            let end = side(grid, axis, voxel + 1);
+            if high <= end {
+                visit_solid(rest, |part| visit(voxel, part));
+                return;
+            }
+            divide(rest, axis, end, below, above);
+            visit_solid(below, |part| visit(voxel, part));
+            std::mem::swap(rest, above);
+        }
+        visit_solid(rest, |part| visit(voxels.end, part));
+    }
+}
+
+/// Calls `visit` with a polygon that has an area.
+fn visit_solid(polygon: &[Vec3], visit: impl FnOnce(&[Vec3])) {
+    if polygon.len() > 2 {
+        visit(polygon);
+    }
+}
+
+/// The parts of a polygon below `at` on `axis`, and from there on. Two polygons with a common edge cut it at the same
+/// point to the last bit, so that the parts cover what the whole did.
+fn divide(polygon: &[Vec3], axis: usize, at: f64, below: &mut Vec<Vec3>, above: &mut Vec<Vec3>) {
+    below.clear();
+    above.clear();
+    let Some(mut from) = polygon.last() else { return };
+    for to in polygon {
+        if (from[axis] < at) != (to[axis] < at) {
+            let (low, high) = if from[axis] < at { (from, to) } else { (to, from) };
+            let mut cut = low + (high - low) * ((at - low[axis]) / (high[axis] - low[axis]));
+            cut[axis] = at;
+            below.push(cut);
+            above.push(cut);
+        }
+        if to[axis] < at {
+            below.push(*to);
+        } else {
+            above.push(*to);
+        }
+        from = to;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_collision::geometry::{clipped as part_in_box, convex_hull};
+
+    /// A body of 24 corners.
+    fn body() -> Polyhedron {
+        let point = |i: i32| {
+            let (a, b) = (f64::from(i) * 2.4, f64::from(i) / 12.0 - 0.95);
+            let r = (1.0 - b * b).max(0.0).sqrt();
+            Vec3::new(4.1 + 3.0 * r * libm::cos(a), 4.3 + 2.5 * r * libm::sin(a), 3.9 + 2.0 * b)
+        };
+        convex_hull(&(0..24).map(point).collect::<Vec<_>>()).unwrap()
+    }
+
+    /// Shares of `body` in voxels of `h` mm from `first` voxels off the origin on, layer by layer.
+    fn shares(body: &Polyhedron, h: f64, first: f64, counts: [usize; 3]) -> Vec<f64> {
+        let grid = PointGrid { origin: Vec3::repeat((first + 0.5) * h), spacing: Vec3::repeat(h), counts };
+        let body = Body { surface: body.clone(), aabb: body.aabb(), sign: 1.0 };
+        let shares = Shares::of(grid, vec![body]);
+        let layer = |k: usize| {
+            let mut layer = vec![0.0; counts[0] * counts[1]];
+            shares.add(k, &mut layer);
+            layer
+        };
+        (0..counts[2]).flat_map(layer).map(f64::from).collect()
+    }
+
+    #[test]
+    fn a_body_inside_one_voxel_takes_its_own_share() {
+        let share = shares(&body(), 9.0, 0.0, [1; 3])[0];
+        assert!((share * 729.0 / body().volume() - 1.0).abs() < 1e-7, "{share}");
+    }
+
+    #[test]
+    fn shares_are_those_of_the_exact_clip() {
+        let body = body();
+        // The whole body; a grid that holds a part of it, so that it reaches beyond on all sides.
+        for (h, first, counts) in
+            [(0.7, 0.0, [14, 13, 12]), (2.0, 0.0, [5; 3]), (0.5, 6.0, [4, 5, 6]), (0.25, 9.0, [9, 1, 2])]
+        {
+            let (mut sum, mut crossed) = (0.0, 0);
+            for (number, share) in shares(&body, h, first, counts).into_iter().enumerate() {
+                let (i, j, k) = (number % counts[0], number / counts[0] % counts[1], number / (counts[0] * counts[1]));
+                let low = (Vec3::new(i as f64, j as f64, k as f64).add_scalar(first)) * h;
+                let voxel = Aabb { min: low, max: low.add_scalar(h) };
+                let exact = if body.aabb().intersects(&voxel) { part_in_box(&body, &voxel) } else { None };
+                let exact = exact.map_or(0.0, |part| part.volume() / h.powi(3));
+                assert!((share - exact).abs() < 1e-6, "{share} for {exact} at {low}");
+                assert!(exact > 0.0 || share == 0.0, "{share} outside at {low}");
+                sum += share;
+                crossed += usize::from(share > 0.0 && share < 1.0);
+            }
+            assert!(first > 0.0 || (sum * h.powi(3) / body.volume() - 1.0).abs() < 1e-7);
+            assert!(crossed > 0 && (first > 0.0 || crossed > 20), "{crossed} of {counts:?}");
+        }
+    }
+}
