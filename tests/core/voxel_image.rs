@@ -213,7 +213,7 @@ fn files_hold_the_values_behind_their_headers() {
 }
 
 #[test]
-fn what_cannot_be_asked_of_an_image_is_named() {
+fn an_option_that_an_image_cannot_meet_is_named() {
     let model = packed(PERIODIC);
     let error = |options: ImageOptions| VoxelImage::new(&model, &options).err().map(|error| error.to_string());
     let usual = ImageOptions::default();
