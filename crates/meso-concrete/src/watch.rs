@@ -29,7 +29,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name.
+    /// Name of the stage, as users see it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",

@@ -22,7 +22,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// Compressed or not.
+    /// Compressed if `yes`, else raw.
     pub fn compressed(yes: bool) -> Self {
         if yes { Self::Compressed } else { Self::Raw }
     }
@@ -36,7 +36,7 @@ const CHUNK: usize = 1 << 16;
 /// Writes the bytes of an array.
 type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
-/// One declared array.
+/// A declared array of a VTK file.
 pub struct Array<'a> {
     kind: &'static str,
     name: &'a str,
@@ -113,13 +113,13 @@ pub enum Layout {
 
 /// An unstructured grid, or poly data.
 pub struct Grid<'a> {
-    /// Which of both.
+    /// Cells, or poly data.
     pub layout: Layout,
-    /// Number of points.
+    /// Number of points of the grid.
     pub points: usize,
-    /// Number of cells.
+    /// Number of cells of the grid.
     pub cells: usize,
-    /// Positions.
+    /// Positions of the points.
     pub positions: Array<'a>,
     /// Connectivity, offsets and types; poly data leave out the last.
     pub topology: [Array<'a>; 3],
