@@ -65,12 +65,12 @@ impl<'a> Array<'a> {
         Self { kind, name, components: 1, bytes: N * count, fill: Box::new(fill) }
     }
 
-    /// The same values as vectors of three.
+    /// Groups the values into vectors of three.
     pub fn of_vectors(self) -> Self {
         self.in_groups_of(3)
     }
 
-    /// The same values, so many for each point or cell.
+    /// Groups the values, `components` for each point or cell.
     pub fn in_groups_of(self, components: usize) -> Self {
         Self { components, ..self }
     }

@@ -42,7 +42,8 @@ pub struct Field<'a> {
     pub values: &'a [f32],
 }
 
-/// Writes `mesh` with fields at its points and in its cells, which have `phases`, compressed; the first of `cells` is what a viewer shows.
+/// Writes `mesh` with fields at its points and in its cells, which have `phases`, compressed. Viewers display the first
+/// of `cells`.
 ///
 /// # Errors
 /// Those of `out`.

@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn points_in_edges_corners_and_hollows_are_told_apart() {
+    fn points_in_edges_corners_and_hollows_are_classified() {
         let container = hollow();
         assert!((container.volume() - 992.0).abs() < 1e-9);
         // Points exactly above and below edges and diagonals of the triangulation are among them.

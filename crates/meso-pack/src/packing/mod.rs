@@ -188,7 +188,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Of the `grains` and their poses; there are this many `classes` of aggregates.
+    /// Counts the `grains` by their poses, in `classes` size classes of aggregates.
     pub(crate) fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
         let mut largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {

@@ -10,7 +10,7 @@ pub(crate) mod vti;
 
 use std::borrow::Cow;
 
-/// The grid of an image, and what its values are.
+/// The grid of an image, and the kind of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
     /// Voxels along x, y and z.
