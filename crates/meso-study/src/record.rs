@@ -60,7 +60,7 @@ pub enum Status {
 /// An error of a case, as its record keeps it.
 pub type Failed = String;
 
-/// What the work on a case gave.
+/// Results or failure of a case, and its warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The results, or the message of the failure.
