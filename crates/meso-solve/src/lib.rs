@@ -5,45 +5,26 @@
 //! [`Run::new`] checks a [`Test`] of a [`Sample`] and prepares it, [`Run::to_end`] runs it under the eyes of an
 //! [`Observer`], and the [`Response`] holds the curve and its figures. [`solve`] is all three in one.
 
-mod assembly;
+mod assemble;
 mod block;
-mod builder;
-mod checkpoint;
-mod curve;
 #[cfg(test)]
 mod dice;
-mod drive;
 mod element;
 mod error;
-mod frame;
 mod lanes;
 pub mod law;
-mod mass;
-mod matter;
-mod nodes;
-mod observer;
-mod order;
-mod parts;
-mod patches;
-mod phases;
-mod plates;
-pub mod point;
+mod march;
 pub mod real;
-mod response;
 pub mod results;
-mod run;
 mod sample;
-mod servo;
 mod test;
-mod weight;
 
-pub use curve::{Figures, Row};
 pub use error::SolveError;
-pub use frame::{Frame, Mean, Point};
 pub use lanes::InstructionSet;
-pub use observer::{Observer, Progress, Silent, Wish};
-pub use response::{Ended, Energies, PhaseResult, Response, Summary};
-pub use run::Run;
+pub use march::{
+    Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Progress, Response, Row, Run, Silent, Summary,
+    Wish,
+};
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
 
@@ -55,7 +36,7 @@ use meso_mesh::materials::Materials;
 /// Names the value and what is accepted.
 pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
     test.validate()?;
-    matter::validate(materials, test.law)
+    block::matter::validate(materials, test.law)
 }
 
 /// Tests `sample`.

@@ -8,6 +8,7 @@ pub mod cdpm2;
 mod elastic;
 mod invariants;
 mod limits;
+pub mod point;
 mod softening;
 
 pub use cdp::Cdp;

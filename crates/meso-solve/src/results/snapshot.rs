@@ -1,7 +1,7 @@
 //! Fields that outlive their moment, for the frames' files and the page's pictures.
 
-use crate::frame::Frame;
-use crate::run::Run;
+use crate::march::Frame;
+use crate::march::Run;
 use meso_mesh::{Mesh, Phase};
 use meso_write::export::vtu_mesh::{self, Field};
 use serde::{Deserialize, Serialize};

@@ -4,13 +4,15 @@
 //! cache and a connectivity fits u16. Displacements are taken relative to the block's first node, in f64, before they
 //! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
 
+pub(crate) mod matter;
+
+use crate::block::matter::{LawTask, Matter};
 use crate::element::bending::Bending;
 use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
 use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
 use crate::law::{Elastic, Law, Tensor};
-use crate::matter::{LawTask, Matter};
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
 

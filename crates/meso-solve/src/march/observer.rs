@@ -1,8 +1,8 @@
 //! The observer of a test: it receives progress and frames, and may stop the test or keep its state.
 
-use crate::curve::Row;
-use crate::frame::Frame;
-use crate::run::Run;
+use crate::march::curve::Row;
+use crate::march::frame::Frame;
+use crate::march::run::Run;
 
 /// How far a test is.
 #[derive(Clone, Copy, Debug)]

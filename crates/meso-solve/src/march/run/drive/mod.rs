@@ -1,10 +1,10 @@
 //! The loop of a test: steps, rows, frames and the observer's wishes, until the end.
 
-use crate::frame::Frame;
-use crate::observer::{Observer, Progress, Wish};
-use crate::plates::Plates;
-use crate::response::{Ended, Response};
-use crate::run::Run;
+use crate::march::frame::Frame;
+use crate::march::observer::{Observer, Progress, Wish};
+use crate::march::plates::Plates;
+use crate::march::response::{Ended, Response};
+use crate::march::run::Run;
 use meso_collision::math::Vec3;
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.

@@ -2,10 +2,10 @@
 //! made to diverge.
 
 use crate::dice::dice;
-use crate::frame::Frame;
-use crate::observer::{Observer, Progress, Silent, Wish};
-use crate::response::Ended;
-use crate::run::Run;
+use crate::march::frame::Frame;
+use crate::march::observer::{Observer, Progress, Silent, Wish};
+use crate::march::response::Ended;
+use crate::march::run::Run;
 use crate::sample::Sample;
 use crate::test::{Itz, LawName, Smoothing, Test};
 use meso_collision::math::{Aabb, Mat3, Vec3};

@@ -4,20 +4,23 @@
 //! elements go in parallel, each into its own part of the forces; then runs of nodes go in parallel. Every sum has a fixed
 //! order, so the bytes do not hang on the threads.
 
-use crate::assembly::{Assembly, assemble, box_shape};
+mod checkpoint;
+mod drive;
+
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::Patches;
+use crate::assemble::phases::Phases;
+use crate::assemble::{Assembly, assemble, box_shape};
+use crate::block::matter::{self, Matter};
 use crate::block::{Block, Common, Pass, Scratch};
-use crate::curve::Row;
 use crate::element::face::CohesionValues;
 use crate::error::{SolveError, require};
 use crate::lanes::InstructionSet;
-use crate::matter::{self, Matter};
-use crate::nodes::Nodes;
-use crate::parts::Parts;
-use crate::patches::Patches;
-use crate::phases::Phases;
-use crate::plates::{Motion, Plates};
+use crate::march::curve::Row;
+use crate::march::nodes::Nodes;
+use crate::march::plates::{Motion, Plates};
+use crate::march::servo::Servo;
 use crate::sample::Sample;
-use crate::servo::Servo;
 use crate::test::{Control, Kind, LawName, Smoothing, Test};
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Mesh, Phase};

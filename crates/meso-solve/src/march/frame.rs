@@ -1,12 +1,12 @@
 //! The fields of a moment, computed on demand.
 
+use crate::block::matter::LawTask;
 use crate::block::{Block, Cells, Common, EMPTY, Group, Scratch};
 use crate::element::uniform::Uniform;
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
-use crate::matter::LawTask;
-use crate::plates::Plates;
-use crate::run::Run;
+use crate::march::plates::Plates;
+use crate::march::run::Run;
 use meso_mesh::{Mesh, Phase};
 use rayon::prelude::*;
 

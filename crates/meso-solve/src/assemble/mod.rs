@@ -1,15 +1,23 @@
 //! From a mesh to blocks of elements.
 
+mod builder;
+pub(crate) mod mass;
+mod order;
+pub(crate) mod parts;
+pub(crate) mod patches;
+pub(crate) mod phases;
+mod weight;
+
+use crate::assemble::builder::{Builder, OwnPatches};
+use crate::assemble::order::{along_curve, key};
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{Numbered, Patches};
+use crate::assemble::weight::Weight;
 use crate::block::{BLOCK, Block, Cells};
-use crate::builder::{Builder, OwnPatches};
 use crate::element::hex::BoxShape;
 use crate::element::uniform::Uniform;
 use crate::error::SolveError;
-use crate::order::{along_curve, key};
-use crate::parts::Parts;
-use crate::patches::{Numbered, Patches};
 use crate::test::Smoothing;
-use crate::weight::Weight;
 use meso_collision::math::{Aabb, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;

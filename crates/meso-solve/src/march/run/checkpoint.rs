@@ -4,11 +4,11 @@
 //! resumes builds the same run anew.
 
 use crate::block::{Block, Group};
-use crate::curve::Row;
 use crate::error::SolveError;
 use crate::lanes::LANES;
-use crate::run::{Run, State};
-use crate::servo::Servo;
+use crate::march::curve::Row;
+use crate::march::run::{Run, State};
+use crate::march::servo::Servo;
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";

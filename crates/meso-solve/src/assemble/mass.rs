@@ -7,10 +7,10 @@
 //! Elements that want a shorter step get more mass. A cohesive face is an element of its own: K area on two nodes takes
 //! K area dt^2 / 2 of each node's mass, and a fifth more for its damper; the solid elements have some to spare.
 
+use crate::assemble::patches::Patch;
+use crate::block::matter::Matter;
 use crate::element::hex::BoxShape;
 use crate::element::tet::Shape;
-use crate::matter::Matter;
-use crate::patches::Patch;
 use meso_collision::math::{Mat3, Vec3};
 
 /// Step over the stable one.
@@ -71,7 +71,7 @@ pub(crate) fn tet_metric(corners: &[Vec3; 4]) -> (Mat3, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matter::Behaviour;
+    use crate::block::matter::Behaviour;
     use meso_mesh::materials::Elastic;
 
     #[test]

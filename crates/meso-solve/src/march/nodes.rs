@@ -1,11 +1,11 @@
 //! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
 
 use crate::block::Block;
-use crate::plates::{Motion, Plates};
+use crate::march::plates::{Motion, Plates};
 use rayon::prelude::*;
 
-/// Nodes that move together; sums over them are added in their order, whatever the threads.
-const RUN: usize = 4096;
+/// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.
+const SPAN: usize = 4096;
 
 /// Displacements and velocities, by the engine's numbers.
 #[derive(Clone, Debug)]
@@ -90,19 +90,19 @@ impl Nodes {
     /// Moves all nodes by a step under the blocks' `forces`.
     pub(crate) fn advance(&mut self, forces: &[[f32; 4]], plates: &Plates, motion: &Motion) -> Sums {
         let Self { displacement, velocity, mass, first, shares } = self;
-        let runs = displacement.par_chunks_mut(RUN).zip(velocity.par_chunks_mut(RUN)).enumerate();
-        let runs = runs.map(|(number, (u, v))| {
-            let start = number * RUN;
-            let run = Run { start, mass: &mass[start..], first: &first[start..], shares, forces, plates, motion };
-            run.advance(u, v)
+        let spans = displacement.par_chunks_mut(SPAN).zip(velocity.par_chunks_mut(SPAN)).enumerate();
+        let spans = spans.map(|(number, (u, v))| {
+            let start = number * SPAN;
+            let span = Span { start, mass: &mass[start..], first: &first[start..], shares, forces, plates, motion };
+            span.advance(u, v)
         });
-        let sums: Vec<Sums> = runs.collect();
+        let sums: Vec<Sums> = spans.collect();
         sums.iter().fold(Sums::default(), Sums::with)
     }
 }
 
-/// The data that moves a run of nodes.
-struct Run<'a> {
+/// Consecutive nodes, and all that moves them.
+struct Span<'a> {
     /// Number of its first node.
     start: usize,
     mass: &'a [f64],
@@ -113,7 +113,7 @@ struct Run<'a> {
     motion: &'a Motion,
 }
 
-impl Run<'_> {
+impl Span<'_> {
     fn advance(&self, u: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> Sums {
         let mut contacts = self.plates.among(self.start, self.start + u.len()).iter().peekable();
         let (mut sums, dt) = (Sums::default(), self.motion.dt);

@@ -1,11 +1,11 @@
 //! Mass of the nodes: the elements' own, and what mass scaling adds.
 
+use crate::assemble::mass::{Need, box_metric, tet_metric};
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{Patch, Patches};
 use crate::element::face::DAMPED;
 use crate::element::tet::corners;
 use crate::error::SolveError;
-use crate::mass::{Need, box_metric, tet_metric};
-use crate::parts::Parts;
-use crate::patches::{Patch, Patches};
 use meso_collision::math::{Mat3, Vec3};
 use meso_mesh::{CellKind, Mesh, Phase};
 use rayon::prelude::*;
@@ -86,7 +86,7 @@ impl Weight {
     fn add_faces(&mut self, parts: &Parts) {
         let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
         let mut needed = vec![0.0; mesh.points.len()];
-        let safe = parts.dt / crate::mass::SAFETY;
+        let safe = parts.dt / crate::assemble::mass::SAFETY;
         for face in mesh.cohesive() {
             let (_, area) = facing(mesh, face);
             let share = DAMPED * cohesion.stiffness * area * safe * safe / 2.0;

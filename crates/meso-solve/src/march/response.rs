@@ -1,7 +1,7 @@
 //! Response of a specimen to a test.
 
-use crate::curve::{Figures, Row, to_half_peak};
-use crate::run::Run;
+use crate::march::curve::{Figures, Row, to_half_peak};
+use crate::march::run::Run;
 use crate::sample::Sample;
 use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
 use meso_mesh::{Mesh, Phase, PhaseVolumes};

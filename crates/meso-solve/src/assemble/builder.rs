@@ -1,14 +1,14 @@
 //! A block, built from the mesh's cells, cohesive faces and patches that it has.
 
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{MOST_NODES, Patch, Patches, band};
+use crate::assemble::weight::facing;
 use crate::block::{Block, Cells, EMPTY, Group, eights};
 use crate::element::face::Faces;
 use crate::element::hex::Hexes;
 use crate::element::tet::{Shape, corners};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES};
-use crate::parts::Parts;
-use crate::patches::{MOST_NODES, Patch, Patches, band};
-use crate::weight::facing;
 use meso_mesh::materials::regular_edge;
 use meso_mesh::{CellKind, Mesh, Phase};
 
