@@ -36,8 +36,9 @@ PEERS = {
 
 # Of the whole workspace, as the wheel is: other features would compile every crate a second time.
 TESTED = ["--workspace", "--exclude", "meso-bench"]
+CORE = [f"meso-{name}" for name in ("collision", "concrete", "pack", "mesh", "write")]
 # The slow tier has one profile for tests and benches, with every check of the core, and a wheel of its own.
-ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in ("meso-collision", "meso-concrete", "meso-pack", "meso-mesh", "meso-write"))
+ASSERTING = (f"profile.dev.package.{crate}.debug-assertions=true" for crate in CORE)
 WATCHED = ["--workspace", *(word for checks in ASSERTING for word in ("--config", checks))]
 
 # What is said of a command, and the command.
