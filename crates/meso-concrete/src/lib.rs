@@ -9,6 +9,7 @@
 pub mod aggregate;
 pub mod images;
 pub mod import;
+mod out_of_range;
 pub mod parallel;
 mod parts;
 pub mod progress;
@@ -16,5 +17,6 @@ pub mod specimen;
 pub mod stop;
 mod thousands;
 
+pub use out_of_range::{OutOfRange, Ranges};
 pub use parts::Parts;
 pub use thousands::thousands;

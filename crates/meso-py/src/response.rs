@@ -86,10 +86,12 @@ impl Asked {
     }
 }
 
-/// A keyword's name is the test's own.
+/// A keyword has the name of the test's value.
 fn wrong(error: &SolveError) -> PyErr {
-    let text = error.to_string();
-    PyValueError::new_err(text.strip_prefix("test.").unwrap_or(&text).to_owned())
+    PyValueError::new_err(match error {
+        SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", wrong.key, wrong.fault()),
+        _ => error.to_string(),
+    })
 }
 
 /// A mesh with its origin.

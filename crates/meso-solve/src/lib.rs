@@ -36,7 +36,7 @@ use meso_mesh::materials::Materials;
 /// Names the value and what is accepted.
 pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
     test.validate()?;
-    block::matter::validate(materials, test.law)
+    Ok(block::matter::validate(materials, test.law)?)
 }
 
 /// Tests `sample`.

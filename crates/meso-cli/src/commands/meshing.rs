@@ -4,8 +4,9 @@ use super::{names, values};
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, stderr};
+use meso_concrete::OutOfRange;
 use meso_core::aggregate::Itz;
-use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
+use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{
@@ -392,7 +393,7 @@ impl VolumeMesher for Announced {
 pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
     let text = error.message(flag);
     match error {
-        MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
+        MeshError::Option(wrong) => Failure::Usage(format!("{} {}", flag(&wrong.key), wrong.fault())),
         MeshError::MissingGmsh { .. } => {
             Failure::Run(format!("{text} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
@@ -441,13 +442,13 @@ fn name(value: impl serde::Serialize) -> String {
 }
 
 /// Turns an error of a deck into wrong usage.
-pub(super) fn wrong_deck(error: &DeckError) -> Failure {
-    Failure::Usage(format!("{} {}", flag(error.key()), error.fault()))
+pub(super) fn wrong_deck(error: &OutOfRange) -> Failure {
+    Failure::Usage(format!("{} {}", flag(&error.key), error.fault()))
 }
 
 /// The core speaks of `element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag. Of a key that
 /// ends in its unit, seconds, the flag has only the name.
-fn flag(key: &str) -> String {
+pub(super) fn flag(key: &str) -> String {
     if key.contains('.') {
         return key.to_owned();
     }

@@ -4,6 +4,7 @@ mod division;
 mod folder;
 mod watch;
 
+use super::meshing::flag;
 use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
@@ -338,9 +339,12 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     }
 }
 
-/// Turns an error of the engine into wrong usage.
+/// Turns an error of the engine into wrong usage; a value of the test has a flag.
 fn wrong(error: &SolveError) -> Failure {
-    Failure::Usage(with_flags(&error.to_string()))
+    Failure::Usage(match error {
+        SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", flag(&wrong.key), wrong.fault()),
+        _ => error.to_string(),
+    })
 }
 
 /// The engine speaks of `test.time_step_s`, the user typed `--time-step`.

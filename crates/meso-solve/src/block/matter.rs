@@ -1,11 +1,11 @@
 //! Material of a phase: its elasticity, its density, and its law.
 
 use crate::element::hex::{BoxShape, hourglass_stiffness};
-use crate::error::{SolveError, require};
 use crate::lanes::Lanes;
 use crate::law::{self, Law, cdp, cdpm2};
 use crate::real::Real;
 use crate::test::LawName;
+use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
 use meso_mesh::materials::{Elastic, Materials, Plasticity, Strength};
 use std::any::Any;
@@ -82,36 +82,14 @@ pub(crate) enum Behaviour {
 ///
 /// # Errors
 /// Names the first value that it cannot have.
-pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), SolveError> {
-    let answer = match name {
-        LawName::Elastic => law::validate_elastic(materials),
+pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
+    match name {
+        LawName::Elastic => materials.validate_elastic(),
         LawName::Cdp => cdp::validate(materials),
         LawName::Cdpm2 => cdpm2::validate(materials, &cdpm2::Options::default()),
-    };
-    answer.map_err(|error| SolveError::value(&format!("materials.{}", error.key), error.value, error.accepted))?;
-    // Densities in kg/m3 or g/cm3 are far above the heaviest matter.
-    for phase in Phase::ALL {
-        let density = materials.elastic(phase).density_t_per_mm3;
-        let key = format!("materials.{}.density_t_per_mm3", phase.name().to_ascii_lowercase());
-        require(&key, density, density < HEAVIEST, "it must lie below 1e-3: 2400 kg/m3 are 2.4e-9 tonne/mm3")?;
-    }
-    validate_cohesive(materials)
+    }?;
+    materials.validate_cohesive()
 }
-
-fn validate_cohesive(materials: &Materials) -> Result<(), SolveError> {
-    let Materials { cohesive_thickness_mm, cohesive_shear_energy_ratio, cohesive_mode_power, .. } = *materials;
-    for (key, value, least, accepted) in [
-        ("thickness_mm", cohesive_thickness_mm, f64::MIN_POSITIVE, "it must be a positive number"),
-        ("shear_energy_ratio", cohesive_shear_energy_ratio, 1.0, "it must be 1 or more"),
-        ("mode_power", cohesive_mode_power, f64::MIN_POSITIVE, "it must be a positive number"),
-    ] {
-        require(&format!("materials.cohesive_{key}"), value, value >= least && value.is_finite(), accepted)?;
-    }
-    Ok(())
-}
-
-/// tonne/mm3: what is mass-scaled a thousandfold lies far below it.
-const HEAVIEST: f64 = 1e-3;
 
 /// Work with a law on lanes. Give `run` `#[inline(always)]`.
 pub(crate) trait LawTask {

@@ -14,7 +14,7 @@ use crate::assemble::{Assembly, assemble, box_shape};
 use crate::block::matter::{self, Matter};
 use crate::block::{Block, Common, Pass, Scratch};
 use crate::element::face::CohesionValues;
-use crate::error::{SolveError, require};
+use crate::error::SolveError;
 use crate::lanes::InstructionSet;
 use crate::march::curve::Row;
 use crate::march::nodes::Nodes;
@@ -308,9 +308,6 @@ fn cohesion(materials: &Materials, test: &Test) -> Result<CohesionValues, SolveE
         let energies = [UNBREAKABLE.powi(2); 2];
         return Ok(CohesionValues { tensile: UNBREAKABLE, shear: UNBREAKABLE, energies, ..values });
     }
-    let (thickness, limit) = (materials.cohesive_thickness_mm, materials.cohesive_thickness_limit_mm());
-    let accepted =
-        format!("it must be below {limit:.3e}, where damage begins with less than the ITZ's fracture energy");
-    require("materials.cohesive_thickness_mm", thickness, thickness < limit, &accepted)?;
+    materials.validate_cohesive_softening()?;
     Ok(values)
 }

@@ -3,8 +3,9 @@
 use super::DeckOptions;
 use super::damage::{self, Band, Row};
 use super::geometry::present;
-use super::limits::{self, DeckError};
+use super::limits;
 use super::lines::{Lines, real};
+use meso_concrete::OutOfRange;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
@@ -43,7 +44,7 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 }
 
 /// Finds out whether Abaqus takes the curves of every phase in the elements it has.
-pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), DeckError> {
+pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), OutOfRange> {
     let mut strong = present(mesh).filter(|&phase| materials.strength(phase).is_some());
     let materials = materials.in_mesh(mesh);
     let opening = crack_band(mesh).opening;

@@ -4,6 +4,10 @@
 //! available. docs/decks.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
 //! range (Sec. 3.1).
 
+mod ranges;
+
+pub use ranges::MATERIALS;
+
 use crate::cells::{CellKind, Mesh, Phase};
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -181,6 +185,9 @@ impl Elastic {
 }
 
 impl Strength {
+    /// Compressive stress at which inelastic strain begins, over the strength, in decks and in our laws.
+    pub const ELASTIC_LIMIT: f64 = 0.4;
+
     /// Cohesion of a Mohr-Coulomb material of these strengths, sqrt(f_c f_t) / 2, MPa.
     pub fn cohesion_mpa(&self) -> f64 {
         (self.compressive_mpa * self.tensile_mpa).sqrt() / 2.0
