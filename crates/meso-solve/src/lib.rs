@@ -26,7 +26,7 @@ pub use march::{
     Wish,
 };
 pub use sample::{Sample, gross_section_mm2};
-pub use test::{Control, Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
+pub use test::{Control, Interface, Kind, LawName, Smoothing, Test};
 
 use meso_mesh::materials::Materials;
 
