@@ -162,14 +162,15 @@ CRATE_FLOORS = {
     "meso-concrete": 1,
     "meso-pack": 2,
     "meso-mesh": 2,
-    "meso-write": 3,
+    "meso-view": 3,
+    "meso-write": 4,
     "meso-files": 3,
     "meso-gmsh": 3,
     "meso-solve": 4,
-    "meso-core": 4,
-    "meso-study": 5,
-    "meso-cli": 6,
-    "meso-py": 7,
+    "meso-core": 5,
+    "meso-study": 6,
+    "meso-cli": 7,
+    "meso-py": 8,
 }
 
 

@@ -83,7 +83,8 @@ fn results_count_the_joined_aggregates_and_warn_of_their_cells() {
     let model = small_cube(0.0);
     let result = |joined| {
         let meshed = meshed(&model, MeshOptions { joined, ..options(Method::FITTED, 3.0, ItzForm::None) });
-        let result = Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
+        let result =
+            Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce, &Silent).result;
         (meshed.mesh.notes, result)
     };
     let (notes, parted) = result(Joined::Mortar);
@@ -101,8 +102,10 @@ fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
     let model = small_cube(0.3);
     let voxels = |joined| meshed(&model, MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) });
     let touch = |text: &String| text.contains("lie between two aggregates");
-    let kept =
-        Run::new(voxels(Joined::Keep).sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
+    let kept = Run::new(voxels(Joined::Keep).sample(), &brittle(), &Test::default())
+        .unwrap()
+        .to_end(&StopAtOnce, &Silent)
+        .result;
     assert!(kept.warnings.iter().any(touch), "{:?}", kept.warnings);
     let result = solve(&voxels(Joined::Mortar), &Test::default()).result;
     assert!(result.figures.softened && result.figures.peak_mpa < 55.0 && result.joined_pairs > 0, "{result:?}");
@@ -149,7 +152,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     // A servo adds frames.
     let control = Control::Steady;
     let test = Test { frames: 4, kind: Kind::Tension, control, ..Test::default() };
-    meshed.watched(&brittle(), &test, &damage);
+    meshed.watched(&brittle(), &test, &Silent, &damage);
     let frames = damage.0.into_inner();
     assert_eq!(frames.len(), 4);
     assert!((frames[3].0 / test.strain() - 1.0).abs() < 1e-6, "{}", frames[3].0);
@@ -184,7 +187,7 @@ fn bodies_that_the_elements_lose_are_told() {
         let options = options(method, size, ItzForm::None);
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut run = Run::new(sample_of(&mesh, &model, &options), &brittle(), &Test::default()).unwrap();
-        let warnings = run.to_end(&StopAtOnce).result.warnings;
+        let warnings = run.to_end(&StopAtOnce, &Silent).result.warnings;
         ["aggregates", "fibres", "voids"]
             .map(|name| warnings.iter().any(|text| text.starts_with(&format!("the {name} are"))))
     };

@@ -6,7 +6,6 @@
 
 use crate::deck_reader::{Card, Deck};
 use crate::samples::{StopAtOnce, small_cube};
-use meso_core::Spec;
 use meso_core::aggregate::Fibres;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
@@ -14,8 +13,9 @@ use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
     self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Tools,
 };
+use meso_core::{Silent, Spec};
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Figures, Kind, Run, Sample, Silent, Smoothing, Test};
+use meso_solve::{Control, Figures, Kind, Run, Sample, Smoothing, Test};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -48,7 +48,7 @@ impl Model {
             band_factor: band_factor(&self.mesh),
             exact: None,
         };
-        let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent);
+        let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent, &Silent);
         assert!(response.result.errors.is_empty(), "{:?}", response.result.errors);
         response.result.figures
     }
@@ -314,7 +314,7 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
     let plain = small_cube(0.3).spec;
     let fibres = Some(Fibres { fraction: 0.01, length_mm: 8.0, diameter_mm: 1.5, orientation: None });
     for spec in [Spec { fibres, ..plain.clone() }, plain] {
-        let model = meso_core::pack(&spec, &meso_core::Silent).unwrap();
+        let model = meso_core::pack(&spec, &Silent).unwrap();
         let options = MeshOptions::try_from(MeshTable { element_size_mm: 1.5, ..MeshTable::of_a_test() }).unwrap();
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut deck = Vec::new();
@@ -329,7 +329,8 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
             .collect();
         let sample = sample_of(&mesh, &model, &options);
         let volume_mm3 = sample.volume_mm3;
-        let result = Run::new(sample, &Materials::default(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
+        let result =
+            Run::new(sample, &Materials::default(), &Test::default()).unwrap().to_end(&StopAtOnce, &Silent).result;
         assert_eq!(sets.len(), result.phases.len());
         assert_eq!(sets.contains_key("fibre"), spec.fibres.is_some());
         for phase in result.phases {
@@ -343,7 +344,7 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
 #[test]
 fn a_smeared_itz_lies_at_aggregates_and_not_at_fibres() {
     let fibres = Some(Fibres { fraction: 0.01, length_mm: 8.0, diameter_mm: 1.5, orientation: None });
-    let model = meso_core::pack(&Spec { fibres, ..small_cube(0.3).spec }, &meso_core::Silent).unwrap();
+    let model = meso_core::pack(&Spec { fibres, ..small_cube(0.3).spec }, &Silent).unwrap();
     let options = MeshOptions::try_from(MeshTable { element_size_mm: 1.5, ..MeshTable::of_a_test() }).unwrap();
     let mesh = mesh::build((&model.inclusions, &model.spec.specimen), &options, &Tools::default()).unwrap();
     assert!(mesh.phase.contains(&Phase::Fibre) && !mesh.phase.contains(&Phase::Itz));

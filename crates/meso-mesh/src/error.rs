@@ -62,8 +62,8 @@ pub enum MeshError {
     /// gmsh failed: it broke off, made no mesh, or wrote one that cannot be read.
     #[error("{0}")]
     Gmsh(String),
-    /// The caller asked to stop while gmsh ran.
-    #[error("gmsh was stopped")]
+    /// The watch stopped the work.
+    #[error("meshing was stopped")]
     Stopped,
     /// The files that gmsh reads and writes.
     #[error("the files for gmsh in {}: {}; TMPDIR names another folder for them", folder.display(), plain(error))]

@@ -21,13 +21,11 @@ mod test;
 
 pub use error::SolveError;
 pub use lanes::InstructionSet;
-pub use march::{
-    Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Progress, Response, Row, Run, Silent, Summary,
-    Wish,
-};
+pub use march::{Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary};
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, Kind, LawName, Smoothing, Test};
 
+use meso_concrete::watch::Watch;
 use meso_mesh::materials::Materials;
 
 /// Checks what is known before there is a mesh: the test's values, and the materials that its law takes.
@@ -47,7 +45,8 @@ pub fn solve(
     sample: Sample,
     materials: &Materials,
     test: &Test,
+    watch: &dyn Watch,
     observer: &dyn Observer,
 ) -> Result<Response, SolveError> {
-    Ok(Run::new(sample, materials, test)?.to_end(observer))
+    Ok(Run::new(sample, materials, test)?.to_end(watch, observer))
 }

@@ -13,10 +13,9 @@ use meso_core::mesh::{
     self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff, Tools,
     VolumeMesher, Volumes,
 };
-use meso_core::progress::Stage;
 use meso_core::spec::options_from_toml;
 use meso_core::specimen::Specimen;
-use meso_core::{Model, Progress, Spec};
+use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -369,9 +368,8 @@ pub(super) fn build(
     quiet: bool,
     watch: &Watch,
 ) -> Result<Mesh, Failure> {
-    let progress = |share| watch.stage(Stage::Mesh, share);
     let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
-    mesh::build(model, options, &Tools { gmsh: &gmsh, progress: &progress }).map_err(|error| wrong_mesh(&error))
+    mesh::build(model, options, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error))
 }
 
 /// gmsh, whose second attempts the user hears of.

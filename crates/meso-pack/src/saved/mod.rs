@@ -13,7 +13,6 @@ mod gzip;
 mod polygons;
 mod read;
 
-#[doc(hidden)]
 pub use read::read_while;
 pub use read::{ReadError, read};
 

@@ -5,7 +5,7 @@ use super::tree::{Node, Value};
 use super::{Reading, SpecError};
 use meso_collision::geometry::TriangleMesh;
 use meso_concrete::import::stl;
-use meso_concrete::progress::Stage;
+use meso_concrete::watch::Stage;
 
 const KEY: &str = "specimen.file";
 
@@ -42,13 +42,13 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), S
 fn read(name: &str, reading: &mut Reading<'_>) -> Result<TriangleMesh, String> {
     let bytes = reading.files.read(name).map_err(|error| error.to_string())?;
     // Shares of the time that a million triangles take; see `Triangulated::crossing` for the rest.
-    reading.progress.stage(Stage::Read, 0.02);
+    reading.watch.stage(Stage::Read, 0.02);
     let mut mesh = stl::read(&bytes).map_err(|error| error.to_string())?;
-    reading.progress.stage(Stage::Read, 0.12);
+    reading.watch.stage(Stage::Read, 0.12);
     if mesh.volume() < 0.0 {
         mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
     mesh.check_closed().map_err(|error| error.to_string())?;
-    reading.progress.stage(Stage::Read, 0.2);
+    reading.watch.stage(Stage::Read, 0.2);
     Ok(mesh)
 }

@@ -11,6 +11,6 @@ mod servo;
 
 pub use curve::{Figures, Row};
 pub use frame::{Frame, Mean, Point};
-pub use observer::{Observer, Progress, Silent, Wish};
+pub use observer::Observer;
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};
 pub use run::Run;

@@ -6,8 +6,8 @@ use crate::progress::Watch;
 use meso_core::Model;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName, NarrowGaps};
-use meso_core::progress::Stage;
 use meso_core::specimen::Specimen;
+use meso_core::watch::Stage;
 use std::path::PathBuf;
 
 /// Element size without a model, mm: the whole test then takes minutes.

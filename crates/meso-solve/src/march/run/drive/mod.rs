@@ -1,23 +1,24 @@
-//! The loop of a test: steps, rows, frames and the observer's wishes, until the end.
+//! The loop of a test: steps, rows and frames, until the end.
 
 use crate::march::frame::Frame;
-use crate::march::observer::{Observer, Progress, Wish};
+use crate::march::observer::Observer;
 use crate::march::plates::Plates;
 use crate::march::response::{Ended, Response};
 use crate::march::run::Run;
 use meso_collision::math::Vec3;
+use meso_concrete::watch::{Stage, Watch};
 
 /// Kinetic energy above this share of the plates' work is no test any more but a runaway.
 const RUNAWAY: f64 = 4.0;
 
 impl Run<'_> {
-    /// Goes on to the end of the test, or until the observer stops it or it diverges.
-    pub fn to_end(&mut self, observer: &dyn Observer) -> Response {
-        let ended = self.go(observer);
+    /// Goes on to the end of the test, or until the watch stops it or it diverges.
+    pub fn to_end(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Response {
+        let ended = self.go(watch, observer);
         Response::of(self, ended)
     }
 
-    fn go(&mut self, observer: &dyn Observer) -> Ended {
+    fn go(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Ended {
         while !self.is_over() {
             let (rows, frames) = (self.rows_due(), self.frames_due());
             self.advance();
@@ -31,20 +32,25 @@ impl Run<'_> {
             if self.frames_due() > frames {
                 observer.frame(&Frame::new(self, self.frames_due()));
             }
-            if is_row && self.report(observer) == Wish::Stop || observer.stops() {
+            if is_row {
+                self.report(watch, observer);
+            }
+            // Asked after every step: rows of a large mesh may be seconds apart.
+            if watch.stops() {
                 return Ended::Stopped;
             }
         }
         Ended::Completed
     }
 
-    fn report(&self, observer: &dyn Observer) -> Wish {
-        let Some(row) = self.state.rows.last() else { return Wish::GoOn };
-        let wish = observer.progress(&Progress { done: self.done(), row });
-        if wish == Wish::Keep {
+    fn report(&self, watch: &dyn Watch, observer: &dyn Observer) {
+        watch.stage(Stage::Solve, self.done());
+        if let Some(row) = self.state.rows.last() {
+            observer.row(row, self.done());
+        }
+        if observer.keeps() {
             observer.keep(self);
         }
-        wish
     }
 
     fn is_over(&self) -> bool {

@@ -3,16 +3,16 @@
 
 use crate::dice::dice;
 use crate::march::frame::Frame;
-use crate::march::observer::{Observer, Progress, Silent, Wish};
 use crate::march::response::Ended;
 use crate::march::run::Run;
 use crate::sample::Sample;
 use crate::test::{LawName, Smoothing, Test};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_mesh::materials::{Elastic, Materials};
 use meso_mesh::{self as mesh, Mesh, MeshOptions, Method, Phase, Tools};
-use std::cell::Cell;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A specimen of mortar and its mesh; tetrahedra are irregular: their inner nodes are moved by up to 0.2 mm.
 struct Body {
@@ -245,12 +245,15 @@ fn aggregates_of_boxes_bend_exactly_and_no_hourglass_mode_has_a_part_in_it() {
 }
 
 /// Stops after so many rows.
-struct Rows(Cell<usize>);
+struct Rows(AtomicUsize);
 
-impl Observer for Rows {
-    fn progress(&self, _: &Progress) -> Wish {
-        self.0.set(self.0.get() - 1);
-        if self.0.get() == 0 { Wish::Stop } else { Wish::GoOn }
+impl Watch for Rows {
+    fn stage(&self, _: Stage, _: f64) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+
+    fn stops(&self) -> bool {
+        self.0.load(Ordering::Relaxed) == 0
     }
 }
 
@@ -260,7 +263,7 @@ fn a_run_that_diverges_stops_at_once_names_the_element_and_keeps_the_curve() {
     for (body, law) in bodies.iter().flat_map(|body| [(body, LawName::Elastic), (body, LawName::Cdp)]) {
         let method = body.name();
         let mut run = body.run(law);
-        let healthy = run.to_end(&Rows(Cell::new(30)));
+        let healthy = run.to_end(&Rows(AtomicUsize::new(30)), &Silent);
         // One node in the middle becomes so light that its step is far too long.
         let places = places(&run);
         let middle = Vec3::new(5.0, 6.0, 7.0);
@@ -269,7 +272,7 @@ fn a_run_that_diverges_stops_at_once_names_the_element_and_keeps_the_curve() {
         let light = light.unwrap();
         run.nodes.mass[light] *= 0.01;
         let (step, node) = (run.state.step, run.order[light]);
-        let response = run.to_end(&Silent);
+        let response = run.to_end(&Silent, &Silent);
         let Ended::Diverged(told) = &response.result.ended else { panic!("{:?}", response.result.ended) };
         let number: usize = told.split_whitespace().nth(1).unwrap().parse().unwrap();
         assert!(body.mesh.cell(number).contains(&node), "{told}");

@@ -1,57 +1,44 @@
-//! The sieve size: the width of the smallest square hole that a grain passes.
-//!
-//! A grain falls through lengthwise. So the grain is projected along the principal axis of its smallest moment of
-//! inertia, and its size is the side of the smallest square, turned at will, around that projection. (The true minimum
-//! over all directions is at most this, 3 % less in the mean of 40 of the paper's polyhedra and 13 % less of one of
-//! them, by 600 random directions each; finding it is costlier than making the grain, and sieving itself scatters by
-//! more.)
+//! The smallest square around a projection of a body, by rotating calipers; and over all directions, by brute force.
 
-use super::Polyhedron;
-use crate::math::Mat3;
+use crate::dice::Dice;
+use meso_collision::math::Vec3;
 use nalgebra::Vector2;
 
 type Vec2 = Vector2<f64>;
 
-impl Polyhedron {
-    /// Side of the smallest square hole that the body passes lengthwise, mm.
-    pub fn sieve_size(&self) -> f64 {
-        let axes = principal_axes(&self.mass_properties().inertia);
-        let (u, v) = (axes.column(1).into_owned(), axes.column(2).into_owned());
-        let mut shadow: Vec<Vec2> = self.vertices().iter().map(|p| Vec2::new(u.dot(p), v.dot(p))).collect();
-        smallest_square(&outline(&mut shadow))
-    }
+/// Side of the smallest square around the projection of the points along `direction`.
+pub(crate) fn smallest_square_along(points: &[Vec3], direction: &Vec3) -> f64 {
+    let u = direction.cross(&Vec3::ith(direction.iamin(), 1.0)).normalize();
+    let v = direction.cross(&u).normalize();
+    let mut shadow: Vec<Vec2> = points.iter().map(|p| Vec2::new(u.dot(p), v.dot(p))).collect();
+    smallest_square(&outline(&mut shadow))
 }
 
-/// Unit eigenvectors of a symmetric tensor as columns, by ascending eigenvalue (for an inertia tensor: the longest axis
-/// of the body first).
-///
-/// Jacobi's method: it needs no trigonometric function, so it gives the same bits everywhere.
-pub fn principal_axes(tensor: &Mat3) -> Mat3 {
-    let (mut diagonal, mut axes) = (*tensor, Mat3::identity());
-    // Six sweeps square the off-diagonal part far below rounding; more change nothing.
-    for _ in 0..6 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            let turn = jacobi_rotation(&diagonal, p, q);
-            diagonal = turn.transpose() * diagonal * turn;
-            axes *= turn;
+/// The smallest square that is found from `starts` random directions, of which the best eight are polished.
+pub(crate) fn by_brute_force(points: &[Vec3], dice: &mut Dice, starts: usize) -> f64 {
+    let mut tried: Vec<(f64, Vec3)> = (0..starts)
+        .map(|_| dice.direction())
+        .map(|direction| (smallest_square_along(points, &direction), direction))
+        .collect();
+    tried.sort_by(|p, q| p.0.total_cmp(&q.0));
+    tried.iter().take(8).map(|start| polished(points, dice, *start)).fold(f64::INFINITY, f64::min)
+}
+
+/// A local minimum near a direction: random steps, halved whenever forty in a row fail.
+fn polished(points: &[Vec3], dice: &mut Dice, (mut least, mut best): (f64, Vec3)) -> f64 {
+    let (mut step, mut failures) = (0.1, 0);
+    while step > 1e-10 {
+        let direction = (best + dice.direction() * step).normalize();
+        let side = smallest_square_along(points, &direction);
+        failures = if side < least { 0 } else { failures + 1 };
+        if side < least {
+            (least, best, step) = (side, direction, 1.5 * step);
+        }
+        if failures == 40 {
+            (step, failures) = (0.5 * step, 0);
         }
     }
-    let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| diagonal[(i, i)].total_cmp(&diagonal[(j, j)]));
-    Mat3::from_columns(&order.map(|k| axes.column(k).into_owned()))
-}
-
-/// The rotation in the plane (p, q) that makes the element (p, q) zero.
-fn jacobi_rotation(a: &Mat3, p: usize, q: usize) -> Mat3 {
-    let mut turn = Mat3::identity();
-    if a[(p, q)] != 0.0 {
-        let theta = (a[(q, q)] - a[(p, p)]) / (2.0 * a[(p, q)]);
-        let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-        let cos = 1.0 / (tangent * tangent + 1.0).sqrt();
-        let sin = tangent * cos;
-        (turn[(p, p)], turn[(q, q)], turn[(p, q)], turn[(q, p)]) = (cos, cos, sin, -sin);
-    }
-    turn
+    least
 }
 
 /// The convex hull of points in the plane, counter-clockwise (Andrew 1979).
@@ -132,25 +119,4 @@ fn diameters(outline: &[Vec2], direction: &Vec2) -> [Vec2; 2] {
 
 fn quarter_turn(v: &Vec2) -> Vec2 {
     Vec2::new(-v.y, v.x)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn square_by_scanning(outline: &[Vec2]) -> f64 {
-        let turn = |k: u32| f64::from(k) * std::f64::consts::FRAC_PI_2 / 20_000.0;
-        (0..20_000).map(|k| side_at(outline, &Vec2::new(turn(k).cos(), turn(k).sin()))).fold(f64::INFINITY, f64::min)
-    }
-
-    #[test]
-    fn the_smallest_square_is_the_one_that_scanning_finds() {
-        for corners in 3..40_u32 {
-            let at = |k: u32| f64::from(k * k * 37 % 101) + f64::from(k) * 0.1;
-            let mut points: Vec<Vec2> = (0..corners).map(|k| Vec2::new(at(k), at(k + corners) * 0.6)).collect();
-            let outline = outline(&mut points);
-            let (found, scanned) = (smallest_square(&outline), square_by_scanning(&outline));
-            assert!(found <= scanned + 1e-9 && found > scanned - 0.02, "{corners} corners: {found}, {scanned}");
-        }
-    }
 }

@@ -3,7 +3,7 @@
 //! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
 //! `radius_ratio` and `min_dihedral_deg`.
 
-use super::vtk::{Array, Encoding, Grid, Layout};
+use crate::vtk::{Array, Encoding, Grid, Layout};
 use meso_mesh::cells::{CellKind, Mesh};
 use meso_mesh::figures::CellQuality;
 use std::io::{self, Write};
@@ -42,7 +42,8 @@ pub struct Field<'a> {
     pub values: &'a [f32],
 }
 
-/// Writes `mesh` with fields at its points and in its cells, compressed; the first of `cells` is what a viewer shows.
+/// Writes `mesh` with fields at its points and in its cells, compressed. Viewers display the first
+/// of `cells`.
 ///
 /// # Errors
 /// Those of `out`.
@@ -61,7 +62,7 @@ impl<'a> Field<'a> {
 }
 
 /// The cell data of such a file: VTK's type and the name of every array.
-pub(super) fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
+pub fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
     const ALL: [(&str, &str); 4] =
         [("UInt8", "phase"), ("Int32", "aggregate"), ("Float32", "radius_ratio"), ("Float32", "min_dihedral_deg")];
     if kind == CellKind::Hexahedron { &ALL[..2] } else { &ALL }

@@ -1,4 +1,7 @@
-//! How far long work is: named stages, and one measure of them all that never falls.
+//! Who watches long work: how far it is in named stages, and whether it should stop.
+//!
+//! Packing, meshing and a test get one [`Watch`] each. Work that keeps a result asks [`Watch::stops`]; see [`stop`](crate::stop)
+//! for work without a result worth keeping.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
@@ -15,6 +18,8 @@ pub enum Stage {
     Prove,
     /// Meshing, or measuring a mesh.
     Mesh,
+    /// Testing a mesh.
+    Solve,
     /// Measuring a packing.
     Measure,
     /// Making images.
@@ -32,6 +37,7 @@ impl Stage {
             Self::Place => "place",
             Self::Prove => "prove",
             Self::Mesh => "mesh",
+            Self::Solve => "solve",
             Self::Measure => "measure",
             Self::Image => "image",
             Self::Write => "write",
@@ -39,75 +45,80 @@ impl Stage {
     }
 }
 
-/// A long run reports its progress here, and asks whether to go on.
-pub trait Progress: Sync {
-    /// The fraction reached so far, of the target. Return `false` to stop with the best packing found.
-    fn update(&self, fraction: f64, target: f64) -> bool;
-    /// This share of a stage is done, 0 to 1. A stage may begin again, after a jam; whoever shows it keeps the most.
+/// Watches long work: it receives the stages, and says when to stop. Every method has a default that does nothing.
+pub trait Watch: Sync {
+    /// Receives the share of a stage that is done, 0 to 1. A stage may begin again, after a jam; a display keeps the most.
     fn stage(&self, stage: Stage, share: f64) {
         let _ = (stage, share);
     }
+    /// Receives the fraction that a spec asks for, as soon as it is read.
+    fn target(&self, fraction: f64) {
+        let _ = fraction;
+    }
+    /// Whether to stop. Packing then ends with the best packing found, a test with its curve so far, a mesh with an error.
+    fn stops(&self) -> bool {
+        false
+    }
+    /// Whether nobody waits for the result any more. Work on a thread that [listens](crate::stop::listen) then unwinds.
+    fn is_abandoned(&self) -> bool {
+        false
+    }
     /// Seconds since some fixed moment: the core itself reads no clock.
-    fn seconds(&self) -> f64;
-    /// When the time limit began to count, in [`seconds`](Progress::seconds): now, unless somebody waits since an earlier
-    /// moment, as when a large surface was read first.
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+    /// The moment when the time limit began to count, in [`seconds`](Watch::seconds). It is earlier than now where reading
+    /// a large surface counts, too.
     fn began(&self) -> f64 {
         self.seconds()
     }
 }
 
-/// No progress, no clock, never stops.
+/// Watches nothing: no display, no clock, no stop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
-impl Progress for Silent {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
-    fn seconds(&self) -> f64 {
-        0.0
-    }
-}
+impl Watch for Silent {}
 
-/// Whoever waits for a proof, and when he gives it up.
+/// The watch over a proof, and the moment at which the proof is given up.
 #[derive(Clone, Copy)]
 pub struct Waiting<'a> {
-    /// Told how far the stage [`Stage::Read`] is.
-    pub progress: &'a dyn Progress,
-    /// In `progress.seconds()`.
+    /// Receives the share of the stage [`Stage::Read`] that is done.
+    pub watch: &'a dyn Watch,
+    /// Latest moment, in `watch.seconds()`.
     pub deadline: f64,
 }
 
 impl Waiting<'_> {
-    /// This share of reading is done; true once the time is over.
+    /// Reports the share of reading that is done; true once the time is over.
     pub(crate) fn is_over_at(&self, share: f64) -> bool {
-        self.progress.stage(Stage::Read, share);
-        self.progress.seconds() >= self.deadline
+        self.watch.stage(Stage::Read, share);
+        self.watch.seconds() >= self.deadline
     }
 }
 
-/// One measure of several stages, 0 to 1: it never falls, whatever order and threads the shares come in. Stages before the
-/// first one that is told of are left out: few specimens have a surface to read.
+/// One measure of several stages, 0 to 1: it never falls, whatever order and threads the shares come in. Stages before
+/// the first reported one do not count: few specimens have a surface to read.
 #[derive(Debug)]
 pub struct Measure {
     /// The stages in their order, with the share of the time that each takes, roughly.
     plan: Vec<(Stage, f64)>,
     /// Bits of the largest measure: those of positive numbers are in the numbers' order.
     most: AtomicU64,
-    /// Place in the plan of the stage that was told of first; of none, [`usize::MAX`].
+    /// Index of the first reported stage; [`usize::MAX`] before any report.
     first: AtomicUsize,
-    /// Place in the plan of the latest stage.
+    /// Index of the latest reported stage.
     latest: AtomicUsize,
 }
 
 impl Measure {
-    /// Of stages in their order, with weights.
+    /// A measure of these stages, in their order, with their weights.
     pub fn new(plan: &[(Stage, f64)]) -> Self {
         let [first, latest] = [usize::MAX, 0].map(AtomicUsize::new);
         Self { plan: plan.to_vec(), most: AtomicU64::new(0), first, latest }
     }
 
-    /// Takes in the share of a stage; a stage that is not in the plan and a share that is no number count for nothing.
+    /// Receives the share of a stage. Ignores a stage that is not in the plan; NaN counts as 0.
     pub fn tell(&self, stage: Stage, share: f64) {
         let Some(place) = self.plan.iter().position(|planned| planned.0 == stage) else { return };
         let first = match self.first.compare_exchange(usize::MAX, place, Ordering::Relaxed, Ordering::Relaxed) {
@@ -159,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn stages_before_the_first_that_is_told_of_count_for_nothing() {
+    fn stages_before_the_first_reported_one_count_for_nothing() {
         let plan = [(Stage::Read, 6.0), (Stage::Take, 1.0), (Stage::Place, 3.0)];
         let (with, without) = (Measure::new(&plan), Measure::new(&plan));
         with.tell(Stage::Read, 0.5);

@@ -11,7 +11,7 @@ use std::io::{self, BufWriter, Write};
 
 /// How the arrays' bytes are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Encoding {
+pub enum Encoding {
     /// As they are.
     #[default]
     Raw,
@@ -21,7 +21,7 @@ pub(crate) enum Encoding {
 
 impl Encoding {
     /// Compressed or not.
-    pub(crate) fn compressed(yes: bool) -> Self {
+    pub fn compressed(yes: bool) -> Self {
         if yes { Self::Compressed } else { Self::Raw }
     }
 }
@@ -35,7 +35,7 @@ const CHUNK: usize = 1 << 16;
 type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// One declared array.
-pub(super) struct Array<'a> {
+pub struct Array<'a> {
     kind: &'static str,
     name: &'a str,
     components: usize,
@@ -45,7 +45,7 @@ pub(super) struct Array<'a> {
 
 impl<'a> Array<'a> {
     /// An array of `values()`, which are `count` in number and of VTK's type `kind`.
-    pub(super) fn new<const N: usize, I: Iterator<Item = [u8; N]>>(
+    pub fn new<const N: usize, I: Iterator<Item = [u8; N]>>(
         kind: &'static str,
         name: &'a str,
         count: usize,
@@ -65,13 +65,13 @@ impl<'a> Array<'a> {
         Self { kind, name, components: 1, bytes: N * count, fill: Box::new(fill) }
     }
 
-    /// The same values as vectors of three.
-    pub(super) fn of_vectors(self) -> Self {
+    /// Groups the values into vectors of three.
+    pub fn of_vectors(self) -> Self {
         self.in_groups_of(3)
     }
 
-    /// The same values, so many for each point or cell.
-    pub(super) fn in_groups_of(self, components: usize) -> Self {
+    /// Groups the values, `components` for each point or cell.
+    pub fn in_groups_of(self, components: usize) -> Self {
         Self { components, ..self }
     }
 
@@ -102,7 +102,7 @@ fn deflate(block: &[u8]) -> io::Result<Vec<u8>> {
 
 /// How cells are declared.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Layout {
+pub enum Layout {
     /// Cells of any type: an unstructured grid.
     Cells,
     /// Polygons, which need no types: poly data.
@@ -110,26 +110,26 @@ pub(super) enum Layout {
 }
 
 /// An unstructured grid, or poly data.
-pub(super) struct Grid<'a> {
+pub struct Grid<'a> {
     /// Which of both.
-    pub(super) layout: Layout,
+    pub layout: Layout,
     /// Number of points.
-    pub(super) points: usize,
+    pub points: usize,
     /// Number of cells.
-    pub(super) cells: usize,
+    pub cells: usize,
     /// Positions.
-    pub(super) positions: Array<'a>,
+    pub positions: Array<'a>,
     /// Connectivity, offsets and types; poly data leave out the last.
-    pub(super) topology: [Array<'a>; 3],
+    pub topology: [Array<'a>; 3],
     /// Values at the points.
-    pub(super) point_data: Vec<Array<'a>>,
+    pub point_data: Vec<Array<'a>>,
     /// A viewer shows the first.
-    pub(super) cell_data: Vec<Array<'a>>,
+    pub cell_data: Vec<Array<'a>>,
 }
 
 impl Grid<'_> {
     /// Writes the whole file.
-    pub(super) fn write(&self, encoding: Encoding, out: impl Write) -> io::Result<()> {
+    pub fn write(&self, encoding: Encoding, out: impl Write) -> io::Result<()> {
         let mut out = BufWriter::with_capacity(CHUNK, out);
         match encoding {
             Encoding::Raw => {
