@@ -113,12 +113,14 @@ pub struct Mesh {
     pub cells: Vec<u32>,
     /// Phase of every cell.
     pub phase: Vec<Phase>,
-    /// Id of the aggregate or fibre every cell belongs to; `u32::MAX` in the mortar.
-    pub aggregate: Vec<u32>,
+    /// Index of the body that every cell belongs to, one for a body and its periodic images; [`Mesh::NO_BODY`] in the mortar.
+    pub owner: Vec<u32>,
+    /// Id of every body, by its index; only files have ids.
+    pub id_of: Vec<u32>,
     /// Zero-thickness cohesive elements: the aggregate side's face, then the nodes over it (6 or 8 in all).
     pub cohesive: Vec<u32>,
-    /// Id of the aggregate below every cohesive element.
-    pub cohesive_aggregate: Vec<u32>,
+    /// Index of the body below every cohesive element.
+    pub cohesive_owner: Vec<u32>,
     /// The directions in which the specimen repeats itself.
     pub periodic: [bool; 3],
     /// Decisions of the builder.
@@ -171,21 +173,20 @@ pub struct Notes {
     pub shifted_itz_nodes: usize,
 }
 
-/// Within the core, by a short name.
-pub(crate) const NO_AGGREGATE: u32 = Mesh::NO_AGGREGATE;
-
-/// The owner of a cell that lies in no body.
-pub(crate) const NO_BODY: u32 = NO_AGGREGATE;
+/// [`Mesh::NO_BODY`] by a short name.
+pub(crate) const NO_BODY: u32 = Mesh::NO_BODY;
 
 impl Mesh {
-    /// [`Mesh::aggregate`] of a cell that belongs to none.
-    pub const NO_AGGREGATE: u32 = u32::MAX;
+    /// The owner of a cell that lies in no body, and its id in files.
+    pub const NO_BODY: u32 = u32::MAX;
 
-    /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
-    pub fn of(kind: CellKind, points: Vec<Vec3>, cells: Vec<u32>, phase: Vec<Phase>, aggregate: Vec<u32>) -> Self {
-        let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
+    /// A mesh without cohesive elements, of a specimen that does not repeat itself; ids are the bodies' indices.
+    pub fn of(kind: CellKind, points: Vec<Vec3>, cells: Vec<u32>, phase: Vec<Phase>, owner: Vec<u32>) -> Self {
+        let bodies = owner.iter().filter(|owner| **owner != NO_BODY).max().map_or(0, |last| last + 1);
+        let (cohesive, cohesive_owner) = (Vec::new(), Vec::new());
         let (periodic, notes) = ([false; 3], Notes::default());
-        Self { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+        let id_of = (0..bodies).collect();
+        Self { points, kind, cells, phase, owner, id_of, cohesive, cohesive_owner, periodic, notes }
     }
 
     /// The cells' node indices, one slice per cell.
@@ -204,6 +205,16 @@ impl Mesh {
         self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())
     }
 
+    /// Id of the body that every cell belongs to; [`Mesh::NO_BODY`] in the mortar.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = u32> {
+        self.owner.iter().map(|&owner| self.id(owner))
+    }
+
+    /// Id of the body of index `owner`.
+    pub fn id(&self, owner: u32) -> u32 {
+        self.id_of.get(owner as usize).copied().unwrap_or(NO_BODY)
+    }
+
     /// Number of cells, cohesive elements apart.
     pub fn cell_count(&self) -> usize {
         self.phase.len()
@@ -212,8 +223,8 @@ impl Mesh {
     /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](crate::ItzForm::Smeared): its cells
     /// belong to no aggregate.
     pub fn has_smeared_itz(&self) -> bool {
-        let mut cells = self.phase.iter().zip(&self.aggregate);
-        cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
+        let mut cells = self.phase.iter().zip(&self.owner);
+        cells.any(|(phase, owner)| *phase == Phase::Itz && *owner == NO_BODY)
     }
 }
 
@@ -251,7 +262,7 @@ pub(crate) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
 }
 
-/// Cells with the body or aggregate that owns each, whoever keeps them.
+/// Cells of a mesh, with the index of the body that owns each.
 #[derive(Clone, Copy)]
 pub struct Cells<'a> {
     pub(crate) kind: CellKind,
@@ -284,9 +295,9 @@ impl<'a> Cells<'a> {
 const RUN: usize = 1 << 16;
 
 impl Mesh {
-    /// The cells by their aggregates' ids.
-    pub fn by_aggregate(&self) -> Cells<'_> {
-        Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.aggregate }
+    /// The cells by their bodies' indices.
+    pub fn by_owner(&self) -> Cells<'_> {
+        Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.owner }
     }
 
     /// Volume of a cell, mm3.

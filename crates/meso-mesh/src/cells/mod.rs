@@ -17,7 +17,7 @@ pub(crate) use interface::{InterfaceFace, faces};
 pub(crate) use joins::complete;
 pub use joins::owners;
 pub use mesh::{CellKind, Cells, Mesh, Notes, Phase};
-pub(crate) use mesh::{DROPPED, NO_AGGREGATE, NO_BODY, cell_volume, drop_lone_nodes, volume};
+pub(crate) use mesh::{DROPPED, NO_BODY, cell_volume, drop_lone_nodes, volume};
 pub(crate) use owners::{Owners, pairs};
 pub(crate) use second_order::EDGES;
 pub(crate) use sides::{FlatSides, bits as side_bits, repeating};
