@@ -1,9 +1,9 @@
 //! The mesh itself: points, cells, and the phase and owner of every cell.
 
+use super::notes::Notes;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Kind;
 use meso_concrete::parallel;
-use serde::Serialize;
 
 /// The material a cell is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,7 +15,7 @@ pub enum Phase {
     Itz = 1,
     /// The inside of an aggregate.
     Aggregate = 2,
-    /// A fibre. 3 is what surfaces of voids have in a file: meshes have no cells there.
+    /// A fibre. Surfaces of voids have the number 3 in a file; meshes have no cells there.
     Fibre = 4,
 }
 
@@ -52,12 +52,30 @@ impl Phase {
     }
 }
 
-/// The shape of a mesh's cells.
+/// The shape of a mesh's cells, with the numbering of their nodes.
+///
+/// Numbers count from 0, as in [`Mesh::cells`]; Abaqus and gmsh count from 1. Tetrahedra have a positive volume: seen from
+/// node 3, nodes 0, 1, 2 are counter-clockwise. The second-order tetrahedron has nodes 4 to 9 in the middle of edges.
+///
+/// ```text
+///        tetrahedron              second order                 hexahedron
+///
+///             3                        3                        7--------6
+///            /|\                      /|\                      /|       /|
+///           / | \                    / | \                    / |      / |
+///          /  |  \                  7  |  9                  4--------5  |
+///         /   |   \                /   8   \                 |  3-----|--2
+///        0 -.-|-.- 2              0 -.6|-.- 2                | /      | /
+///         \   |   /                \   |   /                 |/       |/
+///          \  |  /                  4  |  5                  0--------1
+///           \ | /                    \ | /
+///             1                        1                     z up, x to the right, y to the back
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellKind {
-    /// Four nodes, positive volume in Abaqus' (and VTK's) order.
+    /// Four nodes in the order of Abaqus and VTK.
     Tetrahedron,
-    /// Its four corners, then the middles of its edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
+    /// Four corners, then the middles of the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
     QuadraticTetrahedron,
     /// Eight nodes, bottom face counter-clockwise from above, then the top face.
     Hexahedron,
@@ -91,7 +109,7 @@ impl CellKind {
         }
     }
 
-    /// The same faces with the middle nodes of their edges after the corners, the first edge's first.
+    /// The faces' corners, then the middle nodes of their edges, the first edge's first; as positions in the cell.
     pub fn face_nodes(self) -> &'static [&'static [usize]] {
         match self {
             Self::QuadraticTetrahedron => {
@@ -125,52 +143,6 @@ pub struct Mesh {
     pub periodic: [bool; 3],
     /// Decisions of the builder.
     pub notes: Notes,
-}
-
-/// Decisions of the builder, and how often it took each: every bridged gap and thinned ITZ is counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Notes {
-    /// Whether the cells follow the bodies' facets, in which case they lie in no lattice and crack bands are narrower.
-    pub conforming: bool,
-    /// Volume of the cells that voids took, which are left out, mm3; a conforming mesh has none to begin with.
-    pub voids_mm3: f64,
-    /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
-    pub closed_gaps: usize,
-    /// Pairs of aggregates that share nodes.
-    pub closed_gap_pairs: usize,
-    /// The widest gap between two of these, mm.
-    pub widest_closed_gap_mm: f64,
-    /// Nodes that two or more aggregates shared and mortar parts now.
-    pub parted_nodes: usize,
-    /// Pairs of aggregates that mortar parts there.
-    pub parted_pairs: usize,
-    /// Cells of aggregates that became mortar for it.
-    pub parted_cells: usize,
-    /// Their volume, mm3, before any volume was made good.
-    pub parted_mm3: f64,
-    /// Cells of aggregates that became mortar, since their stable time step was shorter than that of all mortar.
-    pub stiff_cells: usize,
-    /// Their volume, mm3.
-    pub stiff_mm3: f64,
-    /// Edges of mortar between two aggregates that got a node in the middle.
-    pub split_gap_edges: usize,
-    /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
-    /// two, thinner than the elements can show, is closed.
-    pub closed_side_gaps: usize,
-    /// Aggregates that have such nodes.
-    pub closed_side_gap_aggregates: usize,
-    /// The widest gap between one of them and its side, mm.
-    pub widest_closed_side_gap_mm: f64,
-    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
-    pub off_surface_nodes: usize,
-    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
-    pub thinned_itz_aggregates: usize,
-    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
-    pub thinned_itz_nodes: usize,
-    /// The nodes where the layer has no thickness at all.
-    pub pinched_itz_nodes: usize,
-    /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
-    pub shifted_itz_nodes: usize,
 }
 
 /// [`Mesh::NO_BODY`] by a short name.
