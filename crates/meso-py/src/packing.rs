@@ -352,7 +352,7 @@ impl PyPacking {
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
     /// for_test : bool, optional
-    ///     Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="none",
+    ///     Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="smeared",
     ///     joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
     /// accept_phase_error : bool, optional
     ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
