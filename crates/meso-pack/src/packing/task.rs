@@ -92,7 +92,11 @@ impl<'a> Task<'a> {
         let progress = self.request.progress;
         let reason = || {
             let goes_on = progress.update(volume / self.volume, self.request.target.fraction);
-            if goes_on { (progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit) } else { Some(StopReason::Interrupted) }
+            if goes_on {
+                (progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit)
+            } else {
+                Some(StopReason::Interrupted)
+            }
         };
         self.stop.get().copied().or_else(|| reason().map(|reason| *self.stop.get_or_init(|| reason)))
     }
