@@ -112,27 +112,22 @@ fn noisy(facets: &[Facet], noise: impl Fn(f64, f64) -> f64) -> Vec<Facet> {
 fn assert_volume(found: Result<(f64, String), String>, volume: f64, within: f64, remark: &str, case: &str) {
     let (found, remarks) = found.unwrap_or_else(|error| panic!("{case}: {error}"));
     assert!((found / volume - 1.0).abs() < within, "{case}: {found} for {volume}");
-    assert!(remarks.contains(remark) && (!remark.is_empty() || !remarks.contains("join")), "{case}: {remarks:?}");
+    let is_quiet = !["joined", "dropped", "ignored"].iter().any(|word| remarks.contains(word));
+    assert!(remarks.contains(remark) && (!remark.is_empty() || is_quiet), "{case}: {remarks:?}");
 }
 
 /// The cases cyl_e16.stl and cyl_f32ulp.stl, and noise of other sizes.
 #[test]
 fn corners_that_differ_in_their_last_digits_are_joined() {
     let volume = prism_volume(24, 30.0, 60.0);
-    let (round, far) = (cylinder(24, 30.0, 60.0), cylinder(24, 30.0, 60.0));
+    let round = cylinder(24, 30.0, 60.0);
     for size in [1e-18, 1e-16, 1e-15, 1e-12, 1e-9, 1e-6, 1e-5] {
         let facets = noisy(&round, |x, share| x + size * share);
-        assert_volume(
-            specimen("a.stl", stl_text(&facets, b"")),
-            volume,
-            1e-5,
-            "",
-            &format!("text, {size}").replace("", ""),
-        );
+        assert_volume(specimen("a.stl", stl_text(&facets, b"")), volume, 1e-5, "joined", &format!("text, {size}"));
     }
     let ulp = |x: f64, share: f64| f64::from(if share > 0.6 { (x as f32).next_up() } else { x as f32 });
     assert_volume(specimen("a.stl", stl_binary(&noisy(&round, ulp), b"")), volume, 1e-5, "joined", "one ulp of f32");
-    let far: Vec<Facet> = far.iter().map(|f| f.map(|[x, y, z]| [x + 3000.0, y - 2000.0, z])).collect();
+    let far: Vec<Facet> = round.iter().map(|f| f.map(|[x, y, z]| [x + 3000.0, y - 2000.0, z])).collect();
     assert_volume(specimen("a.stl", stl_binary(&noisy(&far, ulp), b"")), volume, 1e-4, "joined", "far from the origin");
     assert_eq!(grains("a.stl", "", stl_text(&noisy(&round, |x, share| x + 1e-9 * share), b"")), Ok(1));
 }
