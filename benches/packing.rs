@@ -13,8 +13,8 @@ mod plot;
 mod table;
 
 use meso_core::packing::{Placement, Strategy};
-use meso_core::progress::Silent;
 use meso_core::specimen::{Periodic, Specimen};
+use meso_core::watch::Silent;
 use meso_core::{Spec, pack};
 use plot::{Line, Plot};
 use std::process::Command;

@@ -19,9 +19,10 @@ use criterion::{BenchmarkId, Criterion, Throughput};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
-use meso_core::{Model, Silent, Spec, pack};
-use meso_solve::{InstructionSet, LawName, Observer, Progress, Run, Sample, Smoothing, Test, Wish};
-use std::cell::Cell;
+use meso_core::watch::Stage;
+use meso_core::{Model, Silent, Spec, Watch, pack};
+use meso_solve::{InstructionSet, LawName, Run, Sample, Smoothing, Test};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 use table::Table;
 
@@ -59,17 +60,20 @@ impl Meshed {
 }
 
 /// Lets a run go on by so many rows, of one step each or more.
-struct Rows(Cell<u64>);
+struct Rows(AtomicU64);
 
-impl Observer for Rows {
-    fn progress(&self, _: &Progress) -> Wish {
-        self.0.set(self.0.get() - 1);
-        if self.0.get() == 0 { Wish::Stop } else { Wish::GoOn }
+impl Watch for Rows {
+    fn stage(&self, _: Stage, _: f64) {
+        self.0.fetch_sub(1, Relaxed);
+    }
+
+    fn stops(&self) -> bool {
+        self.0.load(Relaxed) == 0
     }
 }
 
 fn go(run: &mut Run, steps: u64) {
-    run.to_end(&Rows(Cell::new(steps)));
+    run.to_end(&Rows(AtomicU64::new(steps)), &Silent);
 }
 
 /// A run that has come to where it is measured; every step is a row.

@@ -26,8 +26,8 @@ SOURCES = {
     "meso-mesh/src/figures/quality.rs": ["QualityReport"],
     "meso-mesh/src/figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
     "meso-pack/src/check/mod.rs": ["Check"],
-    "meso-solve/src/curve.rs": ["Figures"],
-    "meso-solve/src/response.rs": ["Energies", "PhaseResult", "Summary"],
+    "meso-solve/src/march/curve.rs": ["Figures"],
+    "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
 # Structs whose dict differs from them: its own name, keys that it lacks, keys that it adds.
 CHANGED = {

@@ -1,11 +1,11 @@
-//! Packing: what is delivered is what was asked, proved apart, and the same on any number of threads.
+//! Packing: models meet their spec, are proved apart, and are equal on any number of threads.
 
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::check;
 use meso_core::packing::{StopReason, Strategy};
-use meso_core::progress::{Progress, Silent};
 use meso_core::specimen::{Periodic, Specimen};
+use meso_core::watch::{Silent, Watch};
 use meso_core::{Model, Spec, gjk, pack};
 use std::sync::atomic::{AtomicI32, Ordering};
 
@@ -54,7 +54,7 @@ fn a_class_too_small_for_one_aggregate_is_named_and_is_no_jam() {
 }
 
 #[test]
-fn a_raw_curve_is_told_by_what_it_leaves_to_place() {
+fn a_report_states_the_fraction_that_a_raw_curve_leaves() {
     let text = "fraction = 0.4\nspecimen = { kind = 'cube', side_mm = 60 }\n[grading]\nform = 'raw'\nd_max_mm = 10\n";
     let report = pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap().report;
     assert_eq!(report.stop_reason, StopReason::TargetReached, "{}", report.stop_detail);
@@ -77,7 +77,7 @@ fn rearrangement_delivers_every_class_and_no_overlap() {
 
 #[test]
 #[ignore = "slow tier: eight seconds of processor time"]
-fn what_jams_when_it_cools_quickly_fits_when_it_cools_slowly() {
+fn grains_that_jam_when_they_cool_quickly_fit_when_they_cool_slowly() {
     // With the momentum of lower fractions, 0.945, it jammed.
     let model = packed(&Spec { specimen: Specimen::cube(60.0), ..small(0.66) });
     assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);
@@ -176,12 +176,9 @@ fn a_hopeless_target_ends_where_a_lower_one_would_with_its_grading() {
 /// Says stop after so many questions.
 struct StopAfter(AtomicI32);
 
-impl Progress for StopAfter {
-    fn update(&self, _: f64, _: f64) -> bool {
-        self.0.fetch_sub(1, Ordering::Relaxed) > 0
-    }
-    fn seconds(&self) -> f64 {
-        0.0
+impl Watch for StopAfter {
+    fn stops(&self) -> bool {
+        self.0.fetch_sub(1, Ordering::Relaxed) <= 0
     }
 }
 
@@ -203,10 +200,7 @@ fn an_interrupted_run_keeps_a_sound_packing() {
 /// A clock that goes on by a hundredth of a second whenever it is asked.
 struct Ticking(AtomicI32);
 
-impl Progress for Ticking {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
+impl Watch for Ticking {
     fn seconds(&self) -> f64 {
         f64::from(self.0.fetch_add(1, Ordering::Relaxed)) / 100.0
     }
@@ -226,11 +220,7 @@ fn a_run_short_of_time_leaves_grains_out_in_time() {
 /// A clock that ticks, of a run whose spec took 3.5 s to read.
 struct Late(Ticking);
 
-impl Progress for Late {
-    fn update(&self, fraction: f64, target: f64) -> bool {
-        self.0.update(fraction, target)
-    }
-
+impl Watch for Late {
     fn seconds(&self) -> f64 {
         self.0.seconds()
     }

@@ -1,10 +1,10 @@
-//! The saved model: what is written is read back, and what is not a model is refused by name.
+//! The saved model: a written model is read back, and any other file is refused by name.
 
 use crate::models::two_boxes;
-use meso_core::progress::Stage;
 use meso_core::saved::{self, ReadError};
 use meso_core::specimen::{Built, Specimen};
-use meso_core::{Progress, Spec, pack};
+use meso_core::watch::Stage;
+use meso_core::{Spec, Watch, pack};
 use serde_json::{Value, json};
 use std::sync::Mutex;
 
@@ -72,7 +72,7 @@ fn a_file_without_a_report_gets_its_figures_from_the_aggregates() {
 }
 
 #[test]
-fn what_is_wrong_with_a_file_is_named() {
+fn an_error_names_the_fault_of_a_file() {
     type Change = fn(&mut Value);
     let cases: [(Change, &str); 25] = [
         (|t| t["mesocrete"] = json!("9.0.0"), "written by mesocrete 9.0.0"),
@@ -180,9 +180,9 @@ fn no_changed_byte_makes_reading_panic() {
 /// Writes down how far reading is. Its clock is past every limit.
 struct Late(Mutex<Vec<f64>>);
 
-impl Progress for Late {
-    fn update(&self, _: f64, _: f64) -> bool {
-        false
+impl Watch for Late {
+    fn stops(&self) -> bool {
+        true
     }
 
     fn stage(&self, stage: Stage, share: f64) {

@@ -2,8 +2,8 @@
 
 use crate::subject::{Number, WIDTH, along, cdp, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_core::materials::Materials;
+use meso_solve::law::point::{Held, Sample, curve, ramp};
 use meso_solve::law::{Law, cdp as law};
-use meso_solve::point::{Held, Sample, curve, ramp};
 
 const UNIAXIAL: Held = Held::Lateral(0.0);
 const E: f64 = 26_000.0;

@@ -1,8 +1,8 @@
 //! CDPM2 against what its equations give in closed form, in f64 and in the f32 of the solver.
 
 use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
+use meso_solve::law::point::{Held, Sample, curve, ramp};
 use meso_solve::law::{Law, cdpm2 as law};
-use meso_solve::point::{Held, Sample, curve, ramp};
 
 const UNIAXIAL: Held = Held::Lateral(0.0);
 const E: f64 = 26_000.0;

@@ -1,8 +1,8 @@
 //! The mortar that the tests strain, and what they ask of its curves.
 
 use meso_core::materials::{Materials, Strength};
+use meso_solve::law::point::{Held, Sample, curve, ramp};
 use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
-use meso_solve::point::{Held, Sample, curve, ramp};
 use meso_solve::real::Real;
 
 /// Crack band of most tests, mm.

@@ -1,7 +1,7 @@
 """The crates' files import downwards alone: no circles, and none above the floors that ARCHITECTURE names.
 
-`use` lines are read as text. A path counts for the deepest module that has a file of its own; a module and those inside it
-are one family, and imports within a line of it count as none. Unit tests may import what they like.
+`use` lines and the paths within the code are read as text. A path counts for the deepest module that has a file of its own.
+A module and those inside it are one family, and imports within it do not count. Unit tests may import what they like.
 """
 
 import re
@@ -12,9 +12,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 CRATES = sorted(path.parent.name for path in (ROOT / "crates").glob("*/Cargo.toml"))
-
-# `mesh::build` takes a whole `Model`.
-UPWARDS = {("mesh::build", "model")}
 
 Module = tuple[str, ...]
 
@@ -35,10 +32,14 @@ def code(path: Path) -> str:
     return re.split(r"#\[cfg\((?:all\()?test[^\]]*\]\s*mod \w+ \{", text)[0]
 
 
+USE = re.compile(r"(?<!\w)use\s+([^;]+);")
+
+
 def imported(text: str) -> Iterator[str]:
-    """Yield every path that the `use` lines name, trees taken apart."""
-    for use in re.findall(r"(?<!\w)use\s+([^;]+);", text):
+    """Yield every path that the `use` lines name, trees taken apart, and every path within the code."""
+    for use in USE.findall(text):
         yield from leaves(re.sub(r"\s+", "", re.sub(r"\s+as\s+\w+", "", use)))
+    yield from re.findall(r"(?<![\w:$])(?:crate|super|self)(?:::\w+)+", USE.sub("", text))
 
 
 def leaves(tree: str) -> Iterator[str]:
@@ -108,29 +109,79 @@ def test_no_files_import_each_other_in_a_circle(crate: str) -> None:
     assert circles(edges(crate)) == []
 
 
-def floors() -> dict[str, int]:
-    """Read the table of floors: each top module's number."""
+def floors(crate: str) -> dict[Module, int]:
+    """Read a crate's table of floors: the number of each module that it names, as `room/` or `room/file.rs`."""
+    architecture = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    section = re.search(rf"^### `?{crate}`?$(.*?)(?=^##|\Z)", architecture, re.MULTILINE | re.DOTALL)
     found = {}
-    for line in (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").splitlines():
-        row = re.match(r"\|\s*(\d)\s*\|([^|]*)\|", line)
-        if row:
-            names = re.findall(r"`(\w+)(?:\.rs|/)?`", row.group(2))
-            found |= dict.fromkeys(names, int(row.group(1)))
+    for number, names in re.findall(r"^\|\s*(\d+)\s*\|([^|]*)\|", section[1] if section else "", re.MULTILINE):
+        for name in re.findall(r"`([\w/]+)(?:\.rs)?`", names):
+            found[tuple(name.strip("/").split("/"))] = int(number)
     return found
 
 
-def test_no_file_of_the_core_imports_from_a_floor_above_its_own() -> None:
-    """ARCHITECTURE's table holds, and names every top module; collision's floors lie below the core's."""
-    floor = floors()
-    graph = {own: targets for crate in ("meso-collision", "meso-core") for own, targets in edges(crate).items() if own}
-    assert {own[0] for own in graph} - set(floor) == set(), "modules that the table leaves out"
+def floor_of(module: Module, floor: dict[Module, int]) -> int:
+    """Find the floor of a module: that of the deepest room around it that the table names."""
+    rooms = [module[:length] for length in range(len(module), 0, -1) if module[:length] in floor]
+    assert rooms, f"ARCHITECTURE's table of floors has no row for {'::'.join(module)}"
+    return floor[rooms[0]]
+
+
+STOREYED = [crate for crate in CRATES if len([module for module in modules(crate) if len(module) == 1]) > 3]
+
+
+@pytest.mark.parametrize("crate", STOREYED)
+def test_no_file_imports_from_a_floor_above_its_own(crate: str) -> None:
+    """The crate's table in ARCHITECTURE covers every module, and names no module that is not there."""
+    floor = floors(crate)
+    known = modules(crate)
+    assert set(floor) - set(known) == set(), "rooms that the table names, and the crate has not"
+    graph = {own: targets for own, targets in edges(crate).items() if own}
     upwards = {
-        ("::".join(own), to[0])
+        f"{'::'.join(own)} -> {'::'.join(to)}"
         for own, targets in graph.items()
         for to in targets
-        if to and floor[to[0]] > floor[own[0]]
+        if to and floor_of(to, floor) > floor_of(own, floor)
     }
-    assert upwards == UPWARDS
+    assert upwards == set()
+
+
+def test_paths_within_the_code_count_as_imports() -> None:
+    """The circle of a table and its format once passed, since one of its two imports was no `use` line."""
+    assert list(imported("use crate::a::{b, c};\nfn f() { crate::parquet::write(super::d::E) }")) == [
+        "crate::a::b",
+        "crate::a::c",
+        "crate::parquet::write",
+        "super::d::E",
+    ]
+
+
+# A crate may use crates of lower numbers only.
+CRATE_FLOORS = {
+    "meso-collision": 0,
+    "meso-concrete": 1,
+    "meso-pack": 2,
+    "meso-mesh": 2,
+    "meso-view": 3,
+    "meso-write": 4,
+    "meso-files": 3,
+    "meso-gmsh": 3,
+    "meso-solve": 4,
+    "meso-core": 5,
+    "meso-study": 6,
+    "meso-cli": 7,
+    "meso-py": 8,
+}
+
+
+def test_crates_depend_on_crates_of_lower_floors_only() -> None:
+    """Packing and meshing are siblings: neither knows the other."""
+    assert set(CRATE_FLOORS) == set(CRATES)
+    for crate in CRATES:
+        text = (ROOT / "crates" / crate / "Cargo.toml").read_text(encoding="utf-8")
+        section = re.search(r"^\[dependencies\]$(.*?)(?=^\[)", text, re.MULTILINE | re.DOTALL)[1]
+        for other in re.findall(r"^(meso-\w+)", section, re.MULTILINE):
+            assert CRATE_FLOORS[other] < CRATE_FLOORS[crate], f"{crate} depends on {other}"
 
 
 def test_every_dependency_has_its_reason_in_the_table_and_every_reason_a_dependency() -> None:

@@ -1,10 +1,10 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
 use crate::samples::{Meshed, brittle, concrete, cube, meshed, options, small_cube, voxels};
-use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase, Tools};
+use meso_core::{Silent, Watch};
 use meso_solve::results::sample_of;
 use meso_solve::{Control, Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
@@ -94,14 +94,14 @@ fn joined_aggregates_are_parted_by_mortar_and_counted() {
         }
     }
     let mut run = run;
-    let response = run.to_end(&StopAtOnce);
+    let response = run.to_end(&StopAtOnce, &Silent);
     assert_eq!(response.result.joined_pairs, meshed.mesh.notes.closed_gap_pairs);
     assert!(changed > 0 && response.result.joined_cells == changed);
     assert!(response.result.warnings.iter().any(|text| text.contains("became mortar")), "{:?}", response.result);
     let kept = Test { joined: Joined::Keep, ..test };
     let mut run = Run::new(meshed.sample(), &brittle(), &kept).unwrap();
     assert!(run.phases() == meshed.mesh.phase);
-    let response = run.to_end(&StopAtOnce);
+    let response = run.to_end(&StopAtOnce, &Silent);
     assert!(response.result.warnings.iter().any(|text| text.contains("cannot break")), "{:?}", response.result);
 }
 
@@ -111,8 +111,10 @@ fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
     let model = small_cube(0.3);
     let voxels = |joined| meshed(&model, MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) });
     let touch = |text: &String| text.contains("lie between two aggregates");
-    let kept =
-        Run::new(voxels(mesh::Joined::Keep).sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce).result;
+    let kept = Run::new(voxels(mesh::Joined::Keep).sample(), &brittle(), &Test::default())
+        .unwrap()
+        .to_end(&StopAtOnce, &Silent)
+        .result;
     assert!(kept.warnings.iter().any(touch), "{:?}", kept.warnings);
     let result = solve(&voxels(mesh::Joined::Mortar), &Test::default()).result;
     assert!(result.figures.softened && result.figures.peak_mpa < 55.0 && result.joined_pairs > 0, "{result:?}");
@@ -121,9 +123,9 @@ fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
 
 struct StopAtOnce;
 
-impl Observer for StopAtOnce {
-    fn progress(&self, _: &meso_solve::Progress) -> meso_solve::Wish {
-        meso_solve::Wish::Stop
+impl Watch for StopAtOnce {
+    fn stops(&self) -> bool {
+        true
     }
 }
 
@@ -169,7 +171,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     // A servo adds frames.
     let control = Control::Steady;
     let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, control, ..Test::default() };
-    meshed.watched(&brittle(), &test, &damage);
+    meshed.watched(&brittle(), &test, &Silent, &damage);
     let frames = damage.0.into_inner();
     assert_eq!(frames.len(), 4);
     assert!((frames[3].0 / test.strain() - 1.0).abs() < 1e-6, "{}", frames[3].0);
@@ -204,7 +206,7 @@ fn bodies_that_the_elements_lose_are_told() {
         let options = options(method, size, ItzForm::None);
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut run = Run::new(sample_of(&mesh, &model, &options), &brittle(), &Test::default()).unwrap();
-        let warnings = run.to_end(&StopAtOnce).result.warnings;
+        let warnings = run.to_end(&StopAtOnce, &Silent).result.warnings;
         ["aggregates", "fibres", "voids"]
             .map(|name| warnings.iter().any(|text| text.starts_with(&format!("the {name} are"))))
     };

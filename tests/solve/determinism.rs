@@ -2,8 +2,11 @@
 
 use crate::samples::{Meshed, brittle, concrete};
 use meso_core::mesh::{ItzForm, Method};
-use meso_solve::{Frame, InstructionSet, LawName, Observer, Progress, Response, Run, Silent, Smoothing, Test, Wish};
+use meso_core::watch::{Silent, Stage, Watch};
+use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Run, Smoothing, Test};
 use std::cell::RefCell;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Keeps the bytes of all fields of every frame.
 #[derive(Default)]
@@ -28,7 +31,7 @@ fn bytes(meshed: &Meshed, test: &Test, threads: usize) -> Vec<u8> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
         let fields = Fields::default();
-        let response = meshed.watched(&brittle(), test, &fields);
+        let response = meshed.watched(&brittle(), test, &Silent, &fields);
         assert!(response.result.figures.peak_mpa > 1.0 && response.curve.len() > 50, "{:?}", response.result);
         [rows(&response), fields.0.into_inner()].concat()
     })
@@ -75,22 +78,27 @@ fn curves_and_fields_are_identical_on_every_instruction_set() {
 /// Asks for the state at row 40, keeps it and stops at row 50.
 #[derive(Default)]
 struct Killed {
-    rows: RefCell<usize>,
-    state: RefCell<Vec<u8>>,
+    rows: AtomicUsize,
+    state: Mutex<Vec<u8>>,
+}
+
+impl Watch for Killed {
+    fn stage(&self, _: Stage, _: f64) {
+        self.rows.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn stops(&self) -> bool {
+        self.rows.load(Ordering::Relaxed) == 50
+    }
 }
 
 impl Observer for Killed {
-    fn progress(&self, _: &Progress) -> Wish {
-        *self.rows.borrow_mut() += 1;
-        match *self.rows.borrow() {
-            40 => Wish::Keep,
-            50 => Wish::Stop,
-            _ => Wish::GoOn,
-        }
+    fn keeps(&self) -> bool {
+        self.rows.load(Ordering::Relaxed) == 40
     }
 
     fn keep(&self, run: &Run) {
-        run.save(&mut *self.state.borrow_mut()).unwrap();
+        run.save(&mut *self.state.lock().unwrap()).unwrap();
     }
 }
 
@@ -99,11 +107,11 @@ fn a_resumed_test_gives_the_bytes_of_one_that_was_never_cut() {
     for (meshed, test) in cases() {
         let whole = meshed.solve(&brittle(), &test);
         let killed = Killed::default();
-        let part = meshed.watched(&brittle(), &test, &killed);
+        let part = meshed.watched(&brittle(), &test, &killed, &killed);
         assert_eq!((part.curve.len(), &part.curve[..]), (50, &whole.curve[..50]));
         let mut run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
-        run.resume(&mut &killed.state.borrow()[..]).unwrap();
-        let resumed = run.to_end(&Silent);
+        run.resume(&mut &killed.state.lock().unwrap()[..]).unwrap();
+        let resumed = run.to_end(&Silent, &Silent);
         assert!(rows(&whole) == rows(&resumed));
         assert_eq!(whole.result.phases, resumed.result.phases);
     }
@@ -113,8 +121,8 @@ fn a_resumed_test_gives_the_bytes_of_one_that_was_never_cut() {
 fn a_state_of_another_test_or_a_torn_one_is_refused() {
     let [(meshed, _), ..] = cases();
     let killed = Killed::default();
-    meshed.watched(&brittle(), &fast(), &killed);
-    let state = killed.state.into_inner();
+    meshed.watched(&brittle(), &fast(), &killed, &killed);
+    let state = killed.state.into_inner().unwrap();
     let other = Test { friction: 0.2, ..fast() };
     let mut run = Run::new(meshed.sample(), &brittle(), &other).unwrap();
     let error = run.resume(&mut &state[..]).unwrap_err().to_string();
@@ -122,5 +130,5 @@ fn a_state_of_another_test_or_a_torn_one_is_refused() {
     let mut run = Run::new(meshed.sample(), &brittle(), &fast()).unwrap();
     assert!(run.resume(&mut &state[..state.len() - 100]).is_err());
     // A refused state leaves no trace.
-    assert!(rows(&run.to_end(&Silent)) == rows(&meshed.solve(&brittle(), &fast())));
+    assert!(rows(&run.to_end(&Silent, &Silent)) == rows(&meshed.solve(&brittle(), &fast())));
 }

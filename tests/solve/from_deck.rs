@@ -6,13 +6,14 @@
 
 use crate::deck_reader::{Card, Deck};
 use crate::samples::small_cube;
+use meso_core::Silent;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
     self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Tools,
 };
-use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Silent, Smoothing, Test};
+use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Smoothing, Test};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -45,7 +46,7 @@ impl Model {
             band_factor: band_factor(&self.mesh),
             exact: None,
         };
-        let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent);
+        let response = Run::new(sample, &self.materials, &self.test).unwrap().to_end(&Silent, &Silent);
         assert!(response.result.errors.is_empty(), "{:?}", response.result.errors);
         response.result.figures
     }

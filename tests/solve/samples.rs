@@ -4,7 +4,7 @@ use meso_core::aggregate::{Aggregate, Grading};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
-use meso_core::{Model, Silent, Spec};
+use meso_core::{Model, Silent, Spec, Watch};
 use meso_gmsh::Gmsh;
 use meso_solve::{Observer, Response, Run, Sample, Test};
 
@@ -54,11 +54,17 @@ impl Meshed {
 
     /// The whole test.
     pub(crate) fn solve(&self, materials: &Materials, test: &Test) -> Response {
-        self.watched(materials, test, &meso_solve::Silent)
+        self.watched(materials, test, &Silent, &Silent)
     }
 
-    pub(crate) fn watched(&self, materials: &Materials, test: &Test, observer: &dyn Observer) -> Response {
-        Run::new(self.sample(), materials, test).unwrap().to_end(observer)
+    pub(crate) fn watched(
+        &self,
+        materials: &Materials,
+        test: &Test,
+        watch: &dyn Watch,
+        observer: &dyn Observer,
+    ) -> Response {
+        Run::new(self.sample(), materials, test).unwrap().to_end(watch, observer)
     }
 }
 

@@ -45,7 +45,7 @@ impl Observer for Frames {
 fn rows_and_frames_come_as_densely_while_the_plates_are_held() {
     let (specimen, test) = (slender(), Test { rows: 100, frames: 40, ..Test::default() });
     let frames = Frames::default();
-    let response = specimen.watched(&Materials::default(), &test, &frames);
+    let response = specimen.watched(&Materials::default(), &test, &meso_core::Silent, &frames);
     let (frames, result) = (frames.0.into_inner(), &response.result);
     let more = 40.0 * (result.steps - result.steps_planned) as f64 / result.steps_planned as f64;
     assert!(more > 2.0 && frames == (1..=40 + more as u32).collect::<Vec<_>>(), "{more} {frames:?}");

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use crate::stderr;
 use meso_core::spec::Files;
-use meso_core::{Model, Progress, Spec, SpecError, saved};
+use meso_core::{Model, Spec, SpecError, Watch, saved};
 use meso_files::{Beside, missing_recipe};
 use std::fs::File;
 use std::io::{self, Read};
@@ -18,9 +18,9 @@ const HEAD: u64 = 4096;
 /// A compressed one begins so.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
-/// Reads a SPEC.toml, `-` for standard input, while `progress` waits for it; a time limit may take the place of the spec's.
+/// Reads a SPEC.toml, `-` for standard input, while `watch` waits for it; a time limit may take the place of the spec's.
 /// Values that cannot be are named with their line.
-pub(crate) fn spec(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> Result<Spec, Failure> {
+pub(crate) fn spec(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> Result<Spec, Failure> {
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
     if let Some(name) = missing_recipe(path) {
@@ -28,7 +28,7 @@ pub(crate) fn spec(path: &Path, progress: &dyn Progress, time_limit_s: Option<f6
     }
     let named = |error: SpecError| error.of_limit(time_limit_s, "--time-limit");
     let mut files = Told(Beside(folder));
-    toml(path, |text| Spec::from_toml_while(text, &mut files, progress, time_limit_s).map_err(named))
+    toml(path, |text| Spec::from_toml_while(text, &mut files, watch, time_limit_s).map_err(named))
 }
 
 /// Files beside a spec; remarks about them are lines on stderr.
@@ -62,9 +62,9 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
     })
 }
 
-/// Reads a saved model, `-` for standard input, and tells `progress` how far the proof of its specimen's surface is. What does
+/// Reads a saved model, `-` for standard input, and reports to `watch` how far the proof of its specimen's surface is. What does
 /// not begin like a model is not read to its end.
-pub(crate) fn model(path: &Path, progress: &dyn Progress) -> Result<Model, Failure> {
+pub(crate) fn model(path: &Path, watch: &dyn Watch) -> Result<Model, Failure> {
     let fail = |error: io::Error| Failure::file(path, &error);
     let mut source = source(path)?;
     let mut bytes = Vec::new();
@@ -72,7 +72,7 @@ pub(crate) fn model(path: &Path, progress: &dyn Progress) -> Result<Model, Failu
     if bytes.trim_ascii_start().starts_with(b"{") || bytes.starts_with(&GZIP) {
         read_rest(path, source, &mut bytes, LONGEST_MODEL, "a saved model")?;
     }
-    saved::read_while(&bytes, progress).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
+    saved::read_while(&bytes, watch).map_err(|error| Failure::Run(format!("{}: {error}", name(path))))
 }
 
 fn name(path: &Path) -> String {

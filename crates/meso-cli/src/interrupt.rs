@@ -6,6 +6,7 @@
 //! [`hold`] is held. The handler waits for it and never gives it back: it finds all that was made, and nothing is made after it.
 
 use crate::failure::INTERRUPTED;
+use meso_core::Watch;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -48,6 +49,12 @@ impl Polling {
     pub(crate) fn begin() -> Self {
         POLLED.fetch_add(1, Ordering::SeqCst);
         Self
+    }
+}
+
+impl Watch for Polling {
+    fn stops(&self) -> bool {
+        asked()
     }
 }
 

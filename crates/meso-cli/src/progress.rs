@@ -2,8 +2,7 @@
 
 use crate::interrupt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use meso_core::Progress;
-use meso_core::progress::{Measure, Stage};
+use meso_core::watch::{self, Measure, Stage};
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Mutex, Once};
 use std::time::{Duration, Instant};
@@ -118,9 +117,10 @@ impl Drop for Watch {
     }
 }
 
-impl Progress for Watch {
-    fn update(&self, _: f64, _: f64) -> bool {
-        !interrupt::asked()
+impl watch::Watch for Watch {
+    /// Once the best packing is kept, Ctrl-C ends everything at once.
+    fn stops(&self) -> bool {
+        self.polling.as_ref().is_some_and(watch::Watch::stops)
     }
 
     fn stage(&self, stage: Stage, share: f64) {

@@ -1,6 +1,6 @@
 //! Concrete before it is packed: grains, the specimens that they fill, and the images of periodic ones.
 //!
-//! It also holds the tools that packing, meshing and writing share: progress and the wish to stop, parallel loops.
+//! It also holds the tools that packing, meshing and writing share: who watches and when to stop, parallel loops.
 //! Units: mm, mm3, radians; fractions from 0 to 1.
 
 // No environment, clock, file, print or mathematics of the platform: the list is in `crates/clippy.toml`.
@@ -9,12 +9,14 @@
 pub mod aggregate;
 pub mod images;
 pub mod import;
+mod out_of_range;
 pub mod parallel;
 mod parts;
-pub mod progress;
 pub mod specimen;
 pub mod stop;
 mod thousands;
+pub mod watch;
 
+pub use out_of_range::{OutOfRange, Ranges};
 pub use parts::Parts;
 pub use thousands::thousands;

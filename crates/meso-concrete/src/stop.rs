@@ -1,34 +1,34 @@
-//! How work without a result worth keeping is ended from outside: it unwinds at the next `point`.
+//! The end of work that nobody waits for: it unwinds at its next [`point`].
 //!
-//! Packing is stopped through [`Progress`](crate::progress::Progress) and keeps the best it has. A mesh, a check or statistics that
-//! nobody waits for any more has nothing to keep; to hand a flag down to every loop of them would say so in a hundred
-//! signatures. So the threads of a pool listen to one flag, and long loops pass a point.
+//! Packing and a test end at [`Watch::stops`] with the best they have. A check, statistics or half a mesh is worth nothing when
+//! nobody waits for it; a flag handed to each of its loops would take a hundred signatures. So the threads of a pool listen
+//! to the [`Watch`], and long loops pass a point.
 
+use crate::watch::Watch;
 use std::cell::RefCell;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+    static WATCH: RefCell<Option<Arc<dyn Watch + Send>>> = const { RefCell::new(None) };
 }
 
 /// Payload with which stopped work unwinds. No panic hook is run, and nothing is printed.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopped;
 
-/// From now on work on this thread ends once `flag` is true. Whoever starts it catches the unwinding: see [`Stopped`].
-pub fn listen(flag: Arc<AtomicBool>) {
-    FLAG.set(Some(flag));
+/// Ends work on this thread from the moment when `watch` [is abandoned](Watch::is_abandoned). Whoever starts the work catches the
+/// unwinding: see [`Stopped`].
+pub fn listen(watch: Arc<dyn Watch + Send>) {
+    WATCH.set(Some(watch));
 }
 
-/// Unwinds where the thread's flag is true. It takes 2 ns; pass one about every microsecond to millisecond.
+/// Unwinds where the thread's watch is abandoned. It takes 2 ns; pass one about every microsecond to millisecond.
 ///
 /// A parallel loop of many short steps with a point needs rayon's `panic_fuse()`. Without it every piece of the loop unwinds
 /// by itself, and pieces are split on down to single steps: of 3.5 million that took 19 s.
 #[inline]
 pub fn point() {
-    let stop = FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)));
-    if stop {
+    if WATCH.with_borrow(|watch| watch.as_ref().is_some_and(|watch| watch.is_abandoned())) {
         std::panic::resume_unwind(Box::new(Stopped));
     }
 }
@@ -38,20 +38,28 @@ mod tests {
     use super::*;
     use rayon::prelude::*;
     use std::panic::{AssertUnwindSafe, catch_unwind};
-    use std::sync::atomic::AtomicU32;
+    use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+    struct Flag(AtomicBool);
+
+    impl Watch for Flag {
+        fn is_abandoned(&self) -> bool {
+            self.0.load(Ordering::Relaxed)
+        }
+    }
 
     #[test]
     fn loops_of_a_pool_end_at_their_next_point() {
-        let flag = Arc::new(AtomicBool::new(false));
+        let flag = Arc::new(Flag(AtomicBool::new(false)));
         let heard = Arc::clone(&flag);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).start_handler(move |_| listen(Arc::clone(&heard)));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).start_handler(move |_| listen(heard.clone()));
         let pool = pool.build().unwrap();
         let seen = AtomicU32::new(0);
         let work = || {
             (0..1_000_000).into_par_iter().for_each(|_| {
                 point();
                 if seen.fetch_add(1, Ordering::Relaxed) == 1000 {
-                    flag.store(true, Ordering::Relaxed);
+                    flag.0.store(true, Ordering::Relaxed);
                 }
             });
         };

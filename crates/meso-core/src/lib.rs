@@ -20,8 +20,8 @@
 //! the exact polyhedra.
 
 pub use meso_collision::{geometry, gjk, math};
-pub use meso_concrete::progress::{Progress, Silent};
-pub use meso_concrete::{aggregate, images, progress, specimen};
+pub use meso_concrete::watch::{Silent, Watch};
+pub use meso_concrete::{aggregate, images, specimen, watch};
 pub use meso_mesh as mesh;
 pub use meso_mesh::materials;
 pub use meso_pack::{Model, Spec, SpecError, check, model, pack, packing, recipes, saved, spec, statistics};

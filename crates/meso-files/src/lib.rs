@@ -1,6 +1,8 @@
 //! Files for a core that opens none: those that a spec names, read from its folder, and outputs, [`whole`] or not at all.
+//! [`lock`] keeps a second process out of a folder.
 #![forbid(unsafe_code)]
 
+pub mod lock;
 pub mod whole;
 
 use meso_pack::recipes::Recipe;

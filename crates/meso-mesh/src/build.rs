@@ -17,6 +17,7 @@ use crate::tet::TetMesh;
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::images::near as images_near;
 use meso_concrete::specimen::{Container, Specimen};
+use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, parallel};
 use std::cmp::Ordering;
 
@@ -25,14 +26,14 @@ use std::cmp::Ordering;
 pub struct Tools<'a> {
     /// Fills surfaces with tetrahedra; only the conforming method asks for it.
     pub gmsh: &'a dyn VolumeMesher,
-    /// Receives the share of the work that is done, 0 to 1.
-    pub progress: &'a dyn Fn(f64),
+    /// Watches [`Stage::Mesh`]; meshing ends between two steps when the watch stops.
+    pub watch: &'a dyn Watch,
 }
 
 impl Default for Tools<'_> {
     /// No gmsh, and nobody who watches.
     fn default() -> Self {
-        Self { gmsh: &|_: &conforming::Surfaces| Err(MeshError::NeedsGmsh), progress: &|_| {} }
+        Self { gmsh: &|_: &conforming::Surfaces| Err(MeshError::NeedsGmsh), watch: &Silent }
     }
 }
 
@@ -42,33 +43,42 @@ impl Default for Tools<'_> {
 /// Options that cannot be met are named before any work starts; see [`MeshError`].
 pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Tools) -> Result<Mesh, MeshError> {
     let Parts { bodies: aggregates, specimen } = &parts.into();
-    let Tools { gmsh, progress } = *tools;
+    let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
-    progress(0.02);
+    report(watch, 0.02)?;
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
     let mut bodies = images_near(aggregates, specimen, 0.0);
     bodies.sort_by(before);
     let bodies = bodies.as_slice();
-    progress(0.05);
+    report(watch, 0.05)?;
     let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
-    progress(0.6);
+    report(watch, 0.6)?;
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
         clip(&mut mesh, &*specimen.container());
     }
     leave_out_voids(&mut mesh, bodies);
     note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
-    progress(0.75);
+    report(watch, 0.75)?;
     make_fit(&mut mesh, bodies, options);
-    progress(0.85);
+    report(watch, 0.85)?;
     if options.itz == ItzForm::Cohesive {
         add_cohesive(&mut mesh);
     }
-    progress(0.95);
+    report(watch, 0.95)?;
     all_positive(mesh.by_aggregate())?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
     Ok(mesh)
+}
+
+/// Reports the share of meshing that is done.
+///
+/// # Errors
+/// [`MeshError::Stopped`] where the watch stops.
+fn report(watch: &dyn Watch, share: f64) -> Result<(), MeshError> {
+    watch.stage(Stage::Mesh, share);
+    if watch.stops() { Err(MeshError::Stopped) } else { Ok(()) }
 }
 
 /// Parts joined aggregates, restores volumes, splits narrow gaps, spares stiff cells and names the smeared ITZ, as far as each

@@ -1,7 +1,8 @@
 //! Why a mesh cannot be made.
 
 use crate::triangulation::Untriangulated;
-use meso_concrete::thousands;
+use meso_concrete::{OutOfRange, Ranges, thousands};
+use std::fmt::Display;
 use std::io;
 use std::path::PathBuf;
 
@@ -15,15 +16,8 @@ const SIZE: &str = "element_size_mm";
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
     /// An option is out of its range.
-    #[error("mesh.{key} is {value}; {accepted}")]
-    Option {
-        /// The option's name.
-        key: &'static str,
-        /// The value given.
-        value: String,
-        /// The accepted range.
-        accepted: String,
-    },
+    #[error(transparent)]
+    Option(#[from] OutOfRange),
     /// Cells came out flat or turned over: there the aggregates' gaps and corners are too fine for the elements.
     #[error(
         "the mesh would have {} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
@@ -68,8 +62,8 @@ pub enum MeshError {
     /// gmsh failed: it broke off, made no mesh, or wrote one that cannot be read.
     #[error("{0}")]
     Gmsh(String),
-    /// The caller asked to stop while gmsh ran.
-    #[error("gmsh was stopped")]
+    /// The watch stopped the work.
+    #[error("meshing was stopped")]
     Stopped,
     /// The files that gmsh reads and writes.
     #[error("the files for gmsh in {}: {}; TMPDIR names another folder for them", folder.display(), plain(error))]
@@ -140,16 +134,8 @@ impl MeshError {
     /// Gaps that a conforming mesh needs, mm.
     pub const ADVISED_GAP_MM: f64 = ADVISED_GAP_MM;
 
-    pub(crate) fn option(key: &'static str, value: impl ToString, accepted: impl Into<String>) -> Self {
-        Self::Option { key, value: value.to_string(), accepted: accepted.into() }
-    }
-
-    /// The name of the option at fault, if one is.
-    pub fn key(&self) -> Option<&'static str> {
-        match self {
-            Self::Option { key, .. } => Some(key),
-            _ => None,
-        }
+    pub(crate) fn option(key: &str, value: impl Display, accepted: impl Into<String>) -> Self {
+        Self::Option(Ranges("mesh").error(key, value, accepted))
     }
 
     /// The message, with an option by the name that a front has for it. Only sentences of our own are searched for one: a

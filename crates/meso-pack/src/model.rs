@@ -1,13 +1,13 @@
-//! A packed specimen: what `pack` returns, `.json` holds and every other command reads.
+//! A packed specimen: `pack` returns it, `.json` files hold it, and every other command reads it.
 
 use crate::packing::{self, Pose, Report, Request, Seconds, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
-use meso_concrete::aggregate::take::{Recipe, take};
+use meso_concrete::aggregate::take::{Mixture, take};
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::progress::{Progress, Silent, Stage};
 use meso_concrete::specimen::Largest;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, parallel};
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,8 +19,7 @@ pub struct Model {
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
-    /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of
-    /// them.
+    /// Voids in descending volume, then fibres; their ids count on. In the report, only [`Report::phases`] counts them.
     pub inclusions: Vec<Aggregate>,
     /// The result's figures.
     pub report: Report,
@@ -30,24 +29,24 @@ pub struct Model {
 ///
 /// # Errors
 /// A spec that cannot be met is named before any work starts.
-pub fn pack(spec: &Spec, progress: &dyn Progress) -> Result<Model, SpecError> {
-    let (start, started) = (progress.seconds(), progress.began());
-    spec.validate_while(progress)?;
+pub fn pack(spec: &Spec, watch: &dyn Watch) -> Result<Model, SpecError> {
+    let (start, started) = (watch.seconds(), watch.began());
+    spec.validate_while(watch)?;
     spec.has_room()?;
     spec.is_reachable_at_random()?;
-    let (grains, complete) = take_grains(spec, progress, started)?;
+    let (grains, complete) = take_grains(spec, watch, started)?;
     let largest = largest_body(spec, &grains)?;
-    let taken = progress.seconds();
+    let taken = watch.seconds();
     let Spec { specimen, grading, placement, .. } = spec;
     let target = target(spec);
-    let request = Request { target, largest, grains: &grains, placement, progress, started };
+    let request = Request { target, largest, grains: &grains, placement, watch, started };
     let mut outcome = packing::place(&request);
     let tally = Tally::of(&grains, &outcome.poses, grading.classes().len(), complete);
     // Every grain is freed as it settles, so that the two lists never coexist in full.
     let (mut aggregates, mut inclusions) = settle(grains, std::mem::take(&mut outcome.poses))?;
     let mut bodies: Vec<&mut Aggregate> = aggregates.iter_mut().chain(&mut inclusions).collect();
     packing::keep_off_faces(&mut bodies, specimen, placement.wall_gap_mm);
-    let placed = progress.seconds();
+    let placed = watch.seconds();
     let seconds = Seconds { total: placed - start, take: taken - start, place: placed - taken, write: 0.0 };
     let report = packing::report(&target, &tally, &outcome, (&aggregates, &inclusions), seconds);
     Ok(Model { spec: spec.clone(), aggregates, inclusions, report })
@@ -103,21 +102,21 @@ fn largest_body(spec: &Spec, grains: &[Grain]) -> Result<Largest, SpecError> {
 }
 
 /// The grains that the time allows, and whether these are all.
-fn take_grains(spec: &Spec, progress: &dyn Progress, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
+fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grain>, bool), SpecError> {
     let deadline = spec.placement.deadline(started);
     let stopped = AtomicBool::new(false);
     let inclusions: f64 = spec.inclusions().fractions().iter().sum();
     let wanted = spec.specimen.volume() * (spec.fraction + inclusions);
     let go_on = |volume: f64| {
-        progress.stage(Stage::Take, volume / wanted);
-        let go_on = progress.update(0.0, spec.fraction) && progress.seconds() < deadline;
+        watch.stage(Stage::Take, volume / wanted);
+        let go_on = !watch.stops() && watch.seconds() < deadline;
         stopped.fetch_or(!go_on, Ordering::Relaxed);
         go_on
     };
     let Spec { grading, shape, itz, seed, .. } = spec;
-    let recipe = Recipe { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
+    let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
-    let grains = take(&recipe, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
+    let grains = take(&mixture, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
     Ok((grains, !stopped.into_inner()))
 }
 

@@ -50,9 +50,7 @@ pub(crate) fn mesh_error(error: MeshError) -> PyErr {
     let text = error.message(keyword);
     match error {
         MeshError::Files { folder, error } => file_error(&folder, error),
-        MeshError::Option { key, value, accepted } => {
-            PyValueError::new_err(format!("{} is {value}; {accepted}", keyword(key)))
-        }
+        MeshError::Option(wrong) => PyValueError::new_err(format!("{} {}", keyword(&wrong.key), wrong.fault())),
         MeshError::MissingGmsh { .. } => {
             PyRuntimeError::new_err(format!("{text} for this Python or on the PATH, or mesh with method=\"lattice\""))
         }

@@ -9,13 +9,13 @@ use crate::spec::options;
 use crate::tree::plain;
 use crate::views::{call_view, cell_type};
 use meso_concrete::thousands;
+use meso_core::Model;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Tools, figures};
-use meso_core::progress::Stage;
-use meso_core::{Model, Progress};
+use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
@@ -69,8 +69,7 @@ pub(crate) fn build(
             gmsh.run_until(surfaces, &|| !watch.goes_on())
         };
         let accepted = if accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
-        let progress = |share| watch.stage(Stage::Mesh, share);
-        let mesh = mesh::build(&*model, &with, &Tools { gmsh: &fill, progress: &progress })?;
+        let mesh = mesh::build(&*model, &with, &Tools { gmsh: &fill, watch })?;
         PhaseOff::accept(&mesh, &*model, &with, accepted)?;
         Ok(mesh)
     })?;

@@ -4,7 +4,7 @@ use crate::boundary::guard;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
-use meso_core::progress::Stage;
+use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
 use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;

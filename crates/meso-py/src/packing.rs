@@ -15,12 +15,12 @@ use crate::views::{call_view, framing};
 use crate::{arrays, files, image, table};
 use meso_concrete::thousands;
 use meso_core::check::Check;
-use meso_core::formats::Surfaces;
+use meso_core::formats::SurfaceOptions;
 use meso_core::images::Images;
-use meso_core::progress::Stage;
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::Region;
-use meso_core::{Model, Progress, saved};
+use meso_core::watch::Stage;
+use meso_core::{Model, Watch as _, saved};
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -197,7 +197,7 @@ impl PyPacking {
         named_solids: bool,
     ) -> PyResult<()> {
         let model = Arc::clone(&self.0);
-        let surfaces = Surfaces { compress, images: named_images(images)?, mortar, named_solids };
+        let surfaces = SurfaceOptions { compress, images: named_images(images)?, mortar, named_solids };
         guard(|| beside_python(py, None, move |watch| files::write_model(&model, &path, overwrite, surfaces, watch))?)
     }
 
@@ -226,9 +226,7 @@ impl PyPacking {
         guard(|| {
             let (model, progress) = (Arc::clone(&self.0), listener(py, progress)?);
             let plan = Plan::new(&[(Stage::Prove, 1.0)], Some(1.0));
-            let check = in_stages(py, progress.as_ref(), plan, move |watch| {
-                Check::of(&model, &|share| watch.stage(Stage::Prove, share))
-            })?;
+            let check = in_stages(py, progress.as_ref(), plan, move |watch| Check::of(&model, watch))?;
             plain(py, &Checked { sound: check.is_sound(), check })
         })
     }
@@ -254,13 +252,12 @@ impl PyPacking {
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
-            let (model, options) = (Arc::clone(&self.0), spec::options::<Options>(options)?);
+            let (model, options) = (Arc::clone(&self.0), spec::options::<StatisticsOptions>(options)?);
             options.validate().map_err(|error| spec::spec_error(&error))?;
             let progress = listener(py, progress)?;
             let plan = Plan::new(&[(Stage::Measure, 1.0)], Some(1.0));
-            let measured = in_stages(py, progress.as_ref(), plan, move |watch| {
-                Statistics::watched(&model, &options, &|share| watch.stage(Stage::Measure, share))
-            })?;
+            let measured =
+                in_stages(py, progress.as_ref(), plan, move |watch| Statistics::watched(&model, &options, watch))?;
             plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
         })
     }

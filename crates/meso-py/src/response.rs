@@ -10,9 +10,9 @@ use crate::views::{call_view, cell_type, framing};
 use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
-use meso_core::{Model, Progress as _};
+use meso_core::{Model, Watch as _};
 use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Ended, Frame, Kind, Observer, Progress, Response, Row, Run, SolveError, Test, Wish};
+use meso_solve::{Ended, Frame, Kind, Observer, Response, Row, Run, SolveError, Test};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -86,10 +86,12 @@ impl Asked {
     }
 }
 
-/// A keyword's name is the test's own.
+/// A keyword has the name of the test's value.
 fn wrong(error: &SolveError) -> PyErr {
-    let text = error.to_string();
-    PyValueError::new_err(text.strip_prefix("test.").unwrap_or(&text).to_owned())
+    PyValueError::new_err(match error {
+        SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", wrong.key, wrong.fault()),
+        _ => error.to_string(),
+    })
 }
 
 /// A mesh with its origin.
@@ -126,11 +128,11 @@ pub(crate) fn solve(
 fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
     let begun = watch.seconds();
     // Progress is asked for while the test is still prepared.
-    watch.update(0.0, asked.test.strain());
+    watch.reached(0.0, asked.test.strain());
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
     watch.keeps_what_it_has();
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
-    let response = run.to_end(&watching);
+    let response = run.to_end(watch, &watching);
     // A run that diverged holds no numbers now.
     let diverged = matches!(response.result.ended, Ended::Diverged(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
@@ -148,16 +150,12 @@ struct Watching<'a> {
 }
 
 impl Observer for Watching<'_> {
-    fn progress(&self, progress: &Progress) -> Wish {
-        if self.watch.update(progress.row.strain, self.strain) { Wish::GoOn } else { Wish::Stop }
+    fn row(&self, row: &Row, _: f64) {
+        self.watch.reached(row.strain, self.strain);
     }
 
     fn frame(&self, frame: &Frame) {
         self.frames.borrow_mut().push(Arc::new(Snapshot::of(frame)));
-    }
-
-    fn stops(&self) -> bool {
-        !self.watch.goes_on()
     }
 }
 

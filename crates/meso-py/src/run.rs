@@ -2,8 +2,7 @@
 
 use crate::boundary::bug;
 use meso_concrete::stop;
-use meso_core::Progress;
-use meso_core::progress::{Measure, Stage};
+use meso_core::watch::{self, Measure, Stage};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +25,7 @@ const FILES_GRACE: u64 = 3000;
 pub(crate) struct Watch {
     go_on: Arc<AtomicBool>,
     /// Nobody waits for the result any more.
-    abandoned: Arc<AtomicBool>,
+    abandoned: AtomicBool,
     fraction: AtomicU64,
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
@@ -69,6 +68,12 @@ impl Watch {
         self.go_on.load(Relaxed)
     }
 
+    /// Keeps how much is reached of the target, for whoever listens.
+    pub(crate) fn reached(&self, done: f64, target: f64) {
+        self.fraction.store(done.to_bits(), Relaxed);
+        self.target.store(target.to_bits(), Relaxed);
+    }
+
     /// From now on the worker looks whether to stop at every step.
     pub(crate) fn stops_soon(&self) {
         self.grace.store(SOON_GRACE, Relaxed);
@@ -85,11 +90,17 @@ impl Watch {
     }
 }
 
-impl Progress for Watch {
-    fn update(&self, fraction: f64, target: f64) -> bool {
-        self.fraction.store(fraction.to_bits(), Relaxed);
-        self.target.store(target.to_bits(), Relaxed);
-        self.go_on.load(Relaxed)
+impl watch::Watch for Watch {
+    fn target(&self, fraction: f64) {
+        self.reached(0.0, fraction);
+    }
+
+    fn stops(&self) -> bool {
+        !self.goes_on()
+    }
+
+    fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Relaxed)
     }
 
     fn stage(&self, stage: Stage, share: f64) {
@@ -165,17 +176,17 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
         go_on: plan.as_ref().map_or_else(|| Arc::new(AtomicBool::new(true)), |plan| Arc::clone(&plan.go_on)),
         start: plan.as_ref().map_or_else(Instant::now, |plan| plan.began),
         staged: plan,
-        abandoned: Arc::new(AtomicBool::new(false)),
+        abandoned: AtomicBool::new(false),
         fraction: AtomicU64::new(0),
         target: AtomicU64::new(0),
         grace: AtomicU64::new(GRACE),
         keeps: AtomicBool::new(false),
     });
-    let abandoned = Arc::clone(&watch.abandoned);
+    let heard = Arc::clone(&watch);
     // Of none, as many as there are cores.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
-        .start_handler(move |_| stop::listen(Arc::clone(&abandoned)))
+        .start_handler(move |_| stop::listen(heard.clone()))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, mut receiver) = mpsc::channel();

@@ -5,7 +5,7 @@ use crate::run::beside_python;
 use crate::tree;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
-use meso_core::{Progress, Silent};
+use meso_core::{Silent, Watch};
 use meso_files::Beside;
 use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -55,7 +55,7 @@ pub(crate) fn options<T: DeserializeOwned>(keywords: Option<&Bound<'_, PyDict>>)
     spec::options_from_value(&value).map_err(|error| spec_error(&error))
 }
 
-fn read(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyResult<Spec> {
+fn read(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> PyResult<Spec> {
     if let Some(name) = meso_files::missing_recipe(path) {
         return Err(PyFileNotFoundError::new_err(format!("{name} is a recipe and no file: Spec.recipe({name:?})")));
     }
@@ -65,7 +65,7 @@ fn read(path: &Path, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyRe
     let text = String::from_utf8(bytes).map_err(not_text)?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
-    Spec::from_toml_while(&text, &mut Beside(folder), progress, time_limit_s).map_err(|error| {
+    Spec::from_toml_while(&text, &mut Beside(folder), watch, time_limit_s).map_err(|error| {
         let error = error.of_limit(time_limit_s, "time_limit");
         let text = format!("{name}: {error}");
         if error.is_late { PyTimeoutError::new_err(text) } else { PyValueError::new_err(text) }
@@ -109,14 +109,14 @@ impl Given {
     }
 
     /// The spec; a time limit may take the place of its own.
-    pub(crate) fn read(self, progress: &dyn Progress, time_limit_s: Option<f64>) -> PyResult<Spec> {
+    pub(crate) fn read(self, watch: &dyn Watch, time_limit_s: Option<f64>) -> PyResult<Spec> {
         match self {
             Self::Spec(spec) => Ok(*spec),
             Self::Tree(tree) => {
-                let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), progress, time_limit_s);
+                let spec = Spec::from_value_while(&tree, &mut Beside(Path::new("")), watch, time_limit_s);
                 spec.map_err(|error| spec_error(&error.of_limit(time_limit_s, "time_limit")))
             }
-            Self::File(path) => read(&path, progress, time_limit_s),
+            Self::File(path) => read(&path, watch, time_limit_s),
         }
     }
 }

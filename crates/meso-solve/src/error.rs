@@ -1,18 +1,16 @@
 //! Why a test cannot be run.
 
+use meso_concrete::{OutOfRange, Ranges};
+
+/// Checks values by their names in a [`Test`](crate::Test).
+pub(crate) const TEST: Ranges = Ranges("test");
+
 /// Why a test is refused before its first step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolveError {
-    /// A value out of its range.
-    #[error("{key} is {value}; {accepted}")]
-    Value {
-        /// Its name.
-        key: String,
-        /// The value given.
-        value: String,
-        /// The accepted values, or the way out.
-        accepted: String,
-    },
+    /// A value of the test or of its materials is out of its range.
+    #[error(transparent)]
+    Value(#[from] OutOfRange),
     /// A mesh that the engine has no elements for.
     #[error("the mesh cannot be solved: {0}")]
     Mesh(String),
@@ -22,16 +20,7 @@ pub enum SolveError {
 }
 
 impl SolveError {
-    pub(crate) fn value(key: &str, value: impl ToString, accepted: impl Into<String>) -> Self {
-        Self::Value { key: key.into(), value: value.to_string(), accepted: accepted.into() }
-    }
-
     pub(crate) fn mesh(why: impl Into<String>) -> Self {
         Self::Mesh(why.into())
     }
-}
-
-/// Refuses a `value` that is not as `met` wants it; NaN meets nothing.
-pub(crate) fn require(key: &str, value: f64, met: bool, accepted: &str) -> Result<(), SolveError> {
-    if met { Ok(()) } else { Err(SolveError::value(key, value, accepted)) }
 }

@@ -5,48 +5,27 @@
 //! [`Run::new`] checks a [`Test`] of a [`Sample`] and prepares it, [`Run::to_end`] runs it under the eyes of an
 //! [`Observer`], and the [`Response`] holds the curve and its figures. [`solve`] is all three in one.
 
-mod assembly;
+mod assemble;
 mod block;
-mod builder;
-mod checkpoint;
-mod curve;
 #[cfg(test)]
 mod dice;
-mod drive;
 mod element;
 mod error;
-mod frame;
 mod lanes;
 pub mod law;
-mod mass;
-mod matter;
-mod nodes;
-mod observer;
-mod order;
-mod parts;
-mod patches;
-mod phases;
-mod plates;
-pub mod point;
+mod march;
 pub mod real;
-mod response;
 pub mod results;
-mod run;
 mod sample;
-mod servo;
 mod test;
-mod weight;
 
-pub use curve::{Figures, Row};
 pub use error::SolveError;
-pub use frame::{Frame, Mean, Point};
 pub use lanes::InstructionSet;
-pub use observer::{Observer, Progress, Silent, Wish};
-pub use response::{Ended, Energies, PhaseResult, Response, Summary};
-pub use run::Run;
+pub use march::{Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary};
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, Itz, Joined, Kind, LawName, Smoothing, Test};
 
+use meso_concrete::watch::Watch;
 use meso_mesh::materials::Materials;
 
 /// Checks what is known before there is a mesh: the test's values, and the materials that its law takes.
@@ -55,7 +34,7 @@ use meso_mesh::materials::Materials;
 /// Names the value and what is accepted.
 pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
     test.validate()?;
-    matter::validate(materials, test.law)
+    Ok(block::matter::validate(materials, test.law)?)
 }
 
 /// Tests `sample`.
@@ -66,7 +45,8 @@ pub fn solve(
     sample: Sample,
     materials: &Materials,
     test: &Test,
+    watch: &dyn Watch,
     observer: &dyn Observer,
 ) -> Result<Response, SolveError> {
-    Ok(Run::new(sample, materials, test)?.to_end(observer))
+    Ok(Run::new(sample, materials, test)?.to_end(watch, observer))
 }

@@ -2,6 +2,7 @@
 
 use crate::error::SolveError;
 use meso_collision::math::Aabb;
+use meso_concrete::Ranges;
 use meso_concrete::specimen::Specimen;
 use meso_mesh::materials::band_factor;
 use meso_mesh::{CellKind, Mesh, MeshOptions, PhaseVolumes};
@@ -49,12 +50,12 @@ impl<'a> Sample<'a> {
             return Err(SolveError::mesh("it has no cells"));
         }
         for (key, value) in [
-            ("sample.section_mm2", self.section_mm2),
-            ("sample.volume_mm3", self.volume_mm3),
-            ("sample.element_size_mm", self.element_size_mm),
-            ("sample.band_factor", self.band_factor),
+            ("section_mm2", self.section_mm2),
+            ("volume_mm3", self.volume_mm3),
+            ("element_size_mm", self.element_size_mm),
+            ("band_factor", self.band_factor),
         ] {
-            crate::error::require(key, value, value > 0.0 && value.is_finite(), "it must be a positive number")?;
+            Ranges("sample").positive(key, value)?;
         }
         Ok(())
     }

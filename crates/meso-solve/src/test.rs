@@ -1,7 +1,8 @@
 //! Options of a test: the serde view of `mesocrete solve` and `mesh.solve(...)`.
 
-use crate::error::{SolveError, require};
+use crate::error::{SolveError, TEST};
 use crate::lanes::InstructionSet;
+use meso_concrete::OutOfRange;
 use meso_mesh::CellKind;
 use serde::{Deserialize, Serialize};
 
@@ -200,11 +201,11 @@ impl Test {
             return Ok((steps as u64, duration / steps));
         }
         let (key, value) = match self.duration_s {
-            Some(duration) if self.time_step_s.is_none() => ("test.duration_s", duration),
-            _ => ("test.time_step_s", step),
+            Some(duration) if self.time_step_s.is_none() => ("duration_s", duration),
+            _ => ("time_step_s", step),
         };
         let accepted = format!("{duration:.3e} s in steps of {step:.3e} s are {steps} steps; they must be 10 to 1e9");
-        Err(SolveError::value(key, value, accepted))
+        Err(TEST.error(key, value, accepted).into())
     }
 
     /// Strain smoothing of a mesh with cells of this `kind`.
@@ -217,38 +218,35 @@ impl Test {
     ///
     /// # Errors
     /// Names the value and what is accepted.
-    pub fn validate(&self) -> Result<(), SolveError> {
+    pub fn validate(&self) -> Result<(), OutOfRange> {
         let strain = self.strain();
-        require(
-            "test.strain",
+        TEST.require(
+            "strain",
             strain,
             strain > 0.0 && strain <= 0.1,
             "it must lie above 0 and at most at 0.1: strains are small; the test gives the sign",
         )?;
-        require("test.friction", self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
-        require("test.ramp", self.ramp, (0.01..=1.0).contains(&self.ramp), "it must be 0.01 to 1")?;
+        TEST.require("friction", self.friction, (0.0..=10.0).contains(&self.friction), "it must be 0 to 10")?;
+        TEST.require("ramp", self.ramp, (0.01..=1.0).contains(&self.ramp), "it must be 0.01 to 1")?;
         let hourglass = self.hourglass;
-        require(
-            "test.hourglass",
+        TEST.require(
+            "hourglass",
             hourglass,
             (0.0..=1.0).contains(&hourglass),
             "it must be 0 to 1; 0.02 to 0.05 adds no strength",
         )?;
-        let positive = |key: &str, value: Option<f64>| {
-            let met = value.is_none_or(|x| x > 0.0 && x.is_finite());
-            require(key, value.unwrap_or(0.0), met, "it must be a positive number")
-        };
-        positive("test.duration_s", self.duration_s)?;
-        positive("test.time_step_s", self.time_step_s)?;
-        require("test.rows", f64::from(self.rows), (10..=1_000_000).contains(&self.rows), "it must be 10 to 1000000")?;
-        require("test.frames", f64::from(self.frames), self.frames <= 10_000, "it must be at most 10000")?;
+        for (key, value) in [("duration_s", self.duration_s), ("time_step_s", self.time_step_s)] {
+            value.map_or(Ok(()), |value| TEST.positive(key, value))?;
+        }
+        TEST.require("rows", self.rows, (10..=1_000_000).contains(&self.rows), "it must be 10 to 1000000")?;
+        TEST.require("frames", self.frames, self.frames <= 10_000, "it must be at most 10000")?;
         self.interface.validate()
     }
 }
 
 impl Interface {
-    fn validate(&self) -> Result<(), SolveError> {
+    fn validate(&self) -> Result<(), OutOfRange> {
         let friction = self.friction;
-        require("test.interface.friction", friction, (0.0..=10.0).contains(&friction), "it must be 0 to 10")
+        TEST.require("interface.friction", friction, (0.0..=10.0).contains(&friction), "it must be 0 to 10")
     }
 }

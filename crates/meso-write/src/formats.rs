@@ -1,24 +1,25 @@
 //! Formats of packings, meshes and images; the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
-use crate::export::raster::{Values, npy, png, tif, vti};
+use crate::export::raster::{Voxels, npy, png, tif, vti};
 use crate::export::step::Block;
-use crate::export::vtk::Encoding;
 use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
 use crate::page;
 use crate::voxel_image::{ImageOptions, Quantity, Region, VoxelImage};
 use meso_concrete::images::Images;
 use meso_concrete::specimen::{Specimen, Surface};
+use meso_concrete::watch::Watch;
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::saved;
+use meso_view::vtk::Encoding;
 use std::borrow::Cow;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// How the aggregates' surfaces are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Surfaces {
+pub struct SurfaceOptions {
     /// Treatment of aggregates that cross a face of a periodic specimen.
     pub images: Images,
     /// Whether the data of a `.vtu` and a `.vtp` are compressed (zlib).
@@ -38,7 +39,7 @@ pub enum Format {
     JsonGz,
     /// Surfaces as polygons.
     Vtu,
-    /// The same as poly data.
+    /// Surfaces as VTK poly data.
     Vtp,
     /// Surfaces as triangles.
     Stl,
@@ -115,8 +116,8 @@ impl Format {
     /// Writes `model` to `out` in this format; `surfaces` counts where the format holds surfaces.
     ///
     /// # Errors
-    /// Those of `out`; what the format cannot hold.
-    pub fn write(self, model: &Model, surfaces: Surfaces, out: impl Write) -> io::Result<()> {
+    /// Errors of `out`; values that the format cannot hold.
+    pub fn write(self, model: &Model, surfaces: SurfaceOptions, out: impl Write) -> io::Result<()> {
         let shown = || match surfaces.images {
             Images::None => model.bodies(),
             images => Cow::Owned(images.of(&model.bodies(), &model.spec.specimen)),
@@ -168,7 +169,7 @@ pub enum MeshFormat {
     Vtu,
     /// gmsh 4.1, with physical groups.
     Msh,
-    /// The same as `.vtu`, in pieces: an index, and `.vtu` files beside it.
+    /// A VTK grid in pieces: an index, and `.vtu` files beside it.
     Pvtu,
 }
 
@@ -192,9 +193,8 @@ impl MeshFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// The files that `mesh` is written as where `path` is asked for: it alone, or what goes beside it and then it. A deck
-    /// with a curve has the script that writes this down.
-    #[doc(hidden)]
+    /// The files that `mesh` is written to for `path`: first the files beside it, then `path`. A deck with a curve has
+    /// a script that extracts the curve from Abaqus.
     pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
@@ -217,7 +217,6 @@ impl MeshFormat {
 }
 
 /// One of the files that a mesh is written as.
-#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
     /// Where.
@@ -230,7 +229,7 @@ enum Content {
     Whole(MeshFormat),
     Piece(usize),
     Index(Vec<String>),
-    /// Of the deck with this name.
+    /// The script of the deck with this name.
     Script(String),
 }
 
@@ -238,7 +237,7 @@ impl MeshFile {
     /// Writes this file of `mesh` to `out`; `deck` counts for decks, `compress` for `.vtu`.
     ///
     /// # Errors
-    /// Those of `out`; what a deck cannot hold.
+    /// Errors of `out`; values that a deck cannot hold.
     pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, out: impl Write) -> io::Result<()> {
         match &self.content {
             Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
@@ -288,7 +287,7 @@ impl ImageFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Refuses what the format cannot show.
+    /// Refuses values that the format cannot hold.
     ///
     /// # Errors
     /// The way out.
@@ -317,12 +316,12 @@ impl ImageFormat {
         image: &VoxelImage,
         model: &Model,
         region: Region,
-        progress: &dyn Fn(f64),
+        watch: &dyn Watch,
         out: impl Write + Seek,
     ) -> io::Result<()> {
         match self {
-            Self::Tif => tif::write(&image.frame(), image.slabs_watched(progress), out),
-            _ => self.write(image, model, region, progress, out),
+            Self::Tif => tif::write(&image.frame(), image.slabs_watched(watch), out),
+            _ => self.write(image, model, region, watch, out),
         }
     }
 
@@ -335,16 +334,16 @@ impl ImageFormat {
         image: &VoxelImage,
         model: &Model,
         region: Region,
-        progress: &dyn Fn(f64),
+        watch: &dyn Watch,
         mut out: impl Write,
     ) -> io::Result<()> {
         let frame = image.frame();
         match (self, region) {
-            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(progress), out),
-            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(progress), out),
+            (Self::Npy, _) => npy::write(&frame, image.slabs_watched(watch), out),
+            (Self::Vti, _) => vti::write(&frame, image.slabs_watched(watch), out),
             (Self::Svg, Region::Section { axis, at }) => page::section(model, axis, at, &mut out),
             (Self::Png, Region::Section { .. }) => {
-                let values: Values = image.layers(0..frame.counts[2]);
+                let values: Voxels = image.layers(0..frame.counts[2]);
                 png::write(&frame, &values, out)
             }
             _ => Err(io::Error::other("a .png or .svg holds a section, and a .tif needs a file to seek in")),

@@ -6,9 +6,9 @@ use crate::outputs::{Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
 use meso_concrete::thousands;
+use meso_core::Model;
 use meso_core::check::{Check, Finding};
-use meso_core::progress::Stage;
-use meso_core::{Model, Progress};
+use meso_core::watch::Stage;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.quiet, &of_model(Stage::Prove, 0.5));
     let model = inputs::model(&args.model, &watch)?;
-    let found = args.threads.run(|| Check::of(&model, &|share| watch.stage(Stage::Prove, share)))?;
+    let found = args.threads.run(|| Check::of(&model, &watch))?;
     watch.finish();
     Unit::default()
         .fill(&Target::Stdout, false, |out| if args.json { json(&found, out) } else { table(&model, &found, out) })?;

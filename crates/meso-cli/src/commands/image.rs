@@ -6,10 +6,10 @@ use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
+use meso_core::SpecError;
 use meso_core::formats::ImageFormat;
-use meso_core::progress::Stage;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
-use meso_core::{Progress, SpecError};
+use meso_core::watch::Stage;
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -70,18 +70,15 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let model = inputs::model(&args.model, &watch)?;
     let image = VoxelImage::new(&model, &options).map_err(|error| wrong(&error))?;
     let mut unit = Unit::default();
-    let progress = |share| watch.stage(Stage::Image, share);
     for (target, format) in &plan {
         match format {
             ImageFormat::Tif => {
                 unit.fill_file(target, args.writing.force, |out| {
-                    format.write_file(&image, &model, options.region, &progress, out)
+                    format.write_file(&image, &model, options.region, &watch, out)
                 })?;
             }
             _ => {
-                unit.fill(target, args.writing.force, |out| {
-                    format.write(&image, &model, options.region, &progress, out)
-                })?;
+                unit.fill(target, args.writing.force, |out| format.write(&image, &model, options.region, &watch, out))?;
             }
         }
     }

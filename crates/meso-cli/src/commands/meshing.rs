@@ -4,18 +4,18 @@ use super::{names, values};
 use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, stderr};
+use meso_concrete::OutOfRange;
 use meso_core::aggregate::Itz;
-use meso_core::export::abaqus::{Analysis, DeckError, DeckOptions, Loading};
+use meso_core::export::abaqus::{Analysis, DeckOptions, Loading};
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{
     self, Fit, ItzForm, Joined, Mesh, MeshError, MeshOptions, MeshTable, MethodName, NarrowGaps, PhaseOff, Tools,
     VolumeMesher, Volumes,
 };
-use meso_core::progress::Stage;
 use meso_core::spec::options_from_toml;
 use meso_core::specimen::Specimen;
-use meso_core::{Model, Progress, Spec};
+use meso_core::{Model, Spec};
 use meso_gmsh::Gmsh;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -368,9 +368,8 @@ pub(super) fn build(
     quiet: bool,
     watch: &Watch,
 ) -> Result<Mesh, Failure> {
-    let progress = |share| watch.stage(Stage::Mesh, share);
     let gmsh = Announced { gmsh: Gmsh::program(gmsh), quiet };
-    mesh::build(model, options, &Tools { gmsh: &gmsh, progress: &progress }).map_err(|error| wrong_mesh(&error))
+    mesh::build(model, options, &Tools { gmsh: &gmsh, watch }).map_err(|error| wrong_mesh(&error))
 }
 
 /// gmsh, whose second attempts the user hears of.
@@ -392,7 +391,7 @@ impl VolumeMesher for Announced {
 pub(super) fn wrong_mesh(error: &MeshError) -> Failure {
     let text = error.message(flag);
     match error {
-        MeshError::Option { key, value, accepted } => Failure::Usage(format!("{} is {value}; {accepted}", flag(key))),
+        MeshError::Option(wrong) => Failure::Usage(format!("{} {}", flag(&wrong.key), wrong.fault())),
         MeshError::MissingGmsh { .. } => {
             Failure::Run(format!("{text} and put it on the PATH or name it with --gmsh, or take --method lattice"))
         }
@@ -441,13 +440,13 @@ fn name(value: impl serde::Serialize) -> String {
 }
 
 /// Turns an error of a deck into wrong usage.
-pub(super) fn wrong_deck(error: &DeckError) -> Failure {
-    Failure::Usage(format!("{} {}", flag(error.key()), error.fault()))
+pub(super) fn wrong_deck(error: &OutOfRange) -> Failure {
+    Failure::Usage(format!("{} {}", flag(&error.key), error.fault()))
 }
 
 /// The core speaks of `element_size_mm`, the user typed `--element-size-mm`; values of `[materials]` have no flag. Of a key that
 /// ends in its unit, seconds, the flag has only the name.
-fn flag(key: &str) -> String {
+pub(super) fn flag(key: &str) -> String {
     if key.contains('.') {
         return key.to_owned();
     }

@@ -10,14 +10,14 @@ use crate::progress::{PACK, Watch};
 use crate::{inputs, stderr};
 use meso_concrete::thousands;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::{Format, MeshFormat, Surfaces};
+use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
 use meso_core::images::Images;
 use meso_core::mesh::Mesh;
 use meso_core::packing::{Placement, Report, Seconds, StopReason, Strategy};
 use meso_core::page;
-use meso_core::progress::Stage;
-use meso_core::statistics::{Options, Statistics};
-use meso_core::{Model, Progress, Spec, SpecError};
+use meso_core::statistics::{Statistics, StatisticsOptions};
+use meso_core::watch::Stage;
+use meso_core::{Model, Spec, SpecError, Watch as _};
 use std::path::{Path, PathBuf};
 
 #[derive(clap::Args, Debug)]
@@ -187,7 +187,7 @@ impl Args {
         let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
-        let surfaces = Surfaces { compress: self.compress, images: self.images, ..Surfaces::default() };
+        let surfaces = SurfaceOptions { compress: self.compress, images: self.images, ..SurfaceOptions::default() };
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.writing.force, surfaces })
     }
 }
@@ -213,7 +213,7 @@ struct Plan {
     outputs: Vec<(Target, Content)>,
     summary: Option<Target>,
     force: bool,
-    surfaces: Surfaces,
+    surfaces: SurfaceOptions,
 }
 
 impl Plan {
@@ -280,8 +280,7 @@ impl Plan {
         mesh: Option<&Mesh>,
         watch: &Watch,
     ) -> Result<(), Failure> {
-        let progress = |share| watch.stage(Stage::Measure, share);
-        let figures = Statistics::watched(model, &Options::quick(), &progress)
+        let figures = Statistics::watched(model, &StatisticsOptions::quick(), watch)
             .map_err(|error| Failure::Run(error.to_string()))?;
         unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
     }

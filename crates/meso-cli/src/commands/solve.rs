@@ -4,20 +4,23 @@ mod division;
 mod folder;
 mod watch;
 
+use super::meshing::flag;
 use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, stderr};
 use division::Division;
-use folder::{Folder, Kept};
+use folder::{CHECKPOINT, Folder, Kept};
 use meso_concrete::thousands;
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions};
-use meso_core::progress::Stage;
 use meso_core::specimen::Specimen;
+use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
-use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
+use meso_solve::results::{Moment, Outcome, ResultFile, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
+use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use watch::Watching;
@@ -115,7 +118,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
     args.announce(&run, &mesh);
     let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.writing.quiet);
-    let response = run.to_end(&watch);
+    let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
 }
@@ -142,6 +145,17 @@ impl Args {
         meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
         self.validate()?;
         self.options(&spec.specimen).map(drop)
+    }
+
+    /// Claims the name of every file of the results.
+    pub(super) fn claim(owner: &str, names: &mut Names) -> Result<(), NameError> {
+        let [prefix, suffix] = Moment::FILES;
+        names.claim_series(owner, prefix, suffix)?;
+        ResultFile::ALL
+            .map(ResultFile::name)
+            .into_iter()
+            .chain([CHECKPOINT])
+            .try_for_each(|name| names.claim(owner, name))
     }
 
     /// Refuses flags that no file can make right.
@@ -338,9 +352,12 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
     }
 }
 
-/// Turns an error of the engine into wrong usage.
+/// Turns an error of the engine into wrong usage; a value of the test has a flag.
 fn wrong(error: &SolveError) -> Failure {
-    Failure::Usage(with_flags(&error.to_string()))
+    Failure::Usage(match error {
+        SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", flag(&wrong.key), wrong.fault()),
+        _ => error.to_string(),
+    })
 }
 
 /// The engine speaks of `test.time_step_s`, the user typed `--time-step`.

@@ -17,6 +17,7 @@ mod offset;
 mod plane;
 mod polyhedron;
 mod predicates;
+mod principal;
 mod sieve;
 mod sum;
 mod tetrahedron;
@@ -44,6 +45,7 @@ pub use polyhedron::{MassProperties, Polyhedron};
 #[doc(hidden)]
 pub use predicates::orient3d;
 #[doc(hidden)]
-pub use sieve::principal_axes;
+pub use principal::principal_axes;
+
 #[doc(hidden)]
 pub use triangle_mesh::{SurfaceError, TriangleMesh};

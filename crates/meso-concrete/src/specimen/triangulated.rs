@@ -314,7 +314,7 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
 mod tests {
     use super::*;
     use crate::aggregate::random::{Purpose, Stream};
-    use crate::progress::Silent;
+    use crate::watch::Silent;
 
     /// A box from the origin with a hollow, whose faces are reversed.
     fn hollow() -> Triangulated {
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn points_in_edges_corners_and_hollows_are_told_apart() {
+    fn points_in_edges_corners_and_hollows_are_classified() {
         let container = hollow();
         assert!((container.volume() - 992.0).abs() < 1e-9);
         // Points exactly above and below edges and diagonals of the triangulation are among them.
@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn surfaces_that_cross_themselves_are_found() {
-        let patient = Waiting { progress: &Silent, deadline: f64::INFINITY };
+        let patient = Waiting { watch: &Silent, deadline: f64::INFINITY };
         assert_eq!(hollow().crossing(patient), Ok(None));
         let boxes = [(0.0, 6.0), (3.0, 9.0)].map(|(from, to)| {
             let surface = Surface::cuboid(&Vec3::repeat(from), &Vec3::repeat(to));

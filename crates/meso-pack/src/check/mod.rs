@@ -16,6 +16,7 @@ use meso_collision::math::{Aabb, Vec3, longest_distance};
 use meso_concrete::aggregate::{Aggregate, Kind, SizeDefinition};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Container;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use pairs::Placed;
 use serde::Serialize;
 use std::borrow::Cow;
@@ -159,23 +160,23 @@ impl Finding {
 
 impl Check {
     /// As [`check`], and reports which share of the work is done, 0 to 1.
-    pub fn of(model: &Model, progress: &dyn Fn(f64)) -> Self {
-        progress(0.02);
+    pub fn of(model: &Model, watch: &dyn Watch) -> Self {
+        watch.stage(Stage::Prove, 0.02);
         let container = model.spec.specimen.container();
         let bodies = model.bodies();
         let placed = placed(model, &bodies, container.aabb());
-        progress(0.1);
+        watch.stage(Stage::Prove, 0.1);
         let (pairs_tested, mut findings) = pairs::check(&placed, bodies.len(), model.spec.placement.min_gap_mm);
-        progress(0.4);
+        watch.stage(Stage::Prove, 0.4);
         findings.extend(parallel::flat_map(bodies.len(), |number| single(model, &*container, &bodies[number])));
-        progress(0.7);
+        watch.stage(Stage::Prove, 0.7);
         // Summed in the order of the aggregates, whatever the threads.
         let volumes = parallel::map_each(&model.aggregates, |aggregate| aggregate.body.volume());
         let fraction = volumes.iter().sum::<f64>() / container.volume();
         let (taken, not_taken) = taken::check(model, &bodies);
         findings.extend(not_taken);
         findings.extend(report::check(model, taken.as_ref()));
-        progress(1.0);
+        watch.stage(Stage::Prove, 1.0);
         let not_checked = not_checked(model, taken.is_some());
         Check { aggregates: model.aggregates.len(), pairs_tested, fraction, findings, not_checked }
     }
@@ -188,7 +189,7 @@ impl Check {
 
 /// Checks every promise of `model`.
 pub fn check(model: &Model) -> Check {
-    Check::of(model, &|_| {})
+    Check::of(model, &Silent)
 }
 
 fn not_checked(model: &Model, made_again: bool) -> Vec<&'static str> {

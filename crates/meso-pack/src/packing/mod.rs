@@ -14,8 +14,8 @@ use meso_collision::geometry::{CompactPolyhedron, HullBuilder, HullError, Polyhe
 use meso_collision::math::{Rotation, Vec3};
 use meso_concrete::aggregate::grain::{self, Grain};
 use meso_concrete::aggregate::{Grading, Inclusions, Kind};
-use meso_concrete::progress::Progress;
 use meso_concrete::specimen::{Largest, Specimen};
+use meso_concrete::watch::Watch;
 use nalgebra::UnitQuaternion;
 pub(crate) use place::place;
 pub use report::{ClassReport, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
@@ -98,8 +98,8 @@ pub(crate) struct Request<'a> {
     /// How to place.
     pub placement: &'a Placement,
     /// Where to report, and whom to ask.
-    pub progress: &'a dyn Progress,
-    /// `progress.seconds()` at which the run began: the time limit counts from there.
+    pub watch: &'a dyn Watch,
+    /// `watch.seconds()` at which the run began: the time limit counts from there.
     pub started: f64,
 }
 
@@ -188,7 +188,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Of the `grains` and their poses; there are this many `classes` of aggregates.
+    /// Counts the `grains` by their poses, in `classes` size classes of aggregates.
     pub(crate) fn of(grains: &[Grain], poses: &[Option<Pose>], classes: usize, complete: bool) -> Self {
         let mut largest_mm3 = vec![0.0; classes + Kind::FURTHER.len()];
         for grain in grains {

@@ -3,7 +3,7 @@
 use super::task::Task;
 use super::{DEFAULT_ATTEMPTS, Outcome, Placement, Pose, Request, StopReason, Strategy, rearrange, take_and_place};
 use meso_concrete::aggregate::{Grain, Kind};
-use meso_concrete::progress::{Progress, Stage};
+use meso_concrete::watch::{Stage, Watch};
 use std::borrow::Cow;
 
 impl Placement {
@@ -42,7 +42,7 @@ pub(crate) fn place(request: &Request) -> Outcome {
 
 /// Attempts of the take-and-place that follows a stop.
 const BRIEF_ATTEMPTS: u32 = 100;
-/// It may last this many seconds per grain, twice what it needs, and no longer than this share of the time left.
+/// The fallback may last this many seconds per grain, twice its need, and at most this share of the time left.
 const BRIEF_GRAIN_S: f64 = 5e-5;
 const BRIEF_SHARE: f64 = 0.25;
 /// If generation used up the time limit, the fallback gets `LATE_S`; after Ctrl-C, at most `WAITED_FOR_S`.
@@ -53,7 +53,7 @@ const QUICKEST_GRAIN_S: f64 = 5e-6;
 
 /// How long before the time limit a rearrangement is stopped, so that the fallback ends in time, s.
 fn brief_s(task: &Task) -> f64 {
-    let left = task.deadline - task.request.progress.seconds();
+    let left = task.deadline - task.request.watch.seconds();
     let most = if left > 0.0 { BRIEF_SHARE * left } else { LATE_S };
     most.min(BRIEF_GRAIN_S * task.request.grains.len() as f64)
 }
@@ -70,13 +70,13 @@ fn better_if_stopped(task: &Task, moved: Outcome, brief_s: f64) -> Outcome {
     if moved.stop.is_none() || reached >= Placement::brief_reach() * task.volume {
         return moved;
     }
-    let progress = Unstoppable(task.request.progress);
+    let watch = Unstoppable(task.request.watch);
     let most = if moved.stop == Some(StopReason::Interrupted) { WAITED_FOR_S } else { f64::INFINITY };
     let seconds = brief_s.min(most);
     let numbers = placeable(grains, seconds);
     let fitting = in_order(grains, &numbers);
-    let mut brief = Task::new(&Request { progress: &progress, grains: &fitting, ..task.request });
-    brief.deadline = progress.seconds() + seconds;
+    let mut brief = Task::new(&Request { watch: &watch, grains: &fitting, ..task.request });
+    brief.deadline = watch.seconds() + seconds;
     let mut placed = take_and_place::place(&brief, BRIEF_ATTEMPTS);
     let mut poses = vec![None; grains.len()];
     numbers.iter().zip(placed.poses).for_each(|(&number, pose)| poses[number] = pose);
@@ -102,15 +102,10 @@ fn in_order<'a>(grains: &'a [Grain], numbers: &[usize]) -> Cow<'a, [Grain]> {
     Cow::Owned(numbers.iter().map(|&number| grains[number].clone()).collect())
 }
 
-/// The same clock without stops.
-struct Unstoppable<'a>(&'a dyn Progress);
+/// The watch of a run, without its stops.
+struct Unstoppable<'a>(&'a dyn Watch);
 
-impl Progress for Unstoppable<'_> {
-    fn update(&self, fraction: f64, target: f64) -> bool {
-        self.0.update(fraction, target);
-        true
-    }
-
+impl Watch for Unstoppable<'_> {
     fn stage(&self, stage: Stage, share: f64) {
         self.0.stage(stage, share);
     }

@@ -37,7 +37,7 @@ pub struct Report {
     pub itz_limited: Vec<u32>,
     /// Why it ended.
     pub stop_reason: StopReason,
-    /// The same in a sentence: which class or fraction fell short, and by how much.
+    /// The reason for the stop in a sentence: which class or fraction fell short, and by how much.
     pub stop_detail: String,
     /// Wall-clock seconds by stage; zero in a loaded model.
     #[serde(default)]
@@ -204,11 +204,11 @@ pub(crate) fn report(
     }
 }
 
-/// Stands in a report for what its file does not say.
+/// Value in a report for a figure that its file does not hold.
 pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
 
 impl Report {
-    /// False where a saved model brought no report, and this one holds only what follows from its bodies.
+    /// False where a saved model brought no report, and this one was computed from its bodies.
     pub fn is_recorded(&self) -> bool {
         self.strategy != NOT_RECORDED
     }
@@ -258,7 +258,7 @@ impl PhaseReport {
         phases.map(phase).collect()
     }
 
-    /// As [`ClassReport::lack`].
+    /// Says by how much a phase fell short of its target, like [`ClassReport::lack`]; `None` where it did not.
     fn lack(&self, largest: f64) -> Option<String> {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
         Some(format!("{} lack {percent}", self.phase.plural()))

@@ -3,8 +3,8 @@
 use super::{Request, StopReason, Strategy};
 use meso_collision::math::Aabb;
 use meso_concrete::aggregate::Grain;
-use meso_concrete::progress::Stage;
 use meso_concrete::specimen::{Container, Period};
+use meso_concrete::watch::Stage;
 use std::sync::{Arc, OnceLock};
 
 /// A request, and the quantities that every strategy derives from it.
@@ -17,7 +17,7 @@ pub(super) struct Task<'a> {
     /// Volume each class may take, mm3. A grain that would exceed it by more than half of itself is left out.
     /// Infinite where no surplus was taken.
     pub(super) class_targets: Vec<f64>,
-    /// `progress.seconds()` when it began, and at which to stop.
+    /// `watch.seconds()` when it began, and at which to stop.
     started: f64,
     pub(super) deadline: f64,
     /// Why the run stops; set once by the first thread that finds a reason.
@@ -71,12 +71,12 @@ impl<'a> Task<'a> {
 
     /// Share of the time limit that has gone by; 0 where there is none.
     pub(super) fn spent(&self) -> f64 {
-        (self.request.progress.seconds() - self.started) / (self.deadline - self.started)
+        (self.request.watch.seconds() - self.started) / (self.deadline - self.started)
     }
 
     /// This share of the placing is done, or of the proof after it.
     pub(super) fn done(&self, stage: Stage, share: f64) {
-        self.request.progress.stage(stage, share);
+        self.request.watch.stage(stage, share);
     }
 
     /// Reports `volume` mm3 placed; the reason to stop now, if there is one.
@@ -84,19 +84,15 @@ impl<'a> Task<'a> {
         if volume > 0.0 {
             self.done(Stage::Place, volume / (self.volume * self.request.target.fraction));
         }
-        self.over(volume)
+        self.over()
     }
 
-    /// The reason to stop with `volume` mm3 placed, if there is one. Any thread may ask; a reason once found stays.
-    pub(super) fn over(&self, volume: f64) -> Option<StopReason> {
-        let progress = self.request.progress;
+    /// The reason to stop, if there is one. Any thread may ask; a reason once found stays.
+    pub(super) fn over(&self) -> Option<StopReason> {
+        let watch = self.request.watch;
         let reason = || {
-            let goes_on = progress.update(volume / self.volume, self.request.target.fraction);
-            if goes_on {
-                (progress.seconds() >= self.deadline).then_some(StopReason::TimeLimit)
-            } else {
-                Some(StopReason::Interrupted)
-            }
+            let is_late = || (watch.seconds() >= self.deadline).then_some(StopReason::TimeLimit);
+            if watch.stops() { Some(StopReason::Interrupted) } else { is_late() }
         };
         self.stop.get().copied().or_else(|| reason().map(|reason| *self.stop.get_or_init(|| reason)))
     }

@@ -14,7 +14,6 @@ mod polygons;
 mod read;
 mod seal;
 
-#[doc(hidden)]
 pub use read::read_while;
 pub use read::{ReadError, read};
 

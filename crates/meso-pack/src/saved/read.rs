@@ -10,8 +10,8 @@ use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::progress::{Progress, Silent, Stage};
 use meso_concrete::stop;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::borrow::Cow;
@@ -112,12 +112,12 @@ const LOADED: f64 = 0.05;
 const PARSED: f64 = 0.3;
 
 /// As [`read`], while somebody waits for it: a long file and the proof of a specimen's surface of a million triangles take
-/// seconds, of which `progress` is told. A time limit of the model's spec was its packing's, and does not count here.
+/// seconds, of which `watch` is told. A time limit of the model's spec was its packing's, and does not count here.
 ///
 /// # Errors
 /// See [`ReadError`].
-pub fn read_while(bytes: &[u8], progress: &dyn Progress) -> Result<Model, ReadError> {
-    let reading = Reading { progress, is_long: bytes.len() >= LONG };
+pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
+    let reading = Reading { watch, is_long: bytes.len() >= LONG };
     reading.tell(LOADED);
     let text = if bytes.starts_with(&gzip::MAGIC) {
         Cow::Owned(gzip::expand(bytes).map_err(ReadError::NotAModel)?)
@@ -150,7 +150,7 @@ pub fn read_while(bytes: &[u8], progress: &dyn Progress) -> Result<Model, ReadEr
 
 /// Hears how far reading is, and has no clock.
 struct Reading<'a> {
-    progress: &'a dyn Progress,
+    watch: &'a dyn Watch,
     is_long: bool,
 }
 
@@ -158,22 +158,14 @@ impl Reading<'_> {
     /// This share of the stage is over; a short file is read before anybody looks.
     fn tell(&self, share: f64) {
         if self.is_long {
-            self.progress.stage(Stage::Read, share);
+            self.watch.stage(Stage::Read, share);
         }
     }
 }
 
-impl Progress for Reading<'_> {
-    fn update(&self, _: f64, _: f64) -> bool {
-        true
-    }
-
+impl Watch for Reading<'_> {
     fn stage(&self, stage: Stage, share: f64) {
-        self.progress.stage(stage, PARSED + (1.0 - PARSED) * share);
-    }
-
-    fn seconds(&self) -> f64 {
-        0.0
+        self.watch.stage(stage, PARSED + (1.0 - PARSED) * share);
     }
 }
 

@@ -7,8 +7,8 @@ use super::{Reading, SpecError};
 use meso_collision::geometry::{SurfaceError, TriangleMesh};
 use meso_collision::math::Vec3;
 use meso_concrete::import::{self, Surface};
-use meso_concrete::progress::{Stage, Waiting};
 use meso_concrete::specimen::{ContainerError, Specimen};
+use meso_concrete::watch::{Stage, Waiting};
 
 const KEY: &str = "specimen.file";
 
@@ -63,9 +63,9 @@ fn scale(specimen: &mut Node) -> Result<f64, SpecError> {
 fn read(name: &str, scale: f64, reading: &mut Reading<'_>) -> Result<TriangleMesh, String> {
     let bytes = reading.files.read(name).map_err(|error| error.to_string())?;
     // Shares of the time that a million triangles take; see `Triangulated::crossing` for the rest.
-    reading.progress.stage(Stage::Read, 0.02);
+    reading.watch.stage(Stage::Read, 0.02);
     let Surface { mut mesh, edges, notes } = import::read(name, &bytes).map_err(|error| error.to_string())?;
-    reading.progress.stage(Stage::Read, 0.12);
+    reading.watch.stage(Stage::Read, 0.12);
     notes.iter().for_each(|note| reading.files.remark(name, note));
     edges.map_err(|error| error.to_string())?;
     let volume = mesh.volume();
@@ -76,7 +76,7 @@ fn read(name: &str, scale: f64, reading: &mut Reading<'_>) -> Result<TriangleMes
         mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
     mesh.vertices.iter_mut().for_each(|vertex| *vertex *= scale);
-    reading.progress.stage(Stage::Read, 0.2);
+    reading.watch.stage(Stage::Read, 0.2);
     let mesh = without_flat(name, mesh, reading);
     moved(name, &mesh, reading);
     Ok(mesh)
@@ -90,8 +90,8 @@ fn without_flat(name: &str, mesh: TriangleMesh, reading: &mut Reading<'_>) -> Tr
         triangles: mesh.triangles.clone(),
         built: Default::default(),
     };
-    let deadline = reading.time_limit_s.map_or(f64::INFINITY, |limit| reading.progress.began() + limit);
-    match specimen.check_while(Waiting { progress: reading.progress, deadline }) {
+    let deadline = reading.time_limit_s.map_or(f64::INFINITY, |limit| reading.watch.began() + limit);
+    match specimen.check_while(Waiting { watch: reading.watch, deadline }) {
         Err(ContainerError::Crossing { .. }) => {
             reading.files.remark(name, &format!("{count} triangle(s) without area were removed"));
             mended

@@ -22,7 +22,7 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// Of `values` in any order; `None` of none.
+    /// Sums up `values` in any order; `None` where there is none.
     pub(super) fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);

@@ -26,13 +26,14 @@ use meso_concrete::aggregate::Aggregate;
 use meso_concrete::images::near as images_near;
 use meso_concrete::parallel;
 use meso_concrete::specimen::Container;
+use meso_concrete::watch::{Silent, Stage, Watch};
 use serde::{Deserialize, Serialize};
 
 /// How much is sampled, and how finely it is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
-pub struct Options {
+pub struct StatisticsOptions {
     /// Seed of the samples.
     pub seed: u64,
     /// Random lines for the correlation functions.
@@ -47,13 +48,13 @@ pub struct Options {
     pub layer_mm: f64,
 }
 
-impl Default for Options {
+impl Default for StatisticsOptions {
     fn default() -> Self {
         Self { seed: 1, lines: 10_000, lag_mm: 0.5, lags: 81, points: 200_000, layer_mm: 1.0 }
     }
 }
 
-impl Options {
+impl StatisticsOptions {
     /// A fifth of the samples, for a page that is written beside other files: curves scatter twice as much.
     pub fn quick() -> Self {
         Self { lines: 2_000, points: 40_000, ..Self::default() }
@@ -108,29 +109,29 @@ impl Statistics {
     /// Measures a packed model.
     ///
     /// # Errors
-    /// A loaded model may hold coordinates beyond what the exact distance accepts.
-    pub fn of(model: &Model, options: &Options) -> Result<Self, GjkError> {
-        Self::watched(model, options, &|_| {})
+    /// A loaded model may hold coordinates beyond the range of the exact distance.
+    pub fn of(model: &Model, options: &StatisticsOptions) -> Result<Self, GjkError> {
+        Self::watched(model, options, &Silent)
     }
 
-    /// As [`Statistics::of`], and reports which share of the work is done, 0 to 1.
+    /// Measures like [`Statistics::of`], and reports to `watch` as [`Stage::Measure`].
     ///
     /// # Errors
     /// As [`Statistics::of`].
-    pub fn watched(model: &Model, options: &Options, progress: &(dyn Fn(f64) + Sync)) -> Result<Self, GjkError> {
-        progress(0.02);
+    pub fn watched(model: &Model, options: &StatisticsOptions, watch: &dyn Watch) -> Result<Self, GjkError> {
+        watch.stage(Stage::Measure, 0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
         // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
         let images = Images::near(model, 2.0 * model.spec.grading.d_max_mm);
         let sample = Sample { container: &*container, aggregates: &images.aggregates, index: &images.index, options };
         let (shapes, orientation) = (Shapes::of(aggregates), Orientation::of(aggregates));
-        progress(0.2);
+        watch.stage(Stage::Measure, 0.2);
         let wall_effect = wall::wall_effect(&sample);
-        progress(0.35);
+        watch.stage(Stage::Measure, 0.35);
         let nearest_distance_mm = nearest::nearest_distances(model, &images)?;
-        progress(0.7);
+        watch.stage(Stage::Measure, 0.7);
         let correlation = correlation::correlation(&sample);
-        progress(1.0);
+        watch.stage(Stage::Measure, 1.0);
         Ok(Statistics {
             fraction: ordered_sum(aggregates, |a| a.body.volume()) / container.volume(),
             specific_surface_per_mm: ordered_sum(aggregates, |a| a.body.area()) / container.volume(),
@@ -166,7 +167,7 @@ struct Sample<'a> {
     container: &'a dyn Container,
     aggregates: &'a [Aggregate],
     index: &'a Index,
-    options: &'a Options,
+    options: &'a StatisticsOptions,
 }
 
 /// The sum in list order of figures computed in parallel.

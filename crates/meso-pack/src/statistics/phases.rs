@@ -23,7 +23,7 @@ pub struct PhaseFigures {
 }
 
 impl PhaseFigures {
-    /// Those of every phase among `inclusions`, which come phase by phase, in a specimen of `room_mm3`.
+    /// Figures of every phase among `inclusions`, which come phase by phase, in a specimen of `room_mm3`.
     pub(super) fn all(inclusions: &[Aggregate], room_mm3: f64) -> Vec<Self> {
         inclusions.chunk_by(|a, b| a.kind == b.kind).map(|bodies| Self::of(bodies, room_mm3)).collect()
     }

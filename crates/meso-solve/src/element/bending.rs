@@ -84,8 +84,8 @@ impl<R: Real> Bending<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mass::{Need, box_metric};
-    use crate::matter::{Behaviour, Matter};
+    use crate::assemble::mass::{Need, box_metric};
+    use crate::block::matter::{Behaviour, Matter};
 
     const SHAPE: BoxShape = BoxShape { edges: [1.0, 1.5, 2.5] };
     const STONE: Elastic = Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.25, density_t_per_mm3: 2.6e-9 };

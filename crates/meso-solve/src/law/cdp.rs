@@ -25,10 +25,11 @@
 
 use super::elastic::{elastic_part, energy, flow};
 use super::invariants::Invariants;
-use super::limits::{self, ELASTIC_LIMIT, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
 use crate::real::Real;
-use meso_mesh::materials::{self, Materials, Plasticity, Strength};
+use meso_concrete::OutOfRange;
+use meso_mesh::Phase;
+use meso_mesh::materials::{self, MATERIALS, Materials, Plasticity, Strength};
 
 /// Parameters, as registers.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +67,7 @@ pub struct Cdp<R> {
     widest_mm: f64,
 }
 
+const ELASTIC_LIMIT: f64 = Strength::ELASTIC_LIMIT;
 /// How far damage of a crack goes.
 const LEAST_INTEGRITY: f64 = 1e-4;
 /// Newton's steps; the equation is convex, so each ends on the safe side. A third changes no strength at steps of 1e-4.
@@ -75,23 +77,29 @@ const STEPS: usize = 2;
 ///
 /// # Errors
 /// Names the first one that it cannot have.
-pub fn validate(materials: &Materials) -> Result<(), LawError> {
-    limits::elastic(materials)?;
-    limits::strength(materials)?;
+pub fn validate(materials: &Materials) -> Result<(), OutOfRange> {
+    materials.validate_elastic()?;
+    materials.validate_strength()?;
+    [Phase::Mortar, Phase::Itz].into_iter().try_for_each(|phase| materials.validate_peak_strain(phase))?;
     let Plasticity { dilation_angle_deg: angle, eccentricity, biaxial_ratio, meridian_ratio, .. } =
         materials.plasticity;
     let accepted = "it must lie above 0 and below 60; 15 to 40 is usual";
-    require("plasticity.dilation_angle_deg", angle, angle > 0.0 && angle < 60.0, accepted)?;
+    MATERIALS.require("plasticity.dilation_angle_deg", angle, angle > 0.0 && angle < 60.0, accepted)?;
     let accepted = "it must be 0 to 1; 0.1 is usual";
-    require("plasticity.eccentricity", eccentricity, (0.0..=1.0).contains(&eccentricity), accepted)?;
+    MATERIALS.require("plasticity.eccentricity", eccentricity, (0.0..=1.0).contains(&eccentricity), accepted)?;
     let accepted = "it must be 1 to 2; 1.16 is usual";
-    require("plasticity.biaxial_ratio", biaxial_ratio, (1.0..=2.0).contains(&biaxial_ratio), accepted)?;
+    MATERIALS.require("plasticity.biaxial_ratio", biaxial_ratio, (1.0..=2.0).contains(&biaxial_ratio), accepted)?;
     let accepted = "it must lie above 0.5 and at most at 1; 2/3 to 0.8 is usual";
-    require("plasticity.meridian_ratio", meridian_ratio, meridian_ratio > 0.5 && meridian_ratio <= 1.0, accepted)?;
+    MATERIALS.require(
+        "plasticity.meridian_ratio",
+        meridian_ratio,
+        meridian_ratio > 0.5 && meridian_ratio <= 1.0,
+        accepted,
+    )?;
     let (alpha, given) = (alpha(&materials.plasticity), &materials.mortar_strength);
     let most = ELASTIC_LIMIT * given.compressive_mpa * (1.0 - alpha) / (1.0 + alpha);
     let accepted = format!("it must be at most {most:.4}: the surface has no beta below 0 where hardening begins");
-    require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, &accepted)
+    MATERIALS.require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, accepted)
 }
 
 fn alpha(plasticity: &Plasticity) -> f64 {

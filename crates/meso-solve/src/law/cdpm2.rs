@@ -26,10 +26,11 @@
 
 use super::elastic::{elastic_part, flow};
 use super::invariants::Invariants;
-use super::limits::{self, LawError, require};
 use super::{Elastic, Law, Response, State, Tensor, softening};
 use crate::real::Real;
-use meso_mesh::materials::{self, Materials, Strength};
+use meso_concrete::OutOfRange;
+use meso_mesh::Phase;
+use meso_mesh::materials::{self, MATERIALS, Materials, Strength};
 
 /// The paper's parameters that `[materials]` has no word for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,16 +67,17 @@ impl Default for Options {
 ///
 /// # Errors
 /// Names the first one that it cannot have.
-pub fn validate(materials: &Materials, options: &Options) -> Result<(), LawError> {
-    limits::elastic(materials)?;
-    limits::strength(materials)?;
+pub fn validate(materials: &Materials, options: &Options) -> Result<(), OutOfRange> {
+    materials.validate_elastic()?;
+    materials.validate_strength()?;
+    [Phase::Mortar, Phase::Itz].into_iter().try_for_each(|phase| materials.validate_peak_strain(phase))?;
     let given = &materials.mortar_strength;
     let biaxial = materials.plasticity.biaxial_ratio;
     let accepted = "it must lie above 1 and at most at 1.5; 1.16 is usual";
-    require("plasticity.biaxial_ratio", biaxial, biaxial > 1.0 && biaxial <= 1.5, accepted)?;
+    MATERIALS.require("plasticity.biaxial_ratio", biaxial, biaxial > 1.0 && biaxial <= 1.5, accepted)?;
     let most = given.compressive_mpa / 3.0;
     let accepted = format!("it must be at most {most:.4}, a third of the compressive strength");
-    require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, &accepted)?;
+    MATERIALS.require("mortar_strength.tensile_mpa", given.tensile_mpa, given.tensile_mpa <= most, accepted)?;
     let [ah, bh, ch, dh] = options.hardening_ductility;
     for (key, value, met, accepted) in [
         ("initial_hardening", options.initial_hardening, (0.1, 0.9), "0.1 to 0.9; 0.3 is usual"),
@@ -89,7 +91,7 @@ pub fn validate(materials: &Materials, options: &Options) -> Result<(), LawError
         ("crushing_strain", options.crushing_strain.unwrap_or(1e-4), (1e-6, 1.0), "1e-6 to 1; 1e-4 is usual"),
     ] {
         let inside = value >= met.0 && value <= met.1;
-        require(&format!("cdpm2.{key}"), value, inside, &format!("it must be {accepted}"))?;
+        MATERIALS.require(format!("cdpm2.{key}"), value, inside, format!("it must be {accepted}"))?;
     }
     Ok(())
 }

@@ -7,13 +7,12 @@ pub mod cdp;
 pub mod cdpm2;
 mod elastic;
 mod invariants;
-mod limits;
+pub mod point;
 mod softening;
 
 pub use cdp::Cdp;
 pub use cdpm2::Cdpm2;
 pub use elastic::Elastic;
-pub use limits::{LawError, elastic as validate_elastic};
 
 use crate::real::Real;
 

@@ -10,8 +10,8 @@ mod snapshot;
 
 pub use snapshot::{Moment, Snapshot};
 
-use crate::curve::Row;
-use crate::response::Response;
+use crate::march::Response;
+use crate::march::Row;
 use crate::sample::Sample;
 use meso_mesh::{Mesh, MeshOptions, PhaseVolumes};
 use meso_pack::Model;

@@ -44,7 +44,7 @@ fn chunk(name: &[u8; 4], content: &[u8], bytes: &mut Vec<u8>) {
     }
 }
 
-pub(super) use meso_write::page::base64;
+pub(super) use meso_view::embedded::base64;
 
 #[cfg(test)]
 mod tests {

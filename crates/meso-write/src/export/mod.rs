@@ -10,12 +10,9 @@ pub(crate) mod ply;
 pub(crate) mod pvtu;
 pub(crate) mod raster;
 pub(crate) mod step;
-#[doc(hidden)]
 pub mod stl;
-pub mod vtk;
 pub(crate) mod vtu;
-#[doc(hidden)]
-pub mod vtu_mesh;
 
-#[doc(hidden)]
+pub use meso_view::vtu_mesh;
+
 pub use appearance::{CLASSES, PALETTE};

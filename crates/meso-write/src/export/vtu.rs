@@ -3,9 +3,9 @@
 //! Cell data: `aggregate` (id), `class`, `phase` (2 aggregate, 3 void, 4 fibre), `itz_thickness_mm`.
 
 use super::appearance::phase;
-use super::vtk::{Array, Encoding, Grid, Layout};
 use meso_collision::geometry::Face;
 use meso_concrete::aggregate::Aggregate;
+use meso_view::vtk::{Array, Encoding, Grid, Layout};
 use std::io::{self, Write};
 
 /// VTK's number of a polygon cell.
@@ -19,7 +19,7 @@ pub(crate) fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Writ
     write_as(Layout::Cells, aggregates, encoding, out)
 }
 
-/// The same as poly data.
+/// Writes the aggregates' surfaces as VTK poly data (`.vtp`).
 ///
 /// # Errors
 /// As [`write`].

@@ -6,6 +6,7 @@ use meso_concrete::aggregate::Aggregate;
 use meso_concrete::images::Images;
 use meso_concrete::specimen::Surface;
 use meso_pack::model::Model;
+use meso_view::embedded::{TURNTABLE, base64};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
@@ -13,9 +14,6 @@ use std::io::{self, Write};
 const MOST: usize = 30_000;
 /// Cosine of the angle from which on two polygons of the specimen's surface meet in an edge that is drawn.
 const SHARP: f64 = 0.94;
-
-/// The script of a canvas to turn, `turntable`; a viewer's own script follows it.
-pub const TURNTABLE: &str = include_str!("turntable.js");
 
 /// Writes the canvas, its controls, the data and the script.
 pub(super) fn write(model: &Model, out: &mut impl Write) -> io::Result<()> {
@@ -89,31 +87,10 @@ fn edges_of(surface: &Surface, all: &Aabb) -> Vec<u8> {
     bytes
 }
 
-/// Bytes as text, by the standard's letters (RFC 4648).
-pub fn base64(bytes: &[u8]) -> String {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for three in bytes.chunks(3) {
-        let at = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
-        let bits = at(0) << 16 | at(1) << 8 | at(2);
-        for i in 0..4 {
-            let letter = LETTERS[(bits >> (18 - 6 * i) & 63) as usize];
-            text.push(if i > three.len() { '=' } else { letter.into() });
-        }
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use meso_concrete::specimen::Specimen;
-
-    #[test]
-    fn letters_are_those_of_the_standard() {
-        let written = ["", "f", "fo", "foo", "foob", "fooba", "foobar"].map(|text| base64(text.as_bytes()));
-        assert_eq!(written, ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"]);
-    }
 
     #[test]
     fn a_box_has_twelve_edges_and_a_cylinder_two_circles() {

@@ -1,12 +1,12 @@
 //! The page's tables.
 
-use super::plot::escape;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::thousands;
 use meso_mesh::figures::PhaseVolumes;
 use meso_pack::model::Model;
 use meso_pack::spec::Spec;
 use meso_pack::statistics::{Distribution, Orientation, PhaseFigures, Statistics};
+use meso_view::plot::escape;
 use std::io::{self, Write};
 
 /// Target and result by class.

@@ -92,7 +92,7 @@ impl Default for ImageOptions {
     }
 }
 
-/// An option that cannot be met: its name, its value, and what is accepted.
+/// The error of an option that cannot be met: its name, its value, and the accepted range.
 fn wrong(key: &str, value: impl std::fmt::Display, accepted: impl std::fmt::Display) -> SpecError {
     SpecError::value(key, format!("is {value}; {accepted}"))
 }

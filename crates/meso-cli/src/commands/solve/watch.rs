@@ -1,12 +1,12 @@
-//! Who watches a test: the line with strain, stress and the time left, frames and checkpoints, and Ctrl-C.
+//! The observer of a test: the line with strain, stress and the time left, frames and checkpoints.
 
 use super::folder::Folder;
 use crate::failure::Failure;
 use crate::progress::{CLEAR, bar, fitting, show};
-use crate::{interrupt, stderr};
+use crate::stderr;
 use meso_core::mesh::Mesh;
 use meso_solve::results::{Moment, Snapshot};
-use meso_solve::{Frame, Observer, Progress, Run, Wish};
+use meso_solve::{Frame, Observer, Row, Run};
 use std::cell::{Cell, RefCell};
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
@@ -39,7 +39,6 @@ pub(super) struct Watching<'a> {
     kept: Cell<Instant>,
     /// Whether the last checkpoint could not be written.
     unkept: Cell<bool>,
-    _polling: interrupt::Polling,
 }
 
 impl<'a> Watching<'a> {
@@ -71,7 +70,6 @@ impl<'a> Watching<'a> {
             every: every.map(Duration::from_secs_f64),
             kept: Cell::new(now),
             unkept: Cell::new(false),
-            _polling: interrupt::Polling::begin(),
         }
     }
 
@@ -94,46 +92,42 @@ impl<'a> Watching<'a> {
         stderr::line(format!("warning: {}; {what_then}", failure.message()));
     }
 
-    fn tell(&self, progress: &Progress) {
-        let left = self.left(progress);
+    fn show(&self, row: &Row, done: f64) {
+        let left = self.left(done);
         match self.shown {
             Shown::Nothing => {}
             Shown::Lines => {
-                let tenth = (LINES as f64 * progress.done) as u64;
+                let tenth = (LINES as f64 * done) as u64;
                 if self.told.replace(tenth) < tenth {
-                    stderr::line(format!("{:>3} %: {}", 100 * tenth / LINES, figures(progress, left)));
+                    stderr::line(format!("{:>3} %: {}", 100 * tenth / LINES, figures(row, left)));
                 }
             }
             Shown::Bar => {
                 if self.drawn.get().is_none_or(|drawn| drawn.elapsed() >= REDRAW) {
                     self.drawn.set(Some(Instant::now()));
-                    show(&format!("{CLEAR}{}", fitting(&line(progress, left))));
+                    show(&format!("{CLEAR}{}", fitting(&line(row, done, left))));
                 }
             }
         }
     }
 
     /// Seconds to the end, at the pace so far.
-    fn left(&self, progress: &Progress) -> f64 {
+    fn left(&self, done: f64) -> f64 {
         let first = self.first.get().unwrap_or_else(|| {
-            self.first.set(Some(progress.done));
-            progress.done
+            self.first.set(Some(done));
+            done
         });
-        self.started.elapsed().as_secs_f64() * (1.0 - progress.done) / (progress.done - first).max(1e-9)
+        self.started.elapsed().as_secs_f64() * (1.0 - done) / (done - first).max(1e-9)
     }
 }
 
 impl Observer for Watching<'_> {
-    fn progress(&self, progress: &Progress) -> Wish {
-        self.tell(progress);
-        match self.every {
-            Some(every) if self.kept.get().elapsed() >= every => Wish::Keep,
-            _ => Wish::GoOn,
-        }
+    fn row(&self, row: &Row, done: f64) {
+        self.show(row, done);
     }
 
-    fn stops(&self) -> bool {
-        interrupt::asked()
+    fn keeps(&self) -> bool {
+        self.every.is_some_and(|every| self.kept.get().elapsed() >= every)
     }
 
     fn frame(&self, frame: &Frame) {
@@ -153,12 +147,12 @@ impl Observer for Watching<'_> {
     }
 }
 
-fn line(progress: &Progress, left: f64) -> String {
-    format!("solving {} {}", bar(progress.done), figures(progress, left))
+fn line(row: &Row, done: f64, left: f64) -> String {
+    format!("solving {} {}", bar(done), figures(row, left))
 }
 
-fn figures(progress: &Progress, left: f64) -> String {
-    let (strain, stress, left) = (progress.row.strain, progress.row.stress_mpa, time(left));
+fn figures(row: &Row, left: f64) -> String {
+    let (strain, stress, left) = (row.strain, row.stress_mpa, time(left));
     format!("strain {strain:.5}, {stress:.2} MPa, {left} left")
 }
 
@@ -175,12 +169,11 @@ fn time(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use meso_solve::Row;
 
     #[test]
     fn the_line_fits_a_terminal() {
         let row = Row { strain: 0.00213, stress_mpa: 31.42, ..Row::default() };
-        let text = line(&Progress { done: 0.5, row: &row }, 185.2);
+        let text = line(&row, 0.5, 185.2);
         assert_eq!(text, "solving [========        ] strain 0.00213, 31.42 MPa, 3:05 min left");
         assert!(text.len() < 80);
     }

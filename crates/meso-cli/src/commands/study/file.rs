@@ -1,21 +1,22 @@
-//! STUDY.toml: what is varied, and what is done with each packing.
+//! STUDY.toml: the options that vary, and the steps after each packing.
 
 use super::beside;
-use super::steps::Steps;
+use super::steps::{Given, Steps};
 use crate::failure::Failure;
 use crate::inputs;
 use meso_core::recipes::Recipe;
 use meso_core::spec::options_from_toml;
 use meso_files::Beside;
-use meso_study::{Axis, Case, Plan, digest};
+use meso_study::{Axis, Case, Plan, Planning, digest};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A flag whose value is a file that decides the result.
+/// A flag whose value is a file that determines the result.
 const FILE_FLAG: &str = "materials";
 
-/// As it stands in the file.
+/// The file's content, unchecked.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct Content {
@@ -27,7 +28,7 @@ struct Content {
     solve: Option<Map<String, Value>>,
 }
 
-/// A STUDY.toml and where it lies.
+/// A STUDY.toml and its place.
 pub(super) struct StudyFile {
     path: PathBuf,
     /// The spec that the axes are laid over, and the folder of the files that it names.
@@ -39,7 +40,7 @@ pub(super) struct StudyFile {
 }
 
 impl StudyFile {
-    /// Reads the file and what it names.
+    /// Reads the file, and the spec that it names.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
         let content: Content = inputs::toml(path, options_from_toml)?;
         let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
@@ -58,25 +59,45 @@ impl StudyFile {
         Ok(Self { path: path.to_owned(), base, folder, axes, outputs: content.outputs, task: Value::Object(task) })
     }
 
-    /// All cases, every spec validated.
-    pub(super) fn plan(&self) -> Result<Plan, Failure> {
-        let mut task = self.task.clone();
-        for section in ["mesh", "solve"] {
-            if let Some(file) = self.task[section][FILE_FLAG].as_str() {
-                let path = beside(&self.path, file);
-                let bytes = std::fs::read(&path).map_err(|error| Failure::file(&path, &error))?;
-                // The content of the file decides, not its name.
-                task[section]["materials-sha256"] = digest(&bytes).into();
-            }
-        }
-        Plan::new(&self.base, &self.axes, &task, &mut Beside(&self.folder))
+    /// All cases, every spec validated; `report` hears how far the planning is.
+    pub(super) fn plan(&self, report: &mut dyn FnMut(usize, usize)) -> Result<Plan, Failure> {
+        let mut completing = Completing { study: &self.path, digests: BTreeMap::new(), report };
+        Plan::new_while(&self.base, &self.axes, &self.task, &mut Beside(&self.folder), &mut completing)
             .map_err(|error| Failure::Usage(format!("{}: {error}", self.path.display())))
     }
 
     /// The steps of a case, with their flags checked.
-    pub(super) fn steps(&self, case: &Case, out: &Path, threads: Option<u16>) -> Result<Steps, Failure> {
-        Steps::new(case, &self.outputs, &out.join(&case.folder), &self.path, threads)
+    pub(super) fn steps(&self, case: &Case, out: &Path, given: &Given) -> Result<Steps, Failure> {
+        Steps::new(case, &self.outputs, &out.join(&case.folder), &self.path, given)
             .map_err(|failure| Failure::Usage(format!("{}: {}", self.path.display(), failure.message())))
+    }
+}
+
+/// Adds the hash of each file that a task names: the content of the file decides, not its name.
+struct Completing<'a> {
+    study: &'a Path,
+    /// Hashes of the files read so far.
+    digests: BTreeMap<PathBuf, String>,
+    report: &'a mut dyn FnMut(usize, usize),
+}
+
+impl Planning for Completing<'_> {
+    fn goes_on(&mut self, planned: usize, cases: usize) -> bool {
+        (self.report)(planned, cases);
+        true
+    }
+
+    fn complete(&mut self, task: &mut Value) -> Result<(), String> {
+        for section in ["mesh", "solve"] {
+            let Some(file) = task[section][FILE_FLAG].as_str() else { continue };
+            let path = beside(self.study, file);
+            if !self.digests.contains_key(&path) {
+                let bytes = std::fs::read(&path).map_err(|error| Failure::file(&path, &error).message().to_owned())?;
+                self.digests.insert(path.clone(), digest(&bytes));
+            }
+            task[section]["materials-sha256"] = self.digests[&path].clone().into();
+        }
+        Ok(())
     }
 }
 

@@ -27,7 +27,7 @@ use bodies::Bodies;
 use contact::{V, add_scaled, length, scale};
 use contact_cache::{Gaps, Look};
 use damping::{Damping, FALL, HOPEFUL};
-use meso_concrete::progress::Stage;
+use meso_concrete::watch::Stage;
 use neighbour_list::NeighbourList;
 use walls::Walls;
 
@@ -73,7 +73,7 @@ const FILLING: f64 = 0.3;
 /// Places all grains of `task`, or as many as fit, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
-    // After a stop during the take the caller decides what to do with the grains that exist.
+    // After a stop during the take the caller places the grains that exist.
     if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;
     }
@@ -126,7 +126,7 @@ struct Settings {
     least_gap: f64,
     /// Wanted beyond `least_gap`, mm.
     slop: f64,
-    /// Of the smallest grain's ball, mm.
+    /// Radius of the smallest grain's ball, mm.
     radius: f64,
     /// Part of the slop that must be open at the end, mm.
     enough: f64,
@@ -173,7 +173,7 @@ struct Dynamics<'a> {
     /// Share of the summed movement that is done, by the number of contacts.
     relaxations: Vec<f32>,
     sweep: u32,
-    /// Root mean square of what a body lacked of its gaps at the last look, over the radius of the smallest grain.
+    /// Root mean square of the bodies' residual overlaps at the last look, over the radius of the smallest grain.
     lack: f64,
     /// Share of the time limit after which it is late.
     late: f64,
@@ -339,8 +339,8 @@ impl<'a> Dynamics<'a> {
         Look { open_below: look.open_below + outside, ..look }
     }
 
-    /// How far the overlaps have fallen, on a logarithmic scale: what a body lacks begins near a tenth of a radius and
-    /// ends near the slop. The start has taken [`FILLING`] of the stage.
+    /// How far the overlaps have fallen, on a logarithmic scale: the residual overlap begins near a tenth of a radius
+    /// and ends near the slop. The start has taken [`FILLING`] of the stage.
     fn share(&self) -> f64 {
         let end = SLOP / 8.0;
         let fallen = libm::log(FIRST_LACK / self.lack.clamp(end, FIRST_LACK)) / libm::log(FIRST_LACK / end);

@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
     /// Draws the next positions and looks at them; false where no attempts are left, or the run is to stop.
     fn look_ahead(&mut self, scene: &Scene) -> bool {
         let is_asked = self.attempts_left >= UNASKED && self.attempts_left % UNASKED < AHEAD as u32;
-        if is_asked && scene.task.over(scene.volume()).is_some() {
+        if is_asked && scene.task.over().is_some() {
             return false;
         }
         let (task, count) = (scene.task, self.attempts_left.min(AHEAD as u32) as usize);

@@ -9,8 +9,8 @@ use crate::packing::Placement;
 use grading::grading;
 pub(super) use inclusions::RANDOM_RODS;
 use meso_concrete::aggregate::{AspectRatio, Grading, Itz, Shape, ShapeKind, Template};
-use meso_concrete::progress::{Progress, Silent, Waiting};
 use meso_concrete::specimen::{ContainerError, Specimen};
+use meso_concrete::watch::{Silent, Waiting, Watch};
 
 /// Smallest length a spec may name, mm: finer than any aggregate, far above the reach of rounding.
 pub(crate) const MIN_LENGTH_MM: f64 = 1e-3;
@@ -34,12 +34,12 @@ impl Spec {
         self.validate_while(&Silent)
     }
 
-    /// As [`Spec::validate`]; the proof of a surface says how far it is, and ends at the time limit.
-    pub(crate) fn validate_while(&self, progress: &dyn Progress) -> Result<(), SpecError> {
+    /// Validates like [`Spec::validate`]; the proof of a surface reports to `watch`, and ends at the time limit.
+    pub(crate) fn validate_while(&self, watch: &dyn Watch) -> Result<(), SpecError> {
         fraction(self.fraction)?;
         placement(&self.placement)?;
-        let deadline = self.placement.deadline(progress.began());
-        specimen(&self.specimen, Waiting { progress, deadline }).map_err(|error| self.with_limit(error))?;
+        let deadline = self.placement.deadline(watch.began());
+        specimen(&self.specimen, Waiting { watch, deadline }).map_err(|error| self.with_limit(error))?;
         grading(&self.grading)?;
         shape(&self.shape)?;
         itz(&self.itz, &self.grading)?;
@@ -91,7 +91,7 @@ fn fraction(value: f64) -> Checked {
     share("fraction", "aggregate", value)
 }
 
-/// A share of the specimen's volume that `what` takes.
+/// Checks the share of the specimen's volume that a phase takes; `what` names the phase.
 pub(super) fn share(key: &str, what: &str, value: f64) -> Checked {
     let accepted = format!("the accepted range is above 0 and below 1 ({what} volume over specimen volume)");
     if value > 0.0 && value < 1.0 {

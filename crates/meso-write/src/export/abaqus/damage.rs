@@ -28,8 +28,7 @@ pub(super) struct Band {
     pub(super) opening: f64,
 }
 
-/// Compressive stress at which inelastic strain begins, over the strength.
-const ELASTIC_LIMIT: f64 = 0.4;
+const ELASTIC_LIMIT: f64 = Strength::ELASTIC_LIMIT;
 /// Rows of the rising branch.
 const RISING: usize = 8;
 

@@ -4,9 +4,11 @@
 //! Tension: the same loading of two rigid bodies that hold the nodes of ZMIN and ZMAX, as glued platens do.
 
 use super::geometry::present;
+use super::limits::DECK;
 use super::lines::{Lines, real};
-use super::{Analysis, DeckError, DeckOptions};
+use super::{Analysis, DeckOptions};
 use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::OutOfRange;
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use std::io::{self, Write};
@@ -40,12 +42,12 @@ pub(super) fn write(
 }
 
 /// Finds out whether the specimen has faces that plates can press on: a spike has none.
-pub(super) fn check(sides: &Sides) -> Result<(), DeckError> {
+pub(super) fn check(sides: &Sides) -> Result<(), OutOfRange> {
     for (bit, surface) in [(4, "S_ZMIN"), (5, "S_ZMAX")] {
         if sides.faces()[bit].is_empty() {
             let why =
                 "no face of the specimen points that way within 45 degrees; take tension, which holds nodes, or none";
-            return Err(DeckError::new("analysis", "compression", format!("a plate presses on {surface}, and {why}")));
+            return Err(DECK.error("analysis", "compression", format!("a plate presses on {surface}, and {why}")));
         }
     }
     Ok(())
@@ -53,8 +55,8 @@ pub(super) fn check(sides: &Sides) -> Result<(), DeckError> {
 
 /// The nodes of ZMIN and ZMAX as surfaces of contact pairs.
 ///
-/// Faces would have to hang together by their edges, and not by nodes alone, which those of parted aggregates, caps of
-/// spheres and voids at a side do not. Of nodes nothing is asked.
+/// Faces of a contact surface must be connected by edges, not by single nodes. Faces of separated aggregates, caps of
+/// spheres and voids at a side are not; a surface of nodes has no such rule.
 fn slaves(lines: &mut Lines<impl Write>) -> io::Result<()> {
     for side in ["ZMIN", "ZMAX"] {
         lines.line(format!("*SURFACE, TYPE=NODE, NAME=N_{side}"))?;

@@ -3,8 +3,9 @@
 use super::DeckOptions;
 use super::damage::{self, Band, Row};
 use super::geometry::present;
-use super::limits::{self, DeckError};
+use super::limits;
 use super::lines::{Lines, real};
+use meso_concrete::OutOfRange;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
 use meso_mesh::materials::{Elastic, Materials, Strength, characteristic_mm, width_mm};
@@ -43,14 +44,14 @@ pub(super) fn write(lines: &mut Lines<impl Write>, mesh: &Mesh, options: &DeckOp
 }
 
 /// Finds out whether Abaqus takes the curves of every phase in the elements it has.
-pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), DeckError> {
+pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), OutOfRange> {
     let mut strong = present(mesh).filter(|&phase| materials.strength(phase).is_some());
     let materials = materials.in_mesh(mesh);
     let opening = crack_band(mesh).opening;
     strong.try_for_each(|phase| limits::curves(&materials, phase, opening))
 }
 
-/// Of crack bands so wide that they spend more crushing energy than was asked for.
+/// Warns of crack bands so wide that they dissipate more crushing energy than was asked for.
 pub(super) fn band_doubt(mesh: &Mesh, materials: &Materials) -> Option<String> {
     let width = crack_band(mesh).width_mm;
     let widest = damage::widest_mm(&materials.mortar, &materials.mortar_strength);
@@ -75,7 +76,7 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
     lines.line(format!("{}, {}", real(elastic.youngs_modulus_mpa), real(elastic.poisson_ratio)))
 }
 
-/// That of the mortar's mean element: one curve serves all.
+/// Crack band of the mortar's mean element: one curve serves all elements.
 ///
 /// The ITZ's curve takes it, too: over the width of its own thin cells it would be tougher than mortar.
 fn crack_band(mesh: &Mesh) -> Band {

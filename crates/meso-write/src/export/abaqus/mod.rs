@@ -17,9 +17,9 @@ mod materials;
 mod periodic;
 
 pub(crate) use curve::write_curve;
-pub use limits::DeckError;
+use limits::DECK;
 use lines::Lines;
-use meso_concrete::thousands;
+use meso_concrete::{OutOfRange, thousands};
 use meso_mesh::cells::Sides;
 use meso_mesh::cells::{Mesh, Phase};
 use meso_mesh::figures::PhaseVolumes;
@@ -125,8 +125,8 @@ impl DeckOptions {
     /// Finds out whether `mesh` can be written as a deck with these options.
     ///
     /// # Errors
-    /// Names the option, its value and what is accepted.
-    pub fn validate(&self, mesh: &Mesh) -> Result<(), DeckError> {
+    /// Names the option, its value and the accepted range.
+    pub fn validate(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
         self.validate_for(mesh.periodic)?;
         if self.has_curves() {
             materials::check(mesh, &self.materials)?;
@@ -147,7 +147,7 @@ impl DeckOptions {
     ///
     /// # Errors
     /// As [`validate`](Self::validate).
-    pub fn validate_cohesive(&self) -> Result<(), DeckError> {
+    pub fn validate_cohesive(&self) -> Result<(), OutOfRange> {
         if self.geometry_only { Ok(()) } else { limits::separation(&self.materials) }
     }
 
@@ -201,7 +201,7 @@ impl DeckOptions {
     ///
     /// # Errors
     /// As [`validate`](Self::validate).
-    pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), DeckError> {
+    pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), OutOfRange> {
         limits::check(self)?;
         if self.has_curves() {
             limits::curves(&self.materials, Phase::Mortar, 1.0)?;
@@ -209,7 +209,7 @@ impl DeckOptions {
         if !self.periodic_equations {
             return Ok(());
         }
-        let no = |key, value, accepted| Err(DeckError::new(key, value, accepted));
+        let no = |key, value, accepted| Err(DECK.error(key, value, accepted));
         let tie = "only a box without walls has faces to tie: pack with specimen.periodic = [\"x\", \"y\", \"z\"]";
         let step = "with periodic_equations it needs a box without any wall; take none and a step of your own";
         match self.analysis {
@@ -226,7 +226,7 @@ impl DeckOptions {
 /// The volumes of aggregates in a mesh for an analysis are within this share of their own.
 const VOLUMES_OFF: f64 = 0.05;
 
-/// Of aggregates that are far from their own volume.
+/// Warns of aggregates that are far from their own volume.
 fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     let (exact, meshed) = (exact?.aggregate, PhaseVolumes::of_mesh(mesh).aggregate);
     ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
@@ -238,7 +238,7 @@ fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     })
 }
 
-/// Of aggregates that share nodes, where that was asked for or is only stiff.
+/// Warns of aggregates that share nodes, where that was asked for or is only too stiff.
 fn joined_doubt(mesh: &Mesh) -> Option<String> {
     let ((nodes, pairs), touching) = (mesh.joined_aggregates(), mesh.touching_share());
     if nodes > 0 {
@@ -258,7 +258,7 @@ fn joined_doubt(mesh: &Mesh) -> Option<String> {
 }
 
 /// Refuses a mesh whose aggregates share nodes: however the mortar softens, they carry the load.
-fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), DeckError> {
+fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
     let (nodes, pairs) = mesh.joined_aggregates();
     if nodes == 0 {
         return Ok(());
@@ -269,7 +269,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), DeckError> {
          cohesive, pack with a larger min_gap_mm, or set allow_joined"
     );
     let analysis = if analysis == Analysis::Compression { "compression" } else { "tension" };
-    Err(DeckError::new("analysis", analysis, accepted))
+    Err(DECK.error("analysis", analysis, accepted))
 }
 
 /// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.

@@ -8,10 +8,11 @@
 //! tied to the image on the fewest upper ones, or free where it has no other. So is a node opposite to a void, which has no
 //! elements.
 
-use super::DeckError;
+use super::limits::DECK;
 use super::lines::Lines;
 use meso_collision::geometry::BoxTree;
 use meso_collision::math::{Aabb, Vec3};
+use meso_concrete::OutOfRange;
 use meso_mesh::cells::Mesh;
 use meso_mesh::cells::{SIDES, Sides, Spots, owners, upper};
 use std::cell::LazyCell;
@@ -60,12 +61,12 @@ fn equations(lines: &mut Lines<impl Write>, pair: &Pair, first_reference: u64) -
 }
 
 /// Finds out whether opposite faces match node for node.
-pub(super) fn check(mesh: &Mesh) -> Result<(), DeckError> {
+pub(super) fn check(mesh: &Mesh) -> Result<(), OutOfRange> {
     pairs(mesh, &Sides::of(mesh)).map(drop)
 }
 
 /// The nodes on upper faces of directions that repeat themselves, ascending, each with the image that it moves with.
-fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, DeckError> {
+fn pairs(mesh: &Mesh, sides: &Sides) -> Result<Vec<Pair>, OutOfRange> {
     matched(mesh, sides)?;
     let size = Aabb::around(&mesh.points).size();
     let owners = owners(mesh, sides);
@@ -102,7 +103,7 @@ fn tied(mut nodes: Vec<u32>, along: impl Fn(u32) -> [bool; 3]) -> Vec<Pair> {
 }
 
 /// Whether every node on such a face has one opposite to it, or no element there: a void may end at the face.
-fn matched(mesh: &Mesh, sides: &Sides) -> Result<(), DeckError> {
+fn matched(mesh: &Mesh, sides: &Sides) -> Result<(), OutOfRange> {
     let size = Aabb::around(&mesh.points).size();
     let spots = Spots::new(&mesh.points, (0..mesh.points.len() as u32).filter(|&node| sides.on(node) != 0));
     for side in [1, 3, 5, 0, 2, 4].into_iter().filter(|side| mesh.periodic[side / 2]) {
@@ -146,12 +147,12 @@ fn covers(mesh: &Mesh, &(cell, face): &(u32, usize), axis: usize, at: &Vec3) -> 
 /// Points this near to an edge are on the face, in shares of its area, and to its plane, in shares of the box's size.
 const EDGE: f64 = 1e-9;
 
-fn unmatched(position: &Vec3, side: usize) -> DeckError {
+fn unmatched(position: &Vec3, side: usize) -> OutOfRange {
     let [x, y, z]: [f64; 3] = (*position).into();
     faces_differ(&format!("the node at {x:.4}, {y:.4}, {z:.4} mm has none opposite to it on {}", SIDES[side].2))
 }
 
-fn faces_differ(what: &str) -> DeckError {
+fn faces_differ(what: &str) -> OutOfRange {
     let remedy = "opposite faces must match node for node, as in voxels and lattices";
-    DeckError::new("periodic_equations", "true", format!("{remedy}; here {what}"))
+    DECK.error("periodic_equations", "true", format!("{remedy}; here {what}"))
 }

@@ -10,7 +10,7 @@ pub(crate) mod vti;
 
 use std::borrow::Cow;
 
-/// The grid of an image, and what its values are.
+/// The grid of an image, and the kind of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
     /// Voxels along x, y and z.
@@ -67,7 +67,7 @@ impl ValueKind {
 
 /// The values of some layers, x fastest, then y, then z.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
+pub enum Voxels {
     /// Phases.
     Label(Vec<u8>),
     /// Ids.
@@ -76,7 +76,7 @@ pub enum Values {
     Real(Vec<f32>),
 }
 
-impl Values {
+impl Voxels {
     /// How many there are.
     pub fn len(&self) -> usize {
         match self {

@@ -1,0 +1,142 @@
+//! One process at a time in a folder of results.
+//!
+//! The lock is the system's own, on a hidden file in the folder, so it ends with the process that took it, even where that
+//! was killed. The file stays then, and the next process takes it over. It holds the number of the process, for whoever
+//! has to wait.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// Name of the hidden file.
+pub const LOCK: &str = ".mesocrete-lock";
+
+/// Why a folder cannot be held.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// Another process holds it.
+    #[error("{} is in use by {}; wait until it ends, or name another folder", folder.display(), holder_text(*holder))]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+        /// Number of the process, where the system lets it be read.
+        holder: Option<u32>,
+    },
+    /// The hidden file cannot be made or locked.
+    #[error("{}: {}", path.display(), crate::reason(error))]
+    File {
+        /// The hidden file.
+        path: PathBuf,
+        /// The system's reason.
+        error: io::Error,
+    },
+}
+
+fn holder_text(holder: Option<u32>) -> String {
+    holder.map_or_else(|| "another process".to_owned(), |number| format!("process {number}"))
+}
+
+/// A folder that no other process holds. It is free again when this is dropped.
+#[derive(Debug)]
+pub struct Held {
+    path: PathBuf,
+    file: Option<File>,
+    is_exclusive: bool,
+}
+
+/// Takes `folder` for this process, without waiting.
+///
+/// # Errors
+/// [`LockError::Busy`] where another process holds the folder, or another task of this one.
+pub fn hold(folder: &Path) -> Result<Held, LockError> {
+    let path = folder.join(LOCK);
+    let fail = |error| LockError::File { path: path.clone(), error };
+    loop {
+        let mut file = open(&path).map_err(fail)?;
+        let is_exclusive = match file.try_lock() {
+            Ok(()) => true,
+            Err(TryLockError::WouldBlock) => {
+                return Err(LockError::Busy { folder: folder.to_owned(), holder: number_in(&mut file) });
+            }
+            // Some network file systems have no locks.
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => false,
+            Err(TryLockError::Error(error)) => return Err(fail(error)),
+        };
+        // The holder before may have removed the file between our two calls.
+        if is_at(&file, &path) {
+            sign(&mut file).map_err(fail)?;
+            return Ok(Held { path, file: Some(file), is_exclusive });
+        }
+    }
+}
+
+impl Held {
+    /// The hidden file: a program that ends without dropping this may remove it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Closes the file and leaves the folder locked: for a forked process, whose parent holds the folder.
+    pub fn leave(mut self) {
+        drop(self.file.take());
+    }
+
+    /// False on a file system without locks, where others cannot be kept out.
+    pub fn is_exclusive(&self) -> bool {
+        self.is_exclusive
+    }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        let Some(file) = self.file.take() else { return };
+        // On Unix the name goes while the lock is held, so that nobody else's file is removed. Windows removes no open file.
+        if cfg!(unix) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+        // A process that was forked from this one has the file open, too.
+        let _ = file.unlock();
+        drop(file);
+        if cfg!(windows) {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    // FILE_SHARE_READ and FILE_SHARE_WRITE: nobody removes the file while another process has it open.
+    #[cfg(windows)]
+    std::os::windows::fs::OpenOptionsExt::share_mode(&mut options, 3);
+    options.open(path)
+}
+
+/// Whether `path` still names `file`.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let place = |data: std::fs::Metadata| (data.dev(), data.ino());
+    let (own, there) = (file.metadata().map(place), std::fs::metadata(path).map(place));
+    matches!((own, there), (Ok(own), Ok(there)) if own == there)
+}
+
+/// An open file keeps its name here.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// Writes the number of this process into `file`.
+fn sign(file: &mut File) -> io::Result<()> {
+    file.set_len(0)?;
+    file.rewind()?;
+    writeln!(file, "{}", std::process::id())
+}
+
+/// Number of the process that holds `file`.
+fn number_in(file: &mut File) -> Option<u32> {
+    let mut text = String::new();
+    file.take(16).read_to_string(&mut text).ok()?;
+    text.trim().parse().ok()
+}

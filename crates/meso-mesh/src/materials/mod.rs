@@ -1,0 +1,292 @@
+//! Material values that decks carry: the serde view of `[materials]`.
+//!
+//! The defaults are illustrative: they are nobody's measured concrete, and the method paper's own Table 3 is not
+//! available. docs/decks.md has the source of each. The ITZ's strength as 0.5 to 0.9 of the mortar's is the paper's
+//! range (Sec. 3.1).
+
+mod ranges;
+
+pub use ranges::MATERIALS;
+
+use crate::cells::{CellKind, Mesh, Phase};
+use serde::{Deserialize, Deserializer, Serialize};
+
+/// Values of the phases.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Materials {
+    /// Aggregate cores, which stay elastic.
+    #[serde(deserialize_with = "aggregate")]
+    pub aggregate: Elastic,
+    /// Interfacial transition zone.
+    #[serde(deserialize_with = "itz")]
+    pub itz: Elastic,
+    /// Mortar.
+    #[serde(deserialize_with = "mortar")]
+    pub mortar: Elastic,
+    /// Fibres, which stay elastic: steel.
+    #[serde(deserialize_with = "fibre")]
+    pub fibre: Elastic,
+    /// Strength of the mortar.
+    pub mortar_strength: Strength,
+    /// Strengths and energies of the ITZ over those of the mortar, 0.5 to 0.9 in the literature.
+    pub itz_strength_ratio: f64,
+    /// Thickness that gives a cohesive ITZ its stiffness E / t, mm.
+    pub cohesive_thickness_mm: f64,
+    /// Fracture energy of a cohesive ITZ in sliding over that in opening, 1 or more.
+    pub cohesive_shear_energy_ratio: f64,
+    /// Exponent of Benzeggagh and Kenane's mixed-mode fracture energy of a cohesive ITZ.
+    pub cohesive_mode_power: f64,
+    /// Yield surface and flow of the damaged plasticity.
+    pub plasticity: Plasticity,
+}
+
+/// Isotropic linear elasticity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Elastic {
+    /// Young's modulus, MPa.
+    pub youngs_modulus_mpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Density, tonne/mm3.
+    pub density_t_per_mm3: f64,
+}
+
+/// Parameters of the uniaxial curves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Strength {
+    /// Compressive strength, MPa.
+    pub compressive_mpa: f64,
+    /// Strain at the compressive strength.
+    pub peak_strain: f64,
+    /// Tensile strength, MPa.
+    pub tensile_mpa: f64,
+    /// Fracture energy in tension, N/mm.
+    pub fracture_energy_n_per_mm: f64,
+    /// Energy of crushing beyond the peak, N/mm.
+    pub crushing_energy_n_per_mm: f64,
+}
+
+/// Parameters of `*CONCRETE DAMAGED PLASTICITY`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Plasticity {
+    /// Dilation angle, degrees.
+    pub dilation_angle_deg: f64,
+    /// Eccentricity of the flow potential.
+    pub eccentricity: f64,
+    /// Biaxial over uniaxial compressive strength.
+    pub biaxial_ratio: f64,
+    /// Ratio of the second invariants on the tensile and the compressive meridian, K_c.
+    pub meridian_ratio: f64,
+    /// Viscosity parameter, s (without effect in Abaqus/Explicit).
+    pub viscosity_s: f64,
+}
+
+const AGGREGATE: Elastic = Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 };
+const ITZ: Elastic = Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
+const MORTAR: Elastic = Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
+const FIBRE: Elastic = Elastic { youngs_modulus_mpa: 200_000.0, poisson_ratio: 0.3, density_t_per_mm3: 7.85e-9 };
+
+impl Default for Materials {
+    fn default() -> Self {
+        Self {
+            aggregate: AGGREGATE,
+            itz: ITZ,
+            mortar: MORTAR,
+            fibre: FIBRE,
+            mortar_strength: Strength::default(),
+            itz_strength_ratio: 0.7,
+            cohesive_thickness_mm: 0.1,
+            cohesive_shear_energy_ratio: 10.0,
+            cohesive_mode_power: 1.0,
+            plasticity: Plasticity::default(),
+        }
+    }
+}
+
+impl Default for Strength {
+    /// 40 MPa in the mean: the strain 0.7 f^0.31 per mille and the tensile strength 0.3 (f - 8)^(2/3) of EN 1992-1-1,
+    /// Table 3.1; the fracture energy 0.025 (f / 10)^0.7 = 0.066 N/mm of CEB-FIP Model Code 1990, 2.1.3.3.2, for grains of
+    /// 8 mm, rounded down; the crushing energy puts d = 0.6 at an inelastic strain of 0.0054 in crack bands of 2.4 mm, those
+    /// of a fitted lattice of 2 mm, where Jankowiak and Lodygowski (2005) have 0.0057.
+    fn default() -> Self {
+        Self {
+            compressive_mpa: 40.0,
+            peak_strain: 0.0022,
+            tensile_mpa: 3.0,
+            fracture_energy_n_per_mm: 0.06,
+            crushing_energy_n_per_mm: 0.5,
+        }
+    }
+}
+
+impl Default for Plasticity {
+    /// Abaqus' own defaults but for the dilation angle, usually 30 to 38 for concrete, a little viscosity, and K_c: tests
+    /// gave 0.64 to 0.80 (Lubliner et al. 1989), and docs/decks.md has what 0.75 does to a cube between plates.
+    fn default() -> Self {
+        Self {
+            dilation_angle_deg: 30.0,
+            eccentricity: 0.1,
+            biaxial_ratio: 1.16,
+            meridian_ratio: 0.75,
+            viscosity_s: 0.0005,
+        }
+    }
+}
+
+/// Those elastic values of a phase that are given.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Given {
+    youngs_modulus_mpa: Option<f64>,
+    poisson_ratio: Option<f64>,
+    density_t_per_mm3: Option<f64>,
+}
+
+/// Given values, and defaults for the rest.
+fn over<'de, D: Deserializer<'de>>(usual: Elastic, deserializer: D) -> Result<Elastic, D::Error> {
+    let given = Given::deserialize(deserializer)?;
+    Ok(Elastic {
+        youngs_modulus_mpa: given.youngs_modulus_mpa.unwrap_or(usual.youngs_modulus_mpa),
+        poisson_ratio: given.poisson_ratio.unwrap_or(usual.poisson_ratio),
+        density_t_per_mm3: given.density_t_per_mm3.unwrap_or(usual.density_t_per_mm3),
+    })
+}
+
+fn aggregate<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(AGGREGATE, deserializer)
+}
+
+fn itz<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(ITZ, deserializer)
+}
+
+fn mortar<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(MORTAR, deserializer)
+}
+
+fn fibre<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Elastic, D::Error> {
+    over(FIBRE, deserializer)
+}
+
+impl Elastic {
+    /// Speed of dilatational waves, mm/s: sqrt(E (1 - nu) / (rho (1 + nu) (1 - 2 nu))).
+    pub fn wave_speed_mm_per_s(&self) -> f64 {
+        let (e, nu, rho) = (self.youngs_modulus_mpa, self.poisson_ratio, self.density_t_per_mm3);
+        (e * (1.0 - nu) / (rho * (1.0 + nu) * (1.0 - 2.0 * nu))).sqrt()
+    }
+}
+
+impl Strength {
+    /// Compressive stress at which inelastic strain begins, over the strength, in decks and in our laws.
+    pub const ELASTIC_LIMIT: f64 = 0.4;
+
+    /// Cohesion of a Mohr-Coulomb material of these strengths, sqrt(f_c f_t) / 2, MPa.
+    pub fn cohesion_mpa(&self) -> f64 {
+        (self.compressive_mpa * self.tensile_mpa).sqrt() / 2.0
+    }
+}
+
+impl Materials {
+    /// Stiffness of a cohesive ITZ, E / t, N/mm3: one for opening and sliding, with which shares of the separation are
+    /// shares of its energy.
+    pub fn separation_stiffness(&self) -> f64 {
+        self.itz.youngs_modulus_mpa / self.cohesive_thickness_mm
+    }
+
+    /// A cohesive ITZ must be thinner than this, mm: damage begins with f^2 / (2 K) stored, whichever way that is, and
+    /// that must be less than its fracture energy in opening.
+    pub fn cohesive_thickness_limit_mm(&self) -> f64 {
+        let strength = self.strength(Phase::Itz).expect("the ITZ has a strength");
+        let most = strength.tensile_mpa.max(strength.cohesion_mpa());
+        2.0 * self.itz.youngs_modulus_mpa * strength.fracture_energy_n_per_mm / (most * most)
+    }
+
+    /// Longest stable time step of cohesive elements in explicit dynamics, s: the root of their mass per area over
+    /// their stiffness (Abaqus' own estimate), t sqrt(rho / E) here.
+    pub fn cohesive_time_step_s(&self) -> f64 {
+        self.cohesive_thickness_mm * (self.itz.density_t_per_mm3 / self.itz.youngs_modulus_mpa).sqrt()
+    }
+
+    /// These values as `mesh` has them: a smeared ITZ is mortar of less strength, and as stiff as mortar.
+    pub fn in_mesh(&self, mesh: &Mesh) -> Self {
+        let itz = if mesh.has_smeared_itz() { self.mortar } else { self.itz };
+        Self { itz, ..self.clone() }
+    }
+
+    /// The elastic values of `phase`.
+    pub fn elastic(&self, phase: Phase) -> &Elastic {
+        match phase {
+            Phase::Mortar => &self.mortar,
+            Phase::Itz => &self.itz,
+            Phase::Aggregate => &self.aggregate,
+            Phase::Fibre => &self.fibre,
+        }
+    }
+
+    /// The strength of `phase`; aggregates and fibres stay elastic and have none.
+    pub fn strength(&self, phase: Phase) -> Option<Strength> {
+        let (mortar, ratio) = (self.mortar_strength, self.itz_strength_ratio);
+        match phase {
+            Phase::Aggregate | Phase::Fibre => None,
+            Phase::Mortar => Some(mortar),
+            Phase::Itz => Some(Strength {
+                compressive_mpa: ratio * mortar.compressive_mpa,
+                tensile_mpa: ratio * mortar.tensile_mpa,
+                fracture_energy_n_per_mm: ratio * mortar.fracture_energy_n_per_mm,
+                crushing_energy_n_per_mm: ratio * mortar.crushing_energy_n_per_mm,
+                ..mortar
+            }),
+        }
+    }
+}
+
+/// More than 1, since what holds a soft layer's sides makes it stronger and tougher: 1.187 times as tough with the edge
+/// itself, at 1.5, 2 and 3 mm.
+const BOX: f64 = 1.19;
+/// With the edge itself a band three elements wide spends 1.37 to 1.42 of its energy, and a single layer 0.98 to 1.01.
+const TETRAHEDRON: f64 = 1.4;
+/// Of gmsh's tetrahedra: a band of 1.4 edges spends 0.90, 0.90 and 0.89 of its energy at 1.5, 2 and 3 mm.
+const CONFORMING: f64 = 1.25;
+
+/// Width of a crack band over [`regular_edge`] of a cell of `mesh`; second-order tetrahedra count as two in a row, as Abaqus
+/// counts them. Cracking and crushing spend their energies over it, in decks and in our engine.
+///
+/// A weak layer in a mesh is made as wide as it must be to spend its fracture energy (docs/engine.md): 1.19 edges of a box,
+/// 1.4 edges of the regular tetrahedron of the cell's volume in a lattice, 1.25 in a conforming mesh. The edge itself would
+/// make three soft boxes 1.7 times, and a band of a lattice in which the crack chooses its way 1.37 to 1.42 times, as tough
+/// as asked for.
+pub fn band_factor(mesh: &Mesh) -> f64 {
+    let tetrahedron = if mesh.notes.conforming { CONFORMING } else { TETRAHEDRON };
+    match mesh.kind {
+        CellKind::Hexahedron => BOX,
+        CellKind::Tetrahedron => tetrahedron,
+        CellKind::QuadraticTetrahedron => tetrahedron / 2.0,
+    }
+}
+
+/// Edge of the cube, or of the regular tetrahedron, that has this volume, mm.
+pub fn regular_edge(kind: CellKind, volume_mm3: f64) -> f64 {
+    match kind {
+        CellKind::Hexahedron => libm::cbrt(volume_mm3),
+        _ => libm::cbrt(6.0 * std::f64::consts::SQRT_2 * volume_mm3),
+    }
+}
+
+/// Width of the crack band in a cell of `mesh` with this volume, mm.
+pub fn width_mm(mesh: &Mesh, volume_mm3: f64) -> f64 {
+    band_factor(mesh) * regular_edge(mesh.kind, volume_mm3)
+}
+
+/// The length over which Abaqus spreads a crack in a cell of this volume, mm: the cube root, of second-order elements half.
+pub fn characteristic_mm(kind: CellKind, volume_mm3: f64) -> f64 {
+    let across = libm::cbrt(volume_mm3);
+    if kind == CellKind::QuadraticTetrahedron { across / 2.0 } else { across }
+}

@@ -1,0 +1,106 @@
+//! Ranges of the values in `[materials]`, which decks and the solver's laws check alike.
+//!
+//! A law that needs a narrower range, and a deck whose curves need more, add theirs.
+
+use super::{Elastic, Materials, Strength};
+use crate::cells::Phase;
+use meso_concrete::{OutOfRange, Ranges};
+
+/// Checks values by their names in `[materials]`.
+pub const MATERIALS: Ranges = Ranges("materials");
+
+/// Largest accepted density, tonne/mm3: a thousand times mass-scaled matter lies far below it, kg/m3 and g/cm3 far above.
+const HEAVIEST: f64 = 1e-3;
+/// Least peak strain over the elastic strain of the strength: the curve rises from there.
+const PEAK_OVER_ELASTIC: f64 = 1.05;
+
+impl Materials {
+    /// Checks the elastic values and densities of all phases.
+    ///
+    /// # Errors
+    /// Names the first value outside its range.
+    pub fn validate_elastic(&self) -> Result<(), OutOfRange> {
+        Phase::ALL.into_iter().try_for_each(|phase| elastic(&phase.name().to_ascii_lowercase(), self.elastic(phase)))
+    }
+
+    /// Checks the strengths and energies of the mortar, and the ITZ's share of them.
+    ///
+    /// # Errors
+    /// Names the first value outside its range.
+    pub fn validate_strength(&self) -> Result<(), OutOfRange> {
+        let given = &self.mortar_strength;
+        for (key, value) in [
+            ("compressive_mpa", given.compressive_mpa),
+            ("peak_strain", given.peak_strain),
+            ("tensile_mpa", given.tensile_mpa),
+            ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm),
+            ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm),
+        ] {
+            MATERIALS.positive(format!("mortar_strength.{key}"), value)?;
+        }
+        let ratio = self.itz_strength_ratio;
+        let met = ratio > 0.0 && ratio <= 1.0;
+        MATERIALS.require("itz_strength_ratio", ratio, met, "it must lie above 0 and at most at 1")
+    }
+
+    /// Checks that the curve of `phase` rises from its elastic strain to its peak strain; elastic phases have no curve.
+    ///
+    /// # Errors
+    /// The mortar's peak strain is too small for the phase's strength and stiffness.
+    pub fn validate_peak_strain(&self, phase: Phase) -> Result<(), OutOfRange> {
+        let Some(Strength { compressive_mpa, peak_strain, .. }) = self.strength(phase) else { return Ok(()) };
+        let least = PEAK_OVER_ELASTIC * compressive_mpa / self.elastic(phase).youngs_modulus_mpa;
+        let accepted = || format!("{} needs {least:.3e} or more, 5 % above its elastic strain", phase.name());
+        MATERIALS.require("mortar_strength.peak_strain", peak_strain, peak_strain >= least, accepted())
+    }
+
+    /// Checks the values of a cohesive ITZ that concern it alone.
+    ///
+    /// # Errors
+    /// Names the first value outside its range.
+    pub fn validate_cohesive(&self) -> Result<(), OutOfRange> {
+        MATERIALS.positive("cohesive_thickness_mm", self.cohesive_thickness_mm)?;
+        let ratio = self.cohesive_shear_energy_ratio;
+        let met = ratio >= 1.0 && ratio.is_finite();
+        MATERIALS.require("cohesive_shear_energy_ratio", ratio, met, "it must be 1 or more")?;
+        MATERIALS.positive("cohesive_mode_power", self.cohesive_mode_power)
+    }
+
+    /// Checks that a cohesive ITZ is thinner than [its limit](Self::cohesive_thickness_limit_mm), beyond which it cannot soften.
+    ///
+    /// # Errors
+    /// The cohesive thickness is at its limit or above.
+    pub fn validate_cohesive_softening(&self) -> Result<(), OutOfRange> {
+        let (t, limit) = (self.cohesive_thickness_mm, self.cohesive_thickness_limit_mm());
+        let accepted =
+            format!("it must be below {limit:.3e}, where damage begins with less than the ITZ's fracture energy");
+        MATERIALS.require("cohesive_thickness_mm", t, t < limit, accepted)
+    }
+
+    /// Checks the yield surface and flow against the limits of Abaqus' `*CONCRETE DAMAGED PLASTICITY`.
+    ///
+    /// # Errors
+    /// Names the first value outside its range.
+    pub fn validate_plasticity(&self) -> Result<(), OutOfRange> {
+        let given = &self.plasticity;
+        let require = |key, value, met, accepted| MATERIALS.require(format!("plasticity.{key}"), value, met, accepted);
+        let (angle, kc) = (given.dilation_angle_deg, given.meridian_ratio);
+        require("dilation_angle_deg", angle, angle > 0.0 && angle < 90.0, "it must lie above 0 and below 90")?;
+        require("meridian_ratio", kc, kc > 0.5 && kc <= 1.0, "it must lie above 0.5 and at most at 1")?;
+        for (key, value) in [("eccentricity", given.eccentricity), ("viscosity_s", given.viscosity_s)] {
+            require(key, value, value >= 0.0 && value.is_finite(), "it must be 0 or more")?;
+        }
+        // The yield surface has alpha = (r - 1) / (2 r - 1), which Abaqus wants from 0 to 0.5.
+        let biaxial = given.biaxial_ratio;
+        require("biaxial_ratio", biaxial, biaxial >= 1.0 && biaxial.is_finite(), "it must be 1 or more")
+    }
+}
+
+fn elastic(phase: &str, values: &Elastic) -> Result<(), OutOfRange> {
+    let (density, ratio) = (values.density_t_per_mm3, values.poisson_ratio);
+    MATERIALS.positive(format!("{phase}.youngs_modulus_mpa"), values.youngs_modulus_mpa)?;
+    let accepted = "it must be a positive number below 1e-3, in tonne/mm3: 2400 kg/m3 are 2.4e-9";
+    MATERIALS.require(format!("{phase}.density_t_per_mm3"), density, density > 0.0 && density < HEAVIEST, accepted)?;
+    let accepted = "it must lie between -1 and 0.5, where a material is stable";
+    MATERIALS.require(format!("{phase}.poisson_ratio"), ratio, ratio > -1.0 && ratio < 0.5, accepted)
+}

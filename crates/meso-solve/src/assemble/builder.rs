@@ -1,0 +1,185 @@
+//! A block, built from the mesh's cells, cohesive faces and patches that it has.
+
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{MOST_NODES, Patch, Patches, band};
+use crate::assemble::weight::facing;
+use crate::block::{Block, Cells, EMPTY, Group, eights};
+use crate::element::face::Faces;
+use crate::element::hex::Hexes;
+use crate::element::tet::{Shape, corners};
+use crate::element::uniform::{Tets, Uniform};
+use crate::lanes::{Eight, LANES};
+use meso_mesh::materials::regular_edge;
+use meso_mesh::{CellKind, Mesh, Phase};
+
+/// Order of the phases within a block.
+const PHASES: [Phase; 4] = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Fibre];
+
+/// Builds one block.
+pub(crate) struct Builder<'a> {
+    parts: &'a Parts<'a>,
+    /// The engine's number of every node of the mesh.
+    number: &'a [u32],
+    patches: Option<OwnPatches<'a>>,
+    nodes: Vec<u32>,
+}
+
+/// The patches of a block.
+pub(crate) struct OwnPatches<'a> {
+    /// Those of the mesh.
+    all: &'a Patches,
+    /// Which of them.
+    numbers: &'a [u32],
+    shapes: Vec<Patch>,
+}
+
+impl<'a> OwnPatches<'a> {
+    /// Those with some `numbers` among `all`.
+    pub(crate) fn new(mesh: &Mesh, all: &'a Patches, numbers: &'a [u32]) -> Self {
+        let shapes = numbers.iter().map(|&number| all.patch(mesh, number)).collect();
+        Self { all, numbers, shapes }
+    }
+
+    /// Places of those with the law of `phase` and from `least` to `most` nodes.
+    fn of(&self, phase: Phase, least: usize, most: usize) -> Vec<u32> {
+        let fits = |place: &u32| {
+            let (number, shape) = (self.numbers[*place as usize], &self.shapes[*place as usize]);
+            self.all.phase[number as usize] == phase && (least..=most).contains(&shape.nodes.len())
+        };
+        (0..self.numbers.len() as u32).filter(fits).collect()
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// For a block with some patches, where strains are smoothed.
+    pub(crate) fn new(parts: &'a Parts<'a>, number: &'a [u32], patches: Option<OwnPatches<'a>>) -> Self {
+        Self { parts, number, patches, nodes: Vec::new() }
+    }
+
+    /// The block of some cells and cohesive faces.
+    pub(crate) fn build(mut self, cells: &[u32], faces: &[u32]) -> Block {
+        let mesh = self.parts.sample.mesh;
+        let mut cells = if self.patches.is_some() { Vec::new() } else { cells.to_vec() };
+        cells.sort_by_key(|&cell| self.parts.phases[cell as usize] as u8);
+        self.nodes = self.nodes_of(&cells, faces);
+        let mut groups = Vec::new();
+        for phase in PHASES {
+            let start = cells.partition_point(|&cell| (self.parts.phases[cell as usize] as u8) < phase as u8);
+            let end = cells.partition_point(|&cell| self.parts.phases[cell as usize] as u8 <= phase as u8);
+            if start < end {
+                let own = &cells[start..end];
+                let kind = if mesh.kind == CellKind::Hexahedron { self.hexes(own) } else { self.tets(own) };
+                groups.push(self.group(phase, kind, own));
+            }
+        }
+        if let Some(own) = &self.patches {
+            self.add_patches(own, &mut groups);
+        }
+        if !faces.is_empty() {
+            let is_quad = mesh.kind == CellKind::Hexahedron;
+            let kind = if is_quad { Cells::Quads(self.faces(faces)) } else { Cells::Triangles(self.faces(faces)) };
+            groups.push(self.group(Phase::Itz, kind, faces));
+        }
+        Block { nodes: self.nodes, groups }
+    }
+
+    /// Numbers of the nodes of cells, faces and the block's patches, ascending.
+    fn nodes_of(&self, cells: &[u32], faces: &[u32]) -> Vec<u32> {
+        let of_patches = self.patches.iter().flat_map(|own| own.numbers.iter().flat_map(|&n| own.all.cells(n)));
+        let of_cells = cells.iter().chain(of_patches).flat_map(|&cell| self.cell(cell));
+        let of_faces = faces.iter().flat_map(|&face| self.face(face));
+        let mut nodes: Vec<u32> = of_cells.chain(of_faces).map(|&node| self.number[node as usize]).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
+    fn cell(&self, cell: u32) -> &[u32] {
+        self.parts.sample.mesh.cell(cell as usize)
+    }
+
+    fn face(&self, face: u32) -> &[u32] {
+        let mesh = self.parts.sample.mesh;
+        let nodes = 2 * mesh.kind.faces()[0].len();
+        &mesh.cohesive[face as usize * nodes..][..nodes]
+    }
+
+    fn group(&self, phase: Phase, cells: Cells, numbers: &[u32]) -> Group {
+        let count = eights(numbers.len());
+        let remembered = cells.remembered(&self.parts.common.matter[phase as usize]);
+        let mut numbers = numbers.to_vec();
+        numbers.resize(count * LANES, EMPTY);
+        let memory = vec![Eight::default(); count * remembered];
+        Group { phase, cells, memory, numbers, dissipated: 0.0, hourglass: [0.0; 2] }
+    }
+
+    /// The block's own number of a node.
+    fn local(&self, node: u32) -> u16 {
+        let place = self.nodes.partition_point(|&other| other < self.number[node as usize]);
+        u16::try_from(place).expect("a block has fewer than 65,536 nodes")
+    }
+
+    /// Eights of elements; empty lanes hold the last element without its weight.
+    fn eights<T: Default>(&self, numbers: &[u32], set: impl Fn(&mut T, usize, u32, bool)) -> Vec<T> {
+        let fill = |chunk: &[u32]| {
+            let mut eight = T::default();
+            for lane in 0..LANES {
+                set(&mut eight, lane, chunk[lane.min(chunk.len() - 1)], lane < chunk.len());
+            }
+            eight
+        };
+        numbers.chunks(LANES).map(fill).collect()
+    }
+
+    fn tets(&self, cells: &[u32]) -> Cells {
+        let sample = self.parts.sample;
+        Cells::Tets(self.eights(cells, |eight: &mut Tets, lane, cell, used| {
+            let nodes = self.cell(cell);
+            let shape = Shape::of(&corners(sample.mesh, cell));
+            let width = sample.band_factor * regular_edge(sample.mesh.kind, shape.volume);
+            let volume = if used { shape.volume } else { 0.0 };
+            eight.set(lane, &[0, 1, 2, 3].map(|corner| self.local(nodes[corner])), &shape.gradients, volume, width);
+        }))
+    }
+
+    /// Adds the groups of the block's patches, by phase and number of nodes.
+    fn add_patches(&self, own: &OwnPatches, groups: &mut Vec<Group>) {
+        for phase in PHASES {
+            let mut add = |places: &[u32], cells: Cells| {
+                let numbers: Vec<u32> = places.iter().map(|&place| own.numbers[place as usize]).collect();
+                groups.extend((!numbers.is_empty()).then(|| self.group(phase, cells, &numbers)));
+            };
+            let [small, middle, large] = [(4, 8), (9, 9), (10, MOST_NODES)].map(|(a, b)| own.of(phase, a, b));
+            add(&small, Cells::Patches8(self.uniform(own, &small)));
+            add(&middle, Cells::Patches9(self.uniform(own, &middle)));
+            add(&large, Cells::Patches12(self.uniform(own, &large)));
+        }
+    }
+
+    /// Eights of the block's patches at some places.
+    fn uniform<const N: usize>(&self, own: &OwnPatches, places: &[u32]) -> Vec<Uniform<N>> {
+        let sample = self.parts.sample;
+        self.eights(places, |eight: &mut Uniform<N>, lane, place, used| {
+            let shape = &own.shapes[place as usize];
+            let width = band(sample.mesh) * sample.band_factor * regular_edge(sample.mesh.kind, shape.cell_mm3);
+            let nodes: Vec<u16> = shape.nodes.iter().map(|&node| self.local(node)).collect();
+            eight.set(lane, &nodes, &shape.gradients[1..], if used { shape.volume } else { 0.0 }, width);
+        })
+    }
+
+    fn hexes(&self, cells: &[u32]) -> Cells {
+        Cells::Hexes(self.eights(cells, |eight: &mut Hexes, lane, cell, used| {
+            let nodes = self.cell(cell);
+            eight.set(lane, std::array::from_fn(|corner| self.local(nodes[corner])), used);
+        }))
+    }
+
+    fn faces<const N: usize>(&self, faces: &[u32]) -> Vec<Faces<N>> {
+        self.eights(faces, |eight: &mut Faces<N>, lane, face, used| {
+            let nodes = self.face(face);
+            let (normal, area) = facing(self.parts.sample.mesh, nodes);
+            let at = [0, 1].map(|side| std::array::from_fn(|pair| self.local(nodes[side * N + pair])));
+            eight.set(lane, at, normal.into(), if used { area } else { 0.0 });
+        })
+    }
+}

@@ -1,0 +1,136 @@
+//! Mass of the nodes: the elements' own, and what mass scaling adds.
+
+use crate::assemble::mass::{Need, box_metric, tet_metric};
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::{Patch, Patches};
+use crate::element::face::DAMPED;
+use crate::element::tet::corners;
+use crate::error::SolveError;
+use meso_collision::math::{Mat3, Vec3};
+use meso_mesh::{CellKind, Mesh, Phase};
+use rayon::prelude::*;
+
+/// Patches whose needs are known at once.
+const WINDOW: usize = 1 << 16;
+
+/// Mass of the mesh's nodes.
+pub(crate) struct Weight {
+    /// Lumped, by the mesh's numbers, tonne.
+    pub(crate) mass: Vec<f64>,
+    /// Of it, what solid elements do not need for the step.
+    spare: Vec<f64>,
+    /// Without and with what was added, tonne.
+    pub(crate) total: [f64; 2],
+    /// Longest step that needs no mass, s.
+    pub(crate) stable_s: f64,
+}
+
+impl Weight {
+    /// That of all elements.
+    ///
+    /// # Errors
+    /// Cells of no positive volume.
+    pub(crate) fn of(parts: &Parts, patches: Option<&Patches>) -> Result<Self, SolveError> {
+        let mesh = parts.sample.mesh;
+        let zero = || vec![0.0; mesh.points.len()];
+        let mut weight = Self { mass: zero(), spare: zero(), total: [0.0; 2], stable_s: f64::INFINITY };
+        match patches {
+            Some(patches) => weight.add_patches(parts, patches)?,
+            None => weight.add_cells(parts)?,
+        }
+        weight.add_faces(parts);
+        Ok(weight)
+    }
+
+    fn add_cells(&mut self, parts: &Parts) -> Result<(), SolveError> {
+        let mesh = parts.sample.mesh;
+        let share = 1.0 / mesh.kind.corners() as f64;
+        for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(parts.phases)) {
+            let need = need(parts, number, phase)?;
+            self.add(&need, cell.iter().map(|&node| (node, share)));
+        }
+        Ok(())
+    }
+
+    /// Adds an element with the share of each of its nodes.
+    fn add(&mut self, need: &Need, nodes: impl Iterator<Item = (u32, f64)>) {
+        self.total[0] += need.mass;
+        self.total[1] += need.mass + need.added();
+        self.stable_s = self.stable_s.min(need.stable_s);
+        for (node, share) in nodes {
+            self.mass[node as usize] += share * (need.mass + need.added());
+            self.spare[node as usize] += share * (need.mass - need.needed).max(0.0);
+        }
+    }
+
+    fn add_patches(&mut self, parts: &Parts, patches: &Patches) -> Result<(), SolveError> {
+        let mesh = parts.sample.mesh;
+        (0..mesh.cell_count() as u32).try_for_each(|cell| tetrahedron(mesh, cell).map(drop))?;
+        let need = |number: u32| {
+            let patch = patches.patch(mesh, number);
+            let matter = &parts.common.matter[patches.phase[number as usize] as usize];
+            (Need::of_patch(matter, &patch, parts.dt), patch)
+        };
+        let count = patches.len() as u32;
+        for start in (0..count).step_by(WINDOW) {
+            let numbers = start..count.min(start + WINDOW as u32);
+            let needs: Vec<(Need, Patch)> = numbers.into_par_iter().map(need).collect();
+            for (need, Patch { nodes, shares, .. }) in needs {
+                self.add(&need, nodes.into_iter().zip(shares));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds what cohesive faces need beyond what the nodes can spare.
+    fn add_faces(&mut self, parts: &Parts) {
+        let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
+        let mut needed = vec![0.0; mesh.points.len()];
+        let safe = parts.dt / crate::assemble::mass::SAFETY;
+        for face in mesh.cohesive() {
+            let (_, area) = facing(mesh, face);
+            let share = DAMPED * cohesion.stiffness * area * safe * safe / 2.0;
+            face.iter().for_each(|&node| needed[node as usize] += share);
+        }
+        for (node, needed) in needed.iter().enumerate() {
+            let added = (needed - self.spare[node]).max(0.0);
+            self.mass[node] += added;
+            self.total[1] += added;
+        }
+    }
+}
+
+fn need(parts: &Parts, cell: u32, phase: Phase) -> Result<Need, SolveError> {
+    let mesh = parts.sample.mesh;
+    let matter = &parts.common.matter[phase as usize];
+    if mesh.kind == CellKind::Hexahedron {
+        let shape = &parts.common.shape;
+        return Ok(Need::of(matter, &box_metric(shape), 8, shape.volume(), parts.dt));
+    }
+    let (metric, volume) = tetrahedron(mesh, cell)?;
+    Ok(Need::of(matter, &metric, 4, volume, parts.dt))
+}
+
+/// Metric and volume of a tetrahedron.
+///
+/// # Errors
+/// No positive volume.
+fn tetrahedron(mesh: &Mesh, cell: u32) -> Result<(Mat3, f64), SolveError> {
+    let (metric, volume) = tet_metric(&corners(mesh, cell));
+    if !(volume > 0.0 && metric.iter().all(|x| x.is_finite())) {
+        let at: [f64; 3] = corners(mesh, cell)[0].into();
+        return Err(SolveError::mesh(format!("the tetrahedron at {at:?} has the volume {volume} mm3; mesh anew")));
+    }
+    Ok((metric, volume))
+}
+
+/// Unit normal of a cohesive face, out of the aggregate, and the area of each pair of its nodes, mm2.
+pub(crate) fn facing(mesh: &Mesh, face: &[u32]) -> (Vec3, f64) {
+    let pairs = face.len() / 2;
+    let p = |i: usize| mesh.points[face[i] as usize];
+    // Twice the area along the normal: the cross product of two edges, or of the diagonals.
+    let twice = if pairs == 4 { (p(2) - p(0)).cross(&(p(3) - p(1))) } else { (p(1) - p(0)).cross(&(p(2) - p(0))) };
+    let size = twice.norm();
+    let normal = if size > 0.0 { twice / size } else { Vec3::z() };
+    (normal, 0.5 * size / pairs as f64)
+}

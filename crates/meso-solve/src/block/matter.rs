@@ -1,0 +1,173 @@
+//! Material of a phase: its elasticity, its density, and its law.
+
+use crate::element::hex::{BoxShape, hourglass_stiffness};
+use crate::lanes::Lanes;
+use crate::law::{self, Law, cdp, cdpm2};
+use crate::real::Real;
+use crate::test::LawName;
+use meso_concrete::OutOfRange;
+use meso_mesh::Phase;
+use meso_mesh::materials::{Elastic, Materials, Plasticity, Strength};
+use std::any::Any;
+use std::fmt;
+use std::sync::OnceLock;
+
+/// A phase's material.
+#[derive(Clone, Debug)]
+pub(crate) struct Matter {
+    /// Stiffness and density.
+    pub(crate) elastic: Elastic,
+    /// How it answers strain.
+    pub(crate) behaviour: Behaviour,
+    /// Whether it is elastic under every law, so that its boxes bend.
+    pub(crate) is_unbreakable: bool,
+    /// The law on the lanes of the run.
+    prepared: Prepared,
+}
+
+/// A law that is prepared once: its constants take as long as a hundred elements.
+#[derive(Default)]
+struct Prepared(OnceLock<Box<dyn Any + Send + Sync>>);
+
+impl Prepared {
+    /// The law that `prepare` gives; on lanes other than the first ones it is prepared anew.
+    fn law<W: Any + Send + Sync>(&self, prepare: impl Fn() -> W) -> Ready<'_, W> {
+        match self.0.get_or_init(|| Box::new(prepare())).downcast_ref() {
+            Some(law) => Ready::Kept(law),
+            None => Ready::New(prepare()),
+        }
+    }
+}
+
+/// A law that is kept, or a new one.
+enum Ready<'a, W> {
+    Kept(&'a W),
+    New(W),
+}
+
+impl<W> Ready<'_, W> {
+    #[inline(always)]
+    fn get(&self) -> &W {
+        match self {
+            Self::Kept(law) => law,
+            Self::New(law) => law,
+        }
+    }
+}
+
+impl Clone for Prepared {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl fmt::Debug for Prepared {
+    fn fmt(&self, _: &mut fmt::Formatter) -> fmt::Result {
+        Ok(())
+    }
+}
+
+/// The laws that a phase may follow.
+#[derive(Clone, Debug)]
+pub(crate) enum Behaviour {
+    /// Linear elasticity.
+    Elastic,
+    /// Concrete damaged plasticity.
+    Cdp(Strength, Plasticity),
+    /// CDPM2, with the biaxial over the uniaxial strength.
+    Cdpm2(Strength, f64),
+}
+
+/// Finds out whether the law `name` can have `materials`.
+///
+/// # Errors
+/// Names the first value that it cannot have.
+pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
+    match name {
+        LawName::Elastic => materials.validate_elastic(),
+        LawName::Cdp => cdp::validate(materials),
+        LawName::Cdpm2 => cdpm2::validate(materials, &cdpm2::Options::default()),
+    }?;
+    materials.validate_cohesive()
+}
+
+/// Work with a law on lanes. Give `run` `#[inline(always)]`.
+pub(crate) trait LawTask {
+    /// The answer.
+    type Output;
+    /// Does the work.
+    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> Self::Output;
+}
+
+impl Matter {
+    /// That of `phase`, where mortar and ITZ follow the law `name`.
+    pub(crate) fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
+        let behaviour = match (name, materials.strength(phase)) {
+            (LawName::Elastic, _) | (_, None) => Behaviour::Elastic,
+            (LawName::Cdp, Some(strength)) => Behaviour::Cdp(strength, materials.plasticity),
+            (LawName::Cdpm2, Some(strength)) => Behaviour::Cdpm2(strength, materials.plasticity.biaxial_ratio),
+        };
+        let is_unbreakable = materials.strength(phase).is_none();
+        Self { is_unbreakable, ..Self::of(*materials.elastic(phase), behaviour) }
+    }
+
+    /// An elasticity and a law.
+    pub(crate) fn of(elastic: Elastic, behaviour: Behaviour) -> Self {
+        Self { elastic, behaviour, is_unbreakable: false, prepared: Prepared::default() }
+    }
+
+    /// Runs `task` with the phase's law.
+    #[inline(always)]
+    pub(crate) fn law<L: Lanes, T: LawTask>(&self, task: T) -> T::Output {
+        match &self.behaviour {
+            Behaviour::Elastic => task.run(&law::Elastic::<L>::new(&self.elastic)),
+            Behaviour::Cdp(strength, plasticity) => {
+                task.run(self.prepared.law(|| self.cdp::<L>(strength, plasticity)).get())
+            }
+            Behaviour::Cdpm2(strength, biaxial) => {
+                task.run(self.prepared.law(|| self.cdpm2::<L>(strength, *biaxial)).get())
+            }
+        }
+    }
+
+    fn cdp<R: Real>(&self, strength: &Strength, plasticity: &Plasticity) -> law::Cdp<R> {
+        law::Cdp::new(&self.elastic, strength, plasticity)
+    }
+
+    fn cdpm2<R: Real>(&self, strength: &Strength, biaxial: f64) -> law::Cdpm2<R> {
+        law::Cdpm2::new(&self.elastic, strength, biaxial, &cdpm2::Options::default())
+    }
+
+    /// Registers that an element remembers: the law's history and the integrity.
+    pub(crate) fn remembered(&self) -> usize {
+        fn with_integrity<W: Law<f64>>() -> usize {
+            W::virgin().as_ref().len() + 1
+        }
+        match &self.behaviour {
+            Behaviour::Elastic => 0,
+            Behaviour::Cdp(..) => with_integrity::<law::Cdp<f64>>(),
+            Behaviour::Cdpm2(..) => with_integrity::<law::Cdpm2<f64>>(),
+        }
+    }
+
+    /// Widest crack band that spends its energy, mm.
+    pub(crate) fn widest_mm(&self) -> f64 {
+        match &self.behaviour {
+            Behaviour::Elastic => f64::INFINITY,
+            Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
+            Behaviour::Cdpm2(strength, biaxial) => self.cdpm2::<f64>(strength, *biaxial).widest_mm(),
+        }
+    }
+
+    /// Stiffness of an hourglass mode, N/mm.
+    pub(crate) fn hourglass_stiffness(&self, factor: f64, shape: &BoxShape) -> f64 {
+        hourglass_stiffness(factor, self.elastic.youngs_modulus_mpa, shape.edge())
+    }
+
+    /// Lame's constants lambda and G, MPa.
+    pub(crate) fn lame(&self) -> [f64; 2] {
+        let (e, nu) = (self.elastic.youngs_modulus_mpa, self.elastic.poisson_ratio);
+        let shear = e / (2.0 * (1.0 + nu));
+        [2.0 * shear * nu / (1.0 - 2.0 * nu), shear]
+    }
+}

@@ -1,0 +1,370 @@
+//! A block of elements: its displacements in, its share of the nodes' forces out.
+//!
+//! Some 2,048 neighbours along a space-filling curve with node numbers of their own, so that a block's nodes stay in the
+//! cache and a connectivity fits u16. Displacements are taken relative to the block's first node, in f64, before they
+//! become f32. Elements of one phase go together, eight at a time; their forces add up in their order.
+
+pub(crate) mod matter;
+
+use crate::block::matter::{LawTask, Matter};
+use crate::element::bending::Bending;
+use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
+use crate::element::hex::{BoxShape, Hexes, per_bound};
+use crate::element::uniform::{Tets, Uniform};
+use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
+use crate::law::{Elastic, Law, Tensor};
+use meso_collision::prefetch::prefetch;
+use meso_mesh::Phase;
+
+/// Elements of a block.
+pub(crate) const BLOCK: usize = 2048;
+
+/// Eights between the one at work and the one that is fetched. A mesh of 1.06 million tetrahedra, which no cache holds,
+/// then takes 0.83 of its time (`benches/results/fetching.csv`); 1 gains half of that, 3 to 6 no more.
+const AHEAD: usize = 2;
+
+/// A lane without an element.
+pub(crate) const EMPTY: u32 = u32::MAX;
+
+/// Elements of one kind and phase.
+#[derive(Clone, Debug)]
+pub(crate) enum Cells {
+    /// C3D4.
+    Tets(Vec<Tets>),
+    /// Patches of 4 to 8 nodes.
+    Patches8(Vec<Uniform<7>>),
+    /// Patches of 9 nodes.
+    Patches9(Vec<Uniform<8>>),
+    /// Patches of 10 to 12 nodes.
+    Patches12(Vec<Uniform<11>>),
+    /// C3D8R, and C3D8I where the matter is unbreakable.
+    Hexes(Vec<Hexes>),
+    /// Cohesive faces of tetrahedra.
+    Triangles(Vec<Faces<3>>),
+    /// Cohesive faces of boxes.
+    Quads(Vec<Faces<4>>),
+}
+
+impl Cells {
+    /// Registers of memory that eight elements have.
+    pub(crate) fn remembered(&self, matter: &Matter) -> usize {
+        match self {
+            Self::Triangles(_) => 3 * REMEMBERED,
+            Self::Quads(_) => 4 * REMEMBERED,
+            _ => matter.remembered(),
+        }
+    }
+
+    /// Bytes that they hold.
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Tets(cells) => size_of_val(&**cells),
+            Self::Patches8(cells) => size_of_val(&**cells),
+            Self::Patches9(cells) => size_of_val(&**cells),
+            Self::Patches12(cells) => size_of_val(&**cells),
+            Self::Hexes(cells) => size_of_val(&**cells),
+            Self::Triangles(cells) => size_of_val(&**cells),
+            Self::Quads(cells) => size_of_val(&**cells),
+        }
+    }
+
+    /// Whether they are patches, not cells or faces of the mesh.
+    pub(crate) fn are_patches(&self) -> bool {
+        matches!(self, Self::Patches8(_) | Self::Patches9(_) | Self::Patches12(_))
+    }
+}
+
+/// Elements of one phase within a block.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    /// Their phase; that of cohesive faces is the ITZ.
+    pub(crate) phase: Phase,
+    /// In eights.
+    pub(crate) cells: Cells,
+    /// State of their law, one run of registers per eight elements.
+    pub(crate) memory: Vec<Eight>,
+    /// The mesh's number of the cell in every lane, or [`EMPTY`]; cohesive faces and patches have their own numbers.
+    pub(crate) numbers: Vec<u32>,
+    /// Energy spent so far, mJ.
+    pub(crate) dissipated: f64,
+    /// Stored in hourglass modes now, and lost from them so far, mJ.
+    pub(crate) hourglass: [f64; 2],
+}
+
+/// Neighbours, and the nodes they have.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    /// Numbers of the nodes, ascending.
+    pub(crate) nodes: Vec<u32>,
+    /// One group per phase and kind.
+    pub(crate) groups: Vec<Group>,
+}
+
+impl Block {
+    /// Bytes that it holds.
+    pub(crate) fn bytes(&self) -> usize {
+        let of = |group: &Group| group.cells.bytes() + size_of_val(&*group.memory) + size_of_val(&*group.numbers);
+        size_of_val(&*self.nodes) + self.groups.iter().map(of).sum::<usize>()
+    }
+}
+
+/// Memory that a thread works in.
+pub(crate) struct Scratch {
+    /// Displacements relative to the block's first node, mm.
+    pub(crate) u: Box<Vectors>,
+    /// N.
+    pub(crate) forces: Box<Vectors>,
+}
+
+impl Scratch {
+    /// Zeros.
+    pub(crate) fn new() -> Self {
+        Self { u: vectors(), forces: vectors() }
+    }
+
+    /// Takes in the displacements of `block`'s nodes.
+    pub(crate) fn take_in(&mut self, block: &Block, displacement: &[[f64; 3]]) {
+        let origin = displacement[block.nodes[0] as usize];
+        for (own, &node) in self.u.iter_mut().zip(&block.nodes) {
+            let u = displacement[node as usize];
+            *own = [(u[0] - origin[0]) as f32, (u[1] - origin[1]) as f32, (u[2] - origin[2]) as f32, 0.0];
+        }
+        self.forces[..block.nodes.len()].fill([0.0; 4]);
+    }
+}
+
+/// Data that all elements share.
+#[derive(Clone, Debug)]
+pub(crate) struct Common {
+    /// By phase, as a number.
+    pub(crate) matter: [Matter; 5],
+    /// Of all hexahedra.
+    pub(crate) shape: BoxShape,
+    /// Of cohesive faces.
+    pub(crate) cohesion: Option<CohesionValues>,
+    /// Share of the stiffness that hourglass modes meet.
+    pub(crate) hourglass: f64,
+    /// Width of crack bands in hexahedra, mm.
+    pub(crate) band_mm: f64,
+}
+
+/// A step of one block.
+pub(crate) struct Pass<'a> {
+    pub(crate) block: &'a mut Block,
+    pub(crate) common: &'a Common,
+    pub(crate) displacement: &'a [[f64; 3]],
+    /// Where the nodes' forces go, N.
+    pub(crate) out: &'a mut [[f32; 4]],
+    pub(crate) scratch: &'a mut Scratch,
+}
+
+impl Task for Pass<'_> {
+    /// Energy spent in the step, mJ.
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f64 {
+        let Self { block, common, displacement, out, scratch } = self;
+        scratch.take_in(block, displacement);
+        let Scratch { u, forces } = scratch;
+        let mut in_all = 0.0;
+        for group in &mut block.groups {
+            let Group { phase, cells, memory, dissipated, hourglass, .. } = group;
+            let matter = &common.matter[*phase as usize];
+            let spent = match cells {
+                Cells::Tets(cells) => uniform::<L, 3>(cells, matter, memory, u, forces),
+                Cells::Patches8(cells) => uniform::<L, 7>(cells, matter, memory, u, forces),
+                Cells::Patches9(cells) => uniform::<L, 8>(cells, matter, memory, u, forces),
+                Cells::Patches12(cells) => uniform::<L, 11>(cells, matter, memory, u, forces),
+                Cells::Hexes(cells) if matter.is_unbreakable => {
+                    bend::<L>(cells, matter, &common.shape, u, forces);
+                    0.0
+                }
+                Cells::Hexes(cells) => {
+                    let stiffness = matter.hourglass_stiffness(common.hourglass, &common.shape);
+                    let task = HexTask { cells, memory, u, forces, common, stiffness };
+                    let [spent, stored, lost] = matter.law::<L, _>(task);
+                    *hourglass = [stored, hourglass[1] + lost];
+                    in_all += lost;
+                    spent
+                }
+                Cells::Triangles(faces) => cohesive::<L, 3>(faces, common, memory, u, forces),
+                Cells::Quads(faces) => cohesive::<L, 4>(faces, common, memory, u, forces),
+            };
+            *dissipated += spent;
+            in_all += spent;
+        }
+        out.copy_from_slice(&scratch.forces[..out.len()]);
+        in_all
+    }
+}
+
+#[inline(always)]
+fn cohesive<L: Lanes, const N: usize>(
+    faces: &[Faces<N>],
+    common: &Common,
+    memory: &mut [Eight],
+    u: &Vectors,
+    forces: &mut Vectors,
+) -> f64 {
+    let Some(values) = &common.cohesion else { return 0.0 };
+    let cohesion = Cohesion::<L>::new(values);
+    let mut spent = L::splat(0.0);
+    for (faces, memory) in faces.iter().zip(memory.chunks_exact_mut(N * REMEMBERED)) {
+        spent = spent + faces.resist(&cohesion, memory, u, forces);
+    }
+    spent.eight().sum()
+}
+
+/// Every law's history begins with the plastic strain.
+const PLASTIC: usize = 6;
+
+/// The law's history in what an element remembers.
+#[inline(always)]
+pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
+    let mut history = W::virgin();
+    let states = history.as_ref().len();
+    let memory = &memory[..states];
+    #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain loads")]
+    for i in 0..states {
+        history.as_mut()[i] = L::load(&memory[i]);
+    }
+    history
+}
+
+/// Stress of a strain, and the energy per volume that it spends, N/mm2. What is remembered goes along: the law's history,
+/// then the integrity, less 1, so that zeros are a sound element.
+#[inline(always)]
+fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight], width: L) -> Answer<L> {
+    let one = L::splat(1.0);
+    let mut history = history::<L, W>(memory);
+    let states = history.as_ref().len();
+    // Of known length, so that no loop over it becomes a call.
+    let memory = &mut memory[..if states == 0 { 0 } else { states + 1 }];
+    let response = law.stress(strain, &mut history, width);
+    let stress = response.stress;
+    if states == 0 {
+        return Answer { stress, integrity: one, before: one, spent: L::splat(0.0) };
+    }
+    let (before, integrity) = (one + L::load(&memory[states]), response.integrity);
+    let zero = L::splat(0.0);
+    let (mut spent, mut moved) = (zero, (before - integrity).abs());
+    for (i, own) in history.as_ref().iter().enumerate() {
+        let step = *own - L::load(&memory[i]);
+        moved = moved.max(step.abs());
+        if i < PLASTIC {
+            spent = stress[i].mul_add(step, spent);
+        }
+    }
+    if !L::any(zero.lt(moved)) {
+        return Answer { stress, integrity, before, spent: zero };
+    }
+    let mut stored = zero;
+    for i in 0..PLASTIC {
+        stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
+    }
+    // Of the energy stored, the share by which the integrity fell is lost.
+    let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
+    #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
+    for i in 0..states {
+        history.as_ref()[i].store(&mut memory[i]);
+    }
+    (integrity - one).store(&mut memory[states]);
+    Answer { stress, integrity, before, spent: spent + lost }
+}
+
+struct Answer<L> {
+    stress: Tensor<L>,
+    integrity: L,
+    /// Integrity before the step.
+    before: L,
+    spent: L,
+}
+
+#[inline(always)]
+fn uniform<L: Lanes, const N: usize>(
+    cells: &[Uniform<N>],
+    matter: &Matter,
+    memory: &mut [Eight],
+    u: &Vectors,
+    forces: &mut Vectors,
+) -> f64 {
+    matter.law::<L, _>(UniformTask { cells, memory, u, forces })
+}
+
+struct UniformTask<'a, const N: usize> {
+    cells: &'a [Uniform<N>],
+    memory: &'a mut [Eight],
+    u: &'a Vectors,
+    forces: &'a mut Vectors,
+}
+
+impl<const N: usize> LawTask for UniformTask<'_, N> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> f64 {
+        let remembered = self.memory.len() / self.cells.len().max(1);
+        let mut spent = L::splat(0.0);
+        for (i, cells) in self.cells.iter().enumerate() {
+            let ahead = (i + AHEAD).min(self.cells.len() - 1);
+            prefetch(&self.cells[ahead..=ahead]);
+            prefetch(&self.memory[ahead * remembered..(ahead + 1) * remembered]);
+            let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
+            let answer = answer(law, &cells.strain(self.u), memory, L::load(&cells.width));
+            spent = answer.spent.mul_add(L::load(&cells.volume), spent);
+            cells.resist(&answer.stress, self.forces);
+        }
+        spent.eight().sum()
+    }
+}
+
+/// Boxes that bend: C3D8I.
+#[inline(always)]
+fn bend<L: Lanes>(cells: &[Hexes], matter: &Matter, shape: &BoxShape, u: &Vectors, forces: &mut Vectors) {
+    let (law, bending) = (Elastic::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
+    for cells in cells {
+        let (strain, amplitudes) = cells.strain(u, shape);
+        cells.resist(&law.of(&strain), &bending.forces(&amplitudes), L::splat(1.0), shape, forces);
+    }
+}
+
+struct HexTask<'a> {
+    cells: &'a [Hexes],
+    memory: &'a mut [Eight],
+    u: &'a Vectors,
+    forces: &'a mut Vectors,
+    common: &'a Common,
+    stiffness: f64,
+}
+
+impl LawTask for HexTask<'_> {
+    type Output = [f64; 3];
+
+    #[inline(always)]
+    fn run<L: Lanes, W: Law<L>>(self, law: &W) -> [f64; 3] {
+        let remembered = self.memory.len() / self.cells.len().max(1);
+        let (k, width) = (L::splat(self.stiffness), L::splat(self.common.band_mm));
+        let shape = &self.common.shape;
+        // A law without softening has no bound.
+        let bound = L::splat(if remembered == 0 { 0.0 } else { per_bound(shape.edge()) });
+        let [mut spent, mut stored, mut lost] = [L::splat(0.0); 3];
+        for (i, cells) in self.cells.iter().enumerate() {
+            let memory = &mut self.memory[i * remembered..(i + 1) * remembered];
+            let (strain, hourglass) = cells.strain(self.u, shape);
+            let answer = answer(law, &strain, memory, width);
+            spent = answer.spent.mul_add(L::load(&cells.used), spent);
+            let (twice, left) = cells.bounded(&hourglass, bound);
+            stored = answer.integrity.mul_add(twice, stored);
+            lost = (answer.before - answer.integrity).mul_add(twice, lost);
+            cells.resist(&answer.stress, &hourglass, k * answer.integrity * left, shape, self.forces);
+        }
+        let half = 0.5 * self.stiffness;
+        [spent.eight().sum() * shape.volume(), stored.eight().sum() * half, lost.eight().sum() * half]
+    }
+}
+
+/// Eights of elements that `count` elements take.
+pub(crate) fn eights(count: usize) -> usize {
+    count.div_ceil(LANES)
+}

@@ -1,0 +1,16 @@
+//! A test step by step: the state of a run, its loop, and the response of the specimen.
+
+mod curve;
+mod frame;
+mod nodes;
+mod observer;
+mod plates;
+mod response;
+mod run;
+mod servo;
+
+pub use curve::{Figures, Row};
+pub use frame::{Frame, Mean, Point};
+pub use observer::Observer;
+pub use response::{Ended, Energies, PhaseResult, Response, Summary};
+pub use run::Run;

@@ -1,0 +1,147 @@
+//! Nodes: they sum the blocks' forces in the blocks' order, and move by central differences.
+
+use crate::block::Block;
+use crate::march::plates::{Motion, Plates};
+use rayon::prelude::*;
+
+/// Nodes per parallel task. Sums are added span by span, so that the number of threads cannot change them.
+const SPAN: usize = 4096;
+
+/// Displacements and velocities, by the engine's numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Nodes {
+    /// At whole steps, mm.
+    pub(crate) displacement: Vec<[f64; 3]>,
+    /// At half steps, mm/s.
+    pub(crate) velocity: Vec<[f64; 3]>,
+    /// Lumped, tonne.
+    pub(crate) mass: Vec<f64>,
+    /// Where each node's shares begin in `shares`.
+    first: Vec<u32>,
+    /// Indices into the blocks' forces.
+    shares: Vec<u32>,
+}
+
+/// Sums over nodes in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
+    /// Of the lower and the upper plate on the specimen, along z, N.
+    pub(crate) plates: [f64; 2],
+    /// Work of the plates, of the elements' forces, and of friction, mJ.
+    pub(crate) external: f64,
+    /// See `external`.
+    pub(crate) internal: f64,
+    /// See `external`.
+    pub(crate) friction: f64,
+    /// Kinetic energy at the half step, mJ.
+    pub(crate) kinetic: f64,
+}
+
+impl Sums {
+    fn with(mut self, other: &Self) -> Self {
+        (0..2).for_each(|plate| self.plates[plate] += other.plates[plate]);
+        self.external += other.external;
+        self.internal += other.internal;
+        self.friction += other.friction;
+        self.kinetic += other.kinetic;
+        self
+    }
+}
+
+impl Nodes {
+    /// At rest. The blocks' forces lie one block after the other, node by node.
+    pub(crate) fn new(mass: Vec<f64>, blocks: &[Block]) -> Self {
+        let count = mass.len();
+        let mut first = vec![0u32; count + 1];
+        let all = || blocks.iter().flat_map(|block| &block.nodes);
+        all().for_each(|&node| first[node as usize + 1] += 1);
+        (0..count).for_each(|node| first[node + 1] += first[node]);
+        let mut next = first.clone();
+        let mut shares = vec![0; first[count] as usize];
+        for (place, &node) in (0..).zip(all()) {
+            let next = &mut next[node as usize];
+            shares[*next as usize] = place;
+            *next += 1;
+        }
+        let still = || vec![[0.0; 3]; count];
+        Self { displacement: still(), velocity: still(), mass, first, shares }
+    }
+
+    /// Back to the start.
+    pub(crate) fn rest(&mut self) {
+        self.displacement.fill([0.0; 3]);
+        self.velocity.fill([0.0; 3]);
+    }
+
+    /// Bytes that they hold.
+    pub(crate) fn bytes(&self) -> usize {
+        let Self { displacement, velocity, mass, first, shares } = self;
+        2 * size_of_val(&**displacement).max(size_of_val(&**velocity))
+            + size_of_val(&**mass)
+            + size_of_val(&**first)
+            + size_of_val(&**shares)
+    }
+
+    /// Number of the blocks' forces.
+    pub(crate) fn places(&self) -> usize {
+        self.shares.len()
+    }
+
+    /// Moves all nodes by a step under the blocks' `forces`.
+    pub(crate) fn advance(&mut self, forces: &[[f32; 4]], plates: &Plates, motion: &Motion) -> Sums {
+        let Self { displacement, velocity, mass, first, shares } = self;
+        let spans = displacement.par_chunks_mut(SPAN).zip(velocity.par_chunks_mut(SPAN)).enumerate();
+        let spans = spans.map(|(number, (u, v))| {
+            let start = number * SPAN;
+            let span = Span { start, mass: &mass[start..], first: &first[start..], shares, forces, plates, motion };
+            span.advance(u, v)
+        });
+        let sums: Vec<Sums> = spans.collect();
+        sums.iter().fold(Sums::default(), Sums::with)
+    }
+}
+
+/// Consecutive nodes, and all that moves them.
+struct Span<'a> {
+    /// Number of its first node.
+    start: usize,
+    mass: &'a [f64],
+    first: &'a [u32],
+    shares: &'a [u32],
+    forces: &'a [[f32; 4]],
+    plates: &'a Plates,
+    motion: &'a Motion,
+}
+
+impl Span<'_> {
+    fn advance(&self, u: &mut [[f64; 3]], v: &mut [[f64; 3]]) -> Sums {
+        let mut contacts = self.plates.among(self.start, self.start + u.len()).iter().peekable();
+        let (mut sums, dt) = (Sums::default(), self.motion.dt);
+        for (i, (u, v)) in u.iter_mut().zip(v).enumerate() {
+            let (force, m) = (self.force(i), self.mass[i]);
+            let before = *v;
+            let push = dt / m;
+            (0..3).for_each(|k| v[k] -= force[k] * push);
+            if let Some(contact) = contacts.next_if(|contact| contact.node as usize == self.start + i) {
+                let impact = self.plates.meet(contact, self.motion, m, u, &before, v);
+                sums.plates[contact.plate] += impact.force;
+                sums.external += impact.work;
+                sums.friction += impact.friction;
+            }
+            sums.internal += 0.5 * dt * (0..3).map(|k| force[k] * (before[k] + v[k])).sum::<f64>();
+            sums.kinetic += 0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+            (0..3).for_each(|k| u[k] += dt * v[k]);
+        }
+        sums
+    }
+
+    /// Force with which the elements resist at a node, N.
+    fn force(&self, i: usize) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for &place in &self.shares[self.first[i] as usize..self.first[i + 1] as usize] {
+            let share = &self.forces[place as usize];
+            (0..3).for_each(|k| sum[k] += f64::from(share[k]));
+        }
+        sum
+    }
+}

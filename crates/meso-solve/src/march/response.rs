@@ -1,0 +1,307 @@
+//! Response of a specimen to a test.
+
+use crate::march::curve::{Figures, Row, to_half_peak};
+use crate::march::run::Run;
+use crate::sample::Sample;
+use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
+use meso_mesh::{Mesh, Phase, PhaseVolumes};
+use serde::Serialize;
+
+/// How a test came to its end.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ended {
+    /// At the strain that was asked for.
+    Completed,
+    /// The observer stopped it; the curve so far is valid.
+    Stopped,
+    /// It diverged; the curve until then is valid. Holds the element that ran away.
+    Diverged(String),
+}
+
+/// The curve and what is told of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Response {
+    /// The curve, row by row.
+    #[serde(skip)]
+    pub curve: Vec<Row>,
+    /// Content of `result.json`.
+    #[serde(flatten)]
+    pub result: Summary,
+}
+
+/// Content of `result.json`, without seconds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Compression or tension.
+    pub test: Kind,
+    /// Coulomb's coefficient between plates and specimen.
+    pub friction: f64,
+    /// How the plates kept their speed.
+    pub control: Control,
+    /// The law of mortar and ITZ.
+    pub law: LawName,
+    /// Strain smoothing.
+    pub smoothing: Smoothing,
+    /// Cells of the mesh.
+    pub elements: usize,
+    /// Cohesive elements of the mesh.
+    pub cohesive_elements: usize,
+    /// Steps taken.
+    pub steps: u64,
+    /// Steps of the whole test at the plates' full speed.
+    pub steps_planned: u64,
+    /// s.
+    pub time_step_s: f64,
+    /// Longest step that would have needed no mass, s.
+    pub stable_time_step_s: f64,
+    /// Mass added over the specimen's own.
+    pub added_mass_percent: f64,
+    /// Figures of the curve.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// Largest kinetic over internal energy after the ramp.
+    pub kinetic_over_internal_max: f64,
+    /// The same until the stress has fallen to half its peak.
+    pub kinetic_over_internal_to_half_peak: f64,
+    /// Largest difference of work and energies over the work.
+    pub energy_balance_error: f64,
+    /// Largest hourglass over internal energy after the ramp.
+    pub hourglass_over_internal: f64,
+    /// Energies at the end, mJ.
+    pub energies: Energies,
+    /// Pairs of aggregates that share nodes in the mesh, or did before mortar parted them there.
+    pub joined_pairs: usize,
+    /// Cells of these aggregates that became mortar, in the mesh and in the test.
+    pub joined_cells: usize,
+    /// Phases of the test.
+    pub phases: Vec<PhaseResult>,
+    /// How the test ended.
+    pub ended: Ended,
+    /// Warnings, in sentences.
+    pub warnings: Vec<String>,
+    /// Why the curve is not to be trusted, in sentences.
+    pub errors: Vec<String>,
+}
+
+/// Energies at the end of a test, mJ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Energies {
+    /// See [`Row`].
+    pub kinetic: f64,
+    /// See [`Row`].
+    pub internal: f64,
+    /// See [`Row`].
+    pub external: f64,
+    /// See [`Row`].
+    pub friction_work: f64,
+    /// See [`Row`].
+    pub hourglass: f64,
+    /// See [`Row`].
+    pub dissipated: f64,
+}
+
+/// A phase of a test.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhaseResult {
+    /// Lower case.
+    pub name: String,
+    /// Of its cells in the test, over the specimen's gross volume.
+    pub volume_fraction: f64,
+    /// Of the exact bodies, where known.
+    pub exact_fraction: Option<f64>,
+    /// Spent in its cells, mJ; in cohesive faces, too, for the ITZ.
+    pub dissipated_mj: f64,
+}
+
+/// Kinetic over internal energy that is still quasi-static, and that is no longer.
+const SLOW: f64 = 0.01;
+const FAST: f64 = 0.05;
+/// Hourglass over internal energy that is still small.
+const HOURGLASS: f64 = 0.02;
+/// Difference of the volume of bodies in the mesh from their own, over that, which is no more their share.
+const VOLUME: f64 = 0.02;
+/// Difference of work and energies, over the work, that is still rounding and impacts.
+const BALANCE: f64 = 1e-3;
+
+impl Response {
+    pub(crate) fn of(run: &Run, ended: Ended) -> Self {
+        let rows = &run.state.rows;
+        let last = rows.last().copied().unwrap_or_default();
+        let ramp_s = run.test.ramp * run.outline.dt * run.outline.steps as f64;
+        let largest = |rows: &[Row], of: fn(&Row) -> f64| {
+            let after = rows.iter().filter(|row| row.time_s > ramp_s && row.internal > 0.0);
+            after.map(of).fold(0.0, f64::max)
+        };
+        let kinetic = |row: &Row| row.kinetic / row.internal;
+        let mut result = Summary {
+            test: run.test.kind,
+            friction: run.test.friction,
+            control: run.test.control,
+            law: run.test.law,
+            smoothing: run.test.smoothing(run.sample.mesh.kind),
+            elements: run.sample.mesh.cell_count(),
+            cohesive_elements: run.sample.mesh.cohesive().len(),
+            steps: run.state.step,
+            steps_planned: run.outline.steps,
+            time_step_s: run.outline.dt,
+            stable_time_step_s: run.outline.stable_s,
+            added_mass_percent: run.added_mass_percent(),
+            figures: Figures::of(rows),
+            kinetic_over_internal_max: largest(rows, kinetic),
+            kinetic_over_internal_to_half_peak: largest(to_half_peak(rows), kinetic),
+            energy_balance_error: balance_error(rows),
+            hourglass_over_internal: largest(rows, |row| row.hourglass / row.internal),
+            energies: energies(&last),
+            joined_pairs: run.phases.joined_pairs + run.sample.mesh.notes.parted_pairs,
+            joined_cells: run.phases.parted_cells + run.sample.mesh.notes.parted_cells,
+            phases: phases(run),
+            ended,
+            warnings: Vec::new(),
+            errors: Vec::new(),
+        };
+        result.warn(run);
+        Self { curve: rows.clone(), result }
+    }
+}
+
+fn energies(row: &Row) -> Energies {
+    let Row { kinetic, internal, external, friction_work, hourglass, dissipated, .. } = *row;
+    Energies { kinetic, internal, external, friction_work, hourglass, dissipated }
+}
+
+fn balance_error(rows: &[Row]) -> f64 {
+    let work = rows.iter().map(|row| row.external.abs()).fold(0.0, f64::max);
+    let off = |row: &Row| (row.external - row.internal - row.kinetic - row.friction_work).abs();
+    if work > 0.0 { rows.iter().map(off).fold(0.0, f64::max) / work } else { 0.0 }
+}
+
+fn phases(run: &Run) -> Vec<PhaseResult> {
+    // The mesh's volumes are of its own phases; the test's are wanted.
+    let volumes = run.volumes();
+    let result = |phase: Phase| {
+        let groups = run.blocks.iter().flat_map(|block| &block.groups).filter(|group| group.phase == phase);
+        let exact = |exact: PhaseVolumes| exact.of(phase) / run.sample.volume_mm3;
+        PhaseResult {
+            name: phase.name().to_ascii_lowercase(),
+            volume_fraction: volumes[phase as usize] / run.sample.volume_mm3,
+            exact_fraction: run.sample.exact.map(exact),
+            dissipated_mj: groups.map(|group| group.dissipated).sum(),
+        }
+    };
+    let has_faces = !run.sample.mesh.cohesive.is_empty();
+    // Bodies that the elements have lost are told with a volume of 0.
+    let is_asked = |phase| run.sample.exact.is_some_and(|exact| exact.of(phase) > 0.0);
+    let is_there =
+        |&phase: &Phase| run.phases().contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces);
+    Phase::ALL.into_iter().filter(is_there).map(result).collect()
+}
+
+impl Summary {
+    fn warn(&mut self, run: &Run) {
+        let test = &run.test;
+        self.warn_of_the_mesh(run, test);
+        self.warn_of_the_laws(run);
+        if let Ended::Diverged(element) = &self.ended {
+            self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
+        }
+        self.warn_of_speed();
+        if self.hourglass_over_internal > HOURGLASS {
+            let share = 100.0 * self.hourglass_over_internal;
+            let way_out = "take smaller elements or a smaller test.hourglass";
+            self.warnings.push(format!("hourglass modes held {share:.1} % of the internal energy; {way_out}"));
+        }
+        if self.energy_balance_error > BALANCE {
+            let share = 100.0 * self.energy_balance_error;
+            self.errors
+                .push(format!("the energy balance is off by {share:.2} % of the work; shorten test.time_step_s"));
+        }
+    }
+
+    /// Kinetic energy that is no longer small.
+    fn warn_of_speed(&mut self) {
+        let (kinetic, before) = (self.kinetic_over_internal_max, self.kinetic_over_internal_to_half_peak);
+        if kinetic <= SLOW {
+            return;
+        }
+        let share = 100.0 * kinetic;
+        let reached = format!("the kinetic energy reached {share:.1} % of the internal energy after the ramp");
+        // No row to half the peak: it broke within the ramp.
+        let text = if before > SLOW || before == 0.0 {
+            format!("{reached}; lengthen test.duration_s")
+        } else {
+            let before = 100.0 * before;
+            format!(
+                "{reached}, {before:.1} % until the stress had fallen to half its peak; to calm the collapse beyond, \
+                 lengthen test.duration_s"
+            )
+        };
+        if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
+    }
+
+    fn warn_of_the_mesh(&mut self, run: &Run, test: &Test) {
+        let (pairs, kept) = (self.joined_pairs, run.phases.joined_pairs);
+        if kept > 0 && test.joined == Joined::Keep {
+            self.warnings.push(format!(
+                "{kept} pairs of aggregates share nodes and form a skeleton that cannot break; \
+                 take test.joined = \"mortar\""
+            ));
+        } else if pairs > 0 {
+            let cells = run.phases.aggregate_cells + run.sample.mesh.notes.parted_cells;
+            let share = 100.0 * self.joined_cells as f64 / cells.max(1) as f64;
+            self.warnings.push(format!(
+                "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
+                 pack with a gap that the elements can show, or refine the mesh"
+            ));
+        }
+        let touching = run.sample.mesh.touching_share();
+        if touching > Mesh::FEW_TOUCH {
+            let share = 100.0 * touching;
+            self.warnings.push(format!(
+                "{share:.1} % of the cohesive faces lie between two aggregates: without mortar there these form a skeleton \
+                 that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
+            ));
+        }
+        self.warn_of_the_volumes(&run.sample);
+        if run.sample.mesh.periodic != [false; 3] {
+            self.warnings.push("the specimen is periodic, but its sides are free in this test".to_owned());
+        }
+    }
+
+    /// Bodies that are another share of the specimen than they should be.
+    fn warn_of_the_volumes(&mut self, sample: &Sample) {
+        let of = |name: &str| {
+            let phase = self.phases.iter().find(|phase| phase.name == name)?;
+            Some([phase.volume_fraction, phase.exact_fraction?])
+        };
+        let voids = sample.exact.and_then(|exact| exact.voids(sample.mesh, sample.volume_mm3));
+        let bodies = [
+            ("aggregates", of("aggregate"), "refine the mesh, or pack with a larger gap"),
+            ("fibres", of("fibre"), "take elements of at most half their diameter, or the method conforming"),
+            ("voids", voids.map(|voids| voids.map(|x| x / sample.volume_mm3)), "refine the mesh"),
+        ];
+        for (name, shares, way_out) in bodies {
+            let Some([share, exact]) = shares else { continue };
+            if (share - exact).abs() > VOLUME * exact {
+                let [share, exact] = [share, exact].map(|share| 100.0 * share);
+                self.warnings.push(format!(
+                    "the {name} are {share:.1} % of the specimen in this mesh and {exact:.1} % in the packing: {way_out}"
+                ));
+            }
+        }
+    }
+
+    /// Crack bands that are too wide for their energy.
+    fn warn_of_the_laws(&mut self, run: &Run) {
+        for phase in Phase::ALL {
+            let (width, most) = (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
+            if width > most {
+                let name = phase.name().to_ascii_lowercase();
+                self.warnings.push(format!(
+                    "crack bands in {name} are up to {width:.2} mm wide; beyond {most:.2} mm they would snap back and \
+                     spend more energy than asked for: take smaller elements"
+                ));
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! The loop of a test: steps, rows and frames, until the end.
+
+use crate::march::frame::Frame;
+use crate::march::observer::Observer;
+use crate::march::plates::Plates;
+use crate::march::response::{Ended, Response};
+use crate::march::run::Run;
+use meso_collision::math::Vec3;
+use meso_concrete::watch::{Stage, Watch};
+
+/// Kinetic energy above this share of the plates' work is no test any more but a runaway.
+const RUNAWAY: f64 = 4.0;
+
+impl Run<'_> {
+    /// Goes on to the end of the test, or until the watch stops it or it diverges.
+    pub fn to_end(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Response {
+        let ended = self.go(watch, observer);
+        Response::of(self, ended)
+    }
+
+    fn go(&mut self, watch: &dyn Watch, observer: &dyn Observer) -> Ended {
+        while !self.is_over() {
+            let (rows, frames) = (self.rows_due(), self.frames_due());
+            self.advance();
+            if !self.is_sound() {
+                return Ended::Diverged(self.culprit());
+            }
+            let is_row = self.rows_due() > rows || self.is_over();
+            if is_row && !self.add_row() {
+                return Ended::Diverged(self.culprit());
+            }
+            if self.frames_due() > frames {
+                observer.frame(&Frame::new(self, self.frames_due()));
+            }
+            if is_row {
+                self.report(watch, observer);
+            }
+            // Asked after every step: rows of a large mesh may be seconds apart.
+            if watch.stops() {
+                return Ended::Stopped;
+            }
+        }
+        Ended::Completed
+    }
+
+    fn report(&self, watch: &dyn Watch, observer: &dyn Observer) {
+        watch.stage(Stage::Solve, self.done());
+        if let Some(row) = self.state.rows.last() {
+            observer.row(row, self.done());
+        }
+        if observer.keeps() {
+            observer.keep(self);
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.state.progress >= self.outline.steps as f64
+    }
+
+    /// Share of the test's time at full speed that is over.
+    fn done(&self) -> f64 {
+        self.state.progress / self.outline.steps as f64
+    }
+
+    /// Rows due so far.
+    fn rows_due(&self) -> u64 {
+        self.due(1, self.outline.stride)
+    }
+
+    /// Frames due so far.
+    fn frames_due(&self) -> u32 {
+        self.due(self.test.frames.into(), self.outline.steps) as u32
+    }
+
+    /// How often something was due that comes `times` in `steps` at full speed, and as often in what the servo adds.
+    fn due(&self, times: u64, steps: u64) -> u64 {
+        let due = |taken: f64| (taken * times as f64 / steps as f64) as u64;
+        due(self.state.progress) + due(self.state.held)
+    }
+
+    /// Whether energies are finite and the specimen moves no faster than the plates can have made it.
+    fn is_sound(&self) -> bool {
+        let state = &self.state;
+        let energies = [state.internal, state.external, state.friction, state.kinetic];
+        let most = RUNAWAY * state.external.abs().max(self.plate_energy());
+        energies.iter().all(|energy| energy.is_finite()) && state.kinetic <= most
+    }
+
+    /// Kinetic energy of the whole specimen at the speed of a plate, mJ.
+    fn plate_energy(&self) -> f64 {
+        0.5 * self.outline.masses[1] * Plates::share(self.plates.speed(f64::INFINITY)).powi(2)
+    }
+
+    /// The cell whose nodes are fastest, in words.
+    fn culprit(&self) -> String {
+        let mesh = self.sample.mesh;
+        let mut speed = vec![0.0; self.order.len()];
+        for (velocity, &node) in self.nodes.velocity.iter().zip(&self.order) {
+            let fast = velocity.iter().fold(0.0_f64, |fast, v| fast.max(v.abs()));
+            speed[node as usize] = if velocity.iter().all(|v| v.is_finite()) { fast } else { f64::INFINITY };
+        }
+        let of_cell = |cell: &[u32]| cell.iter().map(|&node| speed[node as usize]).sum::<f64>();
+        let cells = mesh.cells().enumerate().map(|(number, cell)| (number, of_cell(cell)));
+        let (number, _) = cells.fold((0, -1.0), |worst, cell| if cell.1 > worst.1 { cell } else { worst });
+        let nodes = mesh.cell(number);
+        let centre = nodes.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>();
+        let [x, y, z]: [f64; 3] = (centre / nodes.len() as f64).into();
+        let phase = self.phases.of_cells[number].name();
+        format!("element {number} ({phase}) at ({x:.2}, {y:.2}, {z:.2}) mm, step {}", self.state.step)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,313 @@
+//! A test from its first step to its last.
+//!
+//! Central differences: forces from displacements at a whole step, velocities at the half step after it. Blocks of
+//! elements go in parallel, each into its own part of the forces; then runs of nodes go in parallel. Every sum has a fixed
+//! order, so the bytes do not hang on the threads.
+
+mod checkpoint;
+mod drive;
+
+use crate::assemble::parts::Parts;
+use crate::assemble::patches::Patches;
+use crate::assemble::phases::Phases;
+use crate::assemble::{Assembly, assemble, box_shape};
+use crate::block::matter::{self, Matter};
+use crate::block::{Block, Common, Pass, Scratch};
+use crate::element::face::CohesionValues;
+use crate::error::SolveError;
+use crate::lanes::InstructionSet;
+use crate::march::curve::Row;
+use crate::march::nodes::Nodes;
+use crate::march::plates::{Motion, Plates};
+use crate::march::servo::Servo;
+use crate::sample::Sample;
+use crate::test::{Control, Kind, LawName, Smoothing, Test};
+use meso_mesh::materials::Materials;
+use meso_mesh::{CellKind, Mesh, Phase};
+use rayon::prelude::*;
+use std::cell::RefCell;
+
+/// Strength of interfaces in an elastic test, MPa.
+const UNBREAKABLE: f64 = 1e6;
+
+/// A test, ready to go or on its way.
+pub struct Run<'a> {
+    pub(crate) sample: Sample<'a>,
+    pub(crate) test: Test,
+    pub(crate) phases: Phases,
+    pub(crate) common: Common,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) patches: Option<Patches>,
+    pub(crate) nodes: Nodes,
+    /// The mesh's number of every node of the engine.
+    pub(crate) order: Vec<u32>,
+    forces: Vec<[f32; 4]>,
+    /// Energy that each block spent in the step, mJ.
+    spent: Vec<f64>,
+    pub(crate) plates: Plates,
+    pub(crate) set: InstructionSet,
+    pub(crate) outline: Outline,
+    pub(crate) state: State,
+}
+
+/// Decisions before the first step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline {
+    pub(crate) height_mm: f64,
+    pub(crate) dt: f64,
+    /// At the plates' full speed.
+    pub(crate) steps: u64,
+    /// Steps between rows.
+    pub(crate) stride: u64,
+    /// Mass without and with what was added, tonne.
+    pub(crate) masses: [f64; 2],
+    /// Longest step that would need no mass, s.
+    pub(crate) stable_s: f64,
+    /// Widest crack band by phase, mm.
+    pub(crate) widest_mm: [f64; 5],
+}
+
+/// State that changes from step to step, without that of blocks and nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct State {
+    pub(crate) step: u64,
+    pub(crate) time: f64,
+    /// Steps that the plates' way would have taken at full speed.
+    pub(crate) progress: f64,
+    /// Steps that the servo has added.
+    pub(crate) held: f64,
+    /// Of the upper plate against the lower one in the last step, upwards, mm/s.
+    pub(crate) speed: f64,
+    pub(crate) servo: Servo,
+    /// Of the upper plate against the lower one, upwards, mm.
+    pub(crate) travel: f64,
+    pub(crate) external: f64,
+    pub(crate) internal: f64,
+    pub(crate) friction: f64,
+    pub(crate) kinetic: f64,
+    /// Spent in cracks, crushing, plastic flow and lost hourglass modes, mJ.
+    pub(crate) spent: f64,
+    /// Sums since the last row: forces of the plates, travel, steps.
+    pub(crate) since_row: [f64; 4],
+    pub(crate) rows: Vec<Row>,
+}
+
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::new());
+}
+
+impl<'a> Run<'a> {
+    /// Prepares a test; nothing moves yet.
+    ///
+    /// # Errors
+    /// Values out of range, laws that cannot have them, meshes without plates' faces or with cells of no volume: all
+    /// before the first step, with the way out.
+    pub fn new(sample: Sample<'a>, materials: &Materials, test: &Test) -> Result<Self, SolveError> {
+        test.validate()?;
+        sample.validate()?;
+        validate_smoothing(&sample, test)?;
+        matter::validate(materials, test.law)?;
+        let (mesh, height_mm) = (sample.mesh, sample.height_mm());
+        let phases = Phases::of(mesh, test.joined, test.itz);
+        let common = common(&sample, &as_solved(&materials.in_mesh(mesh), &phases), test)?;
+        let (steps, dt) = test.steps(height_mm, sample.element_size_mm, !mesh.cohesive.is_empty())?;
+        let smoothing = test.smoothing(mesh.kind);
+        let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt, smoothing };
+        let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
+        let mut number = vec![0; order.len()];
+        (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
+        let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
+        let nodes = Nodes::new(mass, &blocks);
+        let forces = vec![[0.0; 4]; nodes.places()];
+        let spent = vec![0.0; blocks.len()];
+        let set = test.instruction_set.map_or_else(InstructionSet::best, InstructionSet::or_best);
+        let stride = (steps / u64::from(test.rows)).max(1);
+        let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
+        let (test, state) = (test.clone(), State::default());
+        Ok(Self {
+            sample,
+            test,
+            phases,
+            common,
+            blocks,
+            patches,
+            nodes,
+            order,
+            forces,
+            spent,
+            plates,
+            set,
+            outline,
+            state,
+        })
+    }
+
+    /// Steps of the whole test at the plates' full speed; the servo adds some.
+    pub fn steps(&self) -> u64 {
+        self.outline.steps
+    }
+
+    /// s.
+    pub fn time_step_s(&self) -> f64 {
+        self.outline.dt
+    }
+
+    /// Mass added over the specimen's own, percent.
+    pub fn added_mass_percent(&self) -> f64 {
+        100.0 * (self.outline.masses[1] / self.outline.masses[0] - 1.0)
+    }
+
+    /// The phase that every cell of the mesh has in the test.
+    pub fn phases(&self) -> &[Phase] {
+        &self.phases.of_cells
+    }
+
+    /// Bytes that the engine holds, the mesh apart.
+    pub fn bytes(&self) -> usize {
+        let blocks: usize = self.blocks.iter().map(Block::bytes).sum();
+        let phases = size_of_val(&*self.phases.of_cells);
+        let patches = self.patches.as_ref().map_or(0, Patches::bytes);
+        blocks + patches + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces) + phases
+    }
+
+    /// Takes one step.
+    pub(crate) fn advance(&mut self) {
+        self.resist();
+        let Outline { dt, steps, .. } = self.outline;
+        let (state, steps) = (&mut self.state, steps as f64);
+        // The last step goes no further than the test.
+        let pace = state.servo.pace.min(steps - state.progress);
+        let speed = pace * self.plates.speed(state.progress * dt + 0.5 * pace * dt);
+        let travel = state.travel + speed * dt;
+        let mean_speed = Plates::share(0.5 * (speed + state.speed));
+        let motion = Motion { dt, travel: Plates::share(travel), mean_speed };
+        let sums = self.nodes.advance(&self.forces, &self.plates, &motion);
+        for (sum, x) in state.since_row.iter_mut().zip([sums.plates[0], sums.plates[1], state.travel, 1.0]) {
+            *sum += x;
+        }
+        state.external += sums.external;
+        state.internal += sums.internal;
+        state.friction += sums.friction;
+        state.kinetic = sums.kinetic;
+        (state.travel, state.speed) = (travel, speed);
+        state.step += 1;
+        state.time = state.step as f64 * dt;
+        state.progress += pace;
+        state.held += 1.0 - pace;
+        let spent = self.spent.iter().sum::<f64>();
+        state.spent += spent;
+        if self.test.control == Control::Servo {
+            let stored = state.external - state.friction - state.spent;
+            state.servo.follow(stored, spent, sums.external - sums.friction, steps);
+        }
+    }
+
+    /// The elements' forces at the present displacements.
+    fn resist(&mut self) {
+        let Self { blocks, forces, spent, common, nodes, set, .. } = self;
+        let (displacement, set) = (&nodes.displacement[..], *set);
+        let mut rest = &mut forces[..];
+        let mut outs = Vec::with_capacity(blocks.len());
+        for block in blocks.iter() {
+            let (out, more) = rest.split_at_mut(block.nodes.len());
+            outs.push(out);
+            rest = more;
+        }
+        blocks.par_iter_mut().zip(outs).zip(spent).for_each(|((block, out), spent)| {
+            SCRATCH.with_borrow_mut(|scratch| *spent = set.run(Pass { block, common, displacement, out, scratch }));
+        });
+    }
+
+    /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
+    pub(crate) fn add_row(&mut self) -> bool {
+        let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
+        let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
+        let stress = |force: f64| sign * force / count / self.sample.section_mm2;
+        let groups = || self.blocks.iter().flat_map(|block| &block.groups);
+        let state = &self.state;
+        let row = Row {
+            strain: sign * travel / count / self.outline.height_mm,
+            stress_mpa: 0.5 * (stress(top) + stress(-bottom)),
+            kinetic: state.kinetic,
+            internal: state.internal,
+            external: state.external,
+            friction_work: state.friction,
+            hourglass: groups().map(|group| group.hourglass[0] + group.hourglass[1]).sum(),
+            dissipated: groups().map(|group| group.dissipated).sum(),
+            stress_bottom_mpa: stress(-bottom),
+            stress_top_mpa: stress(top),
+            time_s: state.time,
+        };
+        let is_sound = row.values().iter().all(|value| value.is_finite());
+        if is_sound {
+            self.state.rows.push(row);
+        }
+        is_sound
+    }
+
+    /// Volume of the cells of every phase in the test, mm3.
+    pub(crate) fn volumes(&self) -> [f64; 5] {
+        let (mesh, mut volumes) = (self.sample.mesh, [0.0; 5]);
+        for (cell, &phase) in mesh.cells().zip(self.phases()) {
+            volumes[phase as usize] += cell_volume(mesh, cell);
+        }
+        volumes
+    }
+}
+
+/// mm3.
+fn cell_volume(mesh: &Mesh, cell: &[u32]) -> f64 {
+    let p = |corner: usize| mesh.points[cell[corner] as usize];
+    let edges = |of: [usize; 3]| of.map(|corner| p(corner) - p(0));
+    let ([a, b, c], share) = match mesh.kind {
+        CellKind::Hexahedron => (edges([1, 3, 4]), 1.0),
+        _ => (edges([1, 2, 3]), 1.0 / 6.0),
+    };
+    share * a.cross(&b).dot(&c)
+}
+
+/// The materials of a test: a smeared ITZ is mortar of less strength, and as stiff.
+fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
+    let itz = if phases.smeared_cells > 0 { materials.mortar } else { materials.itz };
+    Materials { itz, ..materials.clone() }
+}
+
+/// Boxes have no edges to smooth over.
+fn validate_smoothing(sample: &Sample, test: &Test) -> Result<(), SolveError> {
+    let kind = sample.mesh.kind;
+    if kind == CellKind::Hexahedron && test.smoothing(kind) == Smoothing::Edges {
+        return Err(SolveError::mesh("its boxes cannot be smoothed over edges; take tetrahedra, or no smoothing"));
+    }
+    Ok(())
+}
+
+/// Data that all elements share.
+fn common(sample: &Sample, materials: &Materials, test: &Test) -> Result<Common, SolveError> {
+    let shape = box_shape(sample.mesh)?;
+    let cohesion = (!sample.mesh.cohesive.is_empty()).then(|| cohesion(materials, test)).transpose()?;
+    let matter = |phase| Matter::new(materials, phase, test.law);
+    // Places in the order of the phases' numbers; 3 is no phase of a mesh.
+    let matter = [Phase::Mortar, Phase::Itz, Phase::Aggregate, Phase::Aggregate, Phase::Fibre].map(matter);
+    Ok(Common { matter, shape, cohesion, hourglass: test.hourglass, band_mm: sample.band_factor * shape.edge() })
+}
+
+/// The values of cohesive faces, those of a deck but for the friction.
+fn cohesion(materials: &Materials, test: &Test) -> Result<CohesionValues, SolveError> {
+    let strength = materials.strength(Phase::Itz).expect("the ITZ has a strength");
+    let (stiffness, friction) = (materials.separation_stiffness(), test.interface.friction);
+    let opening = strength.fracture_energy_n_per_mm;
+    let values = CohesionValues {
+        stiffness,
+        tensile: strength.tensile_mpa,
+        shear: strength.cohesion_mpa(),
+        energies: [opening, materials.cohesive_shear_energy_ratio * opening],
+        exponent: materials.cohesive_mode_power,
+        friction,
+    };
+    if test.law == LawName::Elastic {
+        let energies = [UNBREAKABLE.powi(2); 2];
+        return Ok(CohesionValues { tensile: UNBREAKABLE, shear: UNBREAKABLE, energies, ..values });
+    }
+    materials.validate_cohesive_softening()?;
+    Ok(values)
+}

@@ -1,0 +1,56 @@
+//! A folder has one holder. The faults came from two processes that wrote into one folder of results.
+
+use meso_files::lock::{LOCK, LockError, hold};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+#[test]
+fn a_second_holder_is_refused_with_the_number_of_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let held = hold(folder.path()).unwrap();
+    assert!(held.is_exclusive() && held.path() == folder.path().join(LOCK));
+    let error = hold(folder.path()).unwrap_err();
+    assert!(matches!(error, LockError::Busy { .. }), "{error:?}");
+    if cfg!(unix) {
+        let number = format!(" is in use by process {}; wait until it ends", std::process::id());
+        assert!(error.to_string().contains(&number), "{error}");
+    }
+    drop(held);
+    assert!(!folder.path().join(LOCK).exists());
+    hold(folder.path()).unwrap();
+}
+
+#[test]
+fn a_lock_file_without_a_process_is_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    for left in ["4194305\n", "", "not a number", "\u{fffd}"] {
+        std::fs::write(folder.path().join(LOCK), left).unwrap();
+        drop(hold(folder.path()).unwrap());
+        assert!(!folder.path().join(LOCK).exists(), "{left:?}");
+    }
+}
+
+#[test]
+fn a_folder_that_is_absent_is_named() {
+    let error = hold(Path::new("none/here")).unwrap_err();
+    assert!(error.to_string().contains("none/here") && matches!(error, LockError::File { .. }), "{error}");
+}
+
+#[test]
+fn at_most_one_of_eight_threads_holds_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let (inside, turns) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        for _ in 0..500 {
+            let Ok(held) = hold(folder.path()) else { continue };
+            assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0);
+            turns.fetch_add(1, Ordering::SeqCst);
+            std::thread::yield_now();
+            assert_eq!(inside.fetch_sub(1, Ordering::SeqCst), 1);
+            drop(held);
+        }
+    };
+    std::thread::scope(|scope| (0..8).for_each(|_| drop(scope.spawn(work))));
+    // Both outcomes occurred, so the trial was one.
+    assert!((50..4000).contains(&turns.load(Ordering::SeqCst)), "{turns:?}");
+}

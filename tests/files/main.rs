@@ -1,0 +1,3 @@
+//! Tests of meso-files through its public interface.
+
+mod lock;
