@@ -1,4 +1,4 @@
-//! The formats that hold aggregates: what stands in them.
+//! The formats that hold aggregates: their content.
 
 use crate::models::two_boxes;
 use meso_core::formats::{Format, SurfaceOptions};
@@ -66,7 +66,7 @@ fn every_entity_that_a_step_file_names_is_there() {
     for (number, line) in (1..).zip(&entities) {
         let (own, of) = line.split_once('=').unwrap();
         assert_eq!(own, format!("#{number}"));
-        // A reader meets everything before what names it.
+        // A reader meets every entity before the entities that name it.
         let named = of.split('#').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_digit()).next().unwrap());
         assert!(named.map(|name| name.parse::<usize>().unwrap()).all(|name| name < number), "{line}");
     }

@@ -41,7 +41,7 @@ fn of(model: &Model, kind: Kind) -> Vec<&Aggregate> {
     model.inclusions.iter().filter(|body| body.kind == kind).collect()
 }
 
-/// Every phase within half of its largest body of what was asked.
+/// Asserts that every phase is within half of its largest body of its target.
 fn assert_delivered(model: &Model) {
     let whole = model.spec.specimen.volume();
     for (phase, asked) in model.report.phases.iter().zip([0.03, 0.01]) {
@@ -103,7 +103,7 @@ fn fibres_point_in_all_directions() {
         let along = fibres.iter().map(|fibre| (fibre.body.aabb().size()[axis] / 20.0).powi(2));
         along.sum::<f64>() / fibres.len() as f64
     };
-    // One third each; what the box of a thick fibre adds, and walls that turn fibres along them, stays below 0.12.
+    // One third each; the box of a thick fibre, and walls that turn fibres along them, add less than 0.12.
     assert!(fibres.len() > 100);
     (0..3).for_each(|axis| assert!((mean_square(axis) - 1.0 / 3.0).abs() < 0.12, "{}", mean_square(axis)));
 }
@@ -158,7 +158,7 @@ fn fibres_leave_the_voids_that_were_taken_as_they_are() {
 }
 
 #[test]
-fn what_crosses_a_periodic_face_meets_no_image() {
+fn inclusions_that_cross_a_periodic_face_meet_no_image() {
     let text = BOTH.replace("side_mm = 50", "side_mm = 50, periodic = ['x', 'y', 'z']");
     let model = packed(&text);
     assert_delivered(&model);
@@ -375,7 +375,7 @@ fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
         assert!(off(missing, holes) < 0.1, "{method:?}: {missing} of {holes} mm3 are left out");
         assert!(off(volumes.aggregate, exact.aggregate) < 0.03, "{method:?}: {volumes:?} {exact:?}");
         assert!(volumes.fibre > 0.0, "{method:?}");
-        let ids: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|&id| id != Mesh::NO_AGGREGATE).collect();
+        let ids: BTreeSet<u32> = mesh.owner.iter().copied().filter(|&id| id != Mesh::NO_BODY).collect();
         assert!(of(&model, Kind::Void).iter().all(|void| !ids.contains(&void.id)));
         let used: BTreeSet<u32> = mesh.cells.iter().copied().collect();
         assert_eq!(used.len(), mesh.points.len(), "no node is left without cells");
@@ -417,7 +417,7 @@ fn fibres_are_bonded_where_aggregates_get_cohesive_elements() {
     let model = both();
     let mesh = meshed(&model, Method::VOXEL, ItzForm::Cohesive);
     assert!(mesh.phase.contains(&Phase::Fibre) && mesh.cohesive().len() > 1000);
-    assert!(mesh.cohesive_aggregate.iter().all(|&id| (id as usize) < model.aggregates.len()));
+    assert!(mesh.cohesive_owner.iter().all(|&id| (id as usize) < model.aggregates.len()));
     for element in mesh.cohesive() {
         let (bottom, top) = element.split_at(element.len() / 2);
         assert!(bottom.iter().zip(top).all(|(p, q)| p != q), "every element joins two sets of nodes");

@@ -1,4 +1,4 @@
-//! Voxel meshes and what decks say of them.
+//! Voxel meshes, and the decks of them.
 
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::{abaqus, vtu_mesh};
@@ -85,7 +85,7 @@ fn every_voxel_has_the_phase_of_its_centre() {
             _ => Phase::Mortar,
         };
         assert_eq!(mesh.phase[c], expected, "depth {depth} at {centre}");
-        assert_eq!(mesh.aggregate[c] == id, expected != Phase::Mortar);
+        assert_eq!(mesh.owner[c] == id, expected != Phase::Mortar);
     }
 }
 
@@ -117,7 +117,7 @@ fn sub_samples_outvote_the_centre() {
 
 #[test]
 fn a_thin_shell_takes_no_votes_from_its_aggregate() {
-    // Of 7 samples along x 2 lie in the core, 2 in the shell, 3 in the mortar.
+    // Along x, 2 of 7 samples lie in the core, 2 in the shell, 3 in the mortar.
     let grains = [aggregate(0, block([-9.0; 3], [0.55, 9.0, 9.0]), 0.25)];
     let options = MeshOptions { element_size_mm: 1.0, method: thin(7), ..Default::default() };
     assert_eq!(voxels(&grains, &Specimen::cube(1.0), options).phase, [Phase::Aggregate]);
@@ -236,7 +236,7 @@ fn a_plain_lattice_has_the_phase_of_every_centroid() {
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 4.0;
         let inside = |(_, planes): &&(u32, Vec<Plane>)| planes.iter().all(|p| p.normal.dot(&centre) <= p.offset);
-        assert_eq!(mesh.aggregate[c], planes.iter().find(inside).map_or(Mesh::NO_AGGREGATE, |(id, _)| *id));
+        assert_eq!(mesh.owner[c], planes.iter().find(inside).map_or(Mesh::NO_BODY, |(id, _)| *id));
     }
 }
 

@@ -33,10 +33,10 @@ fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_
     assert!((volumes.total() / exact.total() - 1.0).abs() < 1e-9);
 }
 
-/// The ids of the aggregates, and [`Mesh::NO_AGGREGATE`], whose cells every node has.
+/// The ids of the aggregates, and [`Mesh::NO_BODY`], whose cells every node has.
 fn around(mesh: &Mesh) -> Vec<BTreeSet<u32>> {
     let mut around = vec![BTreeSet::new(); mesh.points.len()];
-    for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
+    for (cell, id) in mesh.cells().zip(&mesh.owner) {
         cell.iter().for_each(|&node| _ = around[node as usize].insert(*id));
     }
     around
@@ -51,7 +51,7 @@ fn off(mesh: &Mesh, model: &Model) -> Vec<(f64, usize)> {
         heights.fold(f64::MIN, f64::max).abs()
     };
     let of = |(ids, p): (&BTreeSet<u32>, &Vec3)| {
-        let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != Mesh::NO_AGGREGATE).collect();
+        let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != Mesh::NO_BODY).collect();
         let heights = bodies.iter().map(|id| height(*id, p));
         (ids.len() > 1).then_some((heights.fold(f64::INFINITY, f64::min), bodies.len()))
     };
@@ -92,7 +92,7 @@ fn assert_on_aggregates(model: &Model, mesh: &Mesh) {
 }
 
 #[test]
-fn the_distance_of_interfaces_tells_nodes_that_are_off_from_nodes_that_close_gaps() {
+fn interface_distance_separates_nodes_that_are_off_from_nodes_that_close_gaps() {
     let (model, mesh) = &*DENSE;
     let nodes = off(mesh, model);
     let joined = nodes.iter().filter(|(_, bodies)| *bodies > 1).count();
@@ -171,7 +171,7 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
             let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
             let mesh = mesh::build((&blocks, &specimen), &options, &Tools::default()).unwrap();
             let nodes = |id: u32| -> BTreeSet<u32> {
-                let cells = mesh.cells().zip(&mesh.aggregate).filter(|(_, of)| **of == id);
+                let cells = mesh.cells().zip(&mesh.owner).filter(|(_, of)| **of == id);
                 cells.flat_map(|(cell, _)| cell.iter().copied()).collect()
             };
             let shared = nodes(0).intersection(&nodes(1)).count();
@@ -185,8 +185,8 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
 }
 
 /// The triangles or squares of a mesh on the box's face across `axis`, by the places of their nodes within the face, in
-/// units of 1e-6 mm: what must match the face opposite to it. How many copies cohesive elements
-/// make of a node is another matter: that hangs on the aggregates behind the face.
+/// units of 1e-6 mm. They must match the opposite face. The number of copies of a node for cohesive elements need not
+/// match: it depends on the aggregates behind the face.
 pub(crate) fn face(mesh: &Mesh, axis: usize, place: f64) -> Vec<Vec<[i64; 2]>> {
     let within = |p: &Vec3| [(axis + 1) % 3, (axis + 2) % 3].map(|i| (p[i] * 1e6).round() as i64);
     let on = |cell: &[u32]| {

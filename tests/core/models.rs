@@ -1,4 +1,4 @@
-//! Small models made by hand, for the tests of what is done with a model.
+//! Small models made by hand, for tests of the work on a model.
 
 use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};
@@ -56,7 +56,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         fraction: 0.0,
         aggregates,
         discarded: 0,
-        specimen: SpecimenReport { kind: spec.specimen.kind().into(), volume_mm3: spec.specimen.volume() },
+        specimen: SpecimenReport::new(&spec.specimen),
         grading: "by hand".into(),
         strategy: "by hand".into(),
         classes: classes.collect(),

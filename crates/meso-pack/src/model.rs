@@ -1,4 +1,4 @@
-//! A packed specimen: what `pack` returns, `.json` holds and every other command reads.
+//! A packed specimen: `pack` returns it, `.json` files hold it, and every other command reads it.
 
 use crate::packing::{self, Pose, Report, Request, Seconds, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
@@ -15,14 +15,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// The spec.
+    /// Spec that was packed.
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
-    /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of
-    /// them.
+    /// Voids in descending volume, then fibres; their ids count on. In the report, only [`Report::phases`] counts them.
     pub inclusions: Vec<Aggregate>,
-    /// The result's figures.
+    /// Figures of the packing.
     pub report: Report,
 }
 

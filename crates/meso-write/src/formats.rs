@@ -39,7 +39,7 @@ pub enum Format {
     JsonGz,
     /// Surfaces as polygons.
     Vtu,
-    /// The same as poly data.
+    /// Surfaces as VTK poly data.
     Vtp,
     /// Surfaces as triangles.
     Stl,
@@ -86,7 +86,7 @@ impl Format {
         }
     }
 
-    /// Its content, in a few words.
+    /// The format's content, in a few words.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Json => "the saved model, bit for bit; every other command reads it",
@@ -116,7 +116,7 @@ impl Format {
     /// Writes `model` to `out` in this format; `surfaces` counts where the format holds surfaces.
     ///
     /// # Errors
-    /// Those of `out`; what the format cannot hold.
+    /// Errors of `out`; values that the format cannot hold.
     pub fn write(self, model: &Model, surfaces: SurfaceOptions, out: impl Write) -> io::Result<()> {
         let shown = || match surfaces.images {
             Images::None => model.bodies(),
@@ -169,7 +169,7 @@ pub enum MeshFormat {
     Vtu,
     /// gmsh 4.1, with physical groups.
     Msh,
-    /// The same as `.vtu`, in pieces: an index, and `.vtu` files beside it.
+    /// A VTK grid in pieces: an index, and `.vtu` files beside it.
     Pvtu,
 }
 
@@ -193,8 +193,8 @@ impl MeshFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// The files that `mesh` is written as where `path` is asked for: it alone, or what goes beside it and then it. A deck
-    /// with a curve has the script that writes this down.
+    /// The files that `mesh` is written to for `path`: first the files beside it, then `path`. A deck with a curve has
+    /// a script that extracts the curve from Abaqus.
     pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
@@ -219,7 +219,7 @@ impl MeshFormat {
 /// One of the files that a mesh is written as.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
     content: Content,
 }
@@ -229,7 +229,7 @@ enum Content {
     Whole(MeshFormat),
     Piece(usize),
     Index(Vec<String>),
-    /// Of the deck with this name.
+    /// The script of the deck with this name.
     Script(String),
 }
 
@@ -237,7 +237,7 @@ impl MeshFile {
     /// Writes this file of `mesh` to `out`; `deck` counts for decks, `compress` for `.vtu`.
     ///
     /// # Errors
-    /// Those of `out`; what a deck cannot hold.
+    /// Errors of `out`; values that a deck cannot hold.
     pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, out: impl Write) -> io::Result<()> {
         match &self.content {
             Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
@@ -287,7 +287,7 @@ impl ImageFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Refuses what the format cannot show.
+    /// Refuses values that the format cannot hold.
     ///
     /// # Errors
     /// The way out.

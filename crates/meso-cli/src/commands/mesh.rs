@@ -12,6 +12,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
 use meso_core::mesh::{Mesh, PhaseOff};
 use meso_core::watch::Stage;
+use meso_study::{NameError, Names};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -49,6 +50,30 @@ impl Args {
     pub(super) fn validate(&self) -> Result<(), Failure> {
         self.output.iter().try_for_each(|path| mesh_format(path).map(drop))?;
         self.meshing.options().map(drop)
+    }
+
+    /// The files that are asked for.
+    pub(super) fn outputs(&self) -> &[PathBuf] {
+        &self.output
+    }
+
+    /// Claims the name of every file that the mesh is written to.
+    pub(super) fn claim(&self, owner: &str, names: &mut Names) -> Result<(), Failure> {
+        for path in &self.output {
+            let mut claim = |path: &Path| names.claim(owner, &path.file_name().unwrap_or_default().to_string_lossy());
+            claim(path).map_err(wrong_name)?;
+            match mesh_format(path)? {
+                MeshFormat::Inp if self.meshing.has_curve() => {
+                    claim(&DeckOptions::curve_path(path)).map_err(wrong_name)?
+                }
+                MeshFormat::Pvtu => {
+                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                    names.claim_series(owner, &format!("{stem}_"), ".vtu").map_err(wrong_name)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     /// Refuses what a packing of `spec` cannot be meshed with, before it is packed.
@@ -105,6 +130,10 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
         plan.iter().for_each(|(target, format)| how_to_run(target, *format, &deck));
     }
     Ok(if args.strict { exit_code(off) } else { 0 })
+}
+
+fn wrong_name(error: NameError) -> Failure {
+    Failure::Usage(error.to_string())
 }
 
 /// Beyond this share of its exact volume `--strict` finds a phase off.

@@ -85,9 +85,9 @@ pub enum Specimen {
         width_mm: f64,
         /// Along z, the notch's included, mm.
         depth_mm: f64,
-        /// Of the notch, from z = 0 upwards, mm.
+        /// Depth of the notch, from z = 0 upwards, mm.
         notch_depth_mm: f64,
-        /// Of the notch, along x, mm.
+        /// Width of the notch, along x, mm.
         notch_width_mm: f64,
     },
     /// A plate that narrows in round arcs to a neck in the middle of its length.
@@ -100,10 +100,10 @@ pub enum Specimen {
         thickness_mm: f64,
         /// Narrowest width, mm.
         neck_width_mm: f64,
-        /// Of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle.
+        /// Length of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle.
         #[serde(default)]
         neck_length_mm: f64,
-        /// Of the arcs, mm; they are polygons within 0.005 mm.
+        /// Radius of the arcs, mm; they are polygons within 0.005 mm.
         radius_mm: f64,
     },
     /// The convex hull of points, moved to the origin.
@@ -111,8 +111,8 @@ pub enum Specimen {
         /// Four points or more, mm.
         vertices_mm: Vec<[f64; 3]>,
     },
-    /// The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL
-    /// instead.
+    /// The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name
+    /// a surface file (STL, PLY, OBJ, OFF) instead.
     Mesh {
         /// Corners, mm.
         vertices_mm: Vec<[f64; 3]>,
@@ -129,7 +129,7 @@ pub enum Specimen {
 pub struct Built {
     container: Arc<OnceLock<Arc<dyn Container>>>,
     volume: Arc<OnceLock<f64>>,
-    /// The surface that was found sound, as [`fingerprint`] tells it.
+    /// [`fingerprint`] of the surface that was found sound.
     checked: Arc<OnceLock<u64>>,
 }
 
@@ -168,7 +168,7 @@ pub enum ContainerError {
     /// Triangles that cross each other.
     #[error("its surface crosses itself near ({}, {}, {})", at[0], at[1], at[2])]
     Crossing {
-        /// A corner of one of the two triangles, mm, in the specimen's frame.
+        /// A corner of one of the two triangles, mm, in the frame of the spec.
         at: [f64; 3],
     },
     /// The time limit came first.
@@ -188,7 +188,7 @@ pub enum ContainerError {
         at[0], at[1], at[2]
     )]
     Nested {
-        /// A corner of the component, mm, in the specimen's frame.
+        /// A corner of the component, mm, in the frame of the spec.
         at: [f64; 3],
     },
 }
@@ -265,7 +265,8 @@ impl Specimen {
         })
     }
 
-    /// As [`Specimen::build`], and looks for triangles that cross each other and for components nested in others.
+    /// Builds the container like [`Specimen::build`], and refuses triangles that cross each other and components nested
+    /// in others.
     ///
     /// # Errors
     /// See [`ContainerError`].
@@ -273,7 +274,7 @@ impl Specimen {
         self.check_while(Waiting { watch: &Silent, deadline: f64::INFINITY })
     }
 
-    /// As [`Specimen::check`], while somebody waits for it.
+    /// Checks like [`Specimen::check`], reports to a watch, and ends at its deadline.
     pub fn check_while(&self, waiting: Waiting<'_>) -> Result<Arc<dyn Container>, ContainerError> {
         let Self::Mesh { vertices_mm, triangles, built } = self else { return Ok(self.build()?.into()) };
         let fingerprint = fingerprint(vertices_mm, triangles);
@@ -287,15 +288,22 @@ impl Specimen {
         }
         let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing(waiting)? {
-            return Err(ContainerError::Crossing { at: triangle[0].into() });
+            return Err(ContainerError::Crossing { at: as_given(vertices_mm, &triangle[0]) });
         }
         if let Some(corner) = closed.nested() {
-            return Err(ContainerError::Nested { at: corner.into() });
+            return Err(ContainerError::Nested { at: as_given(vertices_mm, &corner) });
         }
         built.checked.get_or_init(|| fingerprint);
         let container = built.container.get_or_init(|| convex_or(closed).into());
         waiting.watch.stage(Stage::Read, 1.0);
         Ok(Arc::clone(container))
+    }
+
+    /// Position of the specimen's origin in the frame of its vertices, mm, where that is not the origin: the lowest corner.
+    pub fn origin(&self) -> Option<[f64; 3]> {
+        let (Self::Polyhedron { vertices_mm } | Self::Mesh { vertices_mm, .. }) = self else { return None };
+        let low = vertices_mm.iter().copied().reduce(|low, p| [0, 1, 2].map(|axis| low[axis].min(p[axis])))?;
+        low.iter().any(|x| *x != 0.0).then_some(low)
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -330,7 +338,7 @@ impl Specimen {
         }
     }
 
-    /// Bounding box, mm.
+    /// Bounding box of the specimen, mm.
     pub fn aabb(&self) -> Aabb {
         match self {
             // The container of a large surface takes long to build, where it is not yet there.
@@ -339,7 +347,7 @@ impl Specimen {
         }
     }
 
-    /// Volume, mm3.
+    /// Volume of the specimen, mm3.
     pub fn volume(&self) -> f64 {
         match self {
             Self::Mesh { vertices_mm, triangles, built } => {
@@ -350,8 +358,8 @@ impl Specimen {
     }
 }
 
-/// A number that another surface hardly has: what a spec checks several times is then proved once. The turn carries the
-/// sign of a coordinate, its highest bit, on to others.
+/// Hash of a surface. A surface that a spec checks several times is proved once. The turn carries the sign of a
+/// coordinate, its highest bit, on to others.
 fn fingerprint(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> u64 {
     let corners = vertices.iter().flatten().map(|x| x.to_bits());
     let words = corners.chain(triangles.iter().flatten().map(|&index| u64::from(index)));
@@ -380,12 +388,23 @@ fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh
         }
     }
     let mesh = unchecked(vertices, triangles);
-    mesh.check_closed()?;
+    if let Err(error) = mesh.check_closed() {
+        // Open edges are located where the user knows them.
+        let given = vertices.iter().map(|p| Vec3::from(*p)).collect();
+        TriangleMesh { vertices: given, triangles: mesh.triangles }.check_edges()?;
+        return Err(error.into());
+    }
     Ok(mesh)
 }
 
 fn unchecked(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
     TriangleMesh { vertices: at_origin(vertices), triangles: triangles.to_vec() }
+}
+
+/// The position in the spec of a corner that was moved to the specimen's frame.
+fn as_given(vertices: &[[f64; 3]], corner: &Vec3) -> [f64; 3] {
+    let place = at_origin(vertices).iter().position(|vertex| vertex == corner);
+    place.map_or((*corner).into(), |place| vertices[place])
 }
 
 /// The points moved so that the lowest corner of their bounding box is the origin.

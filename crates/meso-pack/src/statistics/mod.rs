@@ -89,7 +89,7 @@ pub struct Statistics {
     pub specific_surface_per_mm: f64,
     /// Asked and reached volume, and number, by size class.
     pub classes: Vec<ClassReport>,
-    /// Shape.
+    /// Shapes of the aggregates.
     pub shapes: Shapes,
     /// Directions of the longest axes.
     pub orientation: Orientation,
@@ -109,12 +109,12 @@ impl Statistics {
     /// Measures a packed model.
     ///
     /// # Errors
-    /// A loaded model may hold coordinates beyond what the exact distance accepts.
+    /// A loaded model may hold coordinates beyond the range of the exact distance.
     pub fn of(model: &Model, options: &StatisticsOptions) -> Result<Self, GjkError> {
         Self::watched(model, options, &Silent)
     }
 
-    /// As [`Statistics::of`], and reports which share of the work is done, 0 to 1.
+    /// Measures like [`Statistics::of`], and reports to `watch` as [`Stage::Measure`].
     ///
     /// # Errors
     /// As [`Statistics::of`].

@@ -65,7 +65,7 @@ impl VoxelImage {
     /// Prepares the image that `options` ask for; nothing of it is made yet.
     ///
     /// # Errors
-    /// Names the option, its value and what is accepted.
+    /// Names the option, its value and the accepted range.
     pub fn new(model: &Model, options: &ImageOptions) -> Result<Self, SpecError> {
         let specimen = &model.spec.specimen;
         let (corner, grid) = options.grid(specimen)?;
@@ -122,7 +122,7 @@ impl VoxelImage {
         self.slabs_watched(&Silent)
     }
 
-    /// As [`VoxelImage::slabs`], and reports the share that is made, 0 to 1.
+    /// Yields the slabs of [`VoxelImage::slabs`], and reports to `watch` as [`Stage::Image`].
     pub fn slabs_watched<'a>(&'a self, watch: &'a dyn Watch) -> impl Iterator<Item = Voxels> + 'a {
         let layers = self.grid.counts[2];
         let step = (AT_ONCE / self.grid.layer_len()).clamp(1, layers.max(1));
@@ -162,8 +162,8 @@ impl VoxelImage {
         self.made(layers, mortar, |k, layer| scan.paint_layer(k, layer, |body| values[body as usize]), Some(outside))
     }
 
-    /// Layers that `make` fills, on all threads; voxels outside the specimen get a value of their own, if there is one. Of
-    /// shares there is none: a voxel with its centre outside may hold a part of a body.
+    /// Layers that `make` fills, on all threads; voxels outside the specimen get a value of their own, if there is one.
+    /// Shares have no such value: a voxel with its centre outside may hold a part of a body.
     fn made<T: Copy + Send + Sync>(
         &self,
         layers: Range<usize>,

@@ -10,7 +10,7 @@ pub(crate) mod vti;
 
 use std::borrow::Cow;
 
-/// The grid of an image, and what its values are.
+/// The grid of an image, and the kind of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
     /// Voxels along x, y and z.
@@ -77,7 +77,7 @@ pub enum Voxels {
 }
 
 impl Voxels {
-    /// How many there are.
+    /// Number of voxels.
     pub fn len(&self) -> usize {
         match self {
             Self::Label(values) => values.len(),
@@ -91,7 +91,7 @@ impl Voxels {
         self.len() == 0
     }
 
-    /// Their bytes, the lowest first.
+    /// Bytes of the values, the lowest first.
     pub fn bytes(&self) -> Cow<'_, [u8]> {
         match self {
             Self::Label(values) => Cow::Borrowed(values),

@@ -4,6 +4,8 @@
 //! unpadded and in the order of the arrays, and one line break after the last. Raw arrays are streamed; compressed
 //! ones are built before the first byte is written, because the declarations state where each begins.
 
+pub mod mesh;
+
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use meso_concrete::parallel;
@@ -20,7 +22,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// Compressed or not.
+    /// Compressed if `yes`, else raw.
     pub fn compressed(yes: bool) -> Self {
         if yes { Self::Compressed } else { Self::Raw }
     }
@@ -34,7 +36,7 @@ const CHUNK: usize = 1 << 16;
 /// Writes the bytes of an array.
 type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
-/// One declared array.
+/// A declared array of a VTK file.
 pub struct Array<'a> {
     kind: &'static str,
     name: &'a str,
@@ -65,12 +67,12 @@ impl<'a> Array<'a> {
         Self { kind, name, components: 1, bytes: N * count, fill: Box::new(fill) }
     }
 
-    /// The same values as vectors of three.
+    /// Groups the values into vectors of three.
     pub fn of_vectors(self) -> Self {
         self.in_groups_of(3)
     }
 
-    /// The same values, so many for each point or cell.
+    /// Groups the values, `components` for each point or cell.
     pub fn in_groups_of(self, components: usize) -> Self {
         Self { components, ..self }
     }
@@ -111,13 +113,13 @@ pub enum Layout {
 
 /// An unstructured grid, or poly data.
 pub struct Grid<'a> {
-    /// Which of both.
+    /// Cells, or poly data.
     pub layout: Layout,
-    /// Number of points.
+    /// Number of points of the grid.
     pub points: usize,
-    /// Number of cells.
+    /// Number of cells of the grid.
     pub cells: usize,
-    /// Positions.
+    /// Positions of the points.
     pub positions: Array<'a>,
     /// Connectivity, offsets and types; poly data leave out the last.
     pub topology: [Array<'a>; 3],
