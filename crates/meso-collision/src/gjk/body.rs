@@ -118,6 +118,13 @@ impl Body {
     ///
     /// # Panics
     /// Without points.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Body, math::Vec3};
+    /// let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    /// let body = Body::new(&corners);
+    /// assert!(body.overlaps(&body, &Vec3::new(2.0, 0.0, 0.0)));
+    /// ```
     pub fn new(points: &[Vec3]) -> Self {
         Self::bounded(points, Ellipsoids::around(points, &Ellipsoids::moments(points)))
     }
@@ -129,6 +136,13 @@ impl Body {
     ///
     /// # Panics
     /// Without points.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Body, math::{Mat3, Vec3}};
+    /// let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    /// let body = Body::on_ellipsoid(&corners, &Vec3::repeat(1.0), &Mat3::identity());
+    /// assert!(!body.overlaps(&body, &Vec3::new(2.1, 0.0, 0.0)));
+    /// ```
     pub fn on_ellipsoid(points: &[Vec3], semi_axes: &Vec3, rotation: &Mat3) -> Self {
         let squares = Mat3::from_diagonal(&semi_axes.component_mul(semi_axes));
         Self::bounded(points, Ellipsoids::around(points, &(rotation * squares * rotation.transpose())))
@@ -137,6 +151,15 @@ impl Body {
     /// Adds the inner bounds that the faces of `solid` prove; this body has its vertices.
     ///
     /// Pairs that overlap deeply are then decided without looking at a vertex.
+    ///
+    /// ```
+    /// use meso_collision::{geometry::convex_hull, gjk::Body, math::Vec3};
+    /// let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    /// let solid = convex_hull(&corners)?;
+    /// let body = Body::new(solid.vertices()).with_inside_of(&solid);
+    /// assert!(body.inradius() > 0.57 && body.circumradius() >= 1.0);
+    /// # Ok::<(), meso_collision::geometry::HullError>(())
+    /// ```
     #[must_use]
     pub fn with_inside_of(self, solid: &Polyhedron) -> Self {
         self.with_facets(solid.facets())

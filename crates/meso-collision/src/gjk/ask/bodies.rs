@@ -97,6 +97,14 @@ impl Bodies {
     ///
     /// # Panics
     /// When there is no such body.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// let points = [0.0, 1.0, 3.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// let row = Bodies::new(points.iter().map(|body| &body[..]))?;
+    /// assert_eq!(row.overlap(&row, &[(0, 2, Vec3::new(-2.0, 0.0, 0.0)), (0, 2, Vec3::zeros())])?, [true, false]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn overlap(&self, others: &Self, pairs: &[(u32, u32, Vec3)]) -> Result<Vec<bool>, GjkError> {
         let shifts: Vec<Vec3> = pairs.iter().map(|pair| pair.2).collect();
         check_finite(&shifts, Operand::Shifts)?;
@@ -111,6 +119,14 @@ impl Bodies {
     }
 
     /// All pairs that share a point, each as ascending numbers, in ascending order.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// let points = [0.0, 1.0, 3.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// let row = Bodies::new(points.iter().map(|body| &body[..]))?;
+    /// assert_eq!(row.overlapping(), [[0, 1]]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn overlapping(&self) -> Vec<[u32; 2]> {
         let mut order: Vec<u32> = (0..self.0.len() as u32).collect();
         let aabb = |i: u32| &self.0[i as usize].aabb;
@@ -133,6 +149,15 @@ impl Bodies {
     ///
     /// # Panics
     /// When there is no such body, or the gap is negative or not finite.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// let points = [0.0, 1.0, 3.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// let row = Bodies::new(points.iter().map(|body| &body[..]))?;
+    /// let shifts = [5.0, 0.5].map(|x| Vec3::new(x, 0.0, 0.0));
+    /// assert_eq!(row.clear(&row, 0, &shifts, 0.25)?, [true, false]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn clear(&self, others: &Self, body: u32, shifts: &[Vec3], gap: f64) -> Result<Vec<bool>, GjkError> {
         assert!(gap >= 0.0 && gap.is_finite(), "the gap is {gap}; it must be finite and at least 0");
         check_finite(shifts, Operand::Shifts)?;
