@@ -9,7 +9,7 @@ use meso_core::images::Images;
 use meso_core::math::{Aabb, Vec3};
 use meso_core::spec::Spec;
 use meso_core::specimen::Container;
-use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Voxels, VoxelImage};
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage, Voxels};
 use meso_core::{Model, Silent, pack};
 use std::io::Cursor;
 

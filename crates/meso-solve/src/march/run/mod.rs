@@ -7,6 +7,8 @@
 mod checkpoint;
 mod drive;
 
+pub use checkpoint::checkpoint_note;
+
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::phases::Phases;
