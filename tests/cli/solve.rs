@@ -171,7 +171,7 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         (&["small.json", "--law", "steel"], 2, "it must be one of elastic, cdp"),
         (&["small.json", "--smoothing", "edges", "--method", "voxel"], 2, "--smoothing edges needs tetrahedra"),
         (&["small.json", "--test", "bending"], 2, "it must be one of compression, tension"),
-        (&["small.json", "--itz", "thick"], 2, "it must be one of smeared, solid, cohesive, none"),
+        (&["small.json", "--itz", "thick"], 2, "it must be one of solid, cohesive, smeared, none"),
         (&["small.json", "--order", "2"], 2, "--order"),
         (&["small.json", "--element-size-mm", "90"], 2, "--element-size-mm is 90; it must lie within"),
         (&["small.json", "--materials", "soft.toml"], 2, "materials.mortar.youngs_modulus_mpa is -5"),

@@ -85,14 +85,14 @@ fn meshes_that_cannot_be_tested_are_refused() {
     let empty = refused(|mesh| {
         mesh.cells.clear();
         mesh.phase.clear();
-        mesh.aggregate.clear();
+        mesh.owner.clear();
     });
     assert!(empty.contains("it has no cells"), "{empty}");
     let spike = refused(|mesh| {
         mesh.points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 10.0]].map(Vec3::from).to_vec();
         mesh.cells = vec![0, 1, 2, 3];
         mesh.phase.truncate(1);
-        mesh.aggregate.truncate(1);
+        mesh.owner.truncate(1);
     });
     assert!(spike.contains("no face points to its upper plate"), "{spike}");
 }

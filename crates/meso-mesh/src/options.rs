@@ -121,7 +121,7 @@ pub enum ItzForm {
     Solid,
     /// Zero-thickness cohesive elements between the aggregates and what they meet.
     Cohesive,
-    /// Mortar cells with a face on an aggregate are the ITZ: as stiff as mortar, and weaker.
+    /// Mortar cells with a face on an aggregate are the ITZ: as stiff as mortar, and weaker. Fibres have none.
     Smeared,
     /// Not at all: aggregates bonded to the mortar.
     None,
@@ -323,10 +323,11 @@ impl TryFrom<MeshTable> for MeshOptions {
 
 impl MeshTable {
     /// The defaults of a test, in a deck with an analysis and in the solver alike: interfaces without steps, no skeleton of
-    /// joined aggregates, phases of their own volumes, and gaps in which mortar can flow. `itz` stays open.
+    /// joined aggregates, phases of their own volumes, gaps in which mortar can flow, and an ITZ that costs no small steps.
     pub fn of_a_test() -> Self {
         Self {
             method: MethodName::Lattice,
+            itz: Some(ItzForm::Smeared),
             joined: Joined::Mortar,
             volumes: Volumes::Exact,
             narrow_gaps: NarrowGaps::Split,

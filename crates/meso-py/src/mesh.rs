@@ -14,7 +14,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Tools, figures};
+use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Tools, figures};
 use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
@@ -37,10 +37,9 @@ impl PartialEq for PyMesh {
     }
 }
 
-/// Keywords of the mesh that `mesocrete solve` makes of a model; the test smears the ITZ.
+/// Keywords of the mesh that `mesocrete solve` makes of a model.
 pub(crate) fn keywords_of_a_test(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let table = MeshTable { itz: Some(ItzForm::None), ..MeshTable::of_a_test() };
-    Ok(plain(py, &table)?.cast_into()?)
+    Ok(plain(py, &MeshTable::of_a_test())?.cast_into()?)
 }
 
 /// Meshes `model` with the options that Python's keywords name.
@@ -115,7 +114,7 @@ impl PyMesh {
     /// Id of the aggregate or fibre every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        arrays::from_owners(py, &self.0.aggregate)
+        arrays::from_ids(py, self.0.ids())
     }
 
     /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where
@@ -261,7 +260,7 @@ impl PyMesh {
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
     /// **options
-    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
     ///
     /// Returns
     /// -------

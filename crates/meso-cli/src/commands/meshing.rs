@@ -116,7 +116,7 @@ impl Meshing {
         MeshTable {
             method: self.method(),
             element_size_mm: self.element_size_mm,
-            itz: self.itz.or(self.analyses().then_some(ItzForm::Smeared)),
+            itz: self.itz.or(usual.itz),
             thin_itz: self.thin_itz,
             subsamples: self.subsamples,
             fit: self.fit,

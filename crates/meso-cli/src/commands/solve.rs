@@ -135,7 +135,6 @@ impl Args {
             frames: self.frames,
             control: self.control,
             law: self.law.0,
-            itz: self.division.smeared(),
             smoothing: self.smoothing,
             ..Test::default()
         }

@@ -3,6 +3,7 @@
 use super::{Outcome, Tally, Target};
 use meso_collision::gjk::Counters;
 use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind};
+use meso_concrete::specimen::Specimen;
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -34,7 +35,7 @@ pub struct Report {
     pub phases: Vec<PhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
-    /// Why it ended.
+    /// Why the placement ended.
     pub stop_reason: StopReason,
     /// The reason for the stop in a sentence: which class or fraction fell short, and by how much.
     pub stop_detail: String,
@@ -52,8 +53,19 @@ pub struct Report {
 pub struct SpecimenReport {
     /// As in the spec.
     pub kind: String,
-    /// mm3.
+    /// Volume of the specimen, mm3.
     pub volume_mm3: f64,
+    /// Lowest corner of the vertices of the spec, mm, where it is not the origin. The packing has its origin there: its
+    /// coordinates plus these are those of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin_mm: Option<[f64; 3]>,
+}
+
+impl SpecimenReport {
+    /// The entry of a specimen.
+    pub fn new(specimen: &Specimen) -> Self {
+        Self { kind: specimen.kind().to_owned(), volume_mm3: specimen.volume(), origin_mm: specimen.origin() }
+    }
 }
 
 /// Asked and reached volume of one class, over the specimen's volume.
@@ -64,9 +76,9 @@ pub struct ClassReport {
     pub d_min_mm: f64,
     /// Upper limit, mm.
     pub d_max_mm: f64,
-    /// Asked.
+    /// Fraction of the specimen asked for.
     pub target_fraction: f64,
-    /// Reached.
+    /// Fraction of the specimen reached.
     pub fraction: f64,
     /// Number of aggregates.
     pub aggregates: usize,
@@ -78,9 +90,9 @@ pub struct ClassReport {
 pub struct PhaseReport {
     /// Voids or fibres.
     pub phase: Kind,
-    /// Asked.
+    /// Fraction of the specimen asked for.
     pub target_fraction: f64,
-    /// Reached.
+    /// Fraction of the specimen reached.
     pub fraction: f64,
     /// Volume of the bodies, mm3.
     pub volume_mm3: f64,
@@ -108,17 +120,17 @@ pub enum StopReason {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Seconds {
-    /// All of it.
+    /// Whole run.
     pub total: f64,
     /// Generating the grains.
     pub take: f64,
-    /// Placing them.
+    /// Placing the grains.
     pub place: f64,
     /// Writing files.
     pub write: f64,
 }
 
-/// How many candidates or pairs each stage saw; a pair a stage decides goes no further.
+/// Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Work {
@@ -149,7 +161,7 @@ pub(crate) fn report(
     (aggregates, inclusions): (&[Aggregate], &[Aggregate]),
     seconds: Seconds,
 ) -> Report {
-    let specimen = SpecimenReport { kind: target.specimen.kind().into(), volume_mm3: target.specimen.volume() };
+    let specimen = SpecimenReport::new(target.specimen);
     let classes = ClassReport::all(target.grading, target.fraction, aggregates, specimen.volume_mm3);
     let phases = PhaseReport::all(&target.inclusions, inclusions, specimen.volume_mm3);
     let largest: Vec<f64> = tally.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();

@@ -3,7 +3,7 @@
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
 use super::polygons::Polygons;
-use super::{VERSION, gzip};
+use super::{VERSION, gzip, seal};
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
@@ -13,6 +13,7 @@ use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -22,6 +23,12 @@ pub enum ReadError {
     /// Not JSON, or not with the keys a model has.
     #[error("this is not a saved model of mesocrete: {0}")]
     NotAModel(String),
+    /// Changed since it was written.
+    #[error(
+        "its checksum does not fit: the file was damaged or edited; take another copy, or remove its last entry, crc32, to \
+         read it all the same"
+    )]
+    Damaged,
     /// Written by a version that may mean something else.
     #[error("it was written by mesocrete {found}, and this is {VERSION}, which cannot read it: update mesocrete")]
     Version {
@@ -63,6 +70,9 @@ struct File {
     aggregates: Vec<FileAggregate>,
     #[serde(default)]
     inclusions: Vec<FileInclusion>,
+    /// Proved before the rest is parsed.
+    #[serde(default, rename = "crc32")]
+    _seal: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -101,8 +111,8 @@ const LONG: usize = 16 << 20;
 const LOADED: f64 = 0.05;
 const PARSED: f64 = 0.3;
 
-/// As [`read`], while somebody waits for it: a long file and the proof of a specimen's surface of a million triangles take
-/// seconds, of which `watch` is told. A time limit of the model's spec was its packing's, and does not count here.
+/// Reads a model like [`read`], and reports to `watch`: a long file and the proof of a surface of a million triangles
+/// take seconds. A time limit of the model's spec was its packing's, and does not count here.
 ///
 /// # Errors
 /// See [`ReadError`].
@@ -116,6 +126,9 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
     };
     if let Some(other) = other_kind(&text) {
         return Err(ReadError::NotAModel(other.to_owned()));
+    }
+    if !seal::is_whole(&text) {
+        return Err(ReadError::Damaged);
     }
     let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
     drop(text);
@@ -174,7 +187,7 @@ fn other_kind(text: &[u8]) -> Option<&'static str> {
 /// Said of TOML.
 const A_SPEC: &str = "it is TOML, as a spec is; pack it first, and save the packing as .json";
 
-/// The same major and minor version, or an older minor one.
+/// Accepts this major version with this minor version or an older one.
 fn accept_version(found: &str) -> Result<(), ReadError> {
     let numbers = |version: &str| {
         let parts = version.split('.').map(|part| part.parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;
@@ -302,7 +315,7 @@ fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> R
         fraction,
         aggregates: aggregates.len(),
         discarded: 0,
-        specimen: SpecimenReport { kind: spec.specimen.kind().to_owned(), volume_mm3: volume },
+        specimen: SpecimenReport::new(&spec.specimen),
         grading: NOT_RECORDED.to_owned(),
         strategy: NOT_RECORDED.to_owned(),
         classes,

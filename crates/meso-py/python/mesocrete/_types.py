@@ -179,10 +179,12 @@ class Shape(TypedDict, total=False):
     """Law of c/b, the shortest over the intermediate axis; of no meaning for a library."""
     grains: Sequence[Template]
     """The grains of a library."""
+    hull: bool
+    """Grains of a `library` that are not convex count as their convex hulls."""
     kind: Literal["polyhedron", "rounded", "crushed", "library"]
     """Which kind of polyhedron."""
-    library: str | Sequence[str]
-    """A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec."""
+    library: str
+    """A file (STL, PLY, OBJ, OFF, JSON) or folder of grains; lies beside the spec. Each body in a file is a grain."""
     vertices: Sequence[int]
     """Fewest and most vertices; of no meaning for a library."""
 
@@ -252,9 +254,9 @@ class NotchedPrismSpecimen(TypedDict, total=False):
     length_mm: float
     """Along x, mm."""
     notch_depth_mm: float
-    """Of the notch, from z = 0 upwards, mm."""
+    """Depth of the notch, from z = 0 upwards, mm."""
     notch_width_mm: float
-    """Of the notch, along x, mm."""
+    """Width of the notch, along x, mm."""
     width_mm: float
     """Along y, mm."""
 
@@ -267,11 +269,11 @@ class DogboneSpecimen(TypedDict, total=False):
     length_mm: float
     """Along x, mm."""
     neck_length_mm: float
-    """Of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle."""
+    """Length of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle."""
     neck_width_mm: float
     """Narrowest width, mm."""
     radius_mm: float
-    """Of the arcs, mm; they are polygons within 0.005 mm."""
+    """Radius of the arcs, mm; they are polygons within 0.005 mm."""
     thickness_mm: float
     """Along z, mm."""
     width_mm: float
@@ -288,7 +290,7 @@ class PolyhedronSpecimen(TypedDict, total=False):
 
 
 class MeshSpecimen(TypedDict, total=False):
-    """The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL instead."""
+    """The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name a surface file (STL, PLY, OBJ, OFF) instead."""
 
     kind: Literal["mesh"]
     """Options: kind."""
@@ -299,12 +301,14 @@ class MeshSpecimen(TypedDict, total=False):
 
 
 class MeshFileSpecimen(TypedDict, total=False):
-    """An STL file that lies beside the spec."""
+    """A surface file (STL, PLY, OBJ, OFF) that lies beside the spec."""
 
     file: str
-    """An STL file that lies beside the spec."""
+    """A surface file (STL, PLY, OBJ, OFF) that lies beside the spec."""
     kind: Literal["mesh"]
     """Options: kind."""
+    scale: float
+    """Millimetres in a unit of the file: 1000 for metres, 25.4 for inches; 1 by default."""
 
 
 Specimen = CubeSpecimen | BoxSpecimen | PrismSpecimen | CylinderSpecimen | SphereSpecimen | NotchedPrismSpecimen | DogboneSpecimen | PolyhedronSpecimen | MeshSpecimen | MeshFileSpecimen
@@ -498,10 +502,6 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    itz: Literal["smeared", "none"]
-    """Treatment of mortar at the aggregates of a mesh without an ITZ."""
-    joined: Literal["mortar", "keep"]
-    """Treatment of aggregates that share nodes."""
     law: Literal["elastic", "cdp", "cdpm2"]
     """The law of mortar and ITZ."""
     ramp: float

@@ -8,8 +8,6 @@ use meso_core::materials::Materials;
 use meso_core::mesh::{Fit, ItzForm, Mesh, MeshOptions, MeshTable, MethodName, NarrowGaps};
 use meso_core::specimen::Specimen;
 use meso_core::watch::Stage;
-use meso_solve::Itz;
-use serde::Deserialize;
 use std::path::PathBuf;
 
 /// Element size without a model, mm: the whole test then takes minutes.
@@ -24,9 +22,9 @@ pub(super) struct Division {
     /// Edge length of the elements, mm [default: 2; without a model 4]
     #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true, aliases = meshing::SIZE)]
     element_size_mm: Option<f64>,
-    #[arg(long, default_value = "smeared", value_parser = names::parse::<Zone>)]
-    #[arg(help = format!("Interfacial transition zone in the test: {}", names::list::<Zone>()))]
-    itz: Zone,
+    #[arg(long, default_value = "smeared", value_parser = names::parse::<ItzForm>)]
+    #[arg(help = format!("Interfacial transition zone in the test: {}", names::list::<ItzForm>()))]
+    itz: ItzForm,
     #[arg(long, default_value = "fitted", value_parser = names::parse::<Fit>)]
     #[arg(help = format!("Fit of a lattice to the aggregates' surfaces: {}", names::list::<Fit>()))]
     fit: Fit,
@@ -45,20 +43,6 @@ pub(super) struct Division {
     gmsh: PathBuf,
 }
 
-/// The interfacial transition zone in a test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum Zone {
-    /// Mortar cells at an aggregate have its strength.
-    Smeared,
-    /// Cells of its own.
-    Solid,
-    /// Cohesive elements.
-    Cohesive,
-    /// Mortar.
-    None,
-}
-
 impl Division {
     /// Options of the mesh of `specimen`, checked.
     pub(super) fn options(&self, is_quick: bool, specimen: &Specimen) -> Result<MeshOptions, Failure> {
@@ -73,11 +57,7 @@ impl Division {
         let table = MeshTable {
             method: self.method,
             element_size_mm: self.element_size_mm.unwrap_or(if is_quick { QUICK_MM } else { usual.element_size_mm }),
-            itz: Some(match self.itz {
-                Zone::Smeared | Zone::None => ItzForm::None,
-                Zone::Solid => ItzForm::Solid,
-                Zone::Cohesive => ItzForm::Cohesive,
-            }),
+            itz: Some(self.itz),
             narrow_gaps: self.narrow_gaps.unwrap_or(if is_quick { NarrowGaps::Keep } else { usual.narrow_gaps }),
             fit: self.fit,
             subsamples: self.subsamples,
@@ -89,11 +69,6 @@ impl Division {
     /// Whether the mesh is of voxels.
     pub(super) fn has_boxes(&self) -> bool {
         self.method == MethodName::Voxel
-    }
-
-    /// Treatment of mortar cells at an aggregate.
-    pub(super) fn smeared(&self) -> Itz {
-        if self.itz == Zone::Smeared { Itz::Smeared } else { Itz::None }
     }
 
     /// Whether a file says what the materials are.
