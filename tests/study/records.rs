@@ -111,7 +111,7 @@ fn results_with_one_name_in_the_table_fail_their_case() {
 }
 
 #[test]
-fn warnings_are_those_of_the_spec_and_of_the_work() {
+fn a_record_has_the_warnings_of_its_spec_and_of_its_work() {
     let (folder, _) = done();
     let case = plan(&[("placement.attempts", json!([9])), ("placement.strategy", json!(["rearrange"]))])
         .unwrap()

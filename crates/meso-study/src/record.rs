@@ -1,7 +1,7 @@
 //! The record of a case in its folder: `case.json`, written last and as a whole.
 
 use crate::case::{Case, digest};
-use crate::table::repeated;
+use crate::results::repeated;
 use meso_files::whole::{Keeper, Output, UNFINISHED, Unit};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -60,7 +60,7 @@ pub enum Status {
 /// An error of a case, as its record keeps it.
 pub type Failed = String;
 
-/// What the work on a case gave.
+/// Results or failure of a case, and its warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// The results, or the message of the failure.

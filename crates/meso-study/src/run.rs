@@ -155,7 +155,7 @@ impl Run {
         state.prepare(&path).map(|()| is_packed).map_err(|error| RunError::File { path, error })
     }
 
-    /// Records what the work on case `number` gave.
+    /// Records the outcome of case `number`.
     ///
     /// # Errors
     /// Errors of the file system.

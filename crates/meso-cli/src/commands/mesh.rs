@@ -52,6 +52,11 @@ impl Args {
         self.meshing.options().map(drop)
     }
 
+    /// The files that are asked for.
+    pub(super) fn outputs(&self) -> &[PathBuf] {
+        &self.output
+    }
+
     /// Claims the name of every file that the mesh is written to.
     pub(super) fn claim(&self, owner: &str, names: &mut Names) -> Result<(), Failure> {
         for path in &self.output {

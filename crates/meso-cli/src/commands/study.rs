@@ -61,7 +61,8 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     // Before the work: an invalid flag is named while nothing is lost.
     for (number, case) in plan.cases.iter().enumerate() {
         shown.count("checking flags", number, plan.cases.len());
-        file.steps(case, &args.output, &given)?;
+        let steps = file.steps(case, &args.output, &given)?;
+        steps.check(&case.spec).map_err(|failure| file.wrong(&failure))?;
     }
     shown.clear();
     if args.dry_run {
@@ -83,6 +84,15 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     shown.clear();
     ended.map_err(failure)?;
     finish(&study, args)
+}
+
+/// Reads the text of a study that names no other file, and plans it: the files of every case, as the study names them. It
+/// opens no file and runs no program.
+pub(crate) fn validate(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
+    let Some(file) = StudyFile::alone(text)? else { return Ok(Vec::new()) };
+    let given = Given { threads: None, gmsh: None };
+    let plan = file.plan_alone()?;
+    plan.cases.iter().map(|case| Ok(file.steps(case, Path::new(""), &given)?.files())).collect()
 }
 
 impl Args {

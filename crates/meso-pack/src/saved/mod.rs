@@ -54,7 +54,7 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// The same, compressed.
+/// Writes the model as JSON, compressed by gzip.
 ///
 /// # Errors
 /// Those of `out`.

@@ -147,7 +147,7 @@ impl Spec {
         Self::from_tree(tree::from_json(value), &mut Reading { files, watch, time_limit_s })
     }
 
-    /// The further phases.
+    /// Voids and fibres of the spec.
     pub fn inclusions(&self) -> Inclusions {
         Inclusions { voids: self.voids, fibres: self.fibres }
     }

@@ -571,7 +571,8 @@ class Packing:
         accept_phase_error : bool, optional
             Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
         progress : bool or callable, optional
-            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+            meshing stops with a `RuntimeError`.
         **options
             The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
             if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".

@@ -3,7 +3,7 @@
 use crate::march::Frame;
 use crate::march::Run;
 use meso_mesh::Mesh;
-use meso_view::vtu_mesh::{self, Field};
+use meso_view::vtk::mesh::{self as vtu_mesh, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 

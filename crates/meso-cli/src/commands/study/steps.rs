@@ -49,7 +49,8 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// The steps of `case`, whose files go to `folder`. Invalid flags, and names that two steps use, are usage errors.
+    /// The steps of `case`, whose files go to `folder`. Unknown flags, and names that two steps use, are usage errors. It
+    /// opens no file and runs no program.
     pub(super) fn new(
         case: &Case,
         outputs: &[String],
@@ -70,17 +71,29 @@ impl Steps {
         let mesh_line = line("mesh", [&model, Path::new("--summary-json"), &summary], true).transpose()?;
         let solve_line = line("solve", [&model, Path::new("-o"), folder], false).transpose()?;
         let mesh = mesh_line.map(|line| -> Result<_, Failure> {
-            let MeshLine { args } = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
-            args.check(&case.spec).map(|()| args)
+            let line = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
+            line.args.validate().map(|()| line.args)
         });
         let solve = solve_line.map(|line| -> Result<_, Failure> {
-            let SolveLine { args } = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
-            args.check(&case.spec).map(|()| args)
+            let line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            line.args.validate_alone().map(|()| line.args)
         });
         let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
         claim(outputs, mesh.as_ref(), solve.is_some())?;
         let outputs = outputs.iter().map(|name| packing_file(folder, name)).collect::<Result<_, _>>()?;
         Ok(Self { outputs, mesh, solve, threads: given.threads })
+    }
+
+    /// Refuses flags that the packing of `spec` cannot be meshed or tested with, and a missing gmsh.
+    pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.check(spec))?;
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.check(spec))
+    }
+
+    /// The files that the flags name, for the packing and its mesh.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let packings = self.outputs.iter().map(|(path, _)| path.clone());
+        packings.chain(self.mesh.iter().flat_map(|mesh| mesh.outputs().to_owned())).collect()
     }
 
     /// Does the case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see

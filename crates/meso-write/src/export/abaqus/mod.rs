@@ -100,7 +100,7 @@ impl Default for Loading {
 }
 
 impl Analysis {
-    /// Whether it is computed by explicit dynamics, with damage.
+    /// Whether the analysis is explicit dynamics, with damage.
     pub fn is_explicit(self) -> bool {
         matches!(self, Self::Compression | Self::Tension)
     }
