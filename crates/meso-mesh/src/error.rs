@@ -12,7 +12,7 @@ const ADVISED_GAP_MM: f64 = 0.05;
 /// The option that ways out speak of.
 const SIZE: &str = "element_size_mm";
 
-/// Why there is no mesh: what, where, and the way out.
+/// Reason why there is no mesh: the fault, its place, and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
     /// An option is out of its range.
@@ -41,7 +41,7 @@ pub enum MeshError {
         phase: &'static str,
         /// Its volume in the mesh over the specimen's.
         meshed: f64,
-        /// That of its bodies.
+        /// The exact volume of its bodies over the specimen's.
         exact: f64,
         /// The body or surface in the way.
         ways: String,
