@@ -11,7 +11,7 @@ use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Tools,
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Purpose, Tools,
 };
 use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Smoothing, Test};
 use std::collections::BTreeMap;
@@ -258,7 +258,7 @@ fn assert_crushing(rows: &[[f64; 2]], top: usize, e: f64, peak_strain: f64, stre
 
 /// What `mesocrete pack --analysis compression` takes by itself.
 fn defaults() -> MeshOptions {
-    MeshTable { itz: Some(ItzForm::Smeared), ..MeshTable::of_a_test() }.try_into().unwrap()
+    MeshTable::default().resolve(Purpose::Test, &meso_core::aggregate::Itz::default()).unwrap()
 }
 
 /// A deck of the 24 mm cube, with a step that is as fast as our engine's own, and the error of the aggregates' volume.

@@ -4,7 +4,7 @@ use crate::boundary::{file_error, mesh_error};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, Surfaces};
-use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, Tools};
+use meso_core::mesh::{self, CellKind, Mesh, MeshTable, PhaseOff, Purpose, Tools};
 use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
@@ -65,7 +65,7 @@ pub(crate) fn write_model(
         return write_together(&[path], overwrite, watch, |_, out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
-        let options = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
+        let options = MeshTable::default().resolve(Purpose::Mesh, &model.spec.itz).map_err(mesh_error)?;
         let mesh = mesh::build(model, &options, &Tools::default()).map_err(mesh_error)?;
         PhaseOff::accept(&mesh, model, &options, PhaseOff::ACCEPTED).map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.compress, watch);
@@ -96,6 +96,24 @@ fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyR
     let figures =
         Statistics::of(model, &Options::default()).map_err(|error| PyValueError::new_err(error.to_string()))?;
     write_together(&[path], overwrite, watch, |_, out| page::write(model, &figures, None, out))
+}
+
+/// Refuses keywords of a deck without effect: on this mesh, or in another format.
+///
+/// # Errors
+/// `ValueError`.
+pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given: bool) -> PyResult<()> {
+    match MeshFormat::from_path(path) {
+        Some(MeshFormat::Inp) => {
+            let effects = deck.validate_effects(mesh.kind == CellKind::Hexahedron);
+            effects.map_err(|error| PyValueError::new_err(error.to_string()))
+        }
+        Some(_) if is_given => {
+            let path = path.display();
+            Err(PyValueError::new_err(format!("{path}: only an .inp takes keywords of a deck; leave them out")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes a mesh in the format that the extension of `path` names; `deck` counts for decks.

@@ -14,7 +14,7 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Tools, figures};
+use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
 use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
@@ -37,30 +37,40 @@ impl PartialEq for PyMesh {
     }
 }
 
-/// Keywords of the mesh that `mesocrete solve` makes of a model; the test smears the ITZ.
-pub(crate) fn keywords_of_a_test(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let table = MeshTable { itz: Some(ItzForm::None), ..MeshTable::of_a_test() };
-    Ok(plain(py, &table)?.cast_into()?)
+/// The options that Python's keywords name; `itz=None` means no ITZ.
+pub(crate) fn table(
+    method: Option<&Bound<'_, PyAny>>,
+    element_size: Option<&Bound<'_, PyAny>>,
+    keywords: &Bound<'_, PyDict>,
+) -> PyResult<MeshTable> {
+    for (key, value) in [("method", method), ("element_size_mm", element_size)] {
+        value.map_or(Ok(()), |value| keywords.set_item(key, value))?;
+    }
+    if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
+        keywords.set_item("itz", "none")?;
+    }
+    options(Some(keywords))
 }
 
-/// Meshes `model` with the options that Python's keywords name.
+/// Use of a mesh by Python's `for_test`.
+pub(crate) fn purpose(for_test: bool) -> Purpose {
+    if for_test { Purpose::Test } else { Purpose::Mesh }
+}
+
+/// Meshes `model` with the options that are asked for.
 ///
 /// # Errors
-/// A phase far off its volume is one, too, where that is not accepted.
+/// A phase far off its volume is an error unless it is accepted.
 pub(crate) fn build(
     py: Python<'_>,
     model: Arc<Model>,
     progress: Option<&Bound<'_, PyAny>>,
-    keywords: &Bound<'_, PyDict>,
+    asked: &MeshTable,
+    purpose: Purpose,
     accept_phase_error: bool,
 ) -> PyResult<PyMesh> {
     let progress = listener(py, progress)?;
-    // `itz=None` means what it says.
-    if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
-        keywords.set_item("itz", "none")?;
-    }
-    let table: MeshTable = options(Some(keywords))?;
-    let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
+    let options = asked.resolve(purpose, &model.spec.itz).map_err(mesh_error)?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
     let built = in_stages(py, progress.as_ref(), Plan::new(&[(Stage::Mesh, 1.0)], Some(1.0)), move |watch| {
@@ -221,7 +231,9 @@ impl PyMesh {
             return call_view("write_xdmf", slf, Some(&options)).map(drop);
         }
         guard(|| {
+            let keys = deck.map_or(0, |deck| deck.len());
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
+            files::check_deck(&mesh, &deck, &path, keys > 0)?;
             let spec = &slf.get().1.spec;
             deck.section_mm2 = deck.section_mm2.or(Some(spec.specimen.volume() / spec.specimen.aabb().size().z));
             if deck.heading.is_empty() {

@@ -352,8 +352,9 @@ impl PyPacking {
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
     /// for_test : bool, optional
-    ///     Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="none",
-    ///     joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
+    ///     Whether options that are not given are those of `mesocrete solve` with a model: a lattice with a smeared ITZ,
+    ///     aggregates of exact volume that mortar separates, and split narrow gaps. `Mesh.solve` then gives the command's
+    ///     curve.
     /// accept_phase_error : bool, optional
     ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
     /// progress : bool or callable, optional
@@ -379,14 +380,13 @@ impl PyPacking {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyMesh> {
         guard(|| {
-            let keywords = if for_test { mesh::keywords_of_a_test(py)? } else { PyDict::new(py) };
-            options.map_or(Ok(()), |options| keywords.update(options.as_mapping()))?;
-            for (key, value) in [("method", method), ("element_size_mm", element_size)] {
-                if let Some(value) = value {
-                    keywords.set_item(key, value)?;
-                }
+            let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
+            // The solver smears the ITZ by itself.
+            if for_test && !keywords.contains("itz")? {
+                keywords.set_item("itz", "none")?;
             }
-            mesh::build(py, Arc::clone(&self.0), progress, &keywords, accept_phase_error)
+            let asked = mesh::table(method, element_size, &keywords)?;
+            mesh::build(py, Arc::clone(&self.0), progress, &asked, mesh::purpose(for_test), accept_phase_error)
         })
     }
 
