@@ -349,3 +349,34 @@ fn elements_too_coarse_for_fibres_and_voids_are_told() {
         assert!(run.stderr.contains("\n         void  "), "{}", run.stderr);
     }
 }
+
+#[test]
+fn a_mesh_beyond_the_memory_is_refused_before_it_is_taken() {
+    // 150 mm at 0.1 mm ended in an abort: "memory allocation of 13500000000 bytes failed". This takes 3 TB.
+    let folder = Folder::new();
+    folder.write("big.toml", "fraction = 0.05\n[specimen]\nkind = \"cube\"\nside_mm = 1500.0\n[grading]\nd_min_mm = 100.0\nd_max_mm = 200.0\n");
+    let size = ["--element-size-mm", "1.0"];
+    for command in
+        [&["pack", "big.toml", "-qo", "big.inp", "--method", "lattice"][..], &["solve", "big.toml", "-qo", "out"]]
+    {
+        let run = folder.run(&[command, &size].concat());
+        assert_eq!(run.code, 1, "{}", run.stderr);
+        assert!(run.stderr.contains(" GB are free; take --element-size-mm "), "{}", run.stderr);
+    }
+    assert_eq!(folder.names(), ["big.toml"]);
+}
+
+#[test]
+fn control_characters_of_keys_are_escaped_on_stderr() {
+    // The case trust/escape.toml.
+    let folder = Folder::new();
+    folder.write("escape.toml", "\"\\u001b[2J\\u001b]0;title\\u0007\" = 1\n");
+    for name in ["escape.toml", "\u{1b}[31m.toml"] {
+        let run = folder.run(&["pack", name]);
+        assert_ne!(run.code, 0);
+        let is_plain = |line: &str| !line.contains(char::is_control);
+        assert!(run.stderr.lines().all(is_plain) && run.stderr.contains("\\u{1b}["), "{:?}", run.stderr);
+    }
+    let run = folder.run(&["pack", "--no-\u{1b}[31m"]);
+    assert!(run.code == 2 && run.stderr.lines().all(|line| !line.contains(char::is_control)), "{:?}", run.stderr);
+}

@@ -1,9 +1,10 @@
 //! Messages on stderr. It may be closed: a message that nobody reads is no failure.
 
+use meso_concrete::printable;
 use std::fmt::Display;
 use std::io::Write;
 
-/// A line on stderr.
+/// Writes a line to stderr, with the control characters of names, keys and paths escaped.
 pub(crate) fn line(message: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{message}");
+    let _ = writeln!(std::io::stderr(), "{}", printable(&message.to_string()));
 }

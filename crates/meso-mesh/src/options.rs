@@ -1,5 +1,6 @@
 //! Options of a mesh that is to be built: [`MeshOptions`]. Users ask for them by name, in a [`MeshTable`].
 
+mod memory;
 mod table;
 
 pub use table::{MeshTable, Purpose};

@@ -1,6 +1,6 @@
 //! Files for the core's readers and writers, which open none: by extension, and whole or not at all.
 
-use crate::boundary::{file_error, mesh_error};
+use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, Surfaces};
@@ -9,7 +9,7 @@ use meso_core::statistics::{Options, Statistics};
 use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
-use pyo3::exceptions::{PyFileExistsError, PyValueError};
+use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// `OSError` where the file cannot be read, `ValueError` with its name where it is no model.
 pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
     let bytes = read(path, watch).map_err(|error| file_error(path, error))?;
-    saved::read_while(&bytes, watch).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
+    saved::read_while(&bytes, watch).map_err(|error| wrong_value(format!("{}: {error}", path.display())))
 }
 
 /// Bytes that are read at a time: about a millisecond's worth.
@@ -93,8 +93,7 @@ fn is_page(path: &Path) -> bool {
 
 /// Writes the page that `mesocrete report` writes.
 fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyResult<()> {
-    let figures =
-        Statistics::of(model, &Options::default()).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let figures = Statistics::of(model, &Options::default()).map_err(|error| wrong_value(error.to_string()))?;
     write_together(&[path], overwrite, watch, |_, out| page::write(model, &figures, None, out))
 }
 
@@ -106,11 +105,11 @@ pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given:
     match MeshFormat::from_path(path) {
         Some(MeshFormat::Inp) => {
             let effects = deck.validate_effects(mesh.kind == CellKind::Hexahedron);
-            effects.map_err(|error| PyValueError::new_err(error.to_string()))
+            effects.map_err(|error| wrong_value(error.to_string()))
         }
         Some(_) if is_given => {
             let path = path.display();
-            Err(PyValueError::new_err(format!("{path}: only an .inp takes keywords of a deck; leave them out")))
+            Err(wrong_value(format!("{path}: only an .inp takes keywords of a deck; leave them out")))
         }
         _ => Ok(()),
     }
@@ -131,7 +130,7 @@ pub(crate) fn write_mesh(
 ) -> PyResult<()> {
     let format = MeshFormat::from_path(path);
     if format == Some(MeshFormat::Inp) {
-        deck.validate(mesh).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        deck.validate(mesh).map_err(|error| wrong_value(error.to_string()))?;
     }
     let mut files = format.map(|format| format.files(path, mesh, deck));
     // Nothing lies beside a stream.
@@ -148,7 +147,7 @@ pub(crate) fn write_mesh(
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
     let known = known.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
     let image = ImageFormat::from_path(path).map_or("", |_| " (an image: voxelize, section, or mesocrete image)");
-    PyValueError::new_err(format!("{}: unknown format; the extension must be one of {known}{image}", path.display()))
+    wrong_value(format!("{}: unknown format; the extension must be one of {known}{image}", path.display()))
 }
 
 /// Writes the files of a test's results into `folder`, which is made where it is not there.

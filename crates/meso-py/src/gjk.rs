@@ -2,14 +2,14 @@
 
 use crate::aggregate::PyAggregate;
 use crate::arrays::{IndexArray, PointArray, from_indices, from_points, points};
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::polyhedron::PyPolyhedron;
 use crate::tree::type_name;
 use meso_concrete::thousands;
 use meso_core::gjk::{self, Bodies, GjkError, Impact, Method, Penetration};
 use meso_core::math::{Rotation, Vec3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PyTuple};
 use std::sync::Arc;
@@ -138,9 +138,7 @@ fn one_vector(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec3> {
     let row = PyList::new(object.py(), [object])?;
     match points(name, &row) {
         Ok(rows) => Ok(rows[0]),
-        Err(error) => {
-            Err(PyValueError::new_err(format!("{name} must be three finite numbers ({})", error.value(object.py()))))
-        }
+        Err(error) => Err(wrong_value(format!("{name} must be three finite numbers ({})", error.value(object.py())))),
     }
 }
 
@@ -182,9 +180,9 @@ pub(crate) fn intersects_many<'py>(
 /// Every body as points, named by its place.
 fn each(bodies: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
     let given = type_name(bodies);
-    let items = bodies.try_iter().map_err(|_| {
-        PyTypeError::new_err(format!("bodies is of type {given}; it must be an iterable of (n, 3) arrays"))
-    })?;
+    let items = bodies
+        .try_iter()
+        .map_err(|_| wrong_type(format!("bodies is of type {given}; it must be an iterable of (n, 3) arrays")))?;
     let body = |(i, body): (usize, PyResult<Bound<'_, PyAny>>)| {
         if i % CHUNK == 0 {
             bodies.py().check_signals()?;
@@ -199,7 +197,7 @@ fn parse(method: &str) -> PyResult<Method> {
 }
 
 fn gjk_error(error: &GjkError) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    wrong_value(error.to_string())
 }
 
 /// Convex bodies that are laid out once and asked often.
@@ -300,7 +298,7 @@ impl PyBodies {
             };
             if shifts.len() != numbers.len() {
                 let (rows, pairs) = (shifts.len(), numbers.len());
-                return Err(PyValueError::new_err(format!(
+                return Err(wrong_value(format!(
                     "shifts has {rows} rows; there must be one for each of {pairs} pairs"
                 )));
             }
@@ -340,7 +338,7 @@ impl PyBodies {
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         guard(|| {
             if !(gap >= 0.0 && gap.is_finite()) {
-                return Err(PyValueError::new_err(format!("gap is {gap}; it must be finite and at least 0")));
+                return Err(wrong_value(format!("gap is {gap}; it must be finite and at least 0")));
             }
             let (a, shifts) = (one_body("a", a)?, points("shifts", shifts)?);
             let mut answers = Vec::with_capacity(shifts.len());
@@ -380,7 +378,7 @@ impl PyBodies {
             let rotations = rotations.map_or(Ok(vec![Rotation::identity(); n]), |given| quaternions(given, n))?;
             if positions.len() != n {
                 let rows = positions.len();
-                return Err(PyValueError::new_err(format!(
+                return Err(wrong_value(format!(
                     "positions has {rows} rows; there must be one for each of {n} bodies"
                 )));
             }
@@ -442,12 +440,12 @@ fn index_pairs(object: &Bound<'_, PyAny>, own: usize, others: usize) -> PyResult
     }
     if shape.len() != 2 || shape[1] != 2 {
         let shape = array.getattr("shape")?;
-        return Err(PyValueError::new_err(format!("pairs has shape {shape}; it must be (m, 2)")));
+        return Err(wrong_value(format!("pairs has shape {shape}; it must be (m, 2)")));
     }
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !matches!(kind.as_str(), "i" | "u") {
         let dtype = array.getattr("dtype")?;
-        return Err(PyTypeError::new_err(format!("pairs has dtype {dtype}; it must hold integers")));
+        return Err(wrong_type(format!("pairs has dtype {dtype}; it must hold integers")));
     }
     let array = array.call_method1("astype", ("int64",))?;
     let array = object.py().import("numpy")?.call_method1("ascontiguousarray", (array,))?;
@@ -458,9 +456,7 @@ fn index_pairs(object: &Bound<'_, PyAny>, own: usize, others: usize) -> PyResult
         if known {
             Ok([i as u32, j as u32])
         } else {
-            Err(PyValueError::new_err(format!(
-                "pairs[{row}] is ({i}, {j}); there are {own} and {others} bodies, from 0 on"
-            )))
+            Err(wrong_value(format!("pairs[{row}] is ({i}, {j}); there are {own} and {others} bodies, from 0 on")))
         }
     };
     numbers.as_slice()?.chunks_exact(2).enumerate().map(pair).collect()
@@ -479,12 +475,12 @@ fn quaternions(object: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Rotation>> {
         if length.is_normal() {
             return Ok(Rotation::new_normalize([q[0], q[1], q[2], q[3]].into()));
         }
-        Err(PyValueError::new_err(format!("rotations[{row}] is {q:?}; it must be finite and not 0")))
+        Err(wrong_value(format!("rotations[{row}] is {q:?}; it must be finite and not 0")))
     };
     array.readonly().as_slice()?.chunks_exact(4).enumerate().map(rotation).collect()
 }
 
 fn wrong_rotations(array: &Bound<'_, PyAny>, n: usize) -> PyErr {
     let shape = array.getattr("shape").map_or_else(|_| "another".to_owned(), |shape| shape.to_string());
-    PyValueError::new_err(format!("rotations has shape {shape}; it must be ({n}, 4): x, y, z, w of each body"))
+    wrong_value(format!("rotations has shape {shape}; it must be ({n}, 4): x, y, z, w of each body"))
 }

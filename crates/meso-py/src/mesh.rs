@@ -1,7 +1,7 @@
 //! `Mesh`: points, cells and the phase of every cell.
 
 use crate::arrays;
-use crate::boundary::{guard, mesh_error};
+use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_value};
 use crate::files;
 use crate::response::{self, Asked, Meshed, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
@@ -18,7 +18,7 @@ use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes
 use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::CString;
@@ -71,6 +71,8 @@ pub(crate) fn build(
 ) -> PyResult<PyMesh> {
     let progress = listener(py, progress)?;
     let options = asked.resolve(purpose, &model.spec.itz).map_err(mesh_error)?;
+    options.validate(&model.spec.specimen).map_err(mesh_error)?;
+    accept_in_memory("the mesh", options.bytes(&model.spec.specimen))?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
     let built = in_stages(py, progress.as_ref(), Plan::new(&[(Stage::Mesh, 1.0)], Some(1.0)), move |watch| {
@@ -174,9 +176,7 @@ impl PyMesh {
     fn mass_scaling<'py>(&self, py: Python<'py>, time_step_s: f64) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             if !(time_step_s > 0.0 && time_step_s.is_finite()) {
-                return Err(PyValueError::new_err(format!(
-                    "time_step_s is {time_step_s}; it must be a positive number"
-                )));
+                return Err(wrong_value(format!("time_step_s is {time_step_s}; it must be a positive number")));
             }
             let mesh = Arc::clone(&self.0);
             let of = move |_: &Watch| MassScaling::of(&mesh, &Materials::default(), time_step_s);

@@ -1,6 +1,6 @@
 //! `pack`: Python's arguments are checked, then packed beside Python.
 
-use crate::boundary::{guard, mesh_error};
+use crate::boundary::{guard, mesh_error, wrong_type, wrong_value};
 use crate::mesh;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python_on, checked_threads, listener};
@@ -8,7 +8,7 @@ use crate::{spec, tree};
 use meso_core::mesh::{MeshTable, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
-use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
 use std::ffi::CString;
@@ -130,7 +130,7 @@ fn leave_room(spec: &mut Spec, table: &MeshTable, purpose: Purpose) -> PyResult<
 /// What to pack is one argument.
 fn unknown(name: &Bound<'_, PyAny>) -> PyErr {
     let way_out = "what to pack is one argument, as mc.pack(mc.Spec(specimen=mc.Specimen.cube(100)))";
-    PyTypeError::new_err(format!("pack() has no argument {name}; {way_out}"))
+    wrong_type(format!("pack() has no argument {name}; {way_out}"))
 }
 
 /// Hopeless targets and the like are `UserWarning`s at the caller's line, before the work.
@@ -143,9 +143,9 @@ fn checked_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
     let given = || tree::type_name(seed);
     // numpy's integers count by __index__; True is a mistake.
     if seed.is_instance_of::<PyBool>() || !seed.hasattr("__index__")? {
-        return Err(PyTypeError::new_err(format!("seed is of type {}; it must be an int from 0 to 2^64 - 1", given())));
+        return Err(wrong_type(format!("seed is of type {}; it must be an int from 0 to 2^64 - 1", given())));
     }
-    seed.extract().map_err(|_| PyValueError::new_err(format!("seed is {seed}; it must be an int from 0 to 2^64 - 1")))
+    seed.extract().map_err(|_| wrong_value(format!("seed is {seed}; it must be an int from 0 to 2^64 - 1")))
 }
 
 fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
@@ -156,5 +156,5 @@ fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
 fn checked_number(name: &str, accepted: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let number = if value.is_instance_of::<PyBool>() { None } else { value.extract().ok() };
     let given = || tree::type_name(value);
-    number.ok_or_else(|| PyTypeError::new_err(format!("{name} is of type {}; it must be {accepted}", given())))
+    number.ok_or_else(|| wrong_type(format!("{name} is of type {}; it must be {accepted}", given())))
 }

@@ -6,7 +6,7 @@ pub(crate) use aggregates::PyAggregates;
 
 use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_value};
 use crate::mesh::{self, PyMesh};
 use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
@@ -22,7 +22,6 @@ use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, saved};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::Serialize;
@@ -48,7 +47,7 @@ fn named_images(name: &str) -> PyResult<Images> {
         "none" => Ok(Images::None),
         "whole" => Ok(Images::Whole),
         "cut" => Ok(Images::Cut),
-        _ => Err(PyValueError::new_err(format!("images is {name:?}; it must be one of \"none\", \"whole\", \"cut\""))),
+        _ => Err(wrong_value(format!("images is {name:?}; it must be one of \"none\", \"whole\", \"cut\""))),
     }
 }
 
@@ -258,7 +257,7 @@ impl PyPacking {
             let plan = Plan::new(&[(Stage::Measure, 1.0)], Some(1.0));
             let measured =
                 in_stages(py, progress.as_ref(), plan, move |watch| Statistics::watched(&model, &options, watch))?;
-            plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
+            plain(py, &measured.map_err(|error| wrong_value(error.to_string()))?)
         })
     }
 
@@ -358,7 +357,8 @@ impl PyPacking {
     /// accept_phase_error : bool, optional
     ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
     /// progress : bool or callable, optional
-    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False, meshing
+    ///     stops with a RuntimeError: there is no mesh yet.
     /// **options
     ///     The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
     ///     if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
@@ -367,6 +367,8 @@ impl PyPacking {
     /// ------
     /// ValueError, TypeError
     ///     Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
+    /// MemoryError
+    ///     Where the mesh would take more memory than is free.
     #[pyo3(signature = (*, method=None, element_size=None, for_test=false, accept_phase_error=false, progress=None, **options))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn mesh(
@@ -495,7 +497,7 @@ impl PyPacking {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_packing")?;
         let mut model = Vec::new();
         saved::write(&self.0, &mut model)?;
-        let report = serde_json::to_string(&self.0.report).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let report = serde_json::to_string(&self.0.report).map_err(|error| wrong_value(error.to_string()))?;
         (restore, (PyBytes::new(py, &model), report)).into_pyobject(py)
     }
 }
@@ -504,7 +506,7 @@ impl PyPacking {
 #[pyfunction(name = "_restore_packing")]
 pub(crate) fn restore_packing(py: Python<'_>, model: &[u8], report: &str) -> PyResult<PyPacking> {
     arrays::load_numpy(py)?;
-    let damaged = |error: String| PyValueError::new_err(format!("the pickle is damaged: {error}"));
+    let damaged = |error: String| wrong_value(format!("the pickle is damaged: {error}"));
     guard(|| {
         let mut model = py.detach(|| saved::read(model)).map_err(|error| damaged(error.to_string()))?;
         model.report = serde_json::from_str(report).map_err(|error| damaged(error.to_string()))?;

@@ -1,9 +1,9 @@
 //! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
 
-use crate::boundary::bug;
+use crate::boundary::{bug, wrong_value};
 use meso_concrete::stop;
 use meso_core::watch::{self, Measure, Stage};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -274,5 +274,5 @@ pub(crate) fn listener<'py>(
 /// `ValueError`.
 pub(crate) fn checked_threads(threads: &Bound<'_, PyAny>) -> PyResult<usize> {
     let number: Option<usize> = threads.extract().ok().filter(|number| (1..=1024).contains(number));
-    number.ok_or_else(|| PyValueError::new_err(format!("threads is {threads}; it must be an int from 1 to 1024")))
+    number.ok_or_else(|| wrong_value(format!("threads is {threads}; it must be an int from 1 to 1024")))
 }

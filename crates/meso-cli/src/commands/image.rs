@@ -5,7 +5,7 @@ use super::{names, values};
 use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
-use crate::{inputs, stderr};
+use crate::{inputs, room, stderr};
 use meso_core::SpecError;
 use meso_core::formats::ImageFormat;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage};
@@ -69,6 +69,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Image, 2.0));
     let model = inputs::model(&args.model, &watch)?;
     let image = VoxelImage::new(&model, &options).map_err(|error| wrong(&error))?;
+    plan.iter().try_for_each(|(target, format)| accept_size(target, *format, &image))?;
     let mut unit = Unit::default();
     for (target, format) in &plan {
         match format {
@@ -118,6 +119,15 @@ impl Args {
 fn plan(path: &Path, args: &Args, options: &ImageOptions) -> Result<(Target, ImageFormat), Failure> {
     let format = format(path, options)?;
     Ok((Target::new(path, args.writing.force)?, format))
+}
+
+/// Refuses an image that its disk has no space for, before it is made.
+fn accept_size(target: &Target, format: ImageFormat, image: &VoxelImage) -> Result<(), Failure> {
+    let holds_values = matches!(format, ImageFormat::Npy | ImageFormat::Tif | ImageFormat::Vti);
+    match target {
+        Target::File { shown, path } if holds_values => room::accept_on_disk(shown, path, image.bytes()),
+        _ => Ok(()),
+    }
 }
 
 /// The format that an output's name asks for, where it can hold the image.

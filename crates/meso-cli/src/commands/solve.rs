@@ -9,7 +9,7 @@ use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
-use crate::{inputs, interrupt, stderr};
+use crate::{inputs, interrupt, room, stderr};
 use folder::{Folder, Kept};
 use meso_concrete::thousands;
 use meso_core::aggregate::Itz as Shells;
@@ -156,6 +156,10 @@ impl Args {
 
     /// Refuses flags that cannot be meant, before any work.
     fn validate(&self) -> Result<(), Failure> {
+        if self.output == Path::new("-") {
+            let message = "--output - is standard output, but a test writes several files; name a folder";
+            return Err(Failure::Usage(message.to_owned()));
+        }
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
             return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
         }
@@ -197,6 +201,7 @@ impl Args {
             settings.options.itz = ItzForm::None;
         }
         let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.options);
+        room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), options.element_size_mm)?;
         let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);
         steps.map(|_| settings).map_err(|error| wrong(&error))
     }

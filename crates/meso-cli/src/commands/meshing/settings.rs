@@ -4,7 +4,7 @@ use super::errors::{wrong_mesh, wrong_option};
 use super::flags::{DeckFlags, MeshFlags};
 use super::heading;
 use crate::failure::Failure;
-use crate::inputs;
+use crate::{inputs, room};
 use meso_core::Spec;
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::DeckOptions;
@@ -108,6 +108,8 @@ impl Meshing {
     pub(crate) fn settings(&self, spec: &Spec, writes_deck: bool) -> Result<Settings, Failure> {
         let accepted = if self.deck.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
         let mesh = MeshSettings { accepted, ..self.mesh.settings(self.purpose(), spec)? };
+        let bytes = mesh.options.bytes(&spec.specimen);
+        room::accept_in_memory("the mesh", bytes, mesh.options.element_size_mm)?;
         let deck = self.deck(spec, &mesh.options)?;
         self.validate_deck(&deck, &mesh.options, writes_deck)?;
         Ok(Settings { hint: self.hint(spec, mesh.options.itz), mesh, deck })
