@@ -34,7 +34,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         .unwrap_or_else(|failure| failure.print())
 }
 
-/// Reads `args` and refuses what no file can make right, as every command does before its work: it opens no file, runs no
+/// Reads `args` and refuses flags that are wrong with any file, as every command does before its work. It opens no file, runs no
 /// program and prints no error.
 ///
 /// # Errors

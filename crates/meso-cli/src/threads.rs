@@ -4,7 +4,7 @@ use crate::failure::Failure;
 
 /// Runs `work` on `threads` threads, or on all cores.
 pub(crate) fn with<T: Send>(threads: Option<u16>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-    // Of none, as many as there are cores.
+    // For rayon 0 means all cores.
     let threads = usize::from(threads.unwrap_or(0));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Failure::Run(format!("--threads {threads}: {error}; take fewer")))?;

@@ -41,7 +41,7 @@ pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3
 }
 
 /// Loads numpy's function tables before the first array. Loaded lazily, any error there, even Ctrl-C, would be a
-/// panic. The package imports numpy before it hands out a name; what pickle calls without the package does it here.
+/// panic. The package imports numpy before it hands out a name; functions that pickle calls without the package do it here.
 ///
 /// # Errors
 /// Where numpy cannot be imported.

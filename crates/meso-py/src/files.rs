@@ -76,7 +76,7 @@ pub(crate) fn write_model(
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp", "html"]].concat()))
 }
 
-/// Writes the saved model of a study's case; what is there is replaced.
+/// Writes the saved model of a study's case, and replaces an older one.
 ///
 /// # Errors
 /// `OSError`.
@@ -118,7 +118,7 @@ pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given:
 /// Writes a mesh in the format that the extension of `path` names; `deck` counts for decks.
 ///
 /// # Errors
-/// `ValueError` for an extension that names none and for what a deck cannot hold, `OSError` where the file cannot be
+/// `ValueError` for an extension that names none and for options that a deck cannot have, `OSError` where the file cannot be
 /// written.
 pub(crate) fn write_mesh(
     mesh: &Mesh,

@@ -158,8 +158,8 @@ impl PyMesh {
     ///
     /// Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other
     /// materials how many there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how
-    /// far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond
-    /// it as `joined_rms_mm` and `joined_max_mm` say.
+    /// far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and their distances from the surface
+    /// beyond it are `joined_rms_mm` and `joined_max_mm`.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (mesh, model) = (Arc::clone(&self.0), Arc::clone(&self.1));
@@ -170,7 +170,7 @@ impl PyMesh {
     }
 
     /// The mass that explicit dynamics in steps of `time_step_s` seconds takes, with the default materials: a dict of
-    /// `time_step_s`, `factor` (mass with what scaling adds over the mesh's own) and `phases`, a list of dicts of `phase`,
+    /// `time_step_s`, `factor` (scaled mass over the mesh's own) and `phases`, a list of dicts of `phase`,
     /// `elements`, `scaled` (share of them whose own step is shorter), `factor`, `shortest_step_s` and `mass_t`.
     #[pyo3(signature = (time_step_s=5e-7))]
     fn mass_scaling<'py>(&self, py: Python<'py>, time_step_s: f64) -> PyResult<Bound<'py, PyAny>> {
@@ -204,16 +204,16 @@ impl PyMesh {
     /// overwrite : bool
     ///     Whether a file that is there already is replaced.
     /// compress : bool
-    ///     Whether what a `.vtu` holds is compressed.
+    ///     Whether the data of a `.vtu` are compressed.
     /// **deck
-    ///     What an `.inp` holds beside the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+    ///     Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
     ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; what it leaves out keeps its illustrative default).
+    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For an extension that names no mesh format, and for what a deck cannot hold; the message lists what is accepted.
+    ///     For an extension that names no mesh format, and for options that a deck cannot have; the message lists the accepted ones.
     /// OSError
     ///     Where the file cannot be written.
     #[pyo3(signature = (path, *, overwrite=true, compress=false, **deck))]
@@ -264,7 +264,7 @@ impl PyMesh {
     /// law : str, optional
     ///     The law of mortar and ITZ; aggregates and fibres are elastic.
     /// materials : dict, optional
-    ///     The `[materials]` of a deck; what it leaves out keeps its illustrative default.
+    ///     The `[materials]` of a deck; absent values keep their illustrative defaults.
     /// frames : int
     ///     Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
     /// threads : int, optional

@@ -101,7 +101,7 @@ impl PyPolyhedron {
     /// ValueError
     ///     For a thickness that is negative or not finite.
     /// ArithmeticError
-    ///     Where what is left is too thin, or too small, for float64 vertices to show its shape.
+    ///     Where the rest is too thin, or too small, for float64 vertices to show its shape.
     fn offset(&self, py: Python<'_>, thickness: f64) -> PyResult<Option<Self>> {
         guard(|| {
             let inner = py.detach(|| self.0.inward_offset(thickness)).map_err(|error| offset_error(&error))?;

@@ -1,4 +1,4 @@
-//! `Mesh.solve` and what it returns: the curve, figures and fields of a test.
+//! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::{guard, wrong_value};

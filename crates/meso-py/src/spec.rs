@@ -72,7 +72,7 @@ fn read(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> PyResult<S
     })
 }
 
-/// The unresolved tree of what `pack` accepts as its spec, and the folder of the files that it names. Values that follow from
+/// The unresolved tree of a spec as `pack` accepts it, and the folder of the files that it names. Values that follow from
 /// others, the classes of usual limits, are left out, so that changes may be laid over it.
 pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, PathBuf)> {
     let here = PathBuf::new();
@@ -91,7 +91,7 @@ pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, Pat
     Ok((tree, path.parent().unwrap_or(Path::new("")).to_owned()))
 }
 
-/// What `pack` accepts as its spec, read as far as that takes Python.
+/// A spec as `pack` accepts it, read as far as that takes Python.
 pub(crate) enum Given {
     Spec(Box<Spec>),
     Tree(Value),
@@ -121,7 +121,7 @@ impl Given {
     }
 }
 
-/// Reads what `pack` accepts as its spec; Ctrl-C is heard meanwhile.
+/// Reads a spec as `pack` accepts it; Ctrl-C is heard meanwhile.
 pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
     let given = given(object)?;
     match object.filter(|_| given.may_take_long()) {
@@ -160,7 +160,7 @@ impl PySpec {
         serde_json::to_value(&self.0).map_err(|error| wrong_value(error.to_string()))
     }
 
-    /// Its tree without what follows from the rest of it.
+    /// Its tree without values that follow from the rest.
     fn unresolved(&self) -> PyResult<Value> {
         let (mut value, spec) = (self.value()?, &self.0);
         let follows = [
@@ -278,7 +278,7 @@ impl PySpec {
         toml::to_string(&self.0).map_err(|error| wrong_value(error.to_string()))
     }
 
-    /// The text of a SPEC.toml with what each key means above it: `print(spec.describe())`.
+    /// The text of a SPEC.toml with the meaning of each key above it: `print(spec.describe())`.
     fn describe(&self) -> PyResult<String> {
         self.0.describe().map_err(|error| wrong_value(error.to_string()))
     }
@@ -320,7 +320,7 @@ pub(crate) fn restore_spec(options: &Bound<'_, PyDict>) -> PyResult<PySpec> {
     guard(|| from_any(Some(options.as_any())).map(PySpec))
 }
 
-/// The specimens that `Spec.recipe` knows, by name, and what each of them is.
+/// The specimens that `Spec.recipe` knows: a dict of names and titles.
 #[pyfunction(name = "recipes")]
 pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);

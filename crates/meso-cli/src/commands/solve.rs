@@ -137,7 +137,7 @@ impl Args {
         }
     }
 
-    /// Refuses what a packing of `spec` cannot be tested with, before it is packed.
+    /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
         self.validate()?;
@@ -285,7 +285,7 @@ fn is_spec(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Takes in what a run before this one kept.
+/// Restores the state that an earlier run kept.
 fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<meso_solve::results::Moment>, Failure> {
     run.resume(&mut kept.state).map_err(|error| Failure::Run(format!("{}: {error}", kept.path.display())))?;
     Ok(kept.frames)
@@ -328,7 +328,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     }
 }
 
-/// The curve's figures, then what is wrong with them.
+/// Prints the curve's figures, then warnings and errors.
 fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
     if !quiet {

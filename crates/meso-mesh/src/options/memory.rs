@@ -11,15 +11,17 @@ use meso_concrete::specimen::Specimen;
 const VOXEL: f64 = 75.0;
 /// Bytes per cube of a plain lattice: 613 were measured.
 const PLAIN: f64 = 600.0;
-/// Bytes per cube of a fitted lattice: 930 to 1030 were measured, the most with a solid ITZ.
-const FITTED: f64 = 900.0;
+/// Bytes per cube of a fitted lattice: 930 to 1030 were measured, the most with a solid ITZ, with 12.9 to 16 tetrahedra in a
+/// cube; without aggregates there are 12.
+const FITTED: f64 = 850.0;
 
 /// Bytes per cube of a fitted lattice of second order: 2550 were measured.
 const QUADRATIC: f64 = 2500.0;
 /// Bytes per voxel in a test: 455 to 477 were measured.
 const TESTED_VOXEL: f64 = 440.0;
-/// Bytes per cube of a lattice in a test: 5070 were measured at 1.6 mm.
-const TESTED_LATTICE: f64 = 4000.0;
+/// Bytes per cube of a lattice in a test: 5070 were measured at 1.6 mm and 4660 at 1.2 mm, with 15 and 14.3 tetrahedra in a
+/// cube; without aggregates there are 12.
+const TESTED_LATTICE: f64 = 3800.0;
 
 impl MeshOptions {
     /// Bytes that a mesh of `specimen` takes while it is built and written, roughly and at least.

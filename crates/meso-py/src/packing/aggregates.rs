@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(crate) struct PyAggregates(pub(crate) Arc<Model>);
 
 impl PyAggregates {
-    /// The positions of what equals `value`.
+    /// The positions of the items that equal `value`.
     fn equal_to(&self, value: &Bound<'_, PyAny>) -> impl Iterator<Item = usize> {
         let value = value.cast::<PyAggregate>().ok().map(|aggregate| aggregate.get().0.clone());
         let same = move |aggregate: &Aggregate| value.as_ref() == Some(aggregate);

@@ -90,7 +90,7 @@ impl Settings {
     }
 }
 
-/// Says how a deck with a curve is run, and what writes its curve down.
+/// Prints the commands that run a deck with a curve and write the curve.
 pub(crate) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
     if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
         let (input, script) = (shown.display(), DeckOptions::curve_path(shown));

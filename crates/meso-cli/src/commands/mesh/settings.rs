@@ -16,7 +16,7 @@ impl Args {
         self.meshing.validate()
     }
 
-    /// Refuses what a packing of `spec` cannot be meshed with, before it is packed.
+    /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         let writes_deck = self.formats()?.contains(&MeshFormat::Inp);
         self.meshing.settings(spec, writes_deck).map(drop)

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Parameters
 /// ----------
 /// spec : None, dict, path or Spec
-///     What to pack; None is the paper's specimen.
+///     The spec; None is the paper's specimen.
 /// seed : int, optional
 ///     Replaces the spec's seed; 0 to 2^64 - 1.
 /// fraction : float, optional
@@ -127,7 +127,7 @@ fn leave_room(spec: &mut Spec, table: &MeshTable, purpose: Purpose) -> PyResult<
     spec.validate().map_err(|error| spec::spec_error(&error))
 }
 
-/// What to pack is one argument.
+/// The error of an unknown keyword: a spec is one argument.
 fn unknown(name: &Bound<'_, PyAny>) -> PyErr {
     let way_out = "what to pack is one argument, as mc.pack(mc.Spec(specimen=mc.Specimen.cube(100)))";
     wrong_type(format!("pack() has no argument {name}; {way_out}"))

@@ -1,8 +1,12 @@
 //! `Packing`: the result of `pack`, `load` and `pickle`.
 
 mod aggregates;
+mod by_spec;
+mod image;
+mod table;
 
 pub(crate) use aggregates::PyAggregates;
+pub(crate) use by_spec::pack;
 
 use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
@@ -12,7 +16,7 @@ use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
 use crate::tree::plain;
 use crate::views::{call_view, framing};
-use crate::{arrays, files, image, table};
+use crate::{arrays, files};
 use meso_concrete::thousands;
 use meso_core::check::Check;
 use meso_core::formats::Surfaces;
@@ -66,7 +70,7 @@ fn named_images(name: &str) -> PyResult<Images> {
 /// OSError
 ///     Where the file cannot be read.
 /// ValueError
-///     Where it is no model; the message says what is wrong and where.
+///     Where it is no model; the message names the fault and its place.
 #[pyfunction]
 #[pyo3(signature = (path, *, progress=None))]
 pub(crate) fn load(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyPacking> {
@@ -219,7 +223,7 @@ impl PyPacking {
     /// -------
     /// dict
     ///     `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed), `findings`, a list of what is wrong, and
-    ///     `not_checked`, what a check of the model alone cannot tell.
+    ///     `not_checked`, properties that a check of the model alone cannot prove.
     #[pyo3(signature = (*, progress=None))]
     fn check<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
@@ -288,7 +292,7 @@ impl PyPacking {
     /// Raises
     /// ------
     /// ValueError, TypeError
-    ///     Names the option, its value and what is accepted. Images of more than 2^33 voxels are left to
+    ///     Names the option, its value and the accepted range. Images of more than 2^33 voxels are left to
     ///     `mesocrete image`, which streams them.
     #[pyo3(signature = (h, what="phase", r#box=None, *, of="aggregate"))]
     fn voxelize<'py>(
@@ -325,7 +329,7 @@ impl PyPacking {
     /// Raises
     /// ------
     /// ValueError, TypeError
-    ///     Names the option, its value and what is accepted.
+    ///     Names the option, its value and the accepted range.
     #[pyo3(signature = (axis, at=None, px=512, what="phase", *, of="aggregate"))]
     fn section<'py>(
         &self,
