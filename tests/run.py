@@ -90,7 +90,7 @@ def main() -> int:
         must(*wheel(python))
     # The release wheel is linked on one core for minutes, so beside the tests.
     first = [*oldest_compiler(), *shipped_wheel(python)] if args.slow else []
-    results = in_turn([*supply_chain(), *packaging()])
+    results = in_turn([*supply_chain(slow=args.slow), *packaging()])
     results += side_by_side(rust_stages(slow=args.slow), [*first, *python_stages(python, slow=args.slow)])
     if args.slow:
         results += in_turn([*bench_stages(python), *watched_stages(python), *emulated_stages(python), *shipping(python)])
@@ -190,18 +190,29 @@ def quick_stages() -> list[Stage]:
     ]
 
 
-def supply_chain() -> list[Stage]:
-    """Name the checks of dependencies, as far as their tools are installed."""
-    found = []
-    if shutil.which("cargo-deny"):
-        # Advisories need a database from the network; without one the rest is looked at.
-        fetched = subprocess.run(["cargo", "deny", "fetch", "db"], cwd=ROOT, check=False, capture_output=True).returncode == 0
-        if not fetched:
-            print("skipped, for want of the advisory database: advisories on dependencies")
-        found.append(("cargo deny", ["cargo", "deny", "check", *(["advisories"] if fetched else []), "bans", "licenses", "sources"]))
-    else:
-        print("skipped, for want of cargo-deny (cargo install cargo-deny): advisories, licences and sources of dependencies")
-    return found
+# Stages that do not run here, each with the tool or the data that is missing.
+SKIPPED: list[str] = []
+
+
+def skip(what: str, missing: str) -> None:
+    """Note a stage that cannot run here; the suite's last lines list all of them."""
+    SKIPPED.append(f"skipped {what}: {missing}")
+
+
+def supply_chain(*, slow: bool) -> list[Stage]:
+    """Name the checks of dependencies. The slow tier installs their tool where it is missing."""
+    tools = ROOT / "target" / "tools"
+    os.environ["PATH"] = os.pathsep.join([os.environ["PATH"], str(tools / "bin")])
+    if slow and shutil.which("cargo-deny") is None:
+        run("cargo-deny", ["cargo", "install", "--quiet", "--locked", "--root", str(tools), "cargo-deny"])
+    if shutil.which("cargo-deny") is None:
+        skip("advisories, licences and sources of dependencies", "no cargo-deny; cargo install cargo-deny, or --slow")
+        return []
+    # Advisories need a database from the network; the other checks do without.
+    fetched = subprocess.run(["cargo", "deny", "fetch", "db"], cwd=ROOT, check=False, capture_output=True).returncode == 0
+    if not fetched:
+        skip("advisories on dependencies", "their database could not be fetched")
+    return [("cargo deny", ["cargo", "deny", "check", *(["advisories"] if fetched else []), "bans", "licenses", "sources"])]
 
 
 def oldest_compiler() -> list[Stage]:
@@ -210,7 +221,7 @@ def oldest_compiler() -> list[Stage]:
     # As `1.89`, or with its patch as `1.89.0`.
     installed = re.search(rf"^{re.escape(oldest)}(\.\d+)?-\S+", toolchains(), re.MULTILINE)
     if not installed:
-        print(f"skipped, for want of Rust {oldest} (rustup toolchain install {oldest}): the oldest compiler promised")
+        skip("the oldest compiler promised", f"no Rust {oldest}; rustup toolchain install {oldest}")
         return []
     return [(f"Rust {oldest}", ["rustup", "run", installed[0], "cargo", "check", "--workspace", "--target-dir", "target/oldest"])]
 
@@ -223,7 +234,7 @@ def packaging() -> list[Stage]:
     if shutil.which(lint[0]) and subprocess.run([*lint, "-version"], check=False, capture_output=True).returncode == 0:
         found.append(("actionlint", lint))
     else:
-        print("skipped, for want of actionlint, or of Go and its modules to build it: the workflows themselves")
+        skip("the workflows themselves", "no actionlint, and no Go with modules to build it")
     return found
 
 
@@ -245,7 +256,7 @@ def shipping(python: Path) -> list[Stage]:
         check = "import glob, sys, twine.__main__ as t; sys.argv = ['twine', 'check', '--strict', *glob.glob(sys.argv[1])]; sys.exit(t.main())"
         stages.insert(0, ("twine check", [str(python), "-c", check, str(SHIPPED / "*")]))
     else:
-        print("skipped, for want of twine: the metadata of wheel and source archive")
+        skip("the metadata of wheel and source archive", "no twine")
     return stages
 
 
@@ -273,9 +284,11 @@ def python_stages(python: Path, *, slow: bool) -> list[Stage]:
 
 def watched_stages(python: Path) -> list[Stage]:
     """Name what runs under a sanitizer: the fuzz targets, and the tests that pass through `unsafe`."""
+    if shutil.which("cargo-fuzz") is None:
+        skip("fuzz targets", "no cargo-fuzz; cargo install cargo-fuzz")
     fuzzing = ("fuzz targets", [str(python), str(ROOT / "fuzz" / "run.py"), "--seconds", "60", "--look"])
     if "nightly" not in toolchains():
-        print("skipped, for want of nightly Rust (rustup toolchain install nightly): `unsafe` under AddressSanitizer")
+        skip("`unsafe` under AddressSanitizer", "no nightly Rust; rustup toolchain install nightly")
         return [fuzzing]
     return [fuzzing, *((f"AddressSanitizer {target}", sanitized(crate, target)) for crate, target in UNSAFE)]
 
@@ -284,7 +297,7 @@ def emulated_stages(python: Path) -> list[Stage]:
     """Name the comparison with arm64 under emulation, where its tools are there."""
     wanted = arm64.missing()
     if wanted:
-        print(f"skipped, for want of {'; '.join(wanted)}: the bytes of arm64")
+        skip("the bytes of arm64", f"no {'; '.join(wanted)}")
         return []
     return [("the bytes of arm64", [str(python), str(ROOT / "tests" / "arm64.py"), "--tests", *WATCHED[1:]])]
 
@@ -310,6 +323,8 @@ def toolchains() -> str:
 
 def bench_stages(python: Path) -> list[Stage]:
     """Name the commands that run every bench once, on small cases; those that mesh with gmsh need it on the PATH."""
+    if not has_gmsh():
+        skip("benches of conforming meshes", "no gmsh")
     benches = [name for name in sorted((ROOT / "benches").glob("*.rs")) if has_gmsh() or name.stem not in GMSH_BENCHES]
     # In the profile of the tests: whether they run is asked, not how fast, and nothing is compiled again.
     rust = [["cargo", "bench", "--quiet", "--profile", "dev", *WATCHED, "--bench", name.stem, "--", "--quick"] for name in benches]
@@ -345,12 +360,13 @@ def summarise(stages: list[Ended], seconds: float) -> int:
     """Print the closing lines; 1 where a stage failed."""
     for program, what in PEERS.items():
         if shutil.which(program) is None:
-            print(f"skipped, for want of {program}: {what}")
+            skip(what, f"no {program}")
     failed = [stage.name for stage in stages if stage.code != 0]
     for stage in stages:
         print(f"{'ok    ' if stage.code == 0 else 'FAILED'} {stage.name}: {stage.times}")
     # Last, since a log is often cut to its end.
     print(*told_again(stages), sep="\n", end="\n" if failed else "")
+    print(*SKIPPED, sep="\n", end="\n" if SKIPPED else "")
     print(f"all stages in {seconds:.0f} s; {'failed: ' + ', '.join(failed) if failed else 'everything passed'}")
     return 1 if failed else 0
 

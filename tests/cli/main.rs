@@ -17,6 +17,8 @@ mod conforming_specimens;
 mod files;
 mod help;
 mod hostile;
+#[path = "../hostile/study.rs"]
+mod hostile_study;
 mod image;
 mod interrupt;
 #[path = "../layer_errors.rs"]

@@ -39,9 +39,8 @@ fn every_combination_has_a_folder_and_a_row() {
     let seeds: Vec<_> = rows(&folder).iter().map(|row| (row[1].clone(), row[2].clone())).collect();
     let expected = [("1", "30"), ("1", "40"), ("2", "30"), ("2", "40"), ("3", "30"), ("3", "40")];
     assert_eq!(seeds, expected.map(|(seed, side)| (seed.to_owned(), side.to_owned())));
-    assert!(folder.read("study/table.parquet").starts_with(b"PAR1"));
     assert!(String::from_utf8(folder.read("study/ensemble.csv")).unwrap().contains(",aggregates,3,"));
-    // The same packing as by hand.
+    // A packing by hand has equal bytes.
     folder.run(&["pack", "small.toml", "--seed", "2", "-o", "two.json"]);
     let case = cases.iter().find(|case| case.starts_with("seed-2_side_mm-40")).expect("the case");
     assert_eq!(folder.read(&format!("study/{case}/model.json")), folder.read("two.json"));
@@ -59,7 +58,7 @@ fn cases_at_the_same_time_leave_the_same_files() {
             assert_eq!(one.read(&file), three.read(&file), "{file}");
         }
     }
-    for table in ["table.csv", "table.parquet", "ensemble.csv"] {
+    for table in ["table.csv", "ensemble.csv"] {
         assert_eq!(one.read(&format!("study/{table}")), three.read(&format!("study/{table}")));
     }
 }
@@ -100,7 +99,7 @@ fn a_case_that_fails_is_kept_with_its_message() {
     let study = "spec = 'small.toml'\n[over]\nplacement.min_gap_mm = [0, 9]\n";
     let folder = folder(study);
     let run = folder.run(&["study", "STUDY.toml"]);
-    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(run.stderr.contains("1 of 2 cases done (0 before), 1 failed; --retry-failed"), "{}", run.stderr);
     assert!(run.stderr.contains("warning: min_gap_mm-9_"), "{}", run.stderr);
     let again = folder.run(&["study", "STUDY.toml"]);
@@ -161,6 +160,10 @@ fn wrong_studies_are_refused_before_the_work() {
         ("[mesh]\nitz = 'none'\n", "STUDY.toml: [mesh] the following required arguments were not provided"),
         ("[mesh]\noutput = 'a.inp'\nelements = 3\n", "STUDY.toml: [mesh] unexpected argument '--elements' found"),
         ("[mesh]\noutput = '../a.inp'\n", "[mesh] output has \"../a.inp\"; it must be the name of a file"),
+        (
+            "outputs = ['a\\u0000.csv']\n".replace('\'', "\"").leak(),
+            "outputs has \"a\\0.csv\"; it must be the name of a file",
+        ),
         ("[solve]\nresume = true\n", "[solve] resume is set by the study; remove it"),
         ("outputs = ['a.png7']\n", "outputs has \"a.png7\"; it must end in one of .json"),
         ("oops = 1\n", "oops"),
@@ -184,4 +187,186 @@ fn tests_of_a_study_are_in_the_table() {
     let text = String::from_utf8(folder.read("study/table.csv")).unwrap();
     assert!(text.lines().next().unwrap().contains(",solve.peak_mpa,"), "{text}");
     assert_eq!(text.lines().count(), 5);
+}
+
+/// A cube that packs at once, with `rest` behind it.
+fn tiny(rest: &str) -> String {
+    format!(
+        "{rest}\n[spec]\nfraction = 0.2\n[spec.specimen]\nkind = 'cube'\nside_mm = 20\n[spec.grading]\nd_min_mm = 5\nd_max_mm = 8\n"
+    )
+}
+
+/// Sections behind the spec of [`tiny`].
+fn tiny_then(sections: &str) -> String {
+    tiny("") + sections
+}
+
+/// The shared case study_errors_unseen.toml: kinetic energy of 92 %, yet done, exit 0 and no column of errors.
+#[test]
+fn a_test_with_errors_fails_its_case() {
+    let solve = "[solve]\nelement-size-mm = 4\nframes = 1\nduration = 1e-5\n";
+    let folder = folder(&tiny_then(&format!("{solve}[over]\nseed = [1, 2]\n")));
+    let run = folder.run(&["study", "STUDY.toml"]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("0 of 2 cases done (0 before), 2 failed"), "{}", run.stderr);
+    let text = String::from_utf8(folder.read("study/table.csv")).unwrap();
+    assert!(text.lines().next().unwrap().ends_with(",status,warnings,error"), "{text}");
+    assert!(rows(&folder).iter().all(|row| row[2] == "failed" && row.concat().contains("kinetic energy")), "{text}");
+    // Every line of a case names it.
+    for (case, lines) in
+        cases(&folder).iter().map(|case| (case, run.stderr.lines().filter(|line| line.contains(case.as_str()))))
+    {
+        assert!(
+            lines.clone().any(|line| line.starts_with(&format!("error: {case}: the kinetic energy"))),
+            "{}",
+            run.stderr
+        );
+    }
+    let is_said = |line: &str| !line.starts_with("error: ") || line.starts_with("error: seed-");
+    assert!(run.stderr.lines().all(is_said), "{}", run.stderr);
+    // The figures that the errors are about stay in the case's folder.
+    assert!(folder.names_in(&format!("study/{}", cases(&folder)[0])).contains(&"result.json".to_owned()));
+}
+
+#[test]
+fn one_case_with_errors_among_others_fails_the_study() {
+    let solve = "[solve]\nelement-size-mm = 4\nframes = 1\nstrain = 0.0005\n[over]\nsolve.duration = [1e-5, 0.01]\n";
+    let folder = folder(&tiny_then(solve));
+    let run = folder.run(&["study", "STUDY.toml", "--jobs", "2"]);
+    let statuses: Vec<_> = rows(&folder).iter().map(|row| row[2].clone()).collect();
+    assert_eq!((run.code, statuses), (1, vec!["failed".to_owned(), "done".to_owned()]), "{}", run.stderr);
+}
+
+#[test]
+fn a_strict_mesh_that_is_coarse_fails_its_case() {
+    let mesh = "[mesh]\noutput = 'm.inp'\nelement-size-mm = 4\naccept-phase-error = true\nitz = 'none'\n";
+    for (strict, code, status) in [("strict = true\n", 1, "failed"), ("", 0, "done")] {
+        let folder = folder(&tiny_then(&format!("{mesh}{strict}")));
+        let run = folder.run(&["study", "STUDY.toml"]);
+        let row = rows(&folder).remove(0);
+        assert_eq!((run.code, row[1].as_str()), (code, status), "{}", run.stderr);
+        assert!(strict.is_empty() || row.concat().contains("[mesh] strict refuses"), "{row:?}");
+        assert!(strict.is_empty() || row.concat().contains("of its exact volume"), "the warning is a column: {row:?}");
+        let is_named = |line: &&str| line.starts_with("warning: ");
+        assert!(run.stderr.lines().filter(is_named).all(|line| line.contains(&row[0])), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn warnings_of_a_spec_are_a_column() {
+    let folder = folder(&tiny_then("[spec.placement]\nstrategy = 'rearrange'\nattempts = 7\n"));
+    assert_eq!(folder.run(&["study", "STUDY.toml"]).code, 0);
+    assert!(String::from_utf8(folder.read("study/table.csv")).unwrap().contains("attempts count for the strategy"));
+}
+
+/// The shared case study_outputs_lost.toml: files overwrote and deleted each other, and the case was done.
+#[test]
+fn files_of_a_case_that_would_overwrite_each_other_are_refused_before_the_first_case() {
+    let solve = "[solve]\nelement-size-mm = 4\n";
+    for (outputs, sections, expected) in [
+        ("'curve.csv'", solve, "outputs has \"curve.csv\", which [solve] writes, too"),
+        ("'a.csv', 'a.csv'", "", "outputs has \"a.csv\", which outputs writes, too"),
+        ("'a.csv', 'A.CSV'", "", "outputs has \"A.CSV\", which outputs writes, too"),
+        ("'frame_0009.vtu'", solve, "outputs has \"frame_0009.vtu\", which [solve] writes, too"),
+        ("'frame_+9.vtu'", solve, "which [solve] writes, too"),
+        ("'result.json'", solve, "which [solve] writes, too"),
+        ("'Model.json'", "", "outputs has \"Model.json\", which the study writes, too"),
+        ("'mesh.json'", "[mesh]\noutput = 'm.inp'\n", "which the study writes, too"),
+        ("'m.vtu'", "[mesh]\noutput = 'm.vtu'\n", "[mesh] output has \"m.vtu\", which outputs writes, too"),
+        ("'m_3.vtu'", "[mesh]\noutput = 'm.pvtu'\n", "which outputs writes, too"),
+        ("", "[mesh]\noutput = ['m.vtu', 'M.vtu']\n", "[mesh] output has \"M.vtu\""),
+        ("", &format!("[mesh]\noutput = 'frame_0001.vtu'\n{solve}"), "[mesh] output has \"frame_0001.vtu\""),
+        ("", &format!("[mesh]\noutput = 'frame.pvtu'\n{solve}"), "which [solve] writes, too"),
+        (
+            "",
+            "[mesh]\noutput = 'a.vtu'\n[over]\nmesh.output = [['b.vtu'], ['b.vtu', 'b.vtu']]\n",
+            "[mesh] output has \"b.vtu\"",
+        ),
+    ] {
+        let folder = folder(&tiny_then(sections).replacen('\n', &format!("outputs = [{outputs}]\n"), 1));
+        for words in [&["study", "STUDY.toml"][..], &["study", "STUDY.toml", "--dry-run"]] {
+            let run = folder.run(words);
+            assert_eq!(run.code, 2, "{outputs} {sections}: {}", run.stderr);
+            assert!(run.stderr.contains(expected), "{outputs} {sections}: {}", run.stderr);
+            assert!(!folder.path("study").exists(), "{outputs} {sections}");
+        }
+    }
+}
+
+/// The shared case study_runs_a_program.toml, and other ways to write it.
+#[cfg(unix)]
+#[test]
+fn a_study_file_runs_no_program() {
+    use std::os::unix::fs::PermissionsExt;
+    let conforming = "output = 'm.inp'\nmethod = 'conforming'\n";
+    for sections in [
+        format!("[mesh]\n{conforming}gmsh = './x.sh'\n"),
+        "[solve]\nmethod = 'conforming'\ngmsh = './x.sh'\n".to_owned(),
+        format!("[mesh]\n{conforming}\"gmsh=./x.sh\" = true\n"),
+        format!("[mesh]\n{conforming}\"gmsh=./x.sh --a\" = true\n"),
+        format!("[mesh]\n{conforming}[over]\nmesh.gmsh = ['./x.sh']\n"),
+        format!("[mesh]\n{conforming}gmsh = ['./x.sh']\n"),
+        format!("[mesh]\n{conforming}GMSH = './x.sh'\n"),
+        "[solve]\nmethod = 'conforming'\n\"gmsh=./x.sh\" = true\n".to_owned(),
+    ] {
+        let folder = folder(&tiny_then(&sections));
+        folder.write("x.sh", "#!/bin/sh\ntouch \"$(dirname \"$0\")/it-ran\"\n");
+        std::fs::set_permissions(folder.path("x.sh"), std::fs::Permissions::from_mode(0o755)).unwrap();
+        for words in [&["study", "STUDY.toml"][..], &["study", "STUDY.toml", "--dry-run"]] {
+            let run = folder.run(words);
+            assert_eq!(run.code, 2, "{sections}: {}", run.stderr);
+            assert!(!folder.path("it-ran").exists(), "{sections}");
+        }
+    }
+    // The command line may name one.
+    let folder = folder(&tiny_then(&format!("[mesh]\n{conforming}")));
+    folder.write("x.sh", "#!/bin/sh\ntouch \"$(dirname \"$0\")/it-ran\"\n");
+    std::fs::set_permissions(folder.path("x.sh"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    folder.run(&["study", "STUDY.toml", "--dry-run", "--gmsh", "./x.sh"]);
+    assert!(folder.path("it-ran").exists());
+}
+
+/// The shared case study_two_processes.py: 6 of 8 pairs had false failures.
+#[test]
+fn a_second_process_in_one_folder_is_refused_and_spoils_nothing() {
+    let study = "spec = 'small.toml'\noutputs = ['g.csv']\n[over]\nseed = { from = 1, to = 25 }\n";
+    let (twice, straight) = (folder(study), folder(study));
+    assert_eq!(straight.run(&["study", "STUDY.toml", "-q"]).code, 0);
+    let mut first = twice.command(&["study", "STUDY.toml", "-q"]).spawn().expect("it starts");
+    while cases(&twice).is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    for more in [&[][..], &["--force"], &["--retry-failed"], &["--jobs", "2"]] {
+        let second = twice.run(&[&["study", "STUDY.toml", "-q"][..], more].concat());
+        assert_eq!(second.code, 1, "{}", second.stderr);
+        assert!(second.stderr.starts_with("error: study is in use by "), "{}", second.stderr);
+    }
+    // Looking is allowed.
+    assert_eq!(twice.run(&["study", "STUDY.toml", "--dry-run"]).code, 0);
+    assert!(first.wait().expect("an end").success());
+    for name in cases(&straight) {
+        for file in ["case.json", "model.json", "g.csv"] {
+            let file = format!("study/{name}/{file}");
+            assert_eq!(twice.read(&file), straight.read(&file), "{file}");
+        }
+    }
+    assert_eq!(twice.read("study/table.csv"), straight.read("study/table.csv"));
+}
+
+#[test]
+fn a_changed_file_of_materials_changes_the_cases_that_use_it() {
+    let study = "[solve]\nelement-size-mm = 5\nmaterials = 'a.toml'\n[over]\nsolve.materials = ['a.toml', 'b.toml']\n";
+    let folder = folder(&tiny_then(study));
+    folder.write("a.toml", "[materials.mortar]\nyoungs_modulus_mpa = 25000\n");
+    folder.write("b.toml", "[materials.mortar]\nyoungs_modulus_mpa = 26000\n");
+    let names = || -> Vec<String> {
+        let listed = folder.run(&["study", "STUDY.toml", "--dry-run"]);
+        assert_eq!(listed.code, 0, "{}", listed.stderr);
+        String::from_utf8(listed.stdout).unwrap().lines().map(str::to_owned).collect()
+    };
+    let before = names();
+    folder.write("b.toml", "[materials.mortar]\nyoungs_modulus_mpa = 27000\n");
+    let after = names();
+    assert_eq!(before[0], after[0]);
+    assert_ne!(before[1], after[1]);
 }

@@ -17,6 +17,7 @@ mod properties;
 #[path = "../property.rs"]
 mod property;
 mod reference;
+mod shadow;
 mod sieve;
 mod slow;
 mod solids;

@@ -1,4 +1,4 @@
-//! Decks of analyses, read back from their cards: what a mechanician would refuse is not in them.
+//! Decks of analyses, read back from their cards: they hold nothing that an analyst would refuse.
 
 use crate::deck_reader::{Card, Deck};
 use crate::mesh::deck;
@@ -35,7 +35,7 @@ fn lattice(itz: ItzForm, joined: Joined, volumes: Volumes) -> Mesh {
     meshed(MeshOptions { method: Method::FITTED, itz, joined, volumes, element_size_mm: 2.0, ..Default::default() })
 }
 
-// What several tests look at. Joined aggregates kept, without and with cohesive elements.
+// Meshes that several tests share. Joined aggregates kept, without and with cohesive elements.
 static KEPT: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::None, Joined::Keep, Volumes::Fitted));
 static COHESIVE: LazyLock<Mesh> = LazyLock::new(|| lattice(ItzForm::Cohesive, Joined::Keep, Volumes::Fitted));
 // Parted by whole cells, without and with an ITZ, and by cut ones; cut, with the grains' volumes.
@@ -48,7 +48,7 @@ fn compression() -> DeckOptions {
     DeckOptions { analysis: Analysis::Compression, ..Default::default() }
 }
 
-/// What the mesh's own cells say, not the counts of its notes.
+/// Counts nodes shared by cores from the mesh's cells, not from its notes.
 fn shared_by_cores(mesh: &Mesh) -> usize {
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
     for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
@@ -357,7 +357,7 @@ fn side_cut() -> Mesh {
 }
 
 #[test]
-fn the_step_is_told_by_its_cards() {
+fn a_deck_has_the_cards_of_its_step() {
     let mut options = compression();
     (options.loading.duration_s, options.loading.time_increment_s, options.loading.frames) = (0.01, 2e-7, 3);
     let deck = Deck::read(&deck(&SMEARED, &options));
@@ -434,8 +434,8 @@ fn the_stable_time_step_is_a_bound_and_not_far_from_the_longest() {
 }
 
 #[test]
-fn mass_scaling_is_told_by_phase() {
-    // Voxels of 1 mm: 1 / (c sqrt(3)), and the mass goes with the square of what is missing.
+fn a_mesh_report_has_the_mass_scaling_of_each_phase() {
+    // Voxels of 1 mm: 1 / (c sqrt(3)), and the mass grows with the square of the missing factor.
     let mesh = meshed(MeshOptions { itz: ItzForm::None, element_size_mm: 1.0, ..Default::default() });
     let materials = Materials::default();
     let step = 5e-7;

@@ -61,7 +61,7 @@ pub(crate) fn elastic() -> DeckOptions {
     DeckOptions { analysis: Analysis::Elastic, ..Default::default() }
 }
 
-/// That of a deck and the files beside it.
+/// Young's modulus from a deck and the files beside it, MPa.
 pub(crate) fn modulus_of(deck: &str, files: &[(&str, &str)], area: f64) -> Option<f64> {
     let [bottom, top] = reactions(deck, files)?;
     for axis in 0..3 {
@@ -138,7 +138,7 @@ fn calculix_reads_the_geometry_through_include() {
     let mesh = mesh::build(&packed(), &options, &Tools::default()).unwrap();
     let whole = deck(&mesh, &elastic());
     let geometry = deck(&mesh, &DeckOptions { geometry_only: true, ..elastic() });
-    // A user's own deck: what follows the geometry, after one line.
+    // A user's own deck: one line that includes the geometry, then the rest of the deck.
     let rest = &whole[whole.find("*MATERIAL").unwrap()..];
     let own = format!("*INCLUDE, INPUT=geometry.inp\n{rest}");
     let Some(included) = modulus_of(&own, &[("geometry.inp", &geometry)], AREA_MM2) else { return };
@@ -157,7 +157,7 @@ pub(crate) fn gmsh(surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
     Ok(std::fs::read(folder.path().join("volumes.msh")).unwrap())
 }
 
-/// What CalculiX 2.20 cannot read of the explicit decks; docs/decks.md lists the same.
+/// Keywords of the explicit decks that CalculiX 2.20 cannot read; docs/decks.md lists them, too.
 const UNKNOWN_TO_CALCULIX: [&str; 15] = [
     "*COHESIVESECTION",
     "*CONCRETECOMPRESSIONDAMAGE",

@@ -1,4 +1,4 @@
-//! The check finds what is planted, and nothing else.
+//! The check finds planted faults, and nothing else.
 
 use crate::models::{box_body, model_of};
 use meso_core::Model;
@@ -21,7 +21,7 @@ fn cube(x: f64, y: f64, z: f64) -> Polyhedron {
     box_body([x, y, z], [x + 4.0, y + 4.0, z + 4.0])
 }
 
-/// What is found in the bodies: models made by hand are of no seed, and their reports fit none.
+/// Findings in the bodies. Models made by hand have no seed, and their reports fit none.
 fn findings(model: &Model) -> Vec<Finding> {
     let by_hand = |finding: &Finding| matches!(finding, Finding::NotTaken { .. } | Finding::Report { .. });
     check(model).findings.into_iter().filter(|finding| !by_hand(finding)).collect()
@@ -77,7 +77,7 @@ fn a_gap_that_is_too_small_is_found_with_its_size() {
 }
 
 #[test]
-fn a_gap_that_lacks_one_ulp_is_found() {
+fn a_check_finds_a_gap_that_is_one_ulp_too_small() {
     let mut model = sound(vec![cube(0.0, 0.0, 0.0), cube(4.5f64.next_down(), 0.0, 0.0), cube(0.0, 0.0, 4.5)]);
     model.spec.placement.min_gap_mm = 0.5;
     let found = findings(&model);

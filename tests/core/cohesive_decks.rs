@@ -39,7 +39,7 @@ fn springs(mesh: &Mesh) -> String {
     lines
 }
 
-/// CalculiX tells stiffnesses from directions by their points.
+/// Stiffnesses have a decimal point: CalculiX distinguishes them from directions by it.
 fn spring_sections(stiffness: f64) -> String {
     (1..=3).map(|i| format!("*SPRING, ELSET=SPRING{i}\n{i}, {i}\n{stiffness:.1e}\n")).collect()
 }

@@ -1,5 +1,5 @@
-//! Periodic decks of conforming meshes: every upper node tied, and what CalculiX makes of them beside the other meshes of the
-//! same packing. (Skipped where `gmsh` or `ccx` is not installed.)
+//! Periodic decks of conforming meshes: every upper node tied, and their results in CalculiX beside the other meshes of
+//! the same packing. (Skipped where `gmsh` or `ccx` is not installed.)
 
 use crate::calculix::{as_stiff, gmsh};
 use crate::cohesive_decks::with_springs;

@@ -7,7 +7,7 @@ use meso_core::{Silent, Spec};
 use std::io;
 use std::sync::Mutex;
 
-/// What comes of a mesh whose gmsh always fails with `error`, and the sizes that it was asked for after the first, mm.
+/// The error of a mesh whose gmsh always fails with `error`, and the sizes that gmsh was asked for after the first, mm.
 fn asked(error: impl Fn() -> MeshError + Sync) -> (MeshError, Vec<f64>) {
     let mut spec = Spec { fraction: 0.2, specimen: Specimen::cube(30.0), ..Default::default() };
     (spec.placement.min_gap_mm, spec.placement.wall_gap_mm) = (0.1, 0.1);

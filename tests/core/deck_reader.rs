@@ -1,8 +1,8 @@
 //! A reader of decks that knows nothing of their writer: cards, and the model that they describe.
 //!
-//! [`Deck::read`] takes a deck's text and holds every card against the rules of the keyword guide as it goes; a broken rule is a
-//! panic that names the card. What comes out (nodes, elements, sets, surfaces, sections, materials, rigid bodies, contact, the
-//! step) is enough to run the test from the deck alone.
+//! [`Deck::read`] takes a deck's text and holds every card against the rules of the keyword guide as it goes; a broken
+//! rule is a panic that names the card. The result (nodes, elements, sets, surfaces, sections, materials, rigid bodies,
+//! contact, the step) is enough to run the test from the deck alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -115,7 +115,7 @@ pub(crate) struct Element {
     pub(crate) nodes: Vec<u64>,
 }
 
-/// What a surface is made of.
+/// Parts of a surface.
 #[derive(Clone, Debug)]
 pub(crate) enum Surface {
     /// Nodes.
@@ -278,7 +278,7 @@ impl Deck {
         });
     }
 
-    /// What cards say of each other.
+    /// References from card to card.
     fn check(&self) {
         for section in &self.sections {
             assert!(self.materials.contains_key(&section.material), "{}", section.material);

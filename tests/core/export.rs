@@ -1,14 +1,14 @@
-//! The formats that hold aggregates: what stands in them.
+//! The formats that hold aggregates: their content.
 
 use crate::models::two_boxes;
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::saved;
 use std::io::{self, Write};
 use std::path::Path;
 
 fn written(format: Format) -> Vec<u8> {
     let mut bytes = Vec::new();
-    format.write(&two_boxes(), Surfaces::default(), &mut bytes).unwrap();
+    format.write(&two_boxes(), SurfaceOptions::default(), &mut bytes).unwrap();
     bytes
 }
 
@@ -58,7 +58,7 @@ fn a_compressed_model_reads_back_to_the_same() {
 
 #[test]
 fn every_entity_that_a_step_file_names_is_there() {
-    let surfaces = Surfaces { mortar: true, ..Surfaces::default() };
+    let surfaces = SurfaceOptions { mortar: true, ..SurfaceOptions::default() };
     let mut bytes = Vec::new();
     Format::Step.write(&two_boxes(), surfaces, &mut bytes).unwrap();
     let text = String::from_utf8(bytes).unwrap();
@@ -66,7 +66,7 @@ fn every_entity_that_a_step_file_names_is_there() {
     for (number, line) in (1..).zip(&entities) {
         let (own, of) = line.split_once('=').unwrap();
         assert_eq!(own, format!("#{number}"));
-        // A reader meets everything before what names it.
+        // A reader meets every entity before the entities that name it.
         let named = of.split('#').skip(1).map(|rest| rest.split(|c: char| !c.is_ascii_digit()).next().unwrap());
         assert!(named.map(|name| name.parse::<usize>().unwrap()).all(|name| name < number), "{line}");
     }
@@ -137,9 +137,9 @@ fn a_writer_that_fails_anywhere_is_reported() {
     for format in Format::ALL {
         let length = written(format).len();
         for room in (0..length).step_by(11) {
-            let error = format.write(&two_boxes(), Surfaces::default(), FullDisk { room }).unwrap_err();
+            let error = format.write(&two_boxes(), SurfaceOptions::default(), FullDisk { room }).unwrap_err();
             assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{format:?} after {room} bytes");
         }
-        assert!(format.write(&two_boxes(), Surfaces::default(), FullDisk { room: length }).is_ok());
+        assert!(format.write(&two_boxes(), SurfaceOptions::default(), FullDisk { room: length }).is_ok());
     }
 }

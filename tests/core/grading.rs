@@ -66,7 +66,7 @@ fn a_sieve_table_is_met_on_its_sieves_and_linear_in_log_d_between() {
 }
 
 #[test]
-fn what_gbt_14685_retains_is_turned_into_what_passes() {
+fn shares_retained_after_gbt_14685_become_shares_that_pass() {
     let rows = Standard::Gb5To20.rows();
     assert_eq!(rows[2], (9.5, 20.0, 60.0), "40 to 80 % are retained on 9.5 mm");
     assert_eq!(rows[4], (26.5, 100.0, 100.0), "nothing is retained on 26.5 mm");
@@ -127,7 +127,7 @@ fn an_astm_size_of_three_digits_spans_the_sizes_it_is_made_of() {
     assert_eq!(Standard::Astm7.rows()[2], (9.5, 40.0, 70.0));
 }
 
-/// Of each size its nominal limits, mm, as the standard has them.
+/// Each size with its nominal limits, mm, from the standard.
 #[test]
 fn every_size_of_astm_c33_has_its_name_and_nine_tenths_within_its_limits() {
     for (size, d_min, d_max) in [

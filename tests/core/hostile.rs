@@ -5,7 +5,7 @@ use meso_core::spec::Spec;
 use meso_core::{Silent, pack, saved};
 use std::time::{Duration, Instant};
 
-/// What each target is fed with, before it is mutated.
+/// Inputs of each target before they are mutated.
 fn seeds(target: &str) -> Vec<Vec<u8>> {
     let recipes = || meso_core::recipes::Recipe::ALL.iter().map(|recipe| recipe.text.as_bytes().to_vec());
     match target {
@@ -67,7 +67,7 @@ impl Chance {
     }
 }
 
-/// What breaks numbers, lists and lengths.
+/// Words that break numbers, lists and lengths.
 const WORDS: [&[u8]; 16] = [
     b"-1",
     b"0",

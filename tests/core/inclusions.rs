@@ -4,13 +4,13 @@ use crate::models::two_boxes;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::check::{Finding, check};
 use meso_core::export::abaqus;
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::geometry::Polyhedron;
 use meso_core::images::Images;
 use meso_core::math::{Vec3, longest_distance};
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
 use meso_core::packing::StopReason;
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, Silent, Spec, pack, page, saved};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -41,7 +41,7 @@ fn of(model: &Model, kind: Kind) -> Vec<&Aggregate> {
     model.inclusions.iter().filter(|body| body.kind == kind).collect()
 }
 
-/// Every phase within half of its largest body of what was asked.
+/// Asserts that every phase is within half of its largest body of its target.
 fn assert_delivered(model: &Model) {
     let whole = model.spec.specimen.volume();
     for (phase, asked) in model.report.phases.iter().zip([0.03, 0.01]) {
@@ -103,14 +103,16 @@ fn fibres_point_in_all_directions() {
         let along = fibres.iter().map(|fibre| (fibre.body.aabb().size()[axis] / 20.0).powi(2));
         along.sum::<f64>() / fibres.len() as f64
     };
-    // One third each; what the box of a thick fibre adds, and walls that turn fibres along them, stays below 0.12.
+    // One third each; the box of a thick fibre, and walls that turn fibres along them, add less than 0.12.
     assert!(fibres.len() > 100);
     (0..3).for_each(|axis| assert!((mean_square(axis) - 1.0 / 3.0).abs() < 0.12, "{}", mean_square(axis)));
 }
 
 /// Mean square of the cosine between the fibres' axes and z.
 fn along_z(model: &Model) -> f64 {
-    let figures = Statistics::of(model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap().phases;
+    let figures = Statistics::of(model, &StatisticsOptions { lines: 64, points: 64, ..StatisticsOptions::default() })
+        .unwrap()
+        .phases;
     figures.iter().find_map(|figures| figures.orientation).expect("there are fibres").tensor[2][2]
 }
 
@@ -156,7 +158,7 @@ fn fibres_leave_the_voids_that_were_taken_as_they_are() {
 }
 
 #[test]
-fn what_crosses_a_periodic_face_meets_no_image() {
+fn inclusions_that_cross_a_periodic_face_meet_no_image() {
     let text = BOTH.replace("side_mm = 50", "side_mm = 50, periodic = ['x', 'y', 'z']");
     let model = packed(&text);
     assert_delivered(&model);
@@ -169,7 +171,7 @@ fn what_crosses_a_periodic_face_meets_no_image() {
 
 fn bytes(model: &Model, format: Format) -> Vec<u8> {
     let mut bytes = Vec::new();
-    format.write(model, Surfaces::default(), &mut bytes).unwrap();
+    format.write(model, SurfaceOptions::default(), &mut bytes).unwrap();
     bytes
 }
 
@@ -305,7 +307,7 @@ fn surfaces_are_written_with_the_phase_they_bound() {
 #[test]
 fn the_page_shows_voids_and_fibres_and_only_where_there_are_some() {
     let page_of = |model: &Model| {
-        let options = Options { lines: 100, points: 100, ..Options::default() };
+        let options = StatisticsOptions { lines: 100, points: 100, ..StatisticsOptions::default() };
         let mut out = Vec::new();
         page::write(model, &Statistics::of(model, &options).unwrap(), None, &mut out).unwrap();
         String::from_utf8(out).unwrap()
@@ -329,7 +331,8 @@ fn a_phase_of_which_nothing_is_placed_holds_nothing_and_not_less() {
 #[test]
 fn statistics_and_tables_count_voids_and_fibres_apart_from_the_aggregates() {
     let model = both();
-    let figures = Statistics::of(&model, &Options { lines: 64, points: 64, ..Options::default() }).unwrap();
+    let figures =
+        Statistics::of(&model, &StatisticsOptions { lines: 64, points: 64, ..StatisticsOptions::default() }).unwrap();
     assert!((figures.fraction - model.report.fraction).abs() < 1e-9, "of the aggregates alone");
     assert_eq!(figures.phases.iter().map(|figures| figures.phase).collect::<Vec<_>>(), [Kind::Void, Kind::Fibre]);
     for (figures, reported) in figures.phases.iter().zip(&model.report.phases) {

@@ -51,7 +51,7 @@ fn drop_key(value: &mut Value, key: &str) {
     value.as_object_mut().unwrap().remove(key).unwrap();
 }
 
-/// Leaves the first `count` aggregates, and renumbers what follows.
+/// Keeps the first `count` aggregates, and renumbers the inclusions.
 fn keep(file: &mut Value, count: usize) {
     file["aggregates"].as_array_mut().unwrap().truncate(count);
     let inclusions = file["inclusions"].as_array_mut().unwrap();

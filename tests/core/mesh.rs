@@ -1,4 +1,4 @@
-//! Voxel meshes and what decks say of them.
+//! Voxel meshes, and the decks of them.
 
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::{abaqus, vtu_mesh};
@@ -117,7 +117,7 @@ fn sub_samples_outvote_the_centre() {
 
 #[test]
 fn a_thin_shell_takes_no_votes_from_its_aggregate() {
-    // Of 7 samples along x 2 lie in the core, 2 in the shell, 3 in the mortar.
+    // Along x, 2 of 7 samples lie in the core, 2 in the shell, 3 in the mortar.
     let grains = [aggregate(0, block([-9.0; 3], [0.55, 9.0, 9.0]), 0.25)];
     let options = MeshOptions { element_size_mm: 1.0, method: thin(7), ..Default::default() };
     assert_eq!(voxels(&grains, &Specimen::cube(1.0), options).phase, [Phase::Aggregate]);

@@ -92,7 +92,7 @@ fn assert_on_aggregates(model: &Model, mesh: &Mesh) {
 }
 
 #[test]
-fn the_distance_of_interfaces_tells_nodes_that_are_off_from_nodes_that_close_gaps() {
+fn interface_distance_separates_nodes_that_are_off_from_nodes_that_close_gaps() {
     let (model, mesh) = &*DENSE;
     let nodes = off(mesh, model);
     let joined = nodes.iter().filter(|(_, bodies)| *bodies > 1).count();
@@ -185,8 +185,8 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
 }
 
 /// The triangles or squares of a mesh on the box's face across `axis`, by the places of their nodes within the face, in
-/// units of 1e-6 mm: what must match the face opposite to it. How many copies cohesive elements
-/// make of a node is another matter: that hangs on the aggregates behind the face.
+/// units of 1e-6 mm. They must match the opposite face. The number of copies of a node for cohesive elements need not
+/// match: it depends on the aggregates behind the face.
 pub(crate) fn face(mesh: &Mesh, axis: usize, place: f64) -> Vec<Vec<[i64; 2]>> {
     let within = |p: &Vec3| [(axis + 1) % 3, (axis + 2) % 3].map(|i| (p[i] * 1e6).round() as i64);
     let on = |cell: &[u32]| {

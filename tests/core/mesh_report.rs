@@ -1,4 +1,4 @@
-//! What is said of a finished mesh: the worst of its cells, and the phase that it lost; of a conforming mesh in a cylinder, too.
+//! Reports of a finished mesh, conforming ones in a cylinder included: its worst cells, and the phase that it lost.
 
 use crate::calculix::gmsh;
 use crate::mesh::turned_blocks;
@@ -30,7 +30,7 @@ fn the_report_of_a_mesh_has_the_worst_of_its_cells() {
     let least = |of: &dyn Fn(&CellQuality) -> f64| cells.iter().map(of).fold(f64::INFINITY, f64::min);
     let has = |(value, index): (f64, usize), of: &dyn Fn(&CellQuality) -> f64| {
         assert_eq!((value, of(&cells[index])), (least(of), least(of)));
-        // Of equals the first.
+        // Among equals the first is reported.
         assert!(cells[..index].iter().all(|cell| of(cell) > value), "{index}");
     };
     has(report.min_dihedral_deg, &|cell| cell.min_dihedral_deg);

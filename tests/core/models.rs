@@ -1,4 +1,4 @@
-//! Small models made by hand, for the tests of what is done with a model.
+//! Small models made by hand, for tests of the work on a model.
 
 use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};

@@ -1,4 +1,4 @@
-//! Packing: what is delivered is what was asked, proved apart, and the same on any number of threads.
+//! Packing: models meet their spec, are proved apart, and are equal on any number of threads.
 
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
@@ -54,7 +54,7 @@ fn a_class_too_small_for_one_aggregate_is_named_and_is_no_jam() {
 }
 
 #[test]
-fn a_raw_curve_is_told_by_what_it_leaves_to_place() {
+fn a_report_states_the_fraction_that_a_raw_curve_leaves() {
     let text = "fraction = 0.4\nspecimen = { kind = 'cube', side_mm = 60 }\n[grading]\nform = 'raw'\nd_max_mm = 10\n";
     let report = pack(&Spec::from_toml(text).unwrap(), &Silent).unwrap().report;
     assert_eq!(report.stop_reason, StopReason::TargetReached, "{}", report.stop_detail);
@@ -77,7 +77,7 @@ fn rearrangement_delivers_every_class_and_no_overlap() {
 
 #[test]
 #[ignore = "slow tier: eight seconds of processor time"]
-fn what_jams_when_it_cools_quickly_fits_when_it_cools_slowly() {
+fn grains_that_jam_when_they_cool_quickly_fit_when_they_cool_slowly() {
     // With the momentum of lower fractions, 0.945, it jammed.
     let model = packed(&Spec { specimen: Specimen::cube(60.0), ..small(0.66) });
     assert_eq!(model.report.stop_reason, StopReason::TargetReached, "{}", model.report.stop_detail);

@@ -3,7 +3,7 @@
 use crate::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::{Finding, check};
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::geometry::Polyhedron;
 use meso_core::images::Images;
 use meso_core::math::Vec3;
@@ -177,7 +177,7 @@ fn surfaces_are_written_with_images_and_models_without() {
     let model = packed(periodic(40.0, [true; 3]), Strategy::TakeAndPlace, 0.3);
     let size = |format: Format, images| {
         let mut out = Vec::new();
-        format.write(&model, Surfaces { images, ..Default::default() }, &mut out).unwrap();
+        format.write(&model, SurfaceOptions { images, ..Default::default() }, &mut out).unwrap();
         out.len()
     };
     assert!(size(Format::Stl, Images::Whole) > size(Format::Stl, Images::None));

@@ -1,4 +1,4 @@
-//! Periodic constraints in decks: their rules, and what CalculiX makes of them (skipped where `ccx` is not installed).
+//! Periodic constraints in decks: their rules, and their results in CalculiX (skipped where `ccx` is not installed).
 
 use crate::calculix::{hashin_shtrikman, warnings};
 use crate::mesh::{aggregate, block, deck};
@@ -155,7 +155,7 @@ fn cohesive_elements_across_a_face_leave_no_node_alone_and_images_are_tied_mater
 }
 
 #[test]
-fn faces_that_do_not_match_are_told_where() {
+fn an_error_of_faces_that_do_not_match_names_the_place() {
     let specimen = Specimen::Cube { side_mm: 4.0, periodic: Periodic([true; 3]) };
     let options = MeshOptions { element_size_mm: 1.0, ..Default::default() };
     let mut mesh = mesh::build((&[], &specimen), &options, &Tools::default()).unwrap();
@@ -168,7 +168,7 @@ fn faces_that_do_not_match_are_told_where() {
     assert_eq!((kind, out.len()), (std::io::ErrorKind::InvalidInput, 0));
 }
 
-/// What CalculiX finds.
+/// Results of CalculiX.
 pub(crate) struct Solved {
     /// Displacement of every node, the reference nodes' last, mm.
     displacement: BTreeMap<usize, Vec3>,
@@ -183,12 +183,12 @@ fn solve(mesh: &Mesh, materials: Materials) -> Option<Solved> {
     solve_deck(&deck(mesh, &DeckOptions { materials, ..tied(Analysis::Elastic) }))
 }
 
-/// That of an elastic deck of a periodic box of [`SIDE_MM`].
+/// Results of an elastic deck of a periodic box of [`SIDE_MM`].
 pub(crate) fn solve_deck(text: &str) -> Option<Solved> {
     solve_for(text, "TOTALS=ONLY\nELSE\n")
 }
 
-/// That, with what is `asked` for by element set.
+/// Results of such a deck, with the output that is `asked` for by element set.
 fn solve_for(text: &str, asked: &str) -> Option<Solved> {
     let folder = tempfile::tempdir().unwrap();
     assert!(text.contains("REF_Z, 3, "));
@@ -362,7 +362,7 @@ fn a_solid_itz_in_a_fitted_periodic_lattice_is_in_balance_and_as_stiff_as_in_vox
         let modulus = modulus(&solved);
         let [low, high] = hashin_shtrikman(&PhaseVolumes::of_mesh(&mesh), &Materials::default());
         assert!(low < modulus && modulus < high, "{method:?}: {low} {modulus} {high}");
-        // What pulls on the faces: nothing but the stress along z, which does the work that the energy is.
+        // Only the stress along z pulls on the faces, and its work is the energy.
         let [xx, yy, zz, xy, xz, yz] = mean_stress(&mesh, &solved);
         assert!((-zz / (modulus * STRAIN) - 1.0).abs() < 1e-5, "{zz} {modulus}");
         assert!([xx, yy, xy, xz, yz].iter().all(|other| other.abs() < 1e-5 * zz.abs()), "{xx} {yy} {xy} {xz} {yz}");

@@ -1,4 +1,4 @@
-//! The saved model: what is written is read back, and what is not a model is refused by name.
+//! The saved model: a written model is read back, and any other file is refused by name.
 
 use crate::models::two_boxes;
 use meso_core::saved::{self, ReadError};
@@ -72,7 +72,7 @@ fn a_file_without_a_report_gets_its_figures_from_the_aggregates() {
 }
 
 #[test]
-fn what_is_wrong_with_a_file_is_named() {
+fn an_error_names_the_fault_of_a_file() {
     type Change = fn(&mut Value);
     let cases: [(Change, &str); 25] = [
         (|t| t["mesocrete"] = json!("9.0.0"), "written by mesocrete 9.0.0"),

@@ -1,4 +1,4 @@
-//! Second-order tetrahedra: nodes in the middle of edges, and what decks and CalculiX make of them.
+//! Second-order tetrahedra: nodes in the middle of edges, in decks and in CalculiX.
 
 use crate::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
 use crate::mesh::{by_hand, deck, turned_blocks};
@@ -131,6 +131,6 @@ fn calculix_finds_second_order_softer_than_first_and_above_the_lower_bound() {
     let (Some((first, _)), Some((second, volumes))) = (solve(Order::Linear), solve(Order::Quadratic)) else { return };
     let [low, high] = hashin_shtrikman(&volumes, &Materials::default());
     assert!(low < second && second < high, "{low} < {second} < {high}");
-    // The same geometry with more ways to deform.
+    // Equal geometry with more ways to deform is softer.
     assert!(second < first && first < 1.05 * second, "{first} {second}");
 }

@@ -127,7 +127,7 @@ fn grains_in_json_may_be_bare_lists_of_vertices() {
 }
 
 #[test]
-fn what_is_no_convex_grain_is_rejected_by_name() {
+fn a_grain_that_is_not_convex_is_rejected_by_name() {
     let (dented, cube) = (pyramid(-0.5), cube_stl());
     let open = dented.replacen("facet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "outer loop\nvertex 0 0 1\n", 1);
     let beyond = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,1,9]]}]";

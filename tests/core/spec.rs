@@ -1,4 +1,4 @@
-//! What a SPEC.toml may say, and what is answered where it may not.
+//! Keys and values that a SPEC.toml may have, and the errors of others.
 
 use crate::bad_specs::REJECTED;
 use meso_core::materials::{Elastic, Materials, Strength};
@@ -52,7 +52,7 @@ fn errors_name_the_line() {
 }
 
 #[test]
-fn wrong_types_and_wrong_values_are_told_apart() {
+fn an_error_distinguishes_wrong_types_from_wrong_values() {
     let is_wrong_type = |text| Spec::from_toml(text).unwrap_err().is_wrong_type;
     assert!(is_wrong_type("fraction = 'x'"));
     assert!(["fraction = 2", "seed = -1", "sed = 1", "seed 1"].into_iter().all(|text| !is_wrong_type(text)));

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Packs `specimen` by `strategy`; the fraction is what it reaches easily.
+/// Packs `specimen` by `strategy`, at a fraction that the strategy reaches easily.
 fn packed(specimen: Specimen, strategy: Strategy, wall_gap_mm: f64) -> Model {
     let fraction = if strategy == Strategy::TakeAndPlace { 0.3 } else { 0.45 };
     let mut spec = Spec { fraction, specimen, ..Spec::default() };
@@ -196,8 +196,8 @@ fn grains_lie_inside_a_dogbone() {
         let low = if x > 50.0 { 0.0 } else { 20.0 - r + (r * r - x * x).sqrt() };
         (v.y - low).min(100.0 - low - v.y)
     };
-    // The arcs' chords lie within 0.005 mm, on the side of the specimen; by the side of an arc the distance is less than
-    // what is measured across.
+    // The arcs' chords lie within 0.005 mm, on the side of the specimen; beside an arc the distance is less than across
+    // the specimen.
     assert_inside(&specimen, |v| side(v).min(v.z).min(25.0 - v.z).min(v.x).min(150.0 - v.x) + 0.006);
 }
 
@@ -299,7 +299,7 @@ fn nested(at: f64, hollow: bool) -> Specimen {
     Specimen::Mesh { vertices_mm, triangles, built: Built::default() }
 }
 
-/// Writes down what it is told; its clock goes on by a hundredth of a second whenever it is asked.
+/// Records all stages; its clock advances by a hundredth of a second at every question.
 #[derive(Default)]
 struct Diary {
     told: Mutex<Vec<(Stage, f64)>>,
@@ -377,7 +377,7 @@ fn a_class_that_fits_into_no_component_of_a_surface_is_named_before_the_work() {
 }
 
 #[test]
-fn grains_too_large_for_a_specimen_in_pieces_are_left_out_and_told() {
+fn grains_too_large_for_a_specimen_in_pieces_are_left_out_and_reported() {
     let mut spec = Spec { fraction: 0.2, specimen: cubes(10.0), ..Spec::default() };
     for strategy in [Strategy::TakeAndPlace, Strategy::Rearrange] {
         spec.placement.strategy = strategy;

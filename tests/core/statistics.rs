@@ -5,7 +5,7 @@ use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::{Rotation, Vec3};
 use meso_core::specimen::{Periodic, Specimen};
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, Silent, Spec, pack};
 use std::sync::LazyLock;
 
@@ -24,7 +24,7 @@ fn model(side_mm: f64, bodies: Vec<Polyhedron>) -> Model {
 }
 
 fn measured(side_mm: f64, bodies: Vec<Polyhedron>) -> Statistics {
-    let options = Options { lines: 8_000, points: 100_000, ..Options::default() };
+    let options = StatisticsOptions { lines: 8_000, points: 100_000, ..StatisticsOptions::default() };
     Statistics::of(&model(side_mm, bodies), &options).unwrap()
 }
 
@@ -88,7 +88,7 @@ fn far_points_of_a_real_packing_are_independent() {
     let mut spec = Spec { fraction: 0.35, specimen: Specimen::cube(100.0), ..Spec::default() };
     spec.grading.classes_mm = vec![5.0, 10.0];
     spec.grading.d_max_mm = 10.0;
-    let found = Statistics::of(&pack(&spec, &Silent).unwrap(), &Options::default()).unwrap();
+    let found = Statistics::of(&pack(&spec, &Silent).unwrap(), &StatisticsOptions::default()).unwrap();
     let far: Vec<f64> = found
         .correlation
         .lag_mm
@@ -112,14 +112,16 @@ fn correlations_of_a_periodic_packing_meet_their_limits() {
     let grading = "grading = { d_min_mm = 4, d_max_mm = 12 }";
     let text = "fraction = 0.5\nspecimen = { kind = 'box', size_mm = [40, 45, 50], periodic = ['x', 'y', 'z'] }\n";
     let model = pack(&Spec::from_toml(&format!("{text}{grading}")).unwrap(), &Silent).unwrap();
-    let found = Statistics::of(&model, &Options::default()).unwrap();
+    let found = Statistics::of(&model, &StatisticsOptions::default()).unwrap();
     let (f, slope) = (found.fraction, -found.specific_surface_per_mm / 4.0);
     let c = &found.correlation;
     assert!(close(c.slope_per_mm, slope, 0.01), "slope {}, -s/4 {slope}", c.slope_per_mm);
     assert!(close(c.mean_chord_mm, -f / slope, 0.01), "mean chord {}, 4 f / s {}", c.mean_chord_mm, -f / slope);
     let far = &c.two_point[40..60];
     assert!(close(far.iter().sum::<f64>() / 20.0, f * f, 0.02), "{far:?} against {}", f * f);
-    let near = Statistics::of(&model, &Options { lag_mm: 0.01, lags: 2, ..Options::default() }).unwrap().correlation;
+    let near = Statistics::of(&model, &StatisticsOptions { lag_mm: 0.01, lags: 2, ..StatisticsOptions::default() })
+        .unwrap()
+        .correlation;
     for curve in [&near.two_point, &near.lineal_path] {
         assert!(close(curve[0], f, 0.01), "{} at 0, f is {f}", curve[0]);
         assert!(close((curve[1] - curve[0]) / 0.01, slope, 0.01), "{curve:?}, -s/4 {slope}");
@@ -143,7 +145,7 @@ fn the_nearest_aggregate_may_be_an_image_far_beyond_a_face() {
     let nearest = |x: &[f64]| {
         let mut model = model(100.0, x.iter().map(|&x| ball(Vec3::new(x, 50.0, 50.0), 3.0)).collect());
         model.spec.specimen = Specimen::Cube { side_mm: 100.0, periodic: Periodic([true, false, false]) };
-        Statistics::of(&model, &Options { lines: 0, points: 0, ..Options::default() })
+        Statistics::of(&model, &StatisticsOptions { lines: 0, points: 0, ..StatisticsOptions::default() })
             .unwrap()
             .nearest_distance_mm
             .unwrap()
@@ -192,7 +194,7 @@ fn balls_are_equant_and_nearly_spheres() {
 #[test]
 fn statistics_do_not_depend_on_the_number_of_threads() {
     let model = model(60.0, balls());
-    let options = Options { lines: 500, points: 20_000, ..Options::default() };
+    let options = StatisticsOptions { lines: 500, points: 20_000, ..StatisticsOptions::default() };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| Statistics::of(&model, &options).unwrap())
@@ -206,7 +208,14 @@ fn absurd_options_are_bounded() {
     for (lag_mm, layer_mm) in
         [(1e-300, 1e-300), (0.0, 0.0), (-1.0, -1.0), (f64::NAN, f64::NAN), (f64::INFINITY, f64::INFINITY)]
     {
-        let options = Options { lines: 3, points: 50, lag_mm, layer_mm, lags: u32::MAX, ..Options::default() };
+        let options = StatisticsOptions {
+            lines: 3,
+            points: 50,
+            lag_mm,
+            layer_mm,
+            lags: u32::MAX,
+            ..StatisticsOptions::default()
+        };
         let found = Statistics::of(&model, &options).unwrap();
         assert!(found.correlation.lag_mm.len() <= 10_001 && found.wall_effect.depth_mm.len() <= 1000);
         assert!(!found.correlation.lag_mm.is_empty());

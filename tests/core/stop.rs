@@ -1,13 +1,13 @@
 //! Work that nobody waits for any more ends at once.
 //!
-//! What is measured is the processor time of the threads that work: a busy machine does not change it.
+//! The tests measure the processor time of the working threads, which a busy machine does not change.
 
 use meso_concrete::stop::{Stopped, listen};
 use meso_core::check::check;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::{self, MeshError, MeshOptions, Method, Tools};
 use meso_core::specimen::Specimen;
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::{ImageOptions, Quantity, VoxelImage};
 use meso_core::watch::Stage;
 use meso_core::{Model, Silent, Spec, Watch, pack, saved};
@@ -29,11 +29,11 @@ impl Watch for Flag {
     }
 }
 
-/// When work is told to end, ms after its begin.
+/// Moments at which work is abandoned, ms after its begin.
 const MOMENTS: [u64; 3] = [10, 100, 700];
 
-/// What the thread that works longest has used, s: by the kernel where that counts, else by the clock, for a tenth, since others
-/// work as well.
+/// Processor time of the busiest thread, s: from the kernel where it counts, else a tenth of the clock's, since others
+/// work, too.
 fn used(threads: &[PathBuf], start: Instant) -> f64 {
     let nanoseconds = |path: &PathBuf| -> Option<f64> {
         std::fs::read_to_string(path.join("schedstat")).ok()?.split(' ').next()?.parse().ok()
@@ -45,7 +45,7 @@ fn used(threads: &[PathBuf], start: Instant) -> f64 {
     }
 }
 
-/// Seconds that `work` goes on after it was told to end, some time after its begin; `None` where it was done before.
+/// Seconds for which `work` goes on after it was abandoned at `begun`; `None` where it was done before.
 fn ended_after<T>(begun: Duration, work: impl FnOnce() -> T + Send) -> Option<f64> {
     let (flag, threads, start) =
         (Arc::new(Flag(AtomicBool::new(false))), Arc::new(Mutex::new(Vec::new())), Instant::now());
@@ -73,10 +73,11 @@ fn ended_after<T>(begun: Duration, work: impl FnOnce() -> T + Send) -> Option<f6
     })
 }
 
-/// Asserts that `work` ends in time whenever it is told to, at one of these moments or more.
+/// Asserts that `work` ends in time whenever it is abandoned, at one of these moments or more.
 fn ends_soon<T>(name: &str, moments: &[u64], work: impl Fn() -> T + Sync) {
     let after = |moment: u64| ended_after(Duration::from_millis(moment), &work);
-    // What lasts is late again. Where memory is short, the kernel takes some tenths of a second now and then.
+    // Work that is really late is late again. Where memory is short, the kernel takes some tenths of a second now and
+    // then.
     let ended = moments.iter().filter_map(|&moment| {
         let seconds = after(moment)?;
         let again = if seconds < MOST { None } else { after(moment) };
@@ -110,28 +111,28 @@ fn written(model: &Model) -> Vec<u8> {
 }
 
 #[test]
-fn the_reader_of_a_large_model_ends_when_it_is_told_to() {
+fn the_reader_of_a_large_model_ends_when_it_is_abandoned() {
     let text = written(&repeated(&model(60.0), 50));
     ends_soon("read", &[20, 60], || saved::read(&text).is_ok());
 }
 
 /// Work of one kind for each grain, some seconds of it, has its end after any of them.
 #[test]
-fn shapes_of_many_grains_end_when_they_are_told_to() {
+fn shapes_of_many_grains_end_when_they_are_abandoned() {
     let many = repeated(&model(40.0), 400);
     ends_soon("shapes", &[10, 100], || {
-        Statistics::of(&many, &Options { lines: 0, points: 0, ..Options::default() }).is_ok()
+        Statistics::of(&many, &StatisticsOptions { lines: 0, points: 0, ..StatisticsOptions::default() }).is_ok()
     });
 }
 
 #[test]
-fn packing_that_nobody_waits_for_ends_when_it_is_told_to() {
+fn packing_ends_when_it_is_abandoned() {
     let spec = Spec::from_toml("fraction = 0.5\nspecimen = { kind = 'cube', side_mm = 100 }").unwrap();
     ends_soon("pack", &MOMENTS, || pack(&spec, &Silent).is_ok());
 }
 
 #[test]
-fn meshes_end_when_they_are_told_to() {
+fn meshes_end_when_they_are_abandoned() {
     let model = model(60.0);
     for (method, element_size_mm) in [(Method::VOXEL, 0.25), (Method::FITTED, 0.5)] {
         let options = MeshOptions { method, element_size_mm, ..MeshOptions::default() };
@@ -140,7 +141,7 @@ fn meshes_end_when_they_are_told_to() {
 }
 
 #[test]
-fn surfaces_for_gmsh_end_when_they_are_told_to() {
+fn surfaces_for_gmsh_end_when_they_are_abandoned() {
     let model = model(60.0);
     let options = MeshOptions { method: Method::CONFORMING, element_size_mm: 0.25, ..MeshOptions::default() };
     let none = |_: &Surfaces| Err(MeshError::NeedsGmsh);
@@ -150,9 +151,9 @@ fn surfaces_for_gmsh_end_when_they_are_told_to() {
 }
 
 #[test]
-fn checks_statistics_and_images_end_when_they_are_told_to() {
+fn checks_statistics_and_images_end_when_they_are_abandoned() {
     let model = model(60.0);
-    let options = Options { lines: 10_000_000, points: 10_000_000, ..Options::default() };
+    let options = StatisticsOptions { lines: 10_000_000, points: 10_000_000, ..StatisticsOptions::default() };
     ends_soon("statistics", &MOMENTS, || Statistics::of(&model, &options).is_ok());
     ends_soon("check", &MOMENTS, || (0..1000).map(|_| check(&model).aggregates).sum::<usize>());
     for quantity in [Quantity::Share, Quantity::Distance, Quantity::Phase] {
@@ -181,7 +182,7 @@ fn slow_no_step_of_any_stage_keeps_the_end_waiting() {
     }
     let many = pack(&Spec::default(), &Silent).unwrap();
     ends_soon("check", &moments, || check(&many).aggregates);
-    let options = Options { lines: 300_000, points: 1_000_000, ..Options::default() };
+    let options = StatisticsOptions { lines: 300_000, points: 1_000_000, ..StatisticsOptions::default() };
     ends_soon("statistics", &moments, || Statistics::of(&many, &options).is_ok());
 }
 

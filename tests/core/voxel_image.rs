@@ -9,7 +9,7 @@ use meso_core::images::Images;
 use meso_core::math::{Aabb, Vec3};
 use meso_core::spec::Spec;
 use meso_core::specimen::Container;
-use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage, Voxels};
 use meso_core::{Model, Silent, pack};
 use std::io::Cursor;
 
@@ -25,7 +25,7 @@ fn packed(spec: &str) -> Model {
     pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap()
 }
 
-fn image(model: &Model, options: ImageOptions) -> (VoxelImage, Values) {
+fn image(model: &Model, options: ImageOptions) -> (VoxelImage, Voxels) {
     let image = VoxelImage::new(model, &options).unwrap();
     let layers = image.counts()[2];
     let values = image.layers(0..layers);
@@ -74,8 +74,8 @@ fn every_voxel_has_the_phase_and_the_grain_of_the_half_spaces_around_its_centre(
         let shown: Vec<Solid> = shown.iter().map(|b| (b, b.body.aabb(), b.body.planes().collect())).collect();
         let container = model.spec.specimen.container();
         let options = ImageOptions { voxel_size_mm: 0.75, ..ImageOptions::default() };
-        let (frame, Values::Label(phases)) = image(&model, options) else { panic!("phases are labels") };
-        let (_, Values::Id(grains)) = image(&model, ImageOptions { quantity: Quantity::Grain, ..options }) else {
+        let (frame, Voxels::Label(phases)) = image(&model, options) else { panic!("phases are labels") };
+        let (_, Voxels::Id(grains)) = image(&model, ImageOptions { quantity: Quantity::Grain, ..options }) else {
             panic!("grains are ids")
         };
         for (number, centre) in centres(&frame, options.voxel_size_mm).iter().enumerate() {
@@ -93,7 +93,7 @@ fn shares_add_up_to_the_fraction_and_the_shells() {
         let model = packed(spec);
         let sum = |of: ShareOf, h: f64| {
             let options = ImageOptions { voxel_size_mm: h, quantity: Quantity::Share, of, region: Region::Whole };
-            let (_, Values::Real(shares)) = image(&model, options) else { panic!("shares are reals") };
+            let (_, Voxels::Real(shares)) = image(&model, options) else { panic!("shares are reals") };
             assert!(shares.iter().all(|share| (-1e-5..=1.0 + 1e-5).contains(share)));
             shares.iter().map(|&share| f64::from(share)).sum::<f64>() * h.powi(3)
         };
@@ -135,7 +135,7 @@ fn distances_are_those_of_the_nearest_body_and_negative_inside() {
     for spec in [PERIODIC, CYLINDER] {
         let model = packed(spec);
         let options = ImageOptions { voxel_size_mm: 3.0, quantity: Quantity::Distance, ..ImageOptions::default() };
-        let (frame, Values::Real(distances)) = image(&model, options) else { panic!("distances are reals") };
+        let (frame, Voxels::Real(distances)) = image(&model, options) else { panic!("distances are reals") };
         let container = model.spec.specimen.container();
         let images = solids_around(&model, 20.0);
         let mut inside = 0;
@@ -159,9 +159,9 @@ fn distances_are_those_of_the_nearest_body_and_negative_inside() {
 fn a_box_and_a_section_are_parts_of_the_whole() {
     let model = packed(CUBE);
     let options = ImageOptions::default();
-    let (_, Values::Label(whole)) = image(&model, options) else { panic!("phases are labels") };
+    let (_, Voxels::Label(whole)) = image(&model, options) else { panic!("phases are labels") };
     let part = Region::Box { min: [4.0, 7.0, 10.0], max: [9.0, 19.0, 20.0] };
-    let (boxed, Values::Label(values)) = image(&model, ImageOptions { region: part, ..options }) else {
+    let (boxed, Voxels::Label(values)) = image(&model, ImageOptions { region: part, ..options }) else {
         panic!("phases are labels")
     };
     assert_eq!(boxed.counts(), [5, 12, 10]);
@@ -169,7 +169,7 @@ fn a_box_and_a_section_are_parts_of_the_whole() {
     assert!((0..600).all(|n| values[n] == at(4 + n % 5, 7 + n / 5 % 12, 10 + n / 60)));
     for axis in 0..3 {
         let section = ImageOptions { region: Region::Section { axis, at: 12.5 }, ..options };
-        let (shown, Values::Label(values)) = image(&model, section) else { panic!("phases are labels") };
+        let (shown, Voxels::Label(values)) = image(&model, section) else { panic!("phases are labels") };
         assert_eq!(shown.shape(), [30, 30]);
         let expected = |n: usize| {
             let mut place = [n % 30, n / 30, 0];
@@ -213,7 +213,7 @@ fn files_hold_the_values_behind_their_headers() {
 }
 
 #[test]
-fn what_cannot_be_asked_of_an_image_is_named() {
+fn an_option_that_an_image_cannot_meet_is_named() {
     let model = packed(PERIODIC);
     let error = |options: ImageOptions| VoxelImage::new(&model, &options).err().map(|error| error.to_string());
     let usual = ImageOptions::default();

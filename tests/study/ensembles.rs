@@ -9,7 +9,7 @@ fn groups(x: [[f64; 4]; 2]) -> Table {
     let plan = plan(&[("fraction", json!([0.2, 0.3])), ("seed", json!([1, 2, 3, 4]))]).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let record = |(case, x): (_, &f64)| {
-        Record::new(case, "", Ok(Map::from_iter([("x".to_owned(), json!(x))])), folder.path()).unwrap()
+        Record::new(case, "", Ok(Map::from_iter([("x".to_owned(), json!(x))])).into(), folder.path()).unwrap()
     };
     let records: Vec<_> = plan.cases.iter().zip(x.as_flattened()).map(record).collect();
     ensemble(&tabulate(&plan.keys, &records), &plan.keys, "seed")
@@ -42,7 +42,7 @@ fn the_mean_is_known_once_its_interval_is_one_percent() {
 }
 
 #[test]
-fn quantiles_are_students() {
+fn quantiles_equal_students_t() {
     // scipy.stats.t.ppf(0.975, n).
     for (degrees, expected) in [
         (1, 12.706_204_736_174_694),

@@ -1,8 +1,10 @@
 //! Tests of studies: combinations, hashes, records, tables.
 
 mod ensembles;
+mod names;
 mod plans;
 mod records;
+mod runs;
 mod tables;
 
 use meso_files::Beside;

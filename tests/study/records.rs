@@ -1,7 +1,7 @@
-//! What a folder says about its case, whole or torn.
+//! State of a case by its folder, whole, torn or damaged.
 
 use crate::plan;
-use meso_study::{Case, MODEL, RECORD, Record, State, Status};
+use meso_study::{Case, MODEL, Outcome, RECORD, Record, State, Status};
 use serde_json::{Map, json};
 use std::path::Path;
 
@@ -11,7 +11,7 @@ fn done() -> (tempfile::TempDir, Case) {
     let case = plan(&[("seed", json!([7]))]).unwrap().cases.remove(0);
     std::fs::write(folder.path().join(MODEL), "{...}").unwrap();
     let results = Map::from_iter([("fraction".to_owned(), json!(0.2))]);
-    Record::new(&case, "f", Ok(results), folder.path()).unwrap().save(folder.path(), ()).unwrap();
+    Record::new(&case, "f", Ok(results).into(), folder.path()).unwrap().save(folder.path(), ()).unwrap();
     (folder, case)
 }
 
@@ -52,7 +52,7 @@ fn another_spec_is_open_and_another_function_keeps_the_packing() {
 }
 
 #[test]
-fn what_a_killed_run_left_goes_away() {
+fn remains_of_a_killed_run_are_removed() {
     let (folder, case) = done();
     let temporary = folder.path().join(".mesocrete-x1.tmp");
     std::fs::write(&temporary, "half").unwrap();
@@ -66,7 +66,59 @@ fn what_a_killed_run_left_goes_away() {
 #[test]
 fn a_failure_keeps_its_message() {
     let (folder, case) = done();
-    Record::new(&case, "", Err("no room".to_owned()), folder.path()).unwrap().save(folder.path(), ()).unwrap();
+    Record::new(&case, "", Err("no room".to_owned()).into(), folder.path()).unwrap().save(folder.path(), ()).unwrap();
     let State::Over(record) = State::of(&case, "", folder.path()) else { panic!("it is not over") };
     assert_eq!((record.status, record.error.as_deref()), (Status::Failed, Some("no room")));
+}
+
+#[test]
+fn a_record_with_a_flipped_bit_never_counts() {
+    let (folder, case) = done();
+    let path = folder.path().join(RECORD);
+    let whole = std::fs::read(&path).unwrap();
+    let right = State::of(&case, "f", folder.path());
+    let mut refused = 0;
+    // Every third bit of some 5,000: a digit of the result, a key, a blank, the hash itself.
+    for bit in (0..8 * whole.len()).step_by(3) {
+        let mut damaged = whole.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        std::fs::write(&path, &damaged).unwrap();
+        match State::of(&case, "f", folder.path()) {
+            State::Open => refused += 1,
+            // A blank that became another blank.
+            other => assert_eq!(other, right, "bit {bit}"),
+        }
+    }
+    assert!(refused > 1200, "{refused}");
+}
+
+#[test]
+fn a_damaged_packing_of_the_right_length_is_packed_anew() {
+    let (folder, case) = done();
+    std::fs::write(folder.path().join(MODEL), "{..,}").unwrap();
+    assert_eq!(State::of(&case, "g", folder.path()), State::Open);
+}
+
+/// The shared case then_results.py: one of the two values was lost.
+#[test]
+fn results_with_one_name_in_the_table_fail_their_case() {
+    let (folder, case) = done();
+    let results = json!({ "a.b": 1, "a": { "b": 2 } });
+    let outcome = Ok(results.as_object().unwrap().clone()).into();
+    let record = Record::new(&case, "", outcome, folder.path()).unwrap();
+    assert_eq!(record.status, Status::Failed);
+    assert!(record.error.unwrap().contains("two results have the name \"a.b\""));
+}
+
+#[test]
+fn a_record_has_the_warnings_of_its_spec_and_of_its_work() {
+    let (folder, _) = done();
+    let case = plan(&[("placement.attempts", json!([9])), ("placement.strategy", json!(["rearrange"]))])
+        .unwrap()
+        .cases
+        .remove(0);
+    let outcome = Outcome { results: Ok(Map::new()), warnings: vec!["coarse".to_owned()] };
+    let record = Record::new(&case, "", outcome, folder.path()).unwrap();
+    assert!(record.warnings[0].starts_with("attempts count for"), "{:?}", record.warnings);
+    assert_eq!(record.warnings[1], "coarse");
 }

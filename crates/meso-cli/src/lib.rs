@@ -49,6 +49,16 @@ pub fn validate(args: impl IntoIterator<Item = OsString>) -> Result<(), String> 
     cli.command.validate().map_err(|failure| failure.message().to_owned())
 }
 
+/// Reads a STUDY.toml that names no other file, and plans it, as `mesocrete study` does before its work: the files that each
+/// case would write. It opens no file and runs no program.
+///
+/// # Errors
+/// The message about an invalid study.
+#[doc(hidden)]
+pub fn validate_study(text: &str) -> Result<Vec<Vec<std::path::PathBuf>>, String> {
+    commands::study::validate(text).map_err(|failure| failure.message().to_owned())
+}
+
 fn dispatch(command: Command) -> Result<u8, Failure> {
     match command {
         Command::Pack(args) => commands::pack::run(&args),

@@ -62,18 +62,18 @@ pub fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -> Vec<A
     aggregates.iter().cloned().chain(images).collect()
 }
 
-/// What is made of bodies, by their ids; images have the id of their body.
+/// Values made of bodies, found by the bodies' ids; images have the id of their body.
 pub struct ById<T>(Vec<(u32, T)>);
 
 impl<T> ById<T> {
-    /// What `made` makes of each of `bodies`; their order stays among those of one id.
+    /// Applies `made` to each of `bodies`. Values of one id keep the order of their bodies.
     pub fn new<'a>(bodies: &'a [Aggregate], made: impl Fn(&'a Aggregate) -> T) -> Self {
         let mut by_id: Vec<(u32, T)> = bodies.iter().map(|body| (body.id, made(body))).collect();
         by_id.sort_by_key(|body| body.0);
         Self(by_id)
     }
 
-    /// That of body `id` and of its images.
+    /// Iterates over the values of body `id` and of its images.
     pub fn images(&self, id: u32) -> impl Iterator<Item = &T> {
         let start = self.0.partition_point(|body| body.0 < id);
         self.0[start..].iter().take_while(move |body| body.0 == id).map(|(_, made)| made)

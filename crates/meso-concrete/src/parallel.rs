@@ -1,4 +1,4 @@
-//! Loops shared among threads. What names rayon's iterators is compiled once, for a call through a pointer: a loop of its own
+//! Loops shared among threads. The code that names rayon's iterators is compiled once, and calls a pointer: one loop
 //! for each type of result was a sixth of this crate's code.
 //!
 //! Items are cut into runs, [`RUNS`] a thread at the most. Each item passes a [`stop::point`], 2 ns, unless a name says that
@@ -44,7 +44,7 @@ pub fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
     map_with(count, || (), |(), i| of(i))
 }
 
-/// `of(scratch, i)` for every number below `count`; a run of numbers shares what `scratch` makes.
+/// `of(scratch, i)` for every number below `count`; each run of numbers has one scratch.
 pub fn map_with<S, T: Send>(
     count: usize,
     scratch: impl Fn() -> S + Sync,
@@ -62,7 +62,7 @@ pub fn map_with<S, T: Send>(
 /// Short items for one [`stop::point`].
 const SHORT: usize = 1 << 10;
 
-/// As [`map`], for many short items: written where they stay, with a [`stop::point`] for every thousand.
+/// Like [`map`], for many short items: they are written in their place, with a [`stop::point`] for every thousand.
 pub fn map_short<T: Copy + Default + Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let mut items = vec![T::default(); count];
     each_short_mut(&mut items, |i, item| *item = of(i));
@@ -121,12 +121,12 @@ pub fn each_mut<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) {
     each_mut_with(items, || (), |(), i, item| of(i, item));
 }
 
-/// As [`each_mut`], for many short items: with a [`stop::point`] for every thousand.
+/// Like [`each_mut`], for many short items: with a [`stop::point`] for every thousand.
 pub fn each_short_mut<T: Send>(items: &mut [T], of: impl Fn(usize, &mut T) + Sync) {
     chunks_mut(items, SHORT, |chunk, items| (chunk * SHORT..).zip(items).for_each(|(i, item)| of(i, item)));
 }
 
-/// Calls `of` for every item, its number and what `scratch` makes, which a run of items shares.
+/// Calls `of` with every item, its number and a scratch, which a run of items shares.
 pub fn each_mut_with<S, T: Send>(
     items: &mut [T],
     scratch: impl Fn() -> S + Sync,
@@ -186,13 +186,13 @@ mod tests {
     }
 
     #[test]
-    fn the_first_find_is_told() {
+    fn find_yields_the_first_hit_in_order() {
         assert_eq!(find(10_000, |i| (i % 4000 == 3999).then_some(i)), Some(3999));
         assert_eq!(find(10_000, |_| None::<()>), None);
     }
 
     #[test]
-    fn the_first_error_is_told() {
+    fn try_map_yields_the_first_error_in_order() {
         assert_eq!(try_map(1000, |i| if i % 400 == 399 { Err(i) } else { Ok(i) }), Err(399));
         assert_eq!(try_map(3, Ok::<_, ()>), Ok(vec![0, 1, 2]));
     }

@@ -29,7 +29,7 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Its name.
+    /// Name of the stage, as users see it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Read => "read",
@@ -97,28 +97,28 @@ impl Waiting<'_> {
     }
 }
 
-/// One measure of several stages, 0 to 1: it never falls, whatever order and threads the shares come in. Stages before the
-/// first one that is told of are left out: few specimens have a surface to read.
+/// One measure of several stages, 0 to 1: it never falls, whatever order and threads the shares come in. Stages before
+/// the first reported one do not count: few specimens have a surface to read.
 #[derive(Debug)]
 pub struct Measure {
     /// The stages in their order, with the share of the time that each takes, roughly.
     plan: Vec<(Stage, f64)>,
     /// Bits of the largest measure: those of positive numbers are in the numbers' order.
     most: AtomicU64,
-    /// Place in the plan of the stage that was told of first; of none, [`usize::MAX`].
+    /// Index of the first reported stage; [`usize::MAX`] before any report.
     first: AtomicUsize,
-    /// Place in the plan of the latest stage.
+    /// Index of the latest reported stage.
     latest: AtomicUsize,
 }
 
 impl Measure {
-    /// Of stages in their order, with weights.
+    /// A measure of these stages, in their order, with their weights.
     pub fn new(plan: &[(Stage, f64)]) -> Self {
         let [first, latest] = [usize::MAX, 0].map(AtomicUsize::new);
         Self { plan: plan.to_vec(), most: AtomicU64::new(0), first, latest }
     }
 
-    /// Takes in the share of a stage; a stage that is not in the plan and a share that is no number count for nothing.
+    /// Receives the share of a stage. Ignores a stage that is not in the plan; NaN counts as 0.
     pub fn tell(&self, stage: Stage, share: f64) {
         let Some(place) = self.plan.iter().position(|planned| planned.0 == stage) else { return };
         let first = match self.first.compare_exchange(usize::MAX, place, Ordering::Relaxed, Ordering::Relaxed) {
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn stages_before_the_first_that_is_told_of_count_for_nothing() {
+    fn stages_before_the_first_reported_one_count_for_nothing() {
         let plan = [(Stage::Read, 6.0), (Stage::Take, 1.0), (Stage::Place, 3.0)];
         let (with, without) = (Measure::new(&plan), Measure::new(&plan));
         with.tell(Stage::Read, 0.5);

@@ -76,6 +76,11 @@ impl Held {
         &self.path
     }
 
+    /// Closes the file and leaves the folder locked: for a forked process, whose parent holds the folder.
+    pub fn leave(mut self) {
+        drop(self.file.take());
+    }
+
     /// False on a file system without locks, where others cannot be kept out.
     pub fn is_exclusive(&self) -> bool {
         self.is_exclusive

@@ -86,11 +86,11 @@ impl<K: Keeper> Unit<K> {
 
     /// Gives every file its name, in the order in which they were filled.
     ///
-    /// What takes long comes before the first name: a process that is killed between two names leaves new files beside
-    /// old ones, and between them lies one call of the system.
+    /// All slow work comes before the first renaming: a process that is killed between two names leaves new files
+    /// beside old ones, and between them lies one call of the system.
     ///
     /// # Errors
-    /// Where one cannot get it; those before it are then what they were. The file is named.
+    /// A file cannot be renamed; the files renamed before it are restored. The error names the file.
     pub fn commit(self) -> Result<(), (PathBuf, io::Error)> {
         let Self { keeper, is_forced, complete } = self;
         keeper.hold(|temporary_files| {
@@ -116,13 +116,13 @@ impl<K: Keeper> Unit<K> {
     }
 }
 
-/// A file that can get its name at once: what has it has a second one.
+/// A file ready to be renamed: the file that it replaces has a second name.
 struct Ready {
     file: Complete,
     before: Option<TempPath>,
 }
 
-/// A file that has its name; what had it before goes with this, unless it is put back.
+/// A file that has its name. The file that it replaced is deleted on drop, unless it is put back.
 struct Renamed {
     path: PathBuf,
     before: Option<TempPath>,
@@ -204,7 +204,7 @@ fn fill_beside<K: Keeper>(
     })?;
     let (file, temporary) = made.into_parts();
     keeper.step()?;
-    // Who could not read what is replaced cannot read what replaces it.
+    // The new file keeps the permissions of the old one.
     if let Ok(replaced) = std::fs::metadata(path) {
         file.set_permissions(replaced.permissions())?;
     }

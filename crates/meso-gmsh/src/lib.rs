@@ -59,7 +59,7 @@ impl Gmsh {
     /// Tests whether gmsh is there and runs.
     ///
     /// # Errors
-    /// [`MeshError::MissingGmsh`], with what it said where it does not run, and [`MeshError::Files`].
+    /// [`MeshError::MissingGmsh`], with the output of a gmsh that does not run, and [`MeshError::Files`].
     pub fn check(&self) -> Result<(), MeshError> {
         let running = in_new_folder()?;
         let asked = self.outcome(self.command().arg("--version"), &running, &|| false)?;
@@ -72,8 +72,8 @@ impl Gmsh {
     /// Fills `surfaces` with tetrahedra until `stop` says so; the bytes of gmsh's output.
     ///
     /// # Errors
-    /// [`MeshError::MissingGmsh`], [`MeshError::Stopped`], [`MeshError::Files`] (a full disk, too), and [`MeshError::Gmsh`]
-    /// with what gmsh had to say where it failed.
+    /// [`MeshError::MissingGmsh`], [`MeshError::Stopped`], [`MeshError::Files`] (a full disk, too), and
+    /// [`MeshError::Gmsh`] with the output of a gmsh that failed.
     pub fn run_until(&self, surfaces: &Surfaces, stop: &dyn Fn() -> bool) -> Result<Vec<u8>, MeshError> {
         let running = in_new_folder()?;
         let in_folder = |error| files(running.folder(), error);

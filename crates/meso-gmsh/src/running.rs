@@ -17,7 +17,7 @@ struct Run {
 
 /// Ends every gmsh that this process runs, and removes its files: for whoever is about to exit at once.
 ///
-/// It keeps the locks that it took: what goes on in other threads until the exit makes no new file and no new process.
+/// It keeps its locks until the process exits, so that other threads make no new file and no new process.
 pub fn end_all() {
     let all = lock(&ALL);
     for run in all.iter() {
@@ -79,7 +79,7 @@ impl Drop for Running {
         let run = self.0.take();
         let mut all = lock(&ALL);
         all.retain(|other| run.as_ref().is_none_or(|run| !Arc::ptr_eq(other, run)));
-        // The folder goes while `end_all` waits, or it would not know of what is left.
+        // The folder is removed under the lock, so that `end_all` knows which folders are left.
         drop(run);
     }
 }

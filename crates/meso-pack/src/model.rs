@@ -1,10 +1,10 @@
-//! A packed specimen: what `pack` returns, `.json` holds and every other command reads.
+//! A packed specimen: `pack` returns it, `.json` files hold it, and every other command reads it.
 
 use crate::packing::{self, Pose, Report, Request, Seconds, Strategy, Tally, Target};
 use crate::spec::{Spec, SpecError};
 use meso_collision::geometry::HullError;
 use meso_concrete::aggregate::Grain;
-use meso_concrete::aggregate::take::{Recipe, take};
+use meso_concrete::aggregate::take::{Mixture, take};
 use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::specimen::Largest;
 use meso_concrete::watch::{Silent, Stage, Watch};
@@ -15,14 +15,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// The spec.
+    /// Spec that was packed.
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
-    /// Voids in descending volume, then fibres; their ids count on. Of the report [`Report::phases`] alone speaks of
-    /// them.
+    /// Voids in descending volume, then fibres; their ids count on. In the report, only [`Report::phases`] counts them.
     pub inclusions: Vec<Aggregate>,
-    /// The result's figures.
+    /// Figures of the packing.
     pub report: Report,
 }
 
@@ -115,9 +114,9 @@ fn take_grains(spec: &Spec, watch: &dyn Watch, started: f64) -> Result<(Vec<Grai
         go_on
     };
     let Spec { grading, shape, itz, seed, .. } = spec;
-    let recipe = Recipe { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
+    let mixture = Mixture { grading, shape, itz, inclusions: &spec.inclusions(), seed: *seed, go_on: &go_on };
     let surplus = if spec.placement.chosen() == Strategy::TakeAndPlace { spec.placement.surplus } else { 0.0 };
-    let grains = take(&recipe, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
+    let grains = take(&mixture, spec.fraction, spec.specimen.volume(), surplus).map_err(|error| flat_shape(&error))?;
     Ok((grains, !stopped.into_inner()))
 }
 

@@ -3,9 +3,9 @@
 use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::{Format, ImageFormat, MeshFormat, Surfaces};
+use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
 use meso_core::mesh::{self, CellKind, Mesh, MeshTable, PhaseOff, Purpose, Tools};
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
@@ -58,7 +58,7 @@ pub(crate) fn write_model(
     model: &Model,
     path: &Path,
     overwrite: bool,
-    surfaces: Surfaces,
+    surfaces: SurfaceOptions,
     watch: &Watch,
 ) -> PyResult<()> {
     if let Some(format) = Format::from_path(path) {
@@ -82,7 +82,7 @@ pub(crate) fn write_model(
 /// `OSError`.
 pub(crate) fn write_case(model: &Model, path: &Path, watch: &Watch) -> PyResult<()> {
     let mut unit = Unit::unforced(Stop(watch));
-    let write = |out: &mut dyn Write| Format::Json.write(model, Surfaces::default(), out);
+    let write = |out: &mut dyn Write| Format::Json.write(model, SurfaceOptions::default(), out);
     fill(&mut unit, path, true, write).map_err(|error| file_error(path, error))?;
     unit.commit().map_err(|(path, error)| file_error(&path, error))
 }
@@ -93,7 +93,8 @@ fn is_page(path: &Path) -> bool {
 
 /// Writes the page that `mesocrete report` writes.
 fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyResult<()> {
-    let figures = Statistics::of(model, &Options::default()).map_err(|error| wrong_value(error.to_string()))?;
+    let figures =
+        Statistics::of(model, &StatisticsOptions::default()).map_err(|error| wrong_value(error.to_string()))?;
     write_together(&[path], overwrite, watch, |_, out| page::write(model, &figures, None, out))
 }
 

@@ -42,7 +42,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::spec::{PySpec, all_recipes, restore_spec};
     #[pymodule_export]
-    use super::study::{PyStudyPlan, study_results, study_write};
+    use super::study::{PyStudyPlan, PyStudyRun, study_results, study_write};
     #[pymodule_export]
     use super::views::colours;
     use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! The Rust part of `mesocrete.study`: cases with hashes and folder names, their state, records and tables.
+//! The Rust part of `mesocrete.study`: the plan, the run in a locked folder, records and tables.
 
 use crate::boundary::{file_error, guard};
 use crate::files;
@@ -7,8 +7,12 @@ use crate::run::beside_python;
 use crate::spec::{self, spec_error};
 use crate::tree::{self, plain};
 use meso_files::Beside;
-use meso_study::{Axis, Case, Plan, PlanError, Record, State, Status, Table, ensemble, of_packing, save_tables};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use meso_files::lock::LockError;
+use meso_study::{
+    Again, Axis, Case, Plan, PlanError, Planning, Record, Run, RunError, State, Table, ensemble, of_packing,
+    save_tables,
+};
+use pyo3::exceptions::{PyBlockingIOError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::{Map, Value};
@@ -17,7 +21,11 @@ use std::sync::Arc;
 
 /// The cases of a study.
 #[pyclass(name = "_StudyPlan", module = "mesocrete._mesocrete", frozen)]
-pub(crate) struct PyStudyPlan(Plan);
+pub(crate) struct PyStudyPlan(Arc<Plan>);
+
+/// A study while it runs; its folder is locked.
+#[pyclass(name = "_StudyRun", module = "mesocrete._mesocrete", frozen)]
+pub(crate) struct PyStudyRun(Run);
 
 /// The axes of a dict from dotted keys to iterables.
 fn axes(over: &Bound<'_, PyDict>) -> PyResult<Vec<Axis>> {
@@ -51,6 +59,19 @@ fn plan_error(error: &PlanError) -> PyErr {
     }
 }
 
+/// Listens to signals while a study is planned.
+struct Interruptible<'py> {
+    py: Python<'py>,
+    raised: Option<PyErr>,
+}
+
+impl Planning for Interruptible<'_> {
+    fn goes_on(&mut self, _: usize, _: usize) -> bool {
+        self.raised = self.py.check_signals().err();
+        self.raised.is_none()
+    }
+}
+
 #[pymethods]
 impl PyStudyPlan {
     /// Every combination of `over` laid over `spec`, as for `pack`.
@@ -58,8 +79,10 @@ impl PyStudyPlan {
     fn new(spec: Option<&Bound<'_, PyAny>>, over: &Bound<'_, PyDict>) -> PyResult<Self> {
         guard(|| {
             let (base, folder) = spec::tree_of(spec)?;
-            let plan = Plan::new(&base, &axes(over)?, &Value::Object(Map::new()), &mut Beside(&folder));
-            plan.map(Self).map_err(|error| plan_error(&error))
+            let mut planning = Interruptible { py: over.py(), raised: None };
+            let task = Value::Object(Map::new());
+            let plan = Plan::new_while(&base, &axes(over)?, &task, &mut Beside(&folder), &mut planning);
+            plan.map(|plan| Self(Arc::new(plan))).map_err(|error| planning.raised.unwrap_or_else(|| plan_error(&error)))
         })
     }
 
@@ -83,54 +106,6 @@ impl PyStudyPlan {
     /// The complete spec of a case.
     fn spec(&self, number: usize) -> PyResult<spec::PySpec> {
         Ok(spec::PySpec(self.case(number)?.spec.clone()))
-    }
-
-    /// "done", "failed", "packed" or "open": what a case's folder in `out` says; `then` is what is done beyond packing.
-    fn state(&self, number: usize, then: &str, out: PathBuf) -> PyResult<&'static str> {
-        let case = self.case(number)?;
-        Ok(match State::of(case, then, &out.join(&case.folder)) {
-            State::Over(record) if record.status == Status::Failed => "failed",
-            State::Over(_) => "done",
-            State::Packed => "packed",
-            State::Open => "open",
-        })
-    }
-
-    /// Makes a case's folder and empties it of what a killed run left; returns whether a packing that counts is there.
-    fn prepare(&self, number: usize, then: &str, out: PathBuf) -> PyResult<bool> {
-        let case = self.case(number)?;
-        let folder = out.join(&case.folder);
-        // A failed case is done again from its packing, where it has one.
-        let state = match State::of(case, then, &folder) {
-            State::Over(record) if record.files.contains_key(meso_study::MODEL) => State::Packed,
-            State::Over(_) => State::Open,
-            other => other,
-        };
-        state.prepare(&folder).map_err(|error| file_error(&folder, error))?;
-        Ok(state == State::Packed)
-    }
-
-    /// Writes a case's record: its results, or the message of its failure.
-    #[pyo3(signature = (number, then, out, results, error))]
-    fn record(
-        &self,
-        number: usize,
-        then: &str,
-        out: PathBuf,
-        results: &Bound<'_, PyDict>,
-        error: Option<String>,
-    ) -> PyResult<()> {
-        guard(|| {
-            let case = self.case(number)?;
-            let folder = out.join(&case.folder);
-            let results = match tree::from_python("the result of then", results.as_any())? {
-                Value::Object(results) => results,
-                _ => Map::new(),
-            };
-            let ended = error.map_or(Ok(results), Err);
-            let record = Record::new(case, then, ended, &folder).and_then(|record| record.save(&folder, ()));
-            record.map_err(|error| file_error(&folder, error))
-        })
     }
 
     /// Writes the tables of the cases that are over into `out`; returns the columns of the cases, and of the ensembles.
@@ -170,6 +145,64 @@ impl PyStudyPlan {
 
     fn __len__(&self) -> usize {
         self.0.cases.len()
+    }
+}
+
+fn run_error(error: RunError) -> PyErr {
+    match error {
+        RunError::Lock(LockError::Busy { .. }) => PyBlockingIOError::new_err(error.to_string()),
+        RunError::Lock(LockError::File { path, error }) | RunError::File { path, error } => file_error(&path, error),
+    }
+}
+
+#[pymethods]
+impl PyStudyRun {
+    /// Locks the folder `out` and looks which cases of `plan` are over; `then` names the work beyond packing.
+    #[new]
+    fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool) -> PyResult<Self> {
+        let again = if retry_failed { Again::Failed } else { Again::None };
+        guard(|| Run::open(Arc::clone(&plan.0), then, &out, again).map(Self).map_err(run_error))
+    }
+
+    /// Numbers of the cases that are not over.
+    #[getter]
+    fn left(&self) -> Vec<usize> {
+        self.0.left()
+    }
+
+    /// Number of the cases that are over.
+    #[getter]
+    fn over(&self) -> usize {
+        self.0.tally().over()
+    }
+
+    /// Prepares the folder of a case; returns whether its packing is there.
+    fn begin(&self, number: usize) -> PyResult<bool> {
+        guard(|| self.0.begin(number).map_err(run_error))
+    }
+
+    /// Records a case: its results as JSON, or the message of its failure.
+    #[pyo3(signature = (number, results, error))]
+    fn end(&self, number: usize, results: &str, error: Option<String>) -> PyResult<()> {
+        guard(|| {
+            let read = || serde_json::from_str::<Map<String, Value>>(results).map_err(|error| error.to_string());
+            let outcome = error.map_or_else(read, Err).into();
+            self.0.end(number, outcome, ()).map_err(run_error)
+        })
+    }
+
+    /// Writes the tables of the cases that are over, and frees the folder.
+    fn close(&self) -> PyResult<()> {
+        guard(|| {
+            let saved = self.0.save_tables(()).map(drop);
+            self.0.close();
+            saved.map_err(run_error)
+        })
+    }
+
+    /// Closes the lock in a forked process, where it belongs to the parent.
+    fn leave_lock_to_parent(&self) {
+        self.0.leave_lock_to_parent();
     }
 }
 

@@ -6,13 +6,13 @@ use sha2::{Digest, Sha256};
 
 /// Characters of a folder's name before the hash.
 const LONGEST_LABEL: usize = 100;
-/// Digits of the hash in a folder's name.
-const SHORT_HASH: usize = 10;
+/// Digits of the hash in a folder's name. With 64 bits, two of a million cases agree once in 37 million studies.
+const SHORT_HASH: usize = 16;
 
 /// One combination of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Name of its folder: its values and the beginning of its hash.
+    /// Name of the case's folder: its values and the first digits of its hash.
     pub folder: String,
     /// SHA-256, in hexadecimal digits, of version, complete spec and task as JSON with sorted keys.
     pub hash: String,
@@ -40,7 +40,7 @@ pub fn digest(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// `seed-3_fraction-0.4_1a2b3c4d5e`: it depends on the case alone, so that a longer axis keeps the folders there are.
+/// `seed-3_fraction-0.4_1a2b3c4d5e6f7a8b`: the name depends only on the case, so a longer axis keeps existing folders.
 fn folder(values: &[(&str, &Value)], hash: &str) -> String {
     let labels = values.iter().map(|(key, value)| format!("{}-{}", last(key), label(value)));
     let mut name: String = labels.collect::<Vec<_>>().join("_").chars().take(LONGEST_LABEL).collect();
@@ -54,11 +54,11 @@ fn last(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
 
-/// A value in letters that every file system knows.
+/// A value in letters that every file system accepts.
 fn label(value: &Value) -> String {
     let text = match value {
         Value::String(text) => text.clone(),
-        // Of a section its variant, of a list its length: the hash tells them apart.
+        // A section gives its variant and a list its length; the hash separates the rest.
         Value::Object(map) => map.get("kind").and_then(Value::as_str).unwrap_or("table").to_owned(),
         Value::Array(items) => format!("list{}", items.len()),
         scalar => scalar.to_string(),

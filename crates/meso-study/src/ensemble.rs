@@ -5,6 +5,8 @@
 
 use crate::student::quantile_975;
 use crate::table::{Column, Table, Values};
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// The axis whose cases are repetitions, unless another one is named.
 pub const REPLICATE: &str = "seed";
@@ -40,14 +42,14 @@ pub fn ensemble(table: &Table, keys: &[String], replicate: &str) -> Table {
         name: name.to_owned(),
         values: Values::Float(rows.iter().map(|row| of(&row.2)).collect()),
     };
-    let whole = |name: &str, of: fn(&Figure) -> Option<i64>| Column {
+    let whole = |name: &str, of: fn(&Figure) -> Option<i128>| Column {
         name: name.to_owned(),
         values: Values::Integer(rows.iter().map(|row| of(&row.2)).collect()),
     };
     let names = rows.iter().map(|row| Some(row.1.to_owned())).collect();
     columns.extend([
         Column { name: "figure".to_owned(), values: Values::Text(names) },
-        whole("n", |figure| Some(figure.n as i64)),
+        whole("n", |figure| Some(figure.n.into())),
         number("mean", |figure| figure.mean),
         number("std", |figure| figure.std),
         number("cv", Figure::cv),
@@ -58,15 +60,17 @@ pub fn ensemble(table: &Table, keys: &[String], replicate: &str) -> Table {
     Table { columns }
 }
 
-/// The rows with the same values in all `columns`, in the order of their first one.
+/// The rows with equal values in all `columns`, in the order of each group's first row.
 fn groups(columns: &[&Column], rows: usize) -> Vec<Vec<usize>> {
     let mut found: Vec<Vec<usize>> = Vec::new();
-    let same = |a: usize, b: usize| columns.iter().all(|column| column.values.json(a) == column.values.json(b));
+    let mut place: BTreeMap<String, usize> = BTreeMap::new();
     for row in 0..rows {
-        match found.iter_mut().find(|group| same(group[0], row)) {
-            Some(group) => group.push(row),
-            None => found.push(vec![row]),
+        let values = Value::Array(columns.iter().map(|column| column.values.json(row)).collect());
+        let group = *place.entry(values.to_string()).or_insert(found.len());
+        if group == found.len() {
+            found.push(Vec::new());
         }
+        found[group].push(row);
     }
     found
 }
@@ -111,7 +115,7 @@ impl Figure {
     }
 
     /// The smallest number of repetitions of this scatter whose mean is known.
-    fn needed(&self) -> Option<i64> {
+    fn needed(&self) -> Option<i128> {
         let cv = self.cv()?;
         let is_known = |n: u64| quantile_975(n - 1) * cv <= KNOWN * (n as f64).sqrt();
         // The interval narrows with n, so that halving finds the first.
@@ -123,6 +127,6 @@ impl Figure {
             let middle = low + (high - low) / 2;
             (low, high) = if is_known(middle) { (low, middle) } else { (middle + 1, high) };
         }
-        Some(low as i64)
+        Some(low.into())
     }
 }

@@ -1,6 +1,7 @@
 //! The record of a case in its folder: `case.json`, written last and as a whole.
 
-use crate::case::Case;
+use crate::case::{Case, digest};
+use crate::results::repeated;
 use meso_files::whole::{Keeper, Output, UNFINISHED, Unit};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -26,97 +27,151 @@ pub struct Record {
     pub then: String,
     /// The axes' values.
     pub values: Map<String, Value>,
-    /// How it ended.
+    /// Whether the case has its results.
     pub status: Status,
-    /// Why it failed.
+    /// Why the case failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// Its results.
+    /// Warnings of the spec, the mesh and the test.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// The results; empty where the case failed.
     pub results: Map<String, Value>,
     /// Every other file of the folder and its length, bytes.
     pub files: BTreeMap<String, u64>,
+    /// SHA-256 of the saved model, which other work may start from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model_sha256: Option<String>,
+    /// SHA-256 of this record as compact JSON with an empty `sha256`. A damaged record counts as absent.
+    #[serde(default)]
+    pub sha256: String,
 }
 
 /// How a case ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// With its results.
+    /// The case has its results.
     Done,
-    /// With an error, which is kept.
+    /// The case has an error, which is kept.
     Failed,
 }
 
 /// An error of a case, as its record keeps it.
 pub type Failed = String;
 
+/// Results or failure of a case, and its warnings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// The results, or the message of the failure.
+    pub results: Result<Map<String, Value>, Failed>,
+    /// Warnings on the way.
+    pub warnings: Vec<String>,
+}
+
 /// State of a case according to its folder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum State {
-    /// Nothing is there, or what a killed run left.
+    /// The folder is empty, or holds the remains of a killed run.
     Open,
-    /// The packing is there; what is done with it has changed.
+    /// The packing is complete; the work on it has changed.
     Packed,
     /// Done or failed: nothing is left to do.
     Over(Box<Record>),
 }
 
+impl From<Result<Map<String, Value>, Failed>> for Outcome {
+    fn from(results: Result<Map<String, Value>, Failed>) -> Self {
+        Self { results, warnings: Vec::new() }
+    }
+}
+
 impl Record {
     /// The record of a case whose files are all in `folder`.
     ///
+    /// Results of which a table could keep only one fail the case.
+    ///
     /// # Errors
     /// Where the folder cannot be read.
-    pub fn new(case: &Case, then: &str, ended: Result<Map<String, Value>, Failed>, folder: &Path) -> io::Result<Self> {
-        let status = if ended.is_ok() { Status::Done } else { Status::Failed };
-        let error = ended.as_ref().err().cloned();
-        Ok(Self {
+    pub fn new(case: &Case, then: &str, outcome: Outcome, folder: &Path) -> io::Result<Self> {
+        let results = outcome.results.and_then(|results| match repeated(&results) {
+            Some(name) => Err(format!("two results have the name {name:?} in the table; rename one of them")),
+            None => Ok(results),
+        });
+        let mut record = Self {
             mesocrete: env!("CARGO_PKG_VERSION").to_owned(),
             case: case.folder.clone(),
             hash: case.hash.clone(),
             then: then.to_owned(),
             values: case.values.iter().cloned().collect(),
-            status,
-            error,
-            results: ended.unwrap_or_default(),
+            status: if results.is_ok() { Status::Done } else { Status::Failed },
+            error: results.as_ref().err().cloned(),
+            warnings: case.spec.doubts().into_iter().chain(outcome.warnings).collect(),
+            results: results.unwrap_or_default(),
             files: files(folder)?,
-        })
+            model_sha256: None,
+            sha256: String::new(),
+        };
+        if record.files.contains_key(MODEL) {
+            record.model_sha256 = Some(model_digest(folder)?);
+        }
+        record.sha256 = record.seal();
+        Ok(record)
     }
 
-    /// Writes the record into `folder`, whole or not at all; `keeper` knows of temporary files.
+    /// Reads the record in `folder`; `None` where it is missing, torn or damaged.
+    fn read(folder: &Path) -> Option<Self> {
+        let bytes = std::fs::read(folder.join(RECORD)).ok()?;
+        let record: Self = serde_json::from_slice(&bytes).ok()?;
+        (record.sha256 == record.seal()).then_some(record)
+    }
+
+    /// Hash of all other fields.
+    fn seal(&self) -> String {
+        let bare = Self { sha256: String::new(), ..self.clone() };
+        digest(serde_json::to_string(&bare).expect("a record is a tree of values").as_bytes())
+    }
+
+    /// Writes the record into `folder`, whole or not at all; `keeper` removes temporary files after a signal.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn save<K: Keeper>(&self, folder: &Path, keeper: K) -> io::Result<()> {
         save(folder, RECORD, Unit::unforced(keeper), |file| {
             serde_json::to_writer_pretty(&mut *file, self)?;
             writeln!(file)
         })
     }
+
+    /// Whether the saved model in `folder` is the recorded one, byte for byte.
+    pub(crate) fn has_model(&self, folder: &Path) -> bool {
+        self.model_sha256.is_some() && model_digest(folder).ok() == self.model_sha256
+    }
+}
+
+fn model_digest(folder: &Path) -> io::Result<String> {
+    Ok(digest(&std::fs::read(folder.join(MODEL))?))
 }
 
 impl State {
-    /// Looks into a case's `folder`; `then` as in [`Record`]. Files that are not as long as their record says count as
-    /// absent: a machine that lost its power may leave such.
+    /// Looks into a case's `folder`; `then` is the field of [`Record`]. Files that are shorter or longer than recorded count
+    /// as absent: a power failure may leave such.
     pub fn of(case: &Case, then: &str, folder: &Path) -> Self {
-        let Ok(bytes) = std::fs::read(folder.join(RECORD)) else { return Self::Open };
-        let Ok(record) = serde_json::from_slice::<Record>(&bytes) else { return Self::Open };
-        let is_whole = |name: &str| {
-            let length = std::fs::metadata(folder.join(name)).map(|file| file.len());
-            record.files.get(name).is_some_and(|wanted| length.is_ok_and(|length| length == *wanted))
+        let Some(record) = Record::read(folder).filter(|record| record.hash == case.hash) else { return Self::Open };
+        let is_whole = |(name, length): (&String, &u64)| {
+            std::fs::metadata(folder.join(name)).is_ok_and(|file| file.len() == *length)
         };
-        if record.hash != case.hash {
-            return Self::Open;
-        }
-        if record.then == then && record.files.keys().all(|name| is_whole(name)) {
+        if record.then == then && record.files.iter().all(is_whole) {
             return Self::Over(Box::new(record));
         }
-        if is_whole(MODEL) { Self::Packed } else { Self::Open }
+        if record.has_model(folder) { Self::Packed } else { Self::Open }
     }
 
-    /// Empties `folder` of what a killed run left, and makes it where it is not there; a packing that counts is kept.
+    /// Makes `folder` where it is missing, and removes the record and the remains of a killed run; a packing that counts is
+    /// kept.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// Errors of the file system.
     pub fn prepare(&self, folder: &Path) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
         for name in [RECORD, MODEL] {
@@ -127,7 +182,7 @@ impl State {
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            if is_unfinished(&name) {
+            if is_hidden(&name) && name.ends_with(UNFINISHED.1) {
                 remove(&entry.path())?;
             }
         }
@@ -135,8 +190,9 @@ impl State {
     }
 }
 
-fn is_unfinished(name: &str) -> bool {
-    name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1)
+/// Whether a file is one of our temporary files or locks.
+fn is_hidden(name: &str) -> bool {
+    name.starts_with(UNFINISHED.0)
 }
 
 fn remove(path: &Path) -> io::Result<()> {
@@ -146,13 +202,13 @@ fn remove(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Every file in `folder` but the record, and its length.
+/// Every file in `folder` but the record and hidden ones, and its length.
 fn files(folder: &Path) -> io::Result<BTreeMap<String, u64>> {
     let mut found = BTreeMap::new();
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let (name, data) = (entry.file_name().to_string_lossy().into_owned(), entry.metadata()?);
-        if data.is_file() && name != RECORD && !is_unfinished(&name) {
+        if data.is_file() && name != RECORD && !is_hidden(&name) {
             found.insert(name, data.len());
         }
     }

@@ -1,47 +1,50 @@
 //! The table of a study: one row a case, one column a quantity.
 
 use crate::record::{Record, Status};
-use serde_json::{Map, Value};
+use crate::results::flatten;
+use serde_json::{Map, Number, Value};
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-/// Columns of the same length.
+/// Columns of equal length.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// From the left.
+    /// Columns from left to right.
     pub columns: Vec<Column>,
 }
 
 /// A quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// E.g. `fraction`, `solve.peak_mpa`.
+    /// Name, e.g. `fraction` or `solve.peak_mpa`.
     pub name: String,
-    /// From the top.
+    /// Values from top to bottom.
     pub values: Values,
 }
 
-/// Values of one type; none where a case has no such value.
+/// Values of one type; `None` where a case has no value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Yes and no.
+    /// Truth values.
     Bool(Vec<Option<bool>>),
-    /// Whole numbers.
-    Integer(Vec<Option<i64>>),
+    /// Whole numbers of up to 64 bits, with or without a sign.
+    Integer(Vec<Option<i128>>),
     /// Numbers.
     Float(Vec<Option<f64>>),
-    /// Texts; also what is of no single type, as JSON.
+    /// Texts. Values of mixed types are JSON texts.
     Text(Vec<Option<String>>),
 }
 
-/// One row for each record: `case`, the axes' `keys`, `status`, the results by name, `error`. Results that are tables become
-/// columns with dotted names; lists stay in the records alone.
+/// Names of columns that every table has, beside the axes.
+const FIXED: [&str; 4] = ["case", "status", "warnings", "error"];
+
+/// One row for each record: `case`, the axes' `keys`, `status`, the results by name, `warnings`, `error`. Results that are
+/// tables become columns with dotted names; lists stay in the records.
 pub fn tabulate(keys: &[String], records: &[Record]) -> Table {
-    let flat: Vec<Map<String, Value>> = records.iter().map(flatten).collect();
+    let flat: Vec<Map<String, Value>> = records.iter().map(|record| flatten(&record.results).collect()).collect();
     let mut names: Vec<&str> = flat.iter().flat_map(|row| row.keys().map(String::as_str)).collect();
     names.sort_unstable();
     names.dedup();
-    // A result that has the name of an axis, like the fraction reached, is told apart.
-    let shown = |name: &str| if is_taken(keys, name) { format!("result.{name}") } else { name.to_owned() };
     let column = |name: String, value: &dyn Fn(usize) -> Option<Value>| Column {
         name,
         values: typed((0..records.len()).map(value).collect()),
@@ -50,35 +53,32 @@ pub fn tabulate(keys: &[String], records: &[Record]) -> Table {
     columns.extend(keys.iter().map(|key| column(key.clone(), &|i| records[i].values.get(key).cloned())));
     let status = |i: usize| Some(Value::from(if records[i].status == Status::Done { "done" } else { "failed" }));
     columns.push(column("status".to_owned(), &status));
-    columns.extend(names.iter().map(|name| column(shown(name), &|i| flat[i].get(*name).cloned())));
+    let titles = titles(keys, &names);
+    columns.extend(names.iter().zip(titles).map(|(name, title)| column(title, &|i| flat[i].get(*name).cloned())));
+    let warnings = |i: usize| Some(records[i].warnings.join("; ")).filter(|text| !text.is_empty()).map(Value::from);
+    columns.push(column("warnings".to_owned(), &warnings));
     columns.push(column("error".to_owned(), &|i| records[i].error.clone().map(Value::from)));
     Table { columns }
 }
 
-fn is_taken(keys: &[String], name: &str) -> bool {
-    ["case", "status", "error"].contains(&name) || keys.iter().any(|key| key == name)
-}
-
-/// The scalar results by dotted names.
-fn flatten(record: &Record) -> Map<String, Value> {
-    let mut flat = Map::new();
-    for (name, value) in &record.results {
-        flatten_into(&mut flat, name.clone(), value);
-    }
-    flat
-}
-
-fn flatten_into(flat: &mut Map<String, Value>, name: String, value: &Value) {
-    match value {
-        Value::Object(map) => map.iter().for_each(|(key, inner)| flatten_into(flat, format!("{name}.{key}"), inner)),
-        Value::Array(_) | Value::Null => {}
-        scalar => {
-            flat.insert(name, scalar.clone());
+/// Column names of the results `names`, each unique: `result.` precedes a name that an axis or a fixed column has.
+fn titles(keys: &[String], names: &[&str]) -> Vec<String> {
+    let is_reserved = |name: &str| FIXED.contains(&name) || keys.iter().any(|key| key == name);
+    let mut used: BTreeSet<String> =
+        names.iter().filter(|name| !is_reserved(name)).map(|name| (*name).to_owned()).collect();
+    let mut title = |name: &str| {
+        let mut title = name.to_owned();
+        if is_reserved(name) {
+            while is_reserved(&title) || !used.insert(title.clone()) {
+                title.insert_str(0, "result.");
+            }
         }
-    }
+        title
+    };
+    names.iter().map(|name| title(name)).collect()
 }
 
-/// The narrowest type that holds all values.
+/// The narrowest type that holds all values exactly.
 fn typed(values: Vec<Option<Value>>) -> Values {
     let all = |is: fn(&Value) -> bool| values.iter().flatten().all(is) && values.iter().any(Option::is_some);
     fn each<T>(values: &[Option<Value>], of: impl Fn(&Value) -> Option<T>) -> Vec<Option<T>> {
@@ -86,17 +86,26 @@ fn typed(values: Vec<Option<Value>>) -> Values {
     }
     if all(Value::is_boolean) {
         Values::Bool(each(&values, Value::as_bool))
-    } else if all(Value::is_i64) {
-        Values::Integer(each(&values, Value::as_i64))
-    } else if all(Value::is_number) {
+    } else if all(|value| whole(value).is_some()) {
+        Values::Integer(each(&values, whole))
+    } else if all(|value| value.is_number() && is_exact(value)) {
         Values::Float(each(&values, Value::as_f64))
     } else {
         Values::Text(each(&values, |value| Some(value.as_str().map_or_else(|| value.to_string(), str::to_owned))))
     }
 }
 
+fn whole(value: &Value) -> Option<i128> {
+    value.as_i64().map(i128::from).or_else(|| value.as_u64().map(i128::from))
+}
+
+/// Whether a number keeps its value as a float: whole numbers beyond 2^53 may not.
+fn is_exact(value: &Value) -> bool {
+    whole(value).is_none_or(|number| number as f64 as i128 == number)
+}
+
 impl Values {
-    /// The text of a cell; empty for none.
+    /// The text of a cell; empty where a case has no value.
     fn cell(&self, row: usize) -> String {
         match self {
             Self::Bool(values) => values[row].map(|value| value.to_string()),
@@ -123,7 +132,7 @@ impl Values {
         self.len() == 0
     }
 
-    /// Numbers, where these are numbers.
+    /// The values as floats, or `None` for other types.
     pub(crate) fn numbers(&self) -> Option<Vec<Option<f64>>> {
         match self {
             Self::Integer(values) => Some(values.iter().map(|value| value.map(|n| n as f64)).collect()),
@@ -132,11 +141,11 @@ impl Values {
         }
     }
 
-    /// The value as JSON; null for none.
+    /// The value as JSON; null where a case has no value.
     pub fn json(&self, row: usize) -> Value {
         match self {
             Self::Bool(values) => values[row].into(),
-            Self::Integer(values) => values[row].into(),
+            Self::Integer(values) => values[row].and_then(Number::from_i128).into(),
             Self::Float(values) => values[row].into(),
             Self::Text(values) => values[row].clone().into(),
         }
@@ -149,7 +158,7 @@ impl Table {
         self.columns.first().map_or(0, |column| column.values.len())
     }
 
-    /// The column of this name.
+    /// The column with this name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
@@ -157,7 +166,7 @@ impl Table {
     /// Writes the table as CSV (RFC 4180): a line of names, then one line for each row.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Errors of `out`.
     pub fn write_csv(&self, mut out: impl Write) -> io::Result<()> {
         let names: Vec<String> = self.columns.iter().map(|column| quoted(&column.name)).collect();
         writeln!(out, "{}", names.join(","))?;
@@ -166,14 +175,6 @@ impl Table {
             writeln!(out, "{}", cells.join(","))?;
         }
         Ok(())
-    }
-
-    /// Writes the table as Parquet.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn write_parquet(&self, out: impl Write) -> io::Result<()> {
-        crate::parquet::write(self, out)
     }
 }
 

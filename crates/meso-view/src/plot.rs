@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 /// A plot of a few curves; the y axis begins at 0.
 pub struct Plot {
-    /// Above the axes.
+    /// Title above the axes.
     pub title: &'static str,
     /// Label of the x axis, with its unit.
     pub x: &'static str,
@@ -13,13 +13,13 @@ pub struct Plot {
     /// Whether the x axis is logarithmic.
     pub log_x: bool,
     /// The curves, at most three in different colours.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<Series>,
     /// Width and height, pixels.
     pub size: [f64; 2],
 }
 
 /// A named curve, or dots.
-pub struct Curve {
+pub struct Series {
     name: &'static str,
     points: Vec<(f64, f64)>,
     dots: bool,
@@ -36,7 +36,7 @@ const BOTTOM: f64 = 40.0;
 const LEGEND: f64 = 96.0;
 const ROW: f64 = 15.0;
 
-impl Curve {
+impl Series {
     /// A line through `points`.
     pub fn line(name: &'static str, points: Vec<(f64, f64)>) -> Self {
         Self { name, points, dots: false }
@@ -175,7 +175,7 @@ impl Plot {
     }
 }
 
-fn draw(curve: &Curve, colour: &str, x: &Axis, y: &Axis, out: &mut impl Write) -> io::Result<()> {
+fn draw(curve: &Series, colour: &str, x: &Axis, y: &Axis, out: &mut impl Write) -> io::Result<()> {
     let points = curve.points.iter().filter(|p| p.1.is_finite()).map(|&(px, py)| (x.at(px), y.at(py)));
     if curve.dots {
         for (px, py) in points {
@@ -222,7 +222,7 @@ mod tests {
             x: "",
             y: "",
             log_x: false,
-            curves: curves.iter().map(|points| Curve::line("a", points.to_vec())).collect(),
+            curves: curves.iter().map(|points| Series::line("a", points.to_vec())).collect(),
             size: Plot::SMALL,
         };
         let corner = |curves: &[&[(f64, f64)]]| {

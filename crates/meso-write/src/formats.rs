@@ -1,7 +1,7 @@
 //! Formats of packings, meshes and images; the file's extension names the format.
 
 use crate::export::abaqus::{self, DeckOptions};
-use crate::export::raster::{Values, npy, png, tif, vti};
+use crate::export::raster::{Voxels, npy, png, tif, vti};
 use crate::export::step::Block;
 use crate::export::{csv, glb, msh, obj, ply, pvtu, step, stl, vtu, vtu_mesh};
 use crate::page;
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// How the aggregates' surfaces are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Surfaces {
+pub struct SurfaceOptions {
     /// Treatment of aggregates that cross a face of a periodic specimen.
     pub images: Images,
     /// Whether the data of a `.vtu` and a `.vtp` are compressed (zlib).
@@ -39,7 +39,7 @@ pub enum Format {
     JsonGz,
     /// Surfaces as polygons.
     Vtu,
-    /// The same as poly data.
+    /// Surfaces as VTK poly data.
     Vtp,
     /// Surfaces as triangles.
     Stl,
@@ -86,7 +86,7 @@ impl Format {
         }
     }
 
-    /// Its content, in a few words.
+    /// The format's content, in a few words.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Json => "the saved model, bit for bit; every other command reads it",
@@ -116,8 +116,8 @@ impl Format {
     /// Writes `model` to `out` in this format; `surfaces` counts where the format holds surfaces.
     ///
     /// # Errors
-    /// Those of `out`; what the format cannot hold.
-    pub fn write(self, model: &Model, surfaces: Surfaces, out: impl Write) -> io::Result<()> {
+    /// Errors of `out`; values that the format cannot hold.
+    pub fn write(self, model: &Model, surfaces: SurfaceOptions, out: impl Write) -> io::Result<()> {
         let shown = || match surfaces.images {
             Images::None => model.bodies(),
             images => Cow::Owned(images.of(&model.bodies(), &model.spec.specimen)),
@@ -169,7 +169,7 @@ pub enum MeshFormat {
     Vtu,
     /// gmsh 4.1, with physical groups.
     Msh,
-    /// The same as `.vtu`, in pieces: an index, and `.vtu` files beside it.
+    /// A VTK grid in pieces: an index, and `.vtu` files beside it.
     Pvtu,
 }
 
@@ -193,9 +193,8 @@ impl MeshFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// The files that `mesh` is written as where `path` is asked for: it alone, or what goes beside it and then it. A deck
-    /// with a curve has the script that writes this down.
-    #[doc(hidden)]
+    /// The files that `mesh` is written to for `path`: first the files beside it, then `path`. A deck with a curve has
+    /// a script that extracts the curve from Abaqus.
     pub fn files(self, path: &Path, mesh: &Mesh, deck: &DeckOptions) -> Vec<MeshFile> {
         let whole = |content| MeshFile { path: path.to_owned(), content };
         if self != Self::Pvtu {
@@ -218,10 +217,9 @@ impl MeshFormat {
 }
 
 /// One of the files that a mesh is written as.
-#[doc(hidden)]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
     content: Content,
 }
@@ -231,7 +229,7 @@ enum Content {
     Whole(MeshFormat),
     Piece(usize),
     Index(Vec<String>),
-    /// Of the deck with this name.
+    /// The script of the deck with this name.
     Script(String),
 }
 
@@ -239,7 +237,7 @@ impl MeshFile {
     /// Writes this file of `mesh` to `out`; `deck` counts for decks, `compress` for `.vtu`.
     ///
     /// # Errors
-    /// Those of `out`; what a deck cannot hold.
+    /// Errors of `out`; values that a deck cannot hold.
     pub fn write(&self, mesh: &Mesh, deck: &DeckOptions, compress: bool, out: impl Write) -> io::Result<()> {
         match &self.content {
             Content::Whole(MeshFormat::Inp) => abaqus::write(mesh, deck, out),
@@ -289,7 +287,7 @@ impl ImageFormat {
         Self::ALL.into_iter().find(|format| format.extension() == extension)
     }
 
-    /// Refuses what the format cannot show.
+    /// Refuses values that the format cannot hold.
     ///
     /// # Errors
     /// The way out.
@@ -345,7 +343,7 @@ impl ImageFormat {
             (Self::Vti, _) => vti::write(&frame, image.slabs_watched(watch), out),
             (Self::Svg, Region::Section { axis, at }) => page::section(model, axis, at, &mut out),
             (Self::Png, Region::Section { .. }) => {
-                let values: Values = image.layers(0..frame.counts[2]);
+                let values: Voxels = image.layers(0..frame.counts[2]);
                 png::write(&frame, &values, out)
             }
             _ => Err(io::Error::other("a .png or .svg holds a section, and a .tif needs a file to seek in")),

@@ -6,7 +6,7 @@ use crate::outputs::{self, Target, Unit};
 use crate::progress::{Watch, of_model};
 use crate::{inputs, stderr};
 use meso_core::page;
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     outputs::distinct(&[&target], &[&args.model])?;
     let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Measure, 5.0));
     let model = inputs::model(&args.model, &watch)?;
-    let figures = args.threads.run(|| Statistics::watched(&model, &Options::default(), &watch))?;
+    let figures = args.threads.run(|| Statistics::watched(&model, &StatisticsOptions::default(), &watch))?;
     watch.finish();
     let figures = figures.map_err(|error| Failure::Run(format!("{}: {error}", args.model.display())))?;
     let mut unit = Unit::default();

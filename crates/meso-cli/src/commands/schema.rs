@@ -33,7 +33,7 @@ impl Of {
             Self::Mesh => Spec::schema_of::<MeshTable>(),
             Self::Deck => Spec::schema_of::<DeckOptions>(),
             Self::Solve => Spec::schema_of::<meso_solve::Test>(),
-            Self::Statistics => Spec::schema_of::<statistics::Options>(),
+            Self::Statistics => Spec::schema_of::<statistics::StatisticsOptions>(),
             Self::Materials => Spec::schema_of::<Materials>(),
         }
     }

@@ -10,14 +10,15 @@ use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, room, stderr};
-use folder::{Folder, Kept};
+use folder::{CHECKPOINT, Folder, Kept};
 use meso_concrete::thousands;
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{ItzForm, Mesh, MethodName, Order, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
-use meso_solve::results::{Outcome, Seconds, Snapshot, Source, sample_of};
+use meso_solve::results::{Moment, Outcome, ResultFile, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Control, Ended, Itz, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
+use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use watch::Watching;
@@ -142,6 +143,17 @@ impl Args {
         meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
         self.validate()?;
         self.settings(spec).map(drop)
+    }
+
+    /// Claims the name of every file of the results.
+    pub(super) fn claim(owner: &str, names: &mut Names) -> Result<(), NameError> {
+        let [prefix, suffix] = Moment::FILES;
+        names.claim_series(owner, prefix, suffix)?;
+        ResultFile::ALL
+            .map(ResultFile::name)
+            .into_iter()
+            .chain([CHECKPOINT])
+            .try_for_each(|name| names.claim(owner, name))
     }
 
     /// Refuses flags that no file can make right.

@@ -4,24 +4,30 @@ mod file;
 mod steps;
 
 use super::values;
-use crate::failure::{Failure, INTERRUPTED};
+use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::outputs::Signals;
 use crate::progress::{CLEAR, bar, show};
 use crate::{interrupt, stderr};
 use file::StudyFile;
-use meso_study::{Case, Plan, Record, State, Status, TABLES, save_tables};
+use meso_concrete::thousands;
+use meso_study::{Again, Case, Plan, Run, RunError, State, Status, TABLES, Tally};
 use std::io::{self, IsTerminal};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
-use steps::Steps;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use steps::Given;
+
+/// How often a line without a terminal says how far the planning is, and how often a terminal shows it.
+const LINE: Duration = Duration::from_secs(5);
+const REDRAW: Duration = Duration::from_millis(200);
 
 #[derive(clap::Args, Debug)]
 pub(crate) struct Args {
     /// Study (TOML): `spec`, a file or a table; `[over]`, the options to vary; `outputs`, `[mesh]` and `[solve]`,
     /// the work on each packing; see docs/studies.md
     study: PathBuf,
-    /// Folder of the study: a folder for each case, table.csv, table.parquet and ensemble.csv
+    /// Folder of the study: a folder for each case, table.csv and ensemble.csv
     #[arg(short, long, value_name = "DIR", default_value = "study")]
     output: PathBuf,
     /// Run failed cases again, and leave finished ones
@@ -39,6 +45,9 @@ pub(crate) struct Args {
     /// Number of threads of a case; when absent the cores are shared among the cases at the same time
     #[arg(long, value_name = "N", value_parser = values::threads, allow_negative_numbers = true)]
     threads: Option<u16>,
+    /// The program gmsh, for [mesh] and [solve] with method = "conforming"; a study's file names no program
+    #[arg(long, value_name = "PROGRAM")]
+    gmsh: Option<PathBuf>,
     /// Print only warnings and errors
     #[arg(short, long)]
     quiet: bool,
@@ -46,24 +55,53 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let file = StudyFile::read(&args.study)?;
-    let plan = file.plan()?;
-    // Before the work: whatever cannot be is named while nothing is lost.
-    let steps = plan.cases.iter().map(|case| file.steps(case, &args.output, args.threads()));
-    let steps = steps.collect::<Result<Vec<Steps>, _>>()?;
-    let states: Vec<State> = plan.cases.iter().map(|case| args.state(case)).collect();
-    if args.dry_run {
-        return list(&plan, &states);
+    let shown = Shown::new(args.quiet);
+    let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);
+    let given = Given { threads: args.threads(), gmsh: args.gmsh.clone() };
+    // Before the work: an invalid flag is named while nothing is lost.
+    for (number, case) in plan.cases.iter().enumerate() {
+        shown.count("checking flags", number, plan.cases.len());
+        let steps = file.steps(case, &args.output, &given)?;
+        steps.check(&case.spec).map_err(|failure| file.wrong(&failure))?;
     }
-    std::fs::create_dir_all(&args.output).map_err(|error| Failure::file(&args.output, &error))?;
-    let study = Study::new(args, &plan.cases, &states);
-    study.run(&steps, &states)?;
-    study.finish(&plan.keys)
+    shown.clear();
+    if args.dry_run {
+        return list(&plan, args);
+    }
+    let study = Run::open(Arc::clone(&plan), "", &args.output, args.again()).map_err(failure)?;
+    interrupt::hold().extend(study.lock_file());
+    let work = |number: usize| {
+        let case = &plan.cases[number];
+        let folder = args.output.join(&case.folder);
+        let outcome = match file.steps(case, &args.output, &given) {
+            Ok(steps) => steps.run(case, &folder),
+            Err(failure) => Err(failure.message().to_owned()).into(),
+        };
+        (!interrupt::asked()).then_some(outcome)
+    };
+    let starts = |number: usize| shown.case(study.tally(), &plan.cases[number]);
+    let ended = study.drive(args.jobs.unwrap_or(1), Signals, &starts, &work);
+    shown.clear();
+    ended.map_err(failure)?;
+    finish(&study, args)
+}
+
+/// Reads the text of a study that names no other file, and plans it: the files of every case, as the study names them. It
+/// opens no file and runs no program.
+pub(crate) fn validate(text: &str) -> Result<Vec<Vec<PathBuf>>, Failure> {
+    let Some(file) = StudyFile::alone(text)? else { return Ok(Vec::new()) };
+    let given = Given { threads: None, gmsh: None };
+    let plan = file.plan_alone()?;
+    plan.cases.iter().map(|case| Ok(file.steps(case, Path::new(""), &given)?.files())).collect()
 }
 
 impl Args {
-    /// What is left to do of a case.
-    fn state(&self, case: &Case) -> State {
-        if self.force { State::Open } else { State::of(case, "", &self.output.join(&case.folder)) }
+    fn again(&self) -> Again {
+        match (self.force, self.retry_failed) {
+            (true, _) => Again::All,
+            (false, true) => Again::Failed,
+            (false, false) => Again::None,
+        }
     }
 
     /// Threads of a case: cases at the same time share the cores.
@@ -76,11 +114,16 @@ impl Args {
     }
 }
 
+fn failure(error: RunError) -> Failure {
+    Failure::Run(error.to_string())
+}
+
 /// Prints each case's folder and whether it is done, failed or open.
-fn list(plan: &Plan, states: &[State]) -> Result<u8, Failure> {
+fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
     crate::outputs::Unit::default().fill(&crate::outputs::Target::Stdout, false, |out| {
-        plan.cases.iter().zip(states).try_for_each(|(case, state)| {
-            let word = match state {
+        plan.cases.iter().try_for_each(|case| {
+            let word = match State::of(case, "", &args.output.join(&case.folder)) {
+                _ if args.force => "open",
                 State::Over(record) if record.status == Status::Failed => "failed",
                 State::Over(_) => "done",
                 State::Open | State::Packed => "open",
@@ -91,121 +134,65 @@ fn list(plan: &Plan, states: &[State]) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// A study while it runs.
-struct Study<'a> {
-    args: &'a Args,
-    cases: &'a [Case],
-    /// By case; none of those that are open.
-    records: Mutex<Vec<Option<Record>>>,
-    /// Cases that were done before.
-    found: usize,
-    seen: bool,
+/// Writes the tables, reports the cases that failed, and returns the exit code.
+fn finish(study: &Run, args: &Args) -> Result<u8, Failure> {
+    study.save_tables(Signals).map_err(failure)?;
+    let tally = study.tally();
+    for record in study.records().iter().filter(|record| record.status == Status::Failed) {
+        stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
+    }
+    if !args.quiet {
+        let hint = if tally.failed > 0 { "; --retry-failed runs them again" } else { "" };
+        let Tally { cases, before, done, failed } = tally;
+        stderr::line(format!("{done} of {cases} cases done ({before} before), {failed} failed{hint}"));
+        TABLES.iter().for_each(|name| stderr::line(format!("wrote {}", study.out().join(name).display())));
+    }
+    if interrupt::asked() {
+        stderr::line("stopped; the same command goes on with the next case");
+        return Ok(INTERRUPTED);
+    }
+    Ok(if tally.failed > 0 { RUN } else { 0 })
 }
 
-impl<'a> Study<'a> {
-    fn new(args: &'a Args, cases: &'a [Case], states: &[State]) -> Self {
-        let seen = !args.quiet && io::stderr().is_terminal();
-        let records: Vec<Option<Record>> = states.iter().map(|state| over(state, args.retry_failed)).collect();
-        let found = records.iter().flatten().count();
-        Self { args, cases, records: Mutex::new(records), found, seen }
+/// The progress of a study, as the user sees it: a bar on a terminal, now and then a line elsewhere.
+struct Shown {
+    quiet: bool,
+    is_terminal: bool,
+    last: Mutex<Instant>,
+}
+
+impl Shown {
+    fn new(quiet: bool) -> Self {
+        Self { quiet, is_terminal: io::stderr().is_terminal(), last: Mutex::new(Instant::now()) }
     }
 
-    fn records(&self) -> MutexGuard<'_, Vec<Option<Record>>> {
-        self.records.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Does the open cases, as many at a time as asked, until all are done, one cannot be recorded or the user stops it.
-    fn run(&self, steps: &[Steps], states: &[State]) -> Result<(), Failure> {
-        let open: Vec<usize> =
-            (0..).zip(&*self.records()).filter(|(_, record)| record.is_none()).map(|(i, _)| i).collect();
-        let open = Mutex::new(open.into_iter());
-        let next = || open.lock().unwrap_or_else(PoisonError::into_inner).next();
-        let work = || -> Result<(), Failure> {
-            while let Some(number) = next().filter(|_| !interrupt::asked()) {
-                self.draw(&self.cases[number]);
-                let ended = self.case(&self.cases[number], &steps[number], &states[number]);
-                if ended.is_err() {
-                    // The others finish their cases and find nothing more to do.
-                    while next().is_some() {}
-                }
-                self.records()[number] = ended?;
-            }
-            Ok(())
-        };
-        std::thread::scope(|scope| {
-            let others: Vec<_> = (1..self.args.jobs.unwrap_or(1)).map(|_| scope.spawn(work)).collect();
-            let own = work();
-            others.into_iter().map(|other| other.join().unwrap_or(Err(Failure::Bug))).fold(own, Result::and)
-        })
-    }
-
-    /// Does a case and writes its record; none where the user stopped it.
-    fn case(&self, case: &Case, steps: &Steps, state: &State) -> Result<Option<Record>, Failure> {
-        let folder = self.args.output.join(&case.folder);
-        let fail = |error: io::Error| Failure::file(&folder, &error);
-        state.prepare(&folder).map_err(fail)?;
-        let ended = steps.run(case, &folder);
-        if interrupt::asked() {
-            return Ok(None);
+    /// How much of the work before the first case is done.
+    fn count(&self, work: &str, done: usize, cases: usize) {
+        let every = if self.is_terminal { REDRAW } else { LINE };
+        let Ok(mut last) = self.last.try_lock() else { return };
+        if self.quiet || last.elapsed() < every {
+            return;
         }
-        let record = Record::new(case, "", ended, &folder).map_err(fail)?;
-        record.save(&folder, Signals).map_err(fail)?;
-        Ok(Some(record))
+        *last = Instant::now();
+        let text = format!("{work}: {} of {} cases", thousands(done), thousands(cases));
+        if self.is_terminal { show(&format!("{CLEAR}{text}")) } else { stderr::line(text) }
     }
 
     /// The one bar of the study.
-    fn draw(&self, case: &Case) {
-        if self.seen {
-            let records = self.records();
-            let (done, cases) = (records.iter().flatten().count(), self.cases.len());
-            let bar = bar(done as f64 / cases as f64);
-            let failed = failed(records.iter().flatten());
-            show(&format!(
-                "{CLEAR}{}",
-                fit(&format!("study {bar} {done} of {cases}, {failed} failed: {}", case.folder))
-            ));
+    fn case(&self, tally: Tally, case: &Case) {
+        if !self.quiet && self.is_terminal {
+            let bar = bar(tally.over() as f64 / tally.cases as f64);
+            let text =
+                format!("study {bar} {} of {}, {} failed: {}", tally.over(), tally.cases, tally.failed, case.folder);
+            show(&format!("{CLEAR}{}", fit(&text)));
         }
     }
 
-    /// Writes the tables and says what became of the cases; the exit code.
-    fn finish(self, keys: &[String]) -> Result<u8, Failure> {
-        if self.seen {
+    fn clear(&self) {
+        if !self.quiet && self.is_terminal {
             show(CLEAR);
         }
-        let out = &self.args.output;
-        let records: Vec<Record> = self.records().iter().flatten().cloned().collect();
-        save_tables(out, keys, &records, Signals).map_err(|error| Failure::file(out, &error))?;
-        for record in records.iter().filter(|record| record.status == Status::Failed) {
-            stderr::line(format!("warning: {} failed: {}", record.case, record.error.as_deref().unwrap_or_default()));
-        }
-        if !self.args.quiet {
-            let failed = failed(&records);
-            let done = records.len() - failed;
-            stderr::line(format!(
-                "{done} of {} cases done ({} before), {failed} failed{}",
-                self.cases.len(),
-                self.found,
-                if failed > 0 { "; --retry-failed runs them again" } else { "" }
-            ));
-            TABLES.iter().for_each(|name| stderr::line(format!("wrote {}", out.join(name).display())));
-        }
-        if interrupt::asked() {
-            stderr::line("stopped; the same command goes on with the next case");
-            return Ok(INTERRUPTED);
-        }
-        Ok(0)
     }
-}
-
-/// The record of a case that needs nothing more.
-fn over(state: &State, retry_failed: bool) -> Option<Record> {
-    let State::Over(record) = state else { return None };
-    let again = retry_failed && record.status == Status::Failed;
-    (!again).then(|| (**record).clone())
-}
-
-fn failed<'a>(records: impl IntoIterator<Item = &'a Record>) -> usize {
-    records.into_iter().filter(|record| record.status == Status::Failed).count()
 }
 
 /// The text within the columns that every terminal has.

@@ -1,7 +1,7 @@
 //! Compact polyhedra in half the memory: a million grains live at once while they are placed.
 
-use super::Polyhedron;
-use super::faces::{FaceList, Faces, Indices};
+use crate::geometry::Polyhedron;
+use crate::geometry::faces::{FaceList, Faces, Indices};
 use crate::math::{Aabb, Vec3};
 
 /// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
@@ -117,7 +117,7 @@ impl CompactPolyhedron {
     }
 
     /// The faces, in the form that a body has which is worked with.
-    pub(super) fn faces(&self) -> FaceList {
+    pub(crate) fn faces(&self) -> FaceList {
         let (lists, corners) = (&self.lists[3 * self.vertex_count()..], self.corners as usize);
         let len = if self.are_triangles() { corners } else { corners + self.face_count() };
         let lists = match self.width() {

@@ -1,8 +1,8 @@
 //! A body laid out for many queries: coordinates side by side, and what decides most pairs in one cache line.
 
-use super::ellipsoid::Ellipsoids;
-use super::support::Support;
 use crate::geometry::{CompactPolyhedron, Facet, Polyhedron};
+use crate::gjk::prove::ellipsoid::Ellipsoids;
+use crate::gjk::support::Support;
 use crate::math::{Mat3, Vec3};
 use crate::simd::{Wide, widest};
 use nalgebra::{Scalar, Vector3};

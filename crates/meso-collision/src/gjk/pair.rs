@@ -1,10 +1,10 @@
 //! A pair of bodies and a displacement: its supports, and what a search finds out about it.
 
-use super::body::{Body, Group};
-use super::certificate::{self, Difference};
-use super::kernel::{self, Extremes, Real};
-use super::simplex::{Corners, Simplex, Vertex};
-use super::support::Support;
+use crate::gjk::body::{Body, Group};
+use crate::gjk::prove::certificate::{self, Difference};
+use crate::gjk::search::kernel::{self, Extremes, Real};
+use crate::gjk::search::simplex::{Corners, Simplex, Vertex};
+use crate::gjk::support::Support;
 use crate::math::Vec3;
 use crate::simd::Simd;
 use nalgebra::Vector3;

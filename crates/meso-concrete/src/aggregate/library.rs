@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     vertices: Vec<Vec3>,
-    /// The same of size 1, along its principal axes.
+    /// Corners scaled to size 1 and turned to the principal axes.
     unit: Vec<Vec3>,
 }
 
@@ -29,7 +29,7 @@ impl Template {
         Ok(Self { unit: body.vertices().iter().map(along).collect(), vertices })
     }
 
-    /// As given, mm.
+    /// Corners as given, mm.
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
     }

@@ -1,8 +1,8 @@
 //! Portable randomness: ChaCha8 with one stream per use, and the few laws drawn from it.
 //!
-//! A grain's numbers depend on the seed and its own stream only, never on who was drawn before it or on which thread:
-//! that is what keeps a model the same on any number of threads. Transcendental functions come from `libm`, since the
-//! platform's differ in the last bit.
+//! A grain's numbers depend on the seed and its own stream only, never on who was drawn before it or on which thread.
+//! Hence a model is the same on any number of threads. Transcendental functions come from `libm`, since the platform's
+//! differ in the last bit.
 
 use meso_collision::math::{Rotation, Vec3};
 use rand_chacha::ChaCha8Rng;

@@ -13,14 +13,14 @@ pub(crate) const ITZ_LIMIT: f64 = 0.5;
 
 /// The parts of a spec that the take needs.
 #[derive(Clone, Copy)]
-pub struct Recipe<'a> {
-    /// Sizes.
+pub struct Mixture<'a> {
+    /// Sizes of aggregates.
     pub grading: &'a Grading,
-    /// Shapes.
+    /// Shapes of aggregates.
     pub shape: &'a Shape,
-    /// ITZ.
+    /// Thickness of the ITZ.
     pub itz: &'a Itz,
-    /// Further phases.
+    /// Voids and fibres.
     pub inclusions: &'a Inclusions,
     /// Seed of all streams.
     pub seed: u64,
@@ -34,15 +34,15 @@ pub struct Recipe<'a> {
 ///
 /// # Errors
 /// A shape without volume.
-pub fn take(recipe: &Recipe, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
-    let (classes, beyond) = (recipe.grading.classes(), 1.0 + surplus);
+pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
+    let (classes, beyond) = (mixture.grading.classes(), 1.0 + surplus);
     let mut grains = Vec::new();
-    // Coarse classes first: if it ends early, they are what a packing begins with.
+    // Coarse classes come first: if the take ends early, a packing begins with them.
     for (class, limits) in (0..classes.len() as u16).zip(&classes).rev() {
         let target = fraction * volume * limits.share * beyond;
-        fill(&mut grains, target, recipe.go_on, |index| make(recipe, class, limits, index))?;
+        fill(&mut grains, target, mixture.go_on, |index| make(mixture, class, limits, index))?;
     }
-    take_inclusions(&mut grains, recipe, classes.len() as u16, volume * beyond)?;
+    take_inclusions(&mut grains, mixture, classes.len() as u16, volume * beyond)?;
     grains.shrink_to_fit();
     let last = |grain: &Grain| grain.kind != Kind::Fibre;
     // No two have the same number in the same class.
@@ -87,34 +87,34 @@ fn fill(
     }
 }
 
-fn make(recipe: &Recipe, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
+fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
     stop::point();
-    let stream = &mut Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
-    let size = recipe.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
-    let mut vertices = recipe.shape.outline(size, limits.d_min_mm, stream);
-    if recipe.grading.size == SizeDefinition::Sieve {
+    let stream = &mut Stream::new(mixture.seed, Purpose::Take, class, u64::from(index));
+    let size = mixture.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
+    let mut vertices = mixture.shape.outline(size, limits.d_min_mm, stream);
+    if mixture.grading.size == SizeDefinition::Sieve {
         let scale = size / convex_hull(&vertices)?.sieve_size();
         vertices.iter_mut().for_each(|vertex| *vertex *= scale);
     }
     let bare = Grain::turned(Kind::Aggregate, (class, index), &vertices, stream)?;
-    let drawn = stream.uniform(recipe.itz.thickness_mm[0], recipe.itz.thickness_mm[1]);
+    let drawn = stream.uniform(mixture.itz.thickness_mm[0], mixture.itz.thickness_mm[1]);
     let most = ITZ_LIMIT * f64::from(bare.inner_radius);
     Ok(Grain { itz_thickness_mm: drawn.min(most), itz_limited: drawn > most, ..bare })
 }
 
 /// Adds voids and fibres for a specimen of `volume` mm3 to the `grains`; their classes begin at `first_class`.
-fn take_inclusions(grains: &mut Vec<Grain>, recipe: &Recipe, first_class: u16, volume: f64) -> Result<(), HullError> {
-    let Inclusions { voids, fibres } = recipe.inclusions;
-    let stream = |class, index: u32| Stream::new(recipe.seed, Purpose::Take, class, u64::from(index));
+fn take_inclusions(grains: &mut Vec<Grain>, mixture: &Mixture, first_class: u16, volume: f64) -> Result<(), HullError> {
+    let Inclusions { voids, fibres } = mixture.inclusions;
+    let stream = |class, index: u32| Stream::new(mixture.seed, Purpose::Take, class, u64::from(index));
     if let Some(voids) = voids {
         let (ball, class) = (inclusions::ball(), first_class);
         let make = |index| voids.grain(&ball, (class, index), &mut stream(class, index));
-        fill(grains, voids.fraction * volume, recipe.go_on, make)?;
+        fill(grains, voids.fraction * volume, mixture.go_on, make)?;
     }
     if let Some(fibres) = fibres {
         let (prism, class) = (fibres.prism(), first_class + 1);
         let make = |index| fibres.grain(&prism, (class, index), &mut stream(class, index));
-        fill(grains, fibres.fraction * volume, recipe.go_on, make)?;
+        fill(grains, fibres.fraction * volume, mixture.go_on, make)?;
     }
     Ok(())
 }

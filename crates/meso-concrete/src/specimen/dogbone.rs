@@ -18,7 +18,7 @@ pub(super) struct Dogbone {
     pub(super) thickness: f64,
     /// The narrowest width.
     pub(super) neck: f64,
-    /// Of the straight part at the narrowest width.
+    /// Length of the straight part, where the width is the smallest, mm.
     pub(super) neck_length: f64,
     /// Radius of the arcs, which touch the neck's lines.
     pub(super) radius: f64,

@@ -32,7 +32,7 @@ impl Facets {
         self.tree.near(aabb).filter(move |&t| self.boxes[t as usize].intersects(&aabb))
     }
 
-    /// The same by number.
+    /// Numbers of the triangles whose boxes meet `aabb`, in ascending order.
     pub(super) fn near(&self, aabb: &Aabb) -> Vec<u32> {
         let mut near: Vec<u32> = self.meeting(*aabb).collect();
         near.sort_unstable();

@@ -85,9 +85,9 @@ pub enum Specimen {
         width_mm: f64,
         /// Along z, the notch's included, mm.
         depth_mm: f64,
-        /// Of the notch, from z = 0 upwards, mm.
+        /// Depth of the notch, from z = 0 upwards, mm.
         notch_depth_mm: f64,
-        /// Of the notch, along x, mm.
+        /// Width of the notch, along x, mm.
         notch_width_mm: f64,
     },
     /// A plate that narrows in round arcs to a neck in the middle of its length.
@@ -100,10 +100,10 @@ pub enum Specimen {
         thickness_mm: f64,
         /// Narrowest width, mm.
         neck_width_mm: f64,
-        /// Of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle.
+        /// Length of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle.
         #[serde(default)]
         neck_length_mm: f64,
-        /// Of the arcs, mm; they are polygons within 0.005 mm.
+        /// Radius of the arcs, mm; they are polygons within 0.005 mm.
         radius_mm: f64,
     },
     /// The convex hull of points, moved to the origin.
@@ -129,7 +129,7 @@ pub enum Specimen {
 pub struct Built {
     container: Arc<OnceLock<Arc<dyn Container>>>,
     volume: Arc<OnceLock<f64>>,
-    /// The surface that was found sound, as [`fingerprint`] tells it.
+    /// [`fingerprint`] of the surface that was found sound.
     checked: Arc<OnceLock<u64>>,
 }
 
@@ -265,7 +265,8 @@ impl Specimen {
         })
     }
 
-    /// As [`Specimen::build`], and looks for triangles that cross each other and for components nested in others.
+    /// Builds the container like [`Specimen::build`], and refuses triangles that cross each other and components nested
+    /// in others.
     ///
     /// # Errors
     /// See [`ContainerError`].
@@ -273,7 +274,7 @@ impl Specimen {
         self.check_while(Waiting { watch: &Silent, deadline: f64::INFINITY })
     }
 
-    /// As [`Specimen::check`], while somebody waits for it.
+    /// Checks like [`Specimen::check`], reports to a watch, and ends at its deadline.
     pub fn check_while(&self, waiting: Waiting<'_>) -> Result<Arc<dyn Container>, ContainerError> {
         let Self::Mesh { vertices_mm, triangles, built } = self else { return Ok(self.build()?.into()) };
         let fingerprint = fingerprint(vertices_mm, triangles);
@@ -330,7 +331,7 @@ impl Specimen {
         }
     }
 
-    /// Bounding box, mm.
+    /// Bounding box of the specimen, mm.
     pub fn aabb(&self) -> Aabb {
         match self {
             // The container of a large surface takes long to build, where it is not yet there.
@@ -339,7 +340,7 @@ impl Specimen {
         }
     }
 
-    /// Volume, mm3.
+    /// Volume of the specimen, mm3.
     pub fn volume(&self) -> f64 {
         match self {
             Self::Mesh { vertices_mm, triangles, built } => {
@@ -350,8 +351,8 @@ impl Specimen {
     }
 }
 
-/// A number that another surface hardly has: what a spec checks several times is then proved once. The turn carries the
-/// sign of a coordinate, its highest bit, on to others.
+/// Hash of a surface. A surface that a spec checks several times is proved once. The turn carries the sign of a
+/// coordinate, its highest bit, on to others.
 fn fingerprint(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> u64 {
     let corners = vertices.iter().flatten().map(|x| x.to_bits());
     let words = corners.chain(triangles.iter().flatten().map(|&index| u64::from(index)));

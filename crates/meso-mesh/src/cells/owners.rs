@@ -6,7 +6,6 @@ use rayon::prelude::*;
 
 impl Mesh {
     /// Whose cells meet at every node, of the cells alone whose numbers `counts` picks.
-    #[doc(hidden)]
     pub fn owners(&self, counts: impl Fn(usize) -> bool) -> Owners {
         Owners::among(self.by_aggregate(), counts)
     }

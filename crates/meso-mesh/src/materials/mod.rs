@@ -263,7 +263,6 @@ const CONFORMING: f64 = 1.25;
 /// 1.4 edges of the regular tetrahedron of the cell's volume in a lattice, 1.25 in a conforming mesh. The edge itself would
 /// make three soft boxes 1.7 times, and a band of a lattice in which the crack chooses its way 1.37 to 1.42 times, as tough
 /// as asked for.
-#[doc(hidden)]
 pub fn band_factor(mesh: &Mesh) -> f64 {
     let tetrahedron = if mesh.notes.conforming { CONFORMING } else { TETRAHEDRON };
     match mesh.kind {
@@ -274,7 +273,6 @@ pub fn band_factor(mesh: &Mesh) -> f64 {
 }
 
 /// Edge of the cube, or of the regular tetrahedron, that has this volume, mm.
-#[doc(hidden)]
 pub fn regular_edge(kind: CellKind, volume_mm3: f64) -> f64 {
     match kind {
         CellKind::Hexahedron => libm::cbrt(volume_mm3),

@@ -1,8 +1,8 @@
 //! The independent check of a model: everything a packing promises, proved from the saved coordinates alone.
 //!
-//! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are saved,
-//! and exact orientation signs for convexity. The grains that the spec and the seed give are made again: every body must be
-//! one of them, and the report must say what follows from them. What it finds is listed, never repaired.
+//! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are
+//! saved, and exact orientation signs for convexity. The grains that the spec and the seed give are made again: every
+//! body must be one of them, and the report must follow from them. Findings are listed, never repaired.
 
 mod inclusions;
 mod pairs;
@@ -26,7 +26,7 @@ use std::fmt;
 /// follow those of the aggregates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// Aggregates looked at.
+    /// Number of aggregates checked.
     pub aggregates: usize,
     /// Pairs whose boxes come within the asked gap of each other: those were put to the exact test.
     pub pairs_tested: u64,
@@ -159,7 +159,7 @@ impl Finding {
 }
 
 impl Check {
-    /// As [`check`], and reports which share of the work is done, 0 to 1.
+    /// Checks like [`check`], and reports to `watch` as [`Stage::Prove`].
     pub fn of(model: &Model, watch: &dyn Watch) -> Self {
         watch.stage(Stage::Prove, 0.02);
         let container = model.spec.specimen.container();

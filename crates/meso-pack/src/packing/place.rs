@@ -42,7 +42,7 @@ pub(crate) fn place(request: &Request) -> Outcome {
 
 /// Attempts of the take-and-place that follows a stop.
 const BRIEF_ATTEMPTS: u32 = 100;
-/// It may last this many seconds per grain, twice what it needs, and no longer than this share of the time left.
+/// The fallback may last this many seconds per grain, twice its need, and at most this share of the time left.
 const BRIEF_GRAIN_S: f64 = 5e-5;
 const BRIEF_SHARE: f64 = 0.25;
 /// If generation used up the time limit, the fallback gets `LATE_S`; after Ctrl-C, at most `WAITED_FOR_S`.

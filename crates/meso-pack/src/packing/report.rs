@@ -34,9 +34,9 @@ pub struct Report {
     pub phases: Vec<PhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
-    /// Why it ended.
+    /// Why the placement ended.
     pub stop_reason: StopReason,
-    /// The same in a sentence: which class or fraction fell short, and by how much.
+    /// The reason for the stop in a sentence: which class or fraction fell short, and by how much.
     pub stop_detail: String,
     /// Wall-clock seconds by stage; zero in a loaded model.
     #[serde(default)]
@@ -52,7 +52,7 @@ pub struct Report {
 pub struct SpecimenReport {
     /// As in the spec.
     pub kind: String,
-    /// mm3.
+    /// Volume of the specimen, mm3.
     pub volume_mm3: f64,
 }
 
@@ -64,9 +64,9 @@ pub struct ClassReport {
     pub d_min_mm: f64,
     /// Upper limit, mm.
     pub d_max_mm: f64,
-    /// Asked.
+    /// Fraction of the specimen asked for.
     pub target_fraction: f64,
-    /// Reached.
+    /// Fraction of the specimen reached.
     pub fraction: f64,
     /// Number of aggregates.
     pub aggregates: usize,
@@ -78,9 +78,9 @@ pub struct ClassReport {
 pub struct PhaseReport {
     /// Voids or fibres.
     pub phase: Kind,
-    /// Asked.
+    /// Fraction of the specimen asked for.
     pub target_fraction: f64,
-    /// Reached.
+    /// Fraction of the specimen reached.
     pub fraction: f64,
     /// Volume of the bodies, mm3.
     pub volume_mm3: f64,
@@ -108,17 +108,17 @@ pub enum StopReason {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Seconds {
-    /// All of it.
+    /// Whole run.
     pub total: f64,
     /// Generating the grains.
     pub take: f64,
-    /// Placing them.
+    /// Placing the grains.
     pub place: f64,
     /// Writing files.
     pub write: f64,
 }
 
-/// How many candidates or pairs each stage saw; a pair a stage decides goes no further.
+/// Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Work {
@@ -192,11 +192,11 @@ pub(crate) fn report(
     }
 }
 
-/// Stands in a report for what its file does not say.
+/// Value in a report for a figure that its file does not hold.
 pub(crate) const NOT_RECORDED: &str = "not recorded in the file";
 
 impl Report {
-    /// False where a saved model brought no report, and this one holds only what follows from its bodies.
+    /// False where a saved model brought no report, and this one was computed from its bodies.
     pub fn is_recorded(&self) -> bool {
         self.strategy != NOT_RECORDED
     }
@@ -246,7 +246,7 @@ impl PhaseReport {
         phases.map(phase).collect()
     }
 
-    /// As [`ClassReport::lack`].
+    /// Says by how much a phase fell short of its target, like [`ClassReport::lack`]; `None` where it did not.
     fn lack(&self, largest: f64) -> Option<String> {
         let percent = lack(self.target_fraction, self.fraction, largest)?;
         Some(format!("{} lack {percent}", self.phase.plural()))

@@ -14,7 +14,6 @@ mod gzip;
 mod polygons;
 mod read;
 
-#[doc(hidden)]
 pub use read::read_while;
 pub use read::{ReadError, read};
 
@@ -56,7 +55,7 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// The same, compressed.
+/// Writes the model as JSON, compressed by gzip.
 ///
 /// # Errors
 /// Those of `out`.

@@ -103,8 +103,8 @@ const LONG: usize = 16 << 20;
 const LOADED: f64 = 0.05;
 const PARSED: f64 = 0.3;
 
-/// As [`read`], while somebody waits for it: a long file and the proof of a specimen's surface of a million triangles take
-/// seconds, of which `watch` is told. A time limit of the model's spec was its packing's, and does not count here.
+/// Reads a model like [`read`], and reports to `watch`: a long file and the proof of a surface of a million triangles
+/// take seconds. A time limit of the model's spec was its packing's, and does not count here.
 ///
 /// # Errors
 /// See [`ReadError`].
@@ -176,7 +176,7 @@ fn other_kind(text: &[u8]) -> Option<&'static str> {
 /// Said of TOML.
 const A_SPEC: &str = "it is TOML, as a spec is; pack it first, and save the packing as .json";
 
-/// The same major and minor version, or an older minor one.
+/// Accepts this major version with this minor version or an older one.
 fn accept_version(found: &str) -> Result<(), ReadError> {
     let numbers = |version: &str| {
         let parts = version.split('.').map(|part| part.parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;

@@ -7,7 +7,8 @@ use serde_json::Value;
 const WIDTH: usize = 100;
 
 impl Spec {
-    /// The text of a SPEC.toml with what each key means above it, and the words that it may be. The text reads back as this spec.
+    /// The text of a SPEC.toml with the meaning of each key above it, and the words that the key accepts. The text
+    /// reads back as this spec.
     ///
     /// # Errors
     /// A seed beyond 2^63 - 1, which TOML cannot write.
@@ -35,7 +36,7 @@ fn path_of(line: &str, section: &mut Vec<String>) -> Option<Vec<String>> {
     Some([section.as_slice(), &[key.to_owned()]].concat())
 }
 
-/// What the schema says of the key at `path`.
+/// The schema's description of the key at `path`.
 fn meaning(schema: &Value, tree: &Value, path: &[String]) -> Option<String> {
     let (mut node, mut value, mut variant) = (schema, tree, schema);
     for key in path {

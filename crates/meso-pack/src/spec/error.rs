@@ -1,4 +1,4 @@
-//! An invalid spec: what, where, and the way out.
+//! An invalid spec: the fault, its place, and the remedy.
 
 use super::tree::Node;
 
@@ -8,7 +8,7 @@ use super::tree::Node;
 pub struct SpecError {
     /// Dotted path of the key, e.g. `grading.d_min_mm`; empty for a syntax error.
     pub key: String,
-    /// Continues the sentence that the key begins: the value, what is wrong with it, the accepted range.
+    /// Continues the sentence that the key begins: the value, its fault, the accepted range.
     pub message: String,
     /// Where in the SPEC.toml, from 1.
     pub line: Option<usize>,
@@ -24,7 +24,8 @@ impl SpecError {
         Self { key: key.into(), message: message.into(), line: None, is_wrong_type: false, is_late: false }
     }
 
-    /// The same error; one of a time limit that was `given` beside the spec bears the `name` of that option, and no line.
+    /// Names the option of a time limit that was `given` beside the spec, and drops the line. Other errors pass
+    /// unchanged.
     #[must_use]
     pub fn of_limit(self, given: Option<f64>, name: &str) -> Self {
         match (self.is_late, given) {
@@ -33,7 +34,7 @@ impl SpecError {
         }
     }
 
-    /// The same error with the line its key stands on in `tree`, where it is there.
+    /// Adds the line of the key in `tree`, if the tree has it.
     pub(super) fn at(mut self, tree: &Node) -> Self {
         self.line = self.line.or_else(|| tree.line_of(&self.key));
         self

@@ -34,7 +34,7 @@ use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Watch};
 use serde::{Deserialize, Serialize};
 
-/// What reading a spec needs from outside.
+/// Files, watch and time limit of a spec that is being read.
 struct Reading<'a> {
     files: &'a mut dyn Files,
     watch: &'a dyn Watch,
@@ -94,9 +94,9 @@ impl Spec {
         Self::from_toml_with(text, &mut NoFiles)
     }
 
-    /// As [`Spec::from_toml`], with `files` to read what the spec names: a sieve table (CSV) as
-    /// `curve = { kind = "sieves", file = "..." }`, grains (STL, JSON, a folder of these) as `shape.library`,
-    /// a specimen (STL) as `specimen = { kind = "mesh", file = "..." }`.
+    /// Reads and validates a SPEC.toml whose tables name other `files`: a sieve table (CSV) as `curve = { kind =
+    /// "sieves", file = "..." }`, grains (STL, JSON, a folder of these) as `shape.library`, a specimen (STL) as
+    /// `specimen = { kind = "mesh", file = "..." }`.
     ///
     /// # Errors
     /// As [`Spec::from_toml`], and where `files` fail.
@@ -104,8 +104,8 @@ impl Spec {
         Self::from_toml_while(text, files, &Silent, None)
     }
 
-    /// As [`Spec::from_toml_with`], while somebody waits for it: of a specimen of a million triangles that takes seconds.
-    /// `watch` is told of them, and of the fraction asked for; `time_limit_s` takes the place of the spec's.
+    /// Reads a spec like [`Spec::from_toml_with`], and reports to `watch`: a surface of a million triangles takes
+    /// seconds. The watch also receives the fraction asked for. `time_limit_s` replaces the spec's own limit.
     ///
     /// # Errors
     /// As [`Spec::from_toml_with`], and where the time limit ends the proof of the surface: see [`SpecError::is_late`].
@@ -126,7 +126,7 @@ impl Spec {
         Self::from_value_with(value, &mut NoFiles)
     }
 
-    /// As [`Spec::from_value`], with `files` as for [`Spec::from_toml_with`].
+    /// Reads a tree of values like [`Spec::from_value`], with `files` as in [`Spec::from_toml_with`].
     ///
     /// # Errors
     /// As [`Spec::from_toml_with`], without a line.
@@ -134,7 +134,8 @@ impl Spec {
         Self::from_value_while(value, files, &Silent, None)
     }
 
-    /// As [`Spec::from_value_with`], while somebody waits for it, as [`Spec::from_toml_while`] has it.
+    /// Reads a tree of values like [`Spec::from_value_with`], with a watch and a time limit as in
+    /// [`Spec::from_toml_while`].
     ///
     /// # Errors
     /// As [`Spec::from_toml_while`], without a line.
@@ -147,7 +148,7 @@ impl Spec {
         Self::from_tree(tree::from_json(value), &mut Reading { files, watch, time_limit_s })
     }
 
-    /// The further phases.
+    /// Voids and fibres of the spec.
     pub fn inclusions(&self) -> Inclusions {
         Inclusions { voids: self.voids, fibres: self.fibres }
     }
@@ -191,16 +192,14 @@ fn plain_fraction(tree: &tree::Node) -> Option<f64> {
 ///
 /// # Errors
 /// Names the key and the way out: unknown keys and wrong types; values are for the options' own `validate`.
-#[doc(hidden)]
 pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Value) -> Result<T, SpecError> {
     read::read(&tree::from_json(value))
 }
 
-/// As [`options_from_value`], from TOML text.
+/// Reads options outside a spec from TOML text, with a spec's errors.
 ///
 /// # Errors
 /// As [`options_from_value`], with the line; syntax.
-#[doc(hidden)]
 pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
     read::read(&tree::parse_toml(text)?)
 }

@@ -7,8 +7,8 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
 impl Spec {
-    /// The schema of a SPEC.toml, JSON Schema 2020-12: of [`Spec`], and of what stands for parts of it (`[mix]` for `fraction`, a
-    /// `file` for a sieve table or a specimen, a `library` of grains).
+    /// The schema of a SPEC.toml, JSON Schema 2020-12: of [`Spec`], and of the keys that stand for parts of it (`[mix]`
+    /// for `fraction`, a `file` for a sieve table or a specimen, a `library` of grains).
     pub fn schema() -> Value {
         let mut schema = Self::schema_of::<Self>();
         schema["title"] = "mesocrete SPEC.toml".into();
@@ -28,7 +28,7 @@ impl Spec {
 
     /// The schema of any options.
     pub fn schema_of<T: JsonSchema>() -> Value {
-        // Options are read: what has a default may be left out.
+        // Options are read, so that keys with a default may be left out.
         let settings = SchemaSettings::draft2020_12().for_deserialize();
         let schema: Schema = settings.into_generator().into_root_schema_for::<T>();
         schema.to_value()

@@ -48,7 +48,7 @@ impl Node {
         entries.iter().find(|(name, _)| name == key).map(|(_, child)| child)
     }
 
-    /// As [`Node::child`].
+    /// Finds a child by its key, to change it.
     pub(super) fn child_mut(&mut self, key: &str) -> Option<&mut Self> {
         let Value::Table(entries) = &mut self.value else { return None };
         entries.iter_mut().find(|(name, _)| name == key).map(|(_, child)| child)
@@ -143,7 +143,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The same tree from a JSON value, without lines.
+/// Makes a tree of a JSON value, without lines.
 pub(super) fn from_json(json: &Json) -> Node {
     let value = match json {
         Json::Null => Value::Null,

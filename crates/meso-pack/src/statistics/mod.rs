@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
-pub struct Options {
+pub struct StatisticsOptions {
     /// Seed of the samples.
     pub seed: u64,
     /// Random lines for the correlation functions.
@@ -48,13 +48,13 @@ pub struct Options {
     pub layer_mm: f64,
 }
 
-impl Default for Options {
+impl Default for StatisticsOptions {
     fn default() -> Self {
         Self { seed: 1, lines: 10_000, lag_mm: 0.5, lags: 81, points: 200_000, layer_mm: 1.0 }
     }
 }
 
-impl Options {
+impl StatisticsOptions {
     /// A fifth of the samples, for a page that is written beside other files: curves scatter twice as much.
     pub fn quick() -> Self {
         Self { lines: 2_000, points: 40_000, ..Self::default() }
@@ -89,7 +89,7 @@ pub struct Statistics {
     pub specific_surface_per_mm: f64,
     /// Asked and reached volume, and number, by size class.
     pub classes: Vec<ClassReport>,
-    /// Shape.
+    /// Shapes of the aggregates.
     pub shapes: Shapes,
     /// Directions of the longest axes.
     pub orientation: Orientation,
@@ -109,16 +109,16 @@ impl Statistics {
     /// Measures a packed model.
     ///
     /// # Errors
-    /// A loaded model may hold coordinates beyond what the exact distance accepts.
-    pub fn of(model: &Model, options: &Options) -> Result<Self, GjkError> {
+    /// A loaded model may hold coordinates beyond the range of the exact distance.
+    pub fn of(model: &Model, options: &StatisticsOptions) -> Result<Self, GjkError> {
         Self::watched(model, options, &Silent)
     }
 
-    /// As [`Statistics::of`], and reports which share of the work is done, 0 to 1.
+    /// Measures like [`Statistics::of`], and reports to `watch` as [`Stage::Measure`].
     ///
     /// # Errors
     /// As [`Statistics::of`].
-    pub fn watched(model: &Model, options: &Options, watch: &dyn Watch) -> Result<Self, GjkError> {
+    pub fn watched(model: &Model, options: &StatisticsOptions, watch: &dyn Watch) -> Result<Self, GjkError> {
         watch.stage(Stage::Measure, 0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());
         // Images that a point or a line in the specimen meets, and most of those that are nearest to an aggregate.
@@ -167,7 +167,7 @@ struct Sample<'a> {
     container: &'a dyn Container,
     aggregates: &'a [Aggregate],
     index: &'a Index,
-    options: &'a Options,
+    options: &'a StatisticsOptions,
 }
 
 /// The sum in list order of figures computed in parallel.

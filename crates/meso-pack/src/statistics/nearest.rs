@@ -56,7 +56,7 @@ fn nearest(aggregates: &[Aggregate], index: &Index, a: u32) -> Result<f64, GjkEr
         let mut best = f64::INFINITY;
         for (at_least, b) in candidates {
             let [a, b] = [a, b].map(|i| aggregates[i as usize].body.vertices());
-            // Most that are farther are told at a fraction of a distance's cost, which is correctly rounded.
+            // Rejecting a farther body costs a fraction of its distance, which is correctly rounded.
             if at_least < best && !(best.is_finite() && gjk::distance_exceeds(a, b, best)?) {
                 best = best.min(gjk::distance(a, b)?);
             }

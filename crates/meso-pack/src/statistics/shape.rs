@@ -47,7 +47,7 @@ pub struct Zingg {
 pub struct Orientation {
     /// Mean of a a^T over the unit vectors a along the longest axes: a third of the identity where there is no order.
     pub tensor: [[f64; 3]; 3],
-    /// Its eigenvalues, ascending; they sum to 1.
+    /// Eigenvalues of the orientation tensor, ascending; they sum to 1.
     pub eigenvalues: [f64; 3],
 }
 

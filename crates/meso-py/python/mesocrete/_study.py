@@ -1,11 +1,12 @@
 """Studies: every combination of some options, on any executor, resumable, in one table.
 
-Combinations, hashes, folder names, records and tables are Rust's (`meso-study`), the same as the command's; here cases are
-handed to executors.
+Rust's `meso-study` plans and runs them for the command and for Python: combinations, hashes, folders, records, tables. Here
+cases are handed to executors.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -15,8 +16,9 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypedDict, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from ._fingerprint import fingerprint
 from ._frames import framing
-from ._mesocrete import Packing, Spec, _study_results, _study_write, _StudyPlan, load, pack
+from ._mesocrete import Packing, Spec, _study_results, _study_write, _StudyPlan, _StudyRun, load, pack
 from ._progress import Bar
 
 if TYPE_CHECKING:
@@ -45,24 +47,30 @@ class CaseRecord(TypedDict):
     hash: str
     """Of the complete spec and the task."""
     then: str
-    """Fingerprint of `then`; empty without one."""
+    """Name of `then` with its version or its fingerprint; empty without `then`."""
     values: dict[str, object]
     """Values of the axes."""
     status: Literal["done", "failed"]
     """Whether it succeeded."""
     results: dict[str, object]
-    """What `then` returned, or the figures of the packing."""
+    """Results of `then`, or the figures of the packing."""
     error: NotRequired[str]
     """Message of the failure."""
+    warnings: NotRequired[list[str]]
+    """Warnings of the spec."""
     files: dict[str, int]
     """Every other file of the folder and its length, bytes."""
+    model_sha256: NotRequired[str]
+    """SHA-256 of the saved model."""
+    sha256: str
+    """SHA-256 of this record as compact JSON with an empty `sha256`."""
 
 
 class Study:
-    """The cases of a study and what they found; `study()` returns one."""
+    """The cases of a study and their results; `study()` returns one."""
 
     def __init__(self, plan: _StudyPlan, then: str, out: Path) -> None:
-        """Read what is in the folder `out`."""
+        """Read the study in the folder `out`."""
         self._plan = plan
         self._then = then
         self.out = out
@@ -110,7 +118,7 @@ class Study:
         """
         framed = framing(frame)
         columns = self._plan.tables(self._then, self.out)[0]
-        return framed(_arrays(columns) if frame is None else columns)
+        return framed(_arrays(columns) if frame is None else _wide(columns))
 
     @overload
     def ensemble(self, replicate: str = "seed", *, frame: None = None) -> dict[str, NDArray[np.generic]]: ...
@@ -127,7 +135,7 @@ class Study:
         """
         framed = framing(frame)
         columns = self._plan.ensemble(self._then, self.out, replicate)
-        return framed(_arrays(columns) if frame is None else columns)
+        return framed(_arrays(columns) if frame is None else _wide(columns))
 
     def __len__(self) -> int:
         """Return the number of cases."""
@@ -145,6 +153,7 @@ def study(
     over: Mapping[str, Iterable[object]] | None = None,
     *,
     then: Callable[..., object] | None = None,
+    version: str | int | None = None,
     out: str | os.PathLike[str] = "study",
     executor: Submitter | None = None,
     threads: int | None = None,
@@ -156,15 +165,18 @@ def study(
     Parameters
     ----------
     spec : None, dict, path or Spec
-        What the values of `over` are laid over, as for `pack`.
+        Options that the values of `over` replace, as for `pack`.
     over : dict
         From the dotted key of an option to its values, e.g. ``{"seed": range(20), "grading.d_max_mm": [16, 20]}``. The last
         axis runs fastest.
     then : callable, optional
-        Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; what it returns, a dict or a
+        Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; its result, a dict or a
         number, becomes columns of the table. Absent: the figures of the packing's report.
+    version : str or int, optional
+        Names the work of `then`: results are kept under it, whatever `then` contains. Absent: a fingerprint of the code of
+        `then` and of every value that it uses.
     out : path
-        The study's folder: one folder for each case with `model.json` and `case.json`, and `table.csv`, `table.parquet`,
+        The study's folder: one folder for each case with `model.json` and `case.json`, `table.csv` and
         `ensemble.csv`.
     executor : concurrent.futures.Executor or dask.distributed.Client, optional
         Runs the cases; all workers must see the folder `out`. Absent: one case after the other, here.
@@ -178,49 +190,61 @@ def study(
     Returns
     -------
     Study
-        A case is identified by the hash of its complete spec and of the source of `then`: after a kill, the same call runs
-        the remaining cases. A case that raises is recorded with its message, and the others go on.
+        A case is identified by the hash of its complete spec and by `version` or the fingerprint of `then`: after a kill, the
+        same call runs the remaining cases. A case that raises, or whose result JSON cannot hold, is recorded with its
+        message, and the others go on.
 
     Raises
     ------
     ValueError, TypeError
-        For an invalid combination, before any work starts.
+        For an invalid combination, and for a `then` without a `version` that uses a value without readable content, like a
+        lock, before any work starts.
+    BlockingIOError
+        Where another study works in the folder `out`.
     RuntimeError
         Where an executor lost its workers; finished cases are kept.
     """
     plan = _StudyPlan(dict(spec) if isinstance(spec, Mapping) else spec, dict(over or {}))
     folder = Path(out).absolute()
-    name = _fingerprint(then)
+    name = fingerprint(then, version)
     submit = _submitter(executor, then)
-    folder.mkdir(parents=True, exist_ok=True)
-    finished = {"done"} if retry_failed else {"done", "failed"}
-    left = [number for number in range(len(plan)) if plan.state(number, name, folder) not in finished]
     tell = _teller(progress, len(plan))
-    tell(len(plan) - len(left))
     if threads is None and submit is not None:
         threads = 1
-    jobs = (_job(plan, number, name, folder, then, threads) for number in left)
+    run = _StudyRun(plan, name, folder, retry_failed)
+    _LOCKED.add(run)
     try:
-        ended = _here(jobs) if submit is None else _there(jobs, submit)
-        for count, (number, results, error) in enumerate(ended, len(plan) - len(left) + 1):
-            _keep(plan, number, name, folder, results, error)
-            tell(count)
+        tell(run.over)
+        folders = plan.folders
+        jobs = ((i, plan.spec(i), folder / folders[i], then, threads, run.begin(i)) for i in run.left)
+        for number, results, error in _here(jobs) if submit is None else _there(jobs, submit):
+            if error is None:
+                _require_model(folder / folders[number])
+            run.end(number, results, error)
+            tell(run.over)
     finally:
         tell(None)
-        plan.tables(name, folder)
+        _LOCKED.discard(run)
+        run.close()
     return Study(plan, name, folder)
 
 
-# What a worker needs to do a case: its number, spec, folder, function, threads, and whether the packing is there.
+# A case for a worker: its number, spec, folder, function, threads, and whether the packing is there.
 _Job = tuple[int, Spec, Path, Callable[..., Any] | None, int | None, bool]
-_Ended = tuple[int, dict[str, Any], str | None]
+# Its number, the results as JSON, and the message of its failure.
+_Ended = tuple[int, str, str | None]
+
+# Runs whose folders this process has locked. A forked process would keep the locks when this one is killed.
+_LOCKED: set[_StudyRun] = set()
 
 
-def _job(
-    plan: _StudyPlan, number: int, name: str, out: Path, then: Callable[..., Any] | None, threads: int | None
-) -> _Job:
-    packed = plan.prepare(number, name, out)
-    return number, plan.spec(number), out / plan.folders[number], then, threads, packed
+def _leave_locks() -> None:
+    for run in _LOCKED:
+        run.leave_lock_to_parent()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_locks)
 
 
 def _run(job: _Job) -> _Ended:
@@ -231,10 +255,10 @@ def _run(job: _Job) -> _Ended:
         if not packed:
             _study_write(packing, folder)
         if then is None:
-            return number, _study_results(packing), None
-        return number, _as_dict(then(packing, folder) if _takes_folder(then) else then(packing)), None
+            return number, json.dumps(_study_results(packing)), None
+        return number, _results(then(packing, folder) if _takes_folder(then) else then(packing)), None
     except Exception as error:
-        return number, {}, f"{type(error).__name__}: {error}"
+        return number, "{}", _message(error)
 
 
 def _here(jobs: Iterable[_Job]) -> Iterable[_Ended]:
@@ -264,14 +288,11 @@ def _there(jobs: Iterable[_Job], submit: Callable[..., Any]) -> Iterable[_Ended]
         raise RuntimeError(message)
 
 
-def _keep(
-    plan: _StudyPlan, number: int, name: str, out: Path, results: dict[str, Any], error: str | None
-) -> None:
-    """Write the record of a case, whose files must be here."""
-    if error is None and not (out / plan.folders[number] / _MODEL).is_file():
-        message = f"a worker wrote no {_MODEL} into {out}; all workers must see this folder (a shared file system)"
+def _require_model(folder: Path) -> None:
+    """Raise RuntimeError where a worker wrote its packing to another machine's disk."""
+    if not (folder / _MODEL).is_file():
+        message = f"a worker wrote no {_MODEL} into {folder}; all workers must see this folder (a shared file system)"
         raise RuntimeError(message)
-    plan.record(number, name, out, results, error)
 
 
 def _submitter(executor: Any, then: Callable[..., Any] | None) -> Callable[..., Any] | None:
@@ -307,51 +328,60 @@ def _takes_folder(then: Callable[..., Any]) -> bool:
     return sum(p.kind in plain and p.default is Parameter.empty for p in parameters) > 1
 
 
-def _as_dict(value: Any) -> dict[str, Any]:
-    """Return what `then` returned as a dict; what is not finite is left out."""
-    if value is None:
-        return {}
-    named = dict(value) if isinstance(value, Mapping) else {"value": value}
-    return {str(key): kept for key, item in named.items() if (kept := _plain(item)) is not None}
+def _results(value: Any) -> str:
+    """Return the result of `then` as JSON; raise for a result that JSON cannot hold."""
+    named = {} if value is None else value if isinstance(value, Mapping) else {"value": value}
+    return json.dumps(_mapping(named, ""), allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def _mapping(value: Mapping[Any, Any], place: str) -> dict[str, Any]:
+    """Return a mapping by its names as text; a value that is missing, None or NaN, is left out."""
+    kept: dict[str, Any] = {}
+    for key, item in value.items():
+        name = str(key)
+        name.encode()
+        if name in kept:
+            message = f"two results have the name {place}{name}; rename one of them"
+            raise ValueError(message)
+        kept[name] = _plain(item, f"{place}{name}")
+    return {name: item for name, item in kept.items() if item is not None}
+
+
+def _plain(value: Any, place: str) -> Any:
+    """Return a result as plain values; None where it is missing."""
     if isinstance(value, Mapping):
-        return _as_dict(value)
+        return _mapping(value, f"{place}.")
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return [_plain(item, f"{place}[{i}]") for i, item in enumerate(value)]
+    if isinstance(value, float):
+        if math.isinf(value):
+            message = f"the result {place} is {value}; a result must be finite, or NaN where it is missing"
+            raise ValueError(message)
+        return None if math.isnan(value) else value
+    if isinstance(value, int) and not -(2**63) <= value < 2**64:
+        message = f"the result {place} is {value}; it does not fit 64 bits: return it as a float or a str"
+        raise ValueError(message)
+    if isinstance(value, str):
+        value.encode()
+    elif value is not None and not isinstance(value, int):
+        message = f"the result {place} is of type {type(value).__name__}; it must be a number, a str, a bool, or a list or dict of them"
+        raise TypeError(message)
+    return value
 
 
-def _fingerprint(then: Callable[..., Any] | None) -> str:
-    """Name a function by its module, name and source: a changed one makes its cases anew, from their packings."""
-    if then is None:
-        return ""
-    import hashlib
-    import inspect
-
-    function = inspect.unwrap(getattr(then, "func", then))
-    arguments = (getattr(then, "args", ()), getattr(then, "keywords", {})) if hasattr(then, "func") else ()
+def _message(error: Exception) -> str:
+    """Return the type and the text of an error, which may have no text of its own."""
     try:
-        source = inspect.getsource(function)
-    except (OSError, TypeError):
-        source = _code(getattr(function, "__code__", None))
-    digest = hashlib.sha256(f"{source}{arguments!r}".encode()).hexdigest()[:16]
-    return f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', type(then).__qualname__)}:{digest}"
-
-
-def _code(code: Any) -> str:
-    """Return the code of a function that has no source, without names of files and addresses."""
-    if code is None:
-        return ""
-    constants = [_code(item) if hasattr(item, "co_code") else repr(item) for item in code.co_consts]
-    return repr((code.co_code, code.co_names, constants))
+        text = f"{type(error).__name__}: {error}"
+    except Exception:
+        text = type(error).__name__
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _teller(progress: bool | Callable[[int, int], object] | None, cases: int) -> Callable[[int | None], None]:
-    """Return what is called with the number of cases that are over, and with None at the end."""
+    """Return a listener to the number of cases that are over; None ends it."""
     if not progress:
         return lambda _: None
     if progress is True:
@@ -367,10 +397,21 @@ def _arrays(columns: Mapping[str, list[Any]]) -> dict[str, NDArray[np.generic]]:
     return {name: _array(values) for name, values in columns.items()}
 
 
+def _wide(columns: Mapping[str, list[Any]]) -> dict[str, Any]:
+    """Return columns for a frame: large whole numbers as arrays, since a library would make floats of them beside a gap."""
+    wide = {name for name, values in columns.items() if any(isinstance(v, int) and abs(v) > 2**53 for v in values)}
+    return {name: _array(values) if name in wide else values for name, values in columns.items()}
+
+
 def _array(values: list[Any]) -> np.ndarray[Any, Any]:
-    """Return a column as an array: missing numbers are NaN, missing texts ""."""
+    """Return a column as an array: missing numbers are NaN, missing texts "". Object arrays keep values that no other type holds."""
     if any(isinstance(value, str) for value in values) or all(value is None for value in values):
         return np.array(["" if value is None else value for value in values], dtype=np.str_)
+    whole = [value for value in values if isinstance(value, int)]
     if None in values:
-        return np.array([math.nan if value is None else float(value) for value in values])
+        if all(float(value) == value for value in whole):
+            return np.array([math.nan if value is None else float(value) for value in values])
+        return np.array(values, dtype=object)
+    if whole and max(whole) >= 2**63:
+        return np.array(values, dtype=np.uint64 if min(whole) >= 0 else object)
     return np.array(values)

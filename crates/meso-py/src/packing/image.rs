@@ -4,7 +4,7 @@ use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::spec::spec_error;
 use meso_core::Model;
-use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, Values, VoxelImage};
+use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage, Voxels};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
@@ -70,7 +70,7 @@ pub(crate) fn pixels(model: &Model, axis: &str, px: i64) -> PyResult<(usize, f64
 pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptions) -> PyResult<Bound<'py, PyAny>> {
     guard(|| {
         let model = Arc::clone(model);
-        let made = beside_python(py, None, move |watch| -> PyResult<(Values, Vec<usize>)> {
+        let made = beside_python(py, None, move |watch| -> PyResult<(Voxels, Vec<usize>)> {
             watch.stops_soon();
             let image = VoxelImage::new(&model, &options).map_err(|error| spec_error(&error))?;
             let shape = image.shape();
@@ -88,28 +88,28 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
         })?;
         let (values, shape) = made?;
         match values {
-            Values::Label(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
-            Values::Id(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
-            Values::Real(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
+            Voxels::Label(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
+            Voxels::Id(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
+            Voxels::Real(values) => Ok(PyArray1::from_vec(py, values).reshape(shape)?.into_any()),
         }
     })
 }
 
 /// Takes memory for all `voxels` at once: an array that grows is there twice while it moves.
-fn reserve(slab: &mut Values, voxels: usize) {
+fn reserve(slab: &mut Voxels, voxels: usize) {
     match slab {
-        Values::Label(values) => values.reserve_exact(voxels - values.len()),
-        Values::Id(values) => values.reserve_exact(voxels - values.len()),
-        Values::Real(values) => values.reserve_exact(voxels - values.len()),
+        Voxels::Label(values) => values.reserve_exact(voxels - values.len()),
+        Voxels::Id(values) => values.reserve_exact(voxels - values.len()),
+        Voxels::Real(values) => values.reserve_exact(voxels - values.len()),
     }
 }
 
 /// Two slabs as one; slabs of an image are of one type.
-fn joined(mut lower: Values, upper: Values) -> Values {
+fn joined(mut lower: Voxels, upper: Voxels) -> Voxels {
     match (&mut lower, upper) {
-        (Values::Label(all), Values::Label(more)) => all.extend_from_slice(&more),
-        (Values::Id(all), Values::Id(more)) => all.extend_from_slice(&more),
-        (Values::Real(all), Values::Real(more)) => all.extend_from_slice(&more),
+        (Voxels::Label(all), Voxels::Label(more)) => all.extend_from_slice(&more),
+        (Voxels::Id(all), Voxels::Id(more)) => all.extend_from_slice(&more),
+        (Voxels::Real(all), Voxels::Real(more)) => all.extend_from_slice(&more),
         _ => unreachable!("slabs of an image are of one type"),
     }
     lower

@@ -19,9 +19,9 @@ use crate::views::{call_view, framing};
 use crate::{arrays, files};
 use meso_concrete::thousands;
 use meso_core::check::Check;
-use meso_core::formats::Surfaces;
+use meso_core::formats::SurfaceOptions;
 use meso_core::images::Images;
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, saved};
@@ -200,7 +200,7 @@ impl PyPacking {
         named_solids: bool,
     ) -> PyResult<()> {
         let model = Arc::clone(&self.0);
-        let surfaces = Surfaces { compress, images: named_images(images)?, mortar, named_solids };
+        let surfaces = SurfaceOptions { compress, images: named_images(images)?, mortar, named_solids };
         guard(|| beside_python(py, None, move |watch| files::write_model(&model, &path, overwrite, surfaces, watch))?)
     }
 
@@ -255,7 +255,7 @@ impl PyPacking {
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
-            let (model, options) = (Arc::clone(&self.0), spec::options::<Options>(options)?);
+            let (model, options) = (Arc::clone(&self.0), spec::options::<StatisticsOptions>(options)?);
             options.validate().map_err(|error| spec::spec_error(&error))?;
             let progress = listener(py, progress)?;
             let plan = Plan::new(&[(Stage::Measure, 1.0)], Some(1.0));
@@ -361,8 +361,8 @@ impl PyPacking {
     /// accept_phase_error : bool, optional
     ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
     /// progress : bool or callable, optional
-    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False, meshing
-    ///     stops with a RuntimeError: there is no mesh yet.
+    ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+    ///     meshing stops with a `RuntimeError`.
     /// **options
     ///     The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
     ///     if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".

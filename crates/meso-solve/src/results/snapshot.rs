@@ -3,7 +3,7 @@
 use crate::march::Frame;
 use crate::march::Run;
 use meso_mesh::{Mesh, Phase};
-use meso_view::vtu_mesh::{self, Field};
+use meso_view::vtk::mesh::{self as vtu_mesh, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 
@@ -21,14 +21,19 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// Beginning and end of a frame's file name; the number stands between them.
+    pub const FILES: [&str; 2] = ["frame_", ".vtu"];
+
     /// Name of the frame's file.
     pub fn file(&self) -> String {
-        format!("frame_{:04}.vtu", self.number)
+        let [prefix, suffix] = Self::FILES;
+        format!("{prefix}{:04}{suffix}", self.number)
     }
 
     /// The frame's number, where `name` is that of its file.
     pub fn number_of(name: &str) -> Option<u32> {
-        name.strip_prefix("frame_")?.strip_suffix(".vtu")?.parse().ok()
+        let [prefix, suffix] = Self::FILES;
+        name.strip_prefix(prefix)?.strip_suffix(suffix)?.parse().ok()
     }
 }
 

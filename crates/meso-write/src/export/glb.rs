@@ -14,7 +14,7 @@ const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// Writes every body to `out`: what is described, all corners, all triangles.
+/// Writes every body to `out`: the JSON header, all corners, all triangles.
 ///
 /// # Errors
 /// Those of `out`; more than the 4 GB that the format counts.

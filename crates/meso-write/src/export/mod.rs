@@ -10,11 +10,9 @@ pub(crate) mod ply;
 pub(crate) mod pvtu;
 pub(crate) mod raster;
 pub(crate) mod step;
-#[doc(hidden)]
 pub mod stl;
 pub(crate) mod vtu;
 
-pub use meso_view::vtu_mesh;
+pub use meso_view::vtk::mesh as vtu_mesh;
 
-#[doc(hidden)]
 pub use appearance::{CLASSES, PALETTE};

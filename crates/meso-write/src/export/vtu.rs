@@ -19,7 +19,7 @@ pub(crate) fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Writ
     write_as(Layout::Cells, aggregates, encoding, out)
 }
 
-/// The same as poly data.
+/// Writes the aggregates' surfaces as VTK poly data (`.vtp`).
 ///
 /// # Errors
 /// As [`write`].

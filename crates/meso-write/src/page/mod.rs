@@ -14,7 +14,7 @@ use meso_concrete::thousands;
 use meso_mesh::cells::Mesh;
 use meso_pack::model::Model;
 use meso_pack::statistics::Statistics;
-use meso_view::plot::{self, Curve, Plot};
+use meso_view::plot::{self, Plot, Series};
 use std::io::{self, BufWriter, Write};
 
 /// Writes the page to `out`, with a section through `mesh` where there is one.
@@ -38,7 +38,6 @@ pub fn write(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, out: i
 ///
 /// # Errors
 /// Those of `out`.
-#[doc(hidden)]
 pub fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
     slice::picture(model, axis, at, out)
 }
@@ -124,11 +123,11 @@ fn grading(model: &Model) -> Plot {
         sum += class.fraction / model.report.target_fraction;
         reached.push((class.d_max_mm, sum));
     }
-    let mut curves = vec![Curve::line("asked", asked.collect()), Curve::dots("reached", reached)];
+    let mut curves = vec![Series::line("asked", asked.collect()), Series::dots("reached", reached)];
     let (title, x) = match grading.size {
         SizeDefinition::Sieve => ("Passing against sieve size", "sieve size, mm (logarithmic)"),
         SizeDefinition::LongestAxis => {
-            curves.push(Curve::line("by sieve size", sieve_curve(model)));
+            curves.push(Series::line("by sieve size", sieve_curve(model)));
             ("Passing against longest axis", "longest axis, mm (logarithmic)")
         }
     };
@@ -171,7 +170,7 @@ fn walls(statistics: &Statistics) -> Plot {
         y: "fraction",
         log_x: false,
         size: Plot::SMALL,
-        curves: vec![Curve::line("by depth", layers), Curve::line("mean", mean)],
+        curves: vec![Series::line("by depth", layers), Series::line("mean", mean)],
     }
 }
 
@@ -185,8 +184,8 @@ fn correlation(statistics: &Statistics) -> Plot {
         log_x: false,
         size: Plot::SMALL,
         curves: vec![
-            Curve::line("S2", over_lag(&correlation.two_point)),
-            Curve::line("lineal path", over_lag(&correlation.lineal_path)),
+            Series::line("S2", over_lag(&correlation.two_point)),
+            Series::line("lineal path", over_lag(&correlation.lineal_path)),
         ],
     }
 }

@@ -41,12 +41,12 @@ pub(super) fn matrix_style() -> String {
     fill("m", PALETTE[Phase::Mortar as usize]) + &fill("i", PALETTE[Phase::Itz as usize])
 }
 
-/// Those of the size classes, which repeat.
+/// Styles of the size classes; their colours repeat.
 pub(super) fn class_style(colour: impl Fn(usize) -> [u8; 3]) -> String {
     (0..CLASSES.len()).map(|class| fill(&format!("c{class}"), colour(class))).collect()
 }
 
-/// Those of voids and fibres.
+/// Styles of voids and fibres.
 pub(super) fn inclusion_style() -> String {
     fill("vo", PALETTE[usize::from(VOID)]) + &fill("fi", PALETTE[Phase::Fibre as usize])
 }

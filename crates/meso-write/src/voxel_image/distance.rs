@@ -104,9 +104,9 @@ struct Nearby<'a> {
 
 struct Candidate {
     body: u32,
-    /// Of the body's planes the one that is farthest below the centre.
+    /// The body's plane that is farthest below the centre.
     plane: Plane,
-    /// Of the centre above it, mm: no more than its distance from the body.
+    /// Height of the centre above the plane, mm; at most its distance from the body.
     height: f64,
 }
 
@@ -149,7 +149,7 @@ impl<'a> Nearby<'a> {
             if candidate.height - way > least {
                 break;
             }
-            // The plane under the centre tells of most bodies that they are too far, without their other planes.
+            // The plane under the centre rejects most bodies that are too far, without their other planes.
             if Some(candidate.body) == self.last || candidate.plane.height(point) > least {
                 continue;
             }

@@ -13,7 +13,7 @@ mod share;
 pub use options::{ImageOptions, Quantity, Region, ShareOf};
 
 use crate::export::appearance::phase;
-pub use crate::export::raster::Values;
+pub use crate::export::raster::Voxels;
 use crate::export::raster::{Frame, ValueKind};
 use meso_concrete::aggregate::Aggregate;
 
@@ -65,7 +65,7 @@ impl VoxelImage {
     /// Prepares the image that `options` ask for; nothing of it is made yet.
     ///
     /// # Errors
-    /// Names the option, its value and what is accepted.
+    /// Names the option, its value and the accepted range.
     pub fn new(model: &Model, options: &ImageOptions) -> Result<Self, SpecError> {
         let specimen = &model.spec.specimen;
         let (corner, grid) = options.grid(specimen)?;
@@ -124,12 +124,12 @@ impl VoxelImage {
     }
 
     /// The whole image, some layers at a time, from z = 0 upwards.
-    pub fn slabs(&self) -> impl Iterator<Item = Values> {
+    pub fn slabs(&self) -> impl Iterator<Item = Voxels> {
         self.slabs_watched(&Silent)
     }
 
-    /// As [`VoxelImage::slabs`], and reports the share that is made, 0 to 1.
-    pub fn slabs_watched<'a>(&'a self, watch: &'a dyn Watch) -> impl Iterator<Item = Values> + 'a {
+    /// Yields the slabs of [`VoxelImage::slabs`], and reports to `watch` as [`Stage::Image`].
+    pub fn slabs_watched<'a>(&'a self, watch: &'a dyn Watch) -> impl Iterator<Item = Voxels> + 'a {
         let layers = self.grid.counts[2];
         let step = (AT_ONCE / self.grid.layer_len()).clamp(1, layers.max(1));
         (0..layers).step_by(step).map(move |from| {
@@ -140,18 +140,18 @@ impl VoxelImage {
     }
 
     /// The values of some layers, x fastest.
-    pub fn layers(&self, layers: Range<usize>) -> Values {
+    pub fn layers(&self, layers: Range<usize>) -> Voxels {
         match &self.maker {
             Maker::Phase(scan, labels) => {
-                Values::Label(self.painted(layers, scan, labels, Phase::Mortar as u8, OUTSIDE))
+                Voxels::Label(self.painted(layers, scan, labels, Phase::Mortar as u8, OUTSIDE))
             }
             Maker::Grain(scan, ids) => {
                 let ids: Vec<[i32; 2]> = ids.iter().map(|&id| [id; 2]).collect();
-                Values::Id(self.painted(layers, scan, &ids, NO_GRAIN, OUTSIDE_ID))
+                Voxels::Id(self.painted(layers, scan, &ids, NO_GRAIN, OUTSIDE_ID))
             }
-            Maker::Share(shares) => Values::Real(self.made(layers, 0.0, |k, layer| shares.add(k, layer), None)),
+            Maker::Share(shares) => Voxels::Real(self.made(layers, 0.0, |k, layer| shares.add(k, layer), None)),
             Maker::Distance(scan, surfaces) => {
-                Values::Real(self.made(layers, f32::NAN, |k, layer| surfaces.measure(scan, k, layer), Some(f32::NAN)))
+                Voxels::Real(self.made(layers, f32::NAN, |k, layer| surfaces.measure(scan, k, layer), Some(f32::NAN)))
             }
         }
     }
@@ -168,8 +168,8 @@ impl VoxelImage {
         self.made(layers, mortar, |k, layer| scan.paint_layer(k, layer, |body| values[body as usize]), Some(outside))
     }
 
-    /// Layers that `make` fills, on all threads; voxels outside the specimen get a value of their own, if there is one. Of
-    /// shares there is none: a voxel with its centre outside may hold a part of a body.
+    /// Layers that `make` fills, on all threads; voxels outside the specimen get a value of their own, if there is one.
+    /// Shares have no such value: a voxel with its centre outside may hold a part of a body.
     fn made<T: Copy + Send + Sync>(
         &self,
         layers: Range<usize>,

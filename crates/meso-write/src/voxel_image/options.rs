@@ -23,7 +23,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name in files.
+    /// Name of the quantity in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Phase => "phase",
@@ -92,7 +92,7 @@ impl Default for ImageOptions {
     }
 }
 
-/// An option that cannot be met: its name, its value, and what is accepted.
+/// The error of an option that cannot be met: its name, its value, and the accepted range.
 fn wrong(key: &str, value: impl std::fmt::Display, accepted: impl std::fmt::Display) -> SpecError {
     SpecError::value(key, format!("is {value}; {accepted}"))
 }

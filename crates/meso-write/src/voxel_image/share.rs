@@ -1,9 +1,9 @@
 //! The share of every voxel that bodies take, exact to rounding.
 //!
-//! A column of voxels along x holds of a body what lies between the faces that look to +x and those that look to -x. So
-//! every face is divided by the planes between voxels, and each piece counts twice: what lies between it and its voxel's
-//! lower side, and its projection, which all voxels below it in the column have whole (the divergence theorem). The work
-//! grows with the surface, not with the planes that cross a voxel.
+//! In a column of voxels along x, a body lies between its faces towards -x and its faces towards +x. So every face is
+//! divided by the planes between voxels, and each piece counts twice: the volume between it and its voxel's lower side,
+//! and its projection, which all voxels below it in the column have whole (the divergence theorem). The work grows with
+//! the surface, not with the planes that cross a voxel.
 
 use super::options::ShareOf;
 use meso_collision::geometry::Polyhedron;
@@ -44,7 +44,7 @@ impl Shares {
         Self { grid, bodies, by_layer }
     }
 
-    /// Adds what all bodies take of the voxels of layer `k`.
+    /// Adds the shares of all bodies in the voxels of layer `k`.
     pub(super) fn add(&self, k: usize, layer: &mut [f32]) {
         let mut columns = Columns::default();
         for &index in &self.by_layer[k] {
@@ -88,7 +88,7 @@ fn side(grid: &PointGrid, axis: usize, voxel: usize) -> f64 {
 struct Columns {
     across: Range<usize>,
     along: Range<usize>,
-    /// By column and voxel, and one more for what lies beyond the last voxel.
+    /// Pieces by column and voxel, and one more for the space beyond the last voxel.
     pieces: Vec<Pieces>,
     knives: [Knife; 2],
 }
@@ -171,8 +171,8 @@ struct Knife {
 }
 
 impl Knife {
-    /// Hands the parts of a polygon in each of `voxels` along `axis` to `visit`, and what is beyond the last with the
-    /// number after it. What lies before the first is left out.
+    /// Hands the parts of a polygon in each of `voxels` along `axis` to `visit`. The part beyond the last voxel comes
+    /// with the next number; the part before the first is left out.
     fn slice(
         &mut self,
         grid: &PointGrid,
@@ -211,7 +211,7 @@ fn visit_solid(polygon: &[Vec3], visit: impl FnOnce(&[Vec3])) {
 }
 
 /// The parts of a polygon below `at` on `axis`, and from there on. Two polygons with a common edge cut it at the same
-/// point to the last bit, so that the parts cover what the whole did.
+/// point to the last bit, so that the parts cover the polygon exactly.
 fn divide(polygon: &[Vec3], axis: usize, at: f64, below: &mut Vec<Vec3>, above: &mut Vec<Vec3>) {
     below.clear();
     above.clear();

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::outputs::{self, Unit};
 use crate::progress::Watch;
 use crate::{inputs, stderr};
-use meso_core::formats::Surfaces;
+use meso_core::formats::SurfaceOptions;
 use meso_core::watch::Stage;
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
@@ -20,8 +20,12 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let mut watch = Watch::of_files(args.writing.quiet, &[(Stage::Read, 1.0)]);
     let model = inputs::model(&args.model, &watch)?;
     watch.finish();
-    let surfaces =
-        Surfaces { compress: args.compress, images: args.images, mortar: args.mortar, named_solids: args.named_solids };
+    let surfaces = SurfaceOptions {
+        compress: args.compress,
+        images: args.images,
+        mortar: args.mortar,
+        named_solids: args.named_solids,
+    };
     let mut unit = Unit::default();
     for (target, format) in &plan {
         unit.fill(target, args.writing.force, |out| format.write(&model, surfaces, out))?;

@@ -7,6 +7,7 @@ use crate::outputs::Target;
 use meso_core::Spec;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::MeshFormat;
+use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 
 impl Args {
@@ -20,6 +21,30 @@ impl Args {
     pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
         let writes_deck = self.formats()?.contains(&MeshFormat::Inp);
         self.meshing.settings(spec, writes_deck).map(drop)
+    }
+
+    /// The files that are asked for.
+    pub(crate) fn outputs(&self) -> &[PathBuf] {
+        &self.output
+    }
+
+    /// Claims the name of every file that the mesh is written to.
+    pub(crate) fn claim(&self, owner: &str, names: &mut Names) -> Result<(), Failure> {
+        for path in &self.output {
+            let mut claim = |path: &Path| names.claim(owner, &path.file_name().unwrap_or_default().to_string_lossy());
+            claim(path).map_err(wrong_name)?;
+            match mesh_format(path)? {
+                MeshFormat::Inp if self.meshing.has_curve() => {
+                    claim(&DeckOptions::curve_path(path)).map_err(wrong_name)?
+                }
+                MeshFormat::Pvtu => {
+                    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+                    names.claim_series(owner, &format!("{stem}_"), ".vtu").map_err(wrong_name)?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
     }
 
     fn formats(&self) -> Result<Vec<MeshFormat>, Failure> {
@@ -55,4 +80,8 @@ pub(crate) fn target(path: &Path, format: MeshFormat, force: bool, meshing: &Mes
         Target::new(&DeckOptions::curve_path(path), force)?;
     }
     Ok(target)
+}
+
+fn wrong_name(error: NameError) -> Failure {
+    Failure::Usage(error.to_string())
 }

@@ -7,10 +7,10 @@ use crate::failure::Failure;
 use crate::outputs::{self, Target, Unit};
 use crate::progress::Watch;
 use meso_core::export::abaqus::DeckOptions;
-use meso_core::formats::{Format, MeshFormat, Surfaces};
+use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
 use meso_core::mesh::Mesh;
 use meso_core::packing::{Report, Seconds};
-use meso_core::statistics::{Options, Statistics};
+use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, page};
 use std::borrow::Cow;
@@ -51,7 +51,7 @@ impl Args {
         let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;
         let all: Vec<&Target> = targets.iter().chain(&summary).collect();
         outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
-        let surfaces = Surfaces { compress: self.compress, images: self.images, ..Surfaces::default() };
+        let surfaces = SurfaceOptions { compress: self.compress, images: self.images, ..SurfaceOptions::default() };
         Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.writing.force, surfaces })
     }
 }
@@ -77,7 +77,7 @@ pub(super) struct Plan {
     outputs: Vec<(Target, Content)>,
     summary: Option<Target>,
     force: bool,
-    surfaces: Surfaces,
+    surfaces: SurfaceOptions,
 }
 
 impl Plan {
@@ -151,8 +151,8 @@ impl Plan {
         mesh: Option<&Mesh>,
         watch: &Watch,
     ) -> Result<(), Failure> {
-        let figures =
-            Statistics::watched(model, &Options::quick(), watch).map_err(|error| Failure::Run(error.to_string()))?;
+        let figures = Statistics::watched(model, &StatisticsOptions::quick(), watch)
+            .map_err(|error| Failure::Run(error.to_string()))?;
         unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
     }
 }

@@ -13,7 +13,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 
-const CHECKPOINT: &str = "checkpoint.bin";
+/// Name of the state that a run is resumed from.
+pub(super) const CHECKPOINT: &str = "checkpoint.bin";
 /// Room that the curve, the figures and the page need at most, bytes. Frames may take all the rest of a disk.
 const ROOM: usize = 4 << 20;
 

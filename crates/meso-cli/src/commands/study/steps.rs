@@ -2,14 +2,14 @@
 
 use super::beside;
 use crate::commands::{mesh, solve};
-use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::failure::{Failure, INTERRUPTED, SHORT};
 use crate::outputs::{Target, Unit};
 use crate::progress::Watch;
-use crate::{interrupt, threads};
+use crate::{interrupt, stderr, threads};
 use clap::Parser;
-use meso_core::formats::{Format, Surfaces};
+use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Spec};
-use meso_study::{Case, Failed, MODEL, of_packing, of_summary};
+use meso_study::{Case, MODEL, NameError, Names, Outcome, RECORD, of_packing, of_summary};
 use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -32,6 +32,13 @@ struct SolveLine {
     args: solve::Args,
 }
 
+/// Flags of the study's own command line that its steps take.
+pub(super) struct Given {
+    pub(super) threads: Option<u16>,
+    /// The program gmsh. A file never names a program.
+    pub(super) gmsh: Option<PathBuf>,
+}
+
 /// The steps of one case.
 pub(super) struct Steps {
     /// Files of the packing.
@@ -42,43 +49,65 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// The steps of `case`, whose files go to `folder`; flags that cannot be are named.
+    /// The steps of `case`, whose files go to `folder`. Unknown flags, and names that two steps use, are usage errors. It
+    /// opens no file and runs no program.
     pub(super) fn new(
         case: &Case,
         outputs: &[String],
         folder: &Path,
         study: &Path,
-        threads: Option<u16>,
+        given: &Given,
     ) -> Result<Self, Failure> {
-        let packings = outputs.iter().map(|name| packing_file(folder, name)).collect::<Result<_, _>>()?;
-        let model = folder.join(MODEL).to_string_lossy().into_owned();
         let mut common = vec!["--force".to_owned(), "--quiet".to_owned()];
-        common.extend(threads.map(|threads| format!("--threads={threads}")));
-        let mesh = case.task["mesh"].as_object().map(|flags| -> Result<_, Failure> {
-            let summary = folder.join(MESH_SUMMARY).to_string_lossy().into_owned();
-            let mut line = vec![model.clone(), "--summary-json".to_owned(), summary];
-            line.extend(common.clone());
-            line.extend(words("mesh", flags, Some(folder), study)?);
-            let MeshLine { args } = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
-            args.check(&case.spec)?;
-            Ok(args)
+        common.extend(given.threads.map(|threads| format!("--threads={threads}")));
+        common.extend(given.gmsh.as_ref().map(|program| format!("--gmsh={}", program.display())));
+        let line = |section: &str, first: [&Path; 3], takes_output: bool| {
+            let flags = case.task[section].as_object()?;
+            let [model, flag, value] = first.map(|word| word.to_string_lossy().into_owned());
+            let words = words(section, flags, takes_output.then_some(folder), study);
+            Some(words.map(|words| [vec![model, flag, value], common.clone(), words].concat()))
+        };
+        let (model, summary) = (folder.join(MODEL), folder.join(MESH_SUMMARY));
+        let mesh_line = line("mesh", [&model, Path::new("--summary-json"), &summary], true).transpose()?;
+        let solve_line = line("solve", [&model, Path::new("-o"), folder], false).transpose()?;
+        let mesh = mesh_line.map(|line| -> Result<_, Failure> {
+            let line = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
+            line.args.validate().map(|()| line.args)
         });
-        let solve = case.task["solve"].as_object().map(|flags| -> Result<_, Failure> {
-            let mut line = vec![model.clone(), "-o".to_owned(), folder.to_string_lossy().into_owned()];
-            line.extend(common.clone());
-            line.extend(words("solve", flags, None, study)?);
-            let SolveLine { args } = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
-            args.check(&case.spec)?;
-            Ok(args)
+        let solve = solve_line.map(|line| -> Result<_, Failure> {
+            let line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            line.args.validate_alone().map(|()| line.args)
         });
-        Ok(Self { outputs: packings, mesh: mesh.transpose()?, solve: solve.transpose()?, threads })
+        let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
+        claim(outputs, mesh.as_ref(), solve.is_some())?;
+        let outputs = outputs.iter().map(|name| packing_file(folder, name)).collect::<Result<_, _>>()?;
+        Ok(Self { outputs, mesh, solve, threads: given.threads })
     }
 
-    /// Does the case; its results, or the error that is kept. An interrupted case has neither: see [`interrupt::asked`].
-    pub(super) fn run(&self, case: &Case, folder: &Path) -> Result<Map<String, Value>, Failed> {
-        catch_unwind(AssertUnwindSafe(|| self.all(case, folder)))
-            .unwrap_or(Err(Failure::Bug))
-            .map_err(|failure| failure.message().to_owned())
+    /// Refuses flags that the packing of `spec` cannot be meshed or tested with, and a missing gmsh.
+    pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.check(spec))?;
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.check(spec))
+    }
+
+    /// The files that the flags name, for the packing and its mesh.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let packings = self.outputs.iter().map(|(path, _)| path.clone());
+        packings.chain(self.mesh.iter().flat_map(|mesh| mesh.outputs().to_owned())).collect()
+    }
+
+    /// Does the case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see
+    /// [`interrupt::asked`].
+    pub(super) fn run(&self, case: &Case, folder: &Path) -> Outcome {
+        let work = || catch_unwind(AssertUnwindSafe(|| self.all(case, folder))).unwrap_or(Err(Failure::Bug));
+        let (ended, said) = stderr::of(&case.folder, work);
+        let ended = ended.map_err(|failure| failure.message().to_owned());
+        // A test with errors ends as others do: its figures are in the folder, and its case has failed.
+        let results = match said.errors.is_empty() {
+            true => ended,
+            false => Err(said.errors.join("; ")),
+        };
+        Outcome { results, warnings: said.warnings }
     }
 
     fn all(&self, case: &Case, folder: &Path) -> Result<Map<String, Value>, Failure> {
@@ -90,14 +119,18 @@ impl Steps {
         let mut results = of_packing(&model.report);
         drop(model);
         if let Some(args) = &self.mesh {
-            mesh::run(args)?;
+            if mesh::run(args)? == SHORT {
+                let message =
+                    "a phase is more than 1 % off its exact volume, which [mesh] strict refuses; mesh.json has it";
+                return Err(Failure::Run(message.to_owned()));
+            }
             results.insert("mesh".to_owned(), summary(&folder.join(MESH_SUMMARY))?);
         }
         if let Some(args) = &self.solve {
             match solve::run(args)? {
                 INTERRUPTED => return Ok(Map::new()),
-                RUN => return Err(Failure::Run("the test diverged; result.json says when".to_owned())),
-                _ => results.insert("solve".to_owned(), summary(&folder.join(SOLVE_SUMMARY))?),
+                0 => results.insert("solve".to_owned(), summary(&folder.join(SOLVE_SUMMARY))?),
+                _ => return Err(Failure::Run("the test has no valid end; result.json says why".to_owned())),
             };
         }
         Ok(results)
@@ -108,10 +141,24 @@ impl Steps {
         let saved = (folder.join(MODEL), Format::Json);
         for (path, format) in std::iter::once(&saved).chain(&self.outputs) {
             let target = Target::new(path, true)?;
-            unit.fill(&target, true, |out| format.write(model, Surfaces::default(), out))?;
+            unit.fill(&target, true, |out| format.write(model, SurfaceOptions::default(), out))?;
         }
         unit.commit()
     }
+}
+
+/// Refuses files that two steps would write under one name.
+fn claim(outputs: &[String], mesh: Option<&mesh::Args>, has_test: bool) -> Result<(), Failure> {
+    let mut names = Names::default();
+    let wrong = |error: NameError| Failure::Usage(error.to_string());
+    let summary = mesh.map(|_| MESH_SUMMARY);
+    let own = [MODEL, RECORD].into_iter().chain(summary);
+    own.into_iter().try_for_each(|name| names.claim("the study", name)).map_err(wrong)?;
+    if has_test {
+        solve::Args::claim("[solve]", &mut names).map_err(wrong)?;
+    }
+    outputs.iter().try_for_each(|name| names.claim("outputs", name)).map_err(wrong)?;
+    mesh.map_or(Ok(()), |mesh| mesh.claim("[mesh] output", &mut names))
 }
 
 fn pack(spec: &Spec) -> Result<Model, Failure> {
@@ -127,21 +174,10 @@ fn packing_file(folder: &Path, name: &str) -> Result<(PathBuf, Format), Failure>
         let known = Format::ALL.map(|format| format!(".{}", format.extension())).join(", ");
         Failure::Usage(format!("outputs has {name:?}; it must end in one of {known}; meshes go to [mesh] output"))
     })?;
-    Ok((inside(folder, "outputs", name)?, format))
+    Ok((folder.join(name), format))
 }
 
-/// A file's name in a case's folder, which it may not leave; `model.json` is there anyway.
-fn inside(folder: &Path, key: &str, name: &str) -> Result<PathBuf, Failure> {
-    let is_name = Path::new(name).file_name().is_some_and(|own| own == name);
-    if !is_name || [MODEL, meso_study::RECORD, MESH_SUMMARY].contains(&name) {
-        let message =
-            format!("{key} has {name:?}; it must be the name of a file, and not one that the study writes itself");
-        return Err(Failure::Usage(message));
-    }
-    Ok(folder.join(name))
-}
-
-/// The words of a command line for the `flags` of a section; `output` goes to `folder`, where there is one.
+/// The words of a command line for the `flags` of a section; `output` goes to `folder`, if the section has an output.
 fn words(
     section: &str,
     flags: &Map<String, Value>,
@@ -151,6 +187,17 @@ fn words(
     let mut line = Vec::new();
     for (key, value) in flags {
         let flag = key.replace('_', "-");
+        // Anything else may be more than one word: "gmsh=./program" would be a flag with its value.
+        if !flag.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-') {
+            return Err(Failure::Usage(format!(
+                "[{section}] {key:?} is not a flag; mesocrete {section} --help lists them"
+            )));
+        }
+        if flag == "gmsh" {
+            let message =
+                format!("[{section}] gmsh names a program, which no file may do; remove it, and give --gmsh PROGRAM");
+            return Err(Failure::Usage(message));
+        }
         if ["force", "quiet", "threads", "summary-json", "resume", "help"].contains(&flag.as_str())
             || (flag == "output" && folder.is_none())
         {
@@ -164,7 +211,8 @@ fn words(
             match (value, folder) {
                 (Value::Bool(given), _) => line.extend(given.then(|| format!("--{flag}"))),
                 (Value::String(name), Some(folder)) if flag == "output" => {
-                    line.push(format!("--output={}", inside(folder, "[mesh] output", name)?.display()));
+                    Names::default().claim("[mesh] output", name).map_err(|error| Failure::Usage(error.to_string()))?;
+                    line.push(format!("--output={}", folder.join(name).display()));
                 }
                 (Value::String(file), _) if flag == "materials" => {
                     line.push(format!("--materials={}", beside(study, file).display()));

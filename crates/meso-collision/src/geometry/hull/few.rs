@@ -10,7 +10,7 @@
 
 use super::loops::Loops;
 use super::surface::{SHUFFLED_FROM, error_bound, far_basis};
-use crate::geometry::predicates::orient3d;
+use crate::geometry::exact::predicates::orient3d;
 use crate::math::{Aabb, Vec3};
 use crate::simd::{Lanes, Mask, Simd, Vectorized, dispatch};
 use std::ops::{Deref, Index, IndexMut};

@@ -5,7 +5,7 @@
 //! not see it: so no new triangle is degenerate, and the surface stays (weakly) convex for any input.
 
 use super::HullError;
-use crate::geometry::predicates::{collinear, orient3d};
+use crate::geometry::exact::predicates::{collinear, orient3d};
 use crate::math::{Aabb, Vec3};
 
 /// No facet, no point.

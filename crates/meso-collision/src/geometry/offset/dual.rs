@@ -1,10 +1,11 @@
 //! The body whose planes are y_i . x = 1, from the hull of the points y_i.
 
 use super::{ACCURACY, OffsetError, ROUNDING, ill_conditioned};
-use crate::geometry::double_double::{Dd, Dd3, cross, dot};
-use crate::geometry::facet_kernels::{AHEAD, LANES};
+use crate::geometry::exact::double_double::{Dd, Dd3, cross, dot};
+use crate::geometry::exact::integer;
 use crate::geometry::hull::{Loops, facets_and_dual, pairs};
-use crate::geometry::{Polyhedron, convex_hull, integer};
+use crate::geometry::measure::facet_kernels::{AHEAD, LANES};
+use crate::geometry::{Polyhedron, convex_hull};
 use crate::math::Vec3;
 use crate::simd::{Wide, widest};
 

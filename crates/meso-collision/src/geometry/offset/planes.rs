@@ -1,7 +1,7 @@
 //! A body's planes, moved inwards and turned into the dual points about a centre.
 
-use crate::geometry::double_double::{DD_EPSILON, Dd, Dd3, cross, dot};
-use crate::geometry::integer;
+use crate::geometry::exact::double_double::{DD_EPSILON, Dd, Dd3, cross, dot};
+use crate::geometry::exact::integer;
 use crate::math::Vec3;
 use crate::simd::{Wide, widest};
 

@@ -29,7 +29,7 @@ struct Level {
     /// Farthest reach of any body, mm.
     farthest: f32,
     starts: Vec<u32>,
-    /// Bodies by cell, with copies of what decides whether they may be near, so that a search reads memory in a row.
+    /// Bodies by cell. Their positions and reaches are copied beside them, so that a search reads memory in order.
     members: Vec<u32>,
     x: Vec<f32>,
     y: Vec<f32>,
@@ -201,7 +201,7 @@ impl Level {
         }
     }
 
-    /// The same among neighbouring members, several at a time.
+    /// Searches among neighbouring members, several at a time.
     #[inline(always)]
     fn visit_row(&self, row: Range<usize>, at: V, reach: f32, found: &mut Vec<u32>) {
         for start in row.clone().step_by(LANES) {

@@ -17,8 +17,8 @@ pub(super) struct Proved {
     pub(super) left_out: usize,
 }
 
-/// Keeps the proved bodies of `reached` (grain and pose, neighbours near each other in the list). Of two grains not
-/// proved apart, the one with more such pairs is left out; of equals, the smaller.
+/// Keeps the proved bodies of `reached` (grain and pose, neighbours near each other in the list). Two grains that are
+/// not proved apart lose the one with more such pairs, or the smaller one.
 pub(super) fn keep_apart(task: &Task, reached: &[(u32, Pose)], work: &mut Work) -> Proved {
     let settle = |pose: &Pose| Pose { centre: task.period.wrap(&snap(&pose.centre)), ..*pose };
     let mut there: Vec<(u32, Pose)> = reached.iter().map(|(grain, pose)| (*grain, settle(pose))).collect();

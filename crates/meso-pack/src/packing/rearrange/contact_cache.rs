@@ -1,4 +1,4 @@
-//! Contact cache: what is known of the pairs of some bodies.
+//! Contact cache: known gaps and contacts of the pairs of some bodies.
 //!
 //! A separated pair costs 16 bytes: a gap and its axis, which prove for many sweeps that it is still apart. A
 //! contact's further data is kept as long as the contact lasts.
@@ -119,7 +119,7 @@ impl Block {
         self.touching.get(usize::from(link.slot))
     }
 
-    /// Rebuilds the pairs of the bodies from `first` on; what is known of pairs already listed is kept.
+    /// Rebuilds the pairs of the bodies from `first` on; pairs that stay listed keep their known gaps and contacts.
     pub(super) fn renew(
         &mut self,
         first: u32,
@@ -302,7 +302,7 @@ impl Axis {
         Self([short(v[0]), short(v[1]), short(v[2])])
     }
 
-    /// Of unit length.
+    /// The vector scaled to unit length.
     #[inline(always)]
     fn direction(self) -> V {
         direction_or_up([f32::from(self.0[0]), f32::from(self.0[1]), f32::from(self.0[2])])

@@ -91,8 +91,8 @@ impl Damping {
         (PATIENCE * ((1.0 - QUICK) / (1.0 - self.momentum())).max(1.0)) as u32
     }
 
-    /// The next attempt's damping after a jam with this `lack` (root mean square of what a body lacks of its gaps,
-    /// over the radius of the smallest grain), where slower damping may help.
+    /// The next attempt's damping after a jam, where slower damping may help. `lack` is the root mean square of the
+    /// bodies' residual overlaps, over the radius of the smallest grain.
     pub(super) fn next(&self, lack: f64) -> Option<Self> {
         let motion_lost = 1.0 - self.momentum();
         let is_hopeful = lack < HOPEFUL && motion_lost > NOTABLY * (1.0 - SLOWEST) && self.is_slow();

@@ -14,7 +14,8 @@ use meso_concrete::watch::Stage;
 
 /// Random positions tried per dropped grain.
 const LOOKS: usize = 12;
-/// The same for a fibre. With 12 a 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm jammed; with 60 it does not.
+/// Positions tried for a fibre. With 12 a 75 mm cube at 0.50 with 1 % of fibres of 0.5 x 30 mm jammed; with 60 it does
+/// not.
 const LOOKS_FOR_A_LINE: usize = 60;
 /// Draws per look until a point lies deep enough in a specimen that does not fill its box.
 const DRAWS: usize = 100;

@@ -5,6 +5,30 @@
 //! of their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped
 //! whenever the energy rises. Walls are hard. The result is certified pair by pair ([`certify`]) before anyone sees
 //! it.
+//!
+//! Every list is indexed by *body*: a moving grain's number along a space-filling curve. `Fixed::grain` is its number in the
+//! request, the only other index.
+//!
+//! | owner | state | changed by |
+//! |---|---|---|
+//! | `Bodies` | pose, velocity, turned vertices, box, path length of every body | `advance` (a sweep), `settle` (a start) |
+//! | `NeighbourList` | pairs that may touch, in blocks of 64 first bodies | `cover`, when bodies moved beyond their limits |
+//! | `contact_cache::Block` | per pair: known gap, axis, the contact and its impulse while it lasts | `look`, each block by one thread |
+//! | `CellList` | bodies by cell, in levels of size, at their positions when it was built | rebuilt when stale |
+//! | `Walls` | the container, moved inwards by the gap | never |
+//! | `Settings`, `Damping` | wanted gap, momentum, patience, cost of a jam | `narrow`, `hurry`, `next`, `fewer`, `relieve` |
+//!
+//! The phases of a run:
+//!
+//! 1. `initial_placement::fill`: a position for every grain. Nothing else draws random numbers.
+//! 2. `Dynamics::descend`: sweeps (one update of all bodies) until *open*, *jammed* (the energy stops falling), *late* or
+//!    *stopped*. A sweep reads the contacts of the last look and writes each body's own state only.
+//! 3. `start_over_or_relieve`: after a jam, drops all grains anew with other damping, or fewer grains (`subsample`), or
+//!    leaves out the worst wedged and goes on (*relief*).
+//! 4. `certify::keep_apart`: the only phase whose answers are promises. It starts from poses, in double precision, and
+//!    shares nothing with the dynamics.
+//!
+//! Sums over bodies and contacts run in index order, so that threads cannot change a bit.
 
 mod bodies;
 mod cell_list;
@@ -73,7 +97,7 @@ const FILLING: f64 = 0.3;
 /// Places all grains of `task`, or as many as fit, and says why.
 pub(super) fn place(task: &Task) -> Outcome {
     let mut outcome = Outcome::empty(task, "rearrange", StopReason::Jammed);
-    // After a stop during the take the caller decides what to do with the grains that exist.
+    // After a stop during the take the caller places the grains that exist.
     if outcome.stop.is_some() || task.request.grains.is_empty() {
         return outcome;
     }
@@ -126,7 +150,7 @@ struct Settings {
     least_gap: f64,
     /// Wanted beyond `least_gap`, mm.
     slop: f64,
-    /// Of the smallest grain's ball, mm.
+    /// Radius of the smallest grain's ball, mm.
     radius: f64,
     /// Part of the slop that must be open at the end, mm.
     enough: f64,
@@ -173,7 +197,7 @@ struct Dynamics<'a> {
     /// Share of the summed movement that is done, by the number of contacts.
     relaxations: Vec<f32>,
     sweep: u32,
-    /// Root mean square of what a body lacked of its gaps at the last look, over the radius of the smallest grain.
+    /// Root mean square of the bodies' residual overlaps at the last look, over the radius of the smallest grain.
     lack: f64,
     /// Share of the time limit after which it is late.
     late: f64,
@@ -339,8 +363,8 @@ impl<'a> Dynamics<'a> {
         Look { open_below: look.open_below + outside, ..look }
     }
 
-    /// How far the overlaps have fallen, on a logarithmic scale: what a body lacks begins near a tenth of a radius and
-    /// ends near the slop. The start has taken [`FILLING`] of the stage.
+    /// How far the overlaps have fallen, on a logarithmic scale: the residual overlap begins near a tenth of a radius
+    /// and ends near the slop. The start has taken [`FILLING`] of the stage.
     fn share(&self) -> f64 {
         let end = SLOP / 8.0;
         let fallen = libm::log(FIRST_LACK / self.lack.clamp(end, FIRST_LACK)) / libm::log(FIRST_LACK / end);

@@ -50,8 +50,8 @@ impl NeighbourList {
         Self { blocks: Vec::new(), firsts: Vec::new(), stretch: LEAST_STRETCH, cells: None }
     }
 
-    /// Finds the pairs that may be contacts now and for some sweeps. A body may move at least `least` mm before its
-    /// own are searched again. What is known of a pair already listed is kept.
+    /// Finds the pairs that may be contacts now and for some sweeps. A body may move at least `least` mm before its own
+    /// are searched again. Pairs that stay listed keep their known gaps and contacts.
     pub(super) fn cover(&mut self, bodies: &mut Bodies, want: f32, least: f32) {
         let mut gone = bodies.beyond_limits();
         if gone.is_empty() && self.cells.is_some() {
@@ -153,7 +153,7 @@ impl NeighbourList {
 }
 
 impl Firsts {
-    /// Of `these` bodies, from the `blocks` and the range in which each has its second bodies.
+    /// Gathers the pairs of `these` bodies from the `blocks`, given the range of second bodies of each block.
     fn of(these: Range<u32>, blocks: &[Block], ranges: &[Range<u32>]) -> Self {
         let near = |range: &Range<u32>| range.start < these.end && these.start < range.end;
         let near = || (0..).zip(blocks).zip(ranges).filter(|(_, range)| near(range)).map(|(block, _)| block);

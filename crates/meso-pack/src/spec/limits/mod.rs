@@ -34,7 +34,7 @@ impl Spec {
         self.validate_while(&Silent)
     }
 
-    /// As [`Spec::validate`]; the proof of a surface says how far it is, and ends at the time limit.
+    /// Validates like [`Spec::validate`]; the proof of a surface reports to `watch`, and ends at the time limit.
     pub(crate) fn validate_while(&self, watch: &dyn Watch) -> Result<(), SpecError> {
         fraction(self.fraction)?;
         placement(&self.placement)?;
@@ -72,7 +72,7 @@ impl Spec {
         Some(SpecError::value("grading.d_max_mm", message))
     }
 
-    /// How many aggregates the spec asks for, roughly: mean sizes and aspect ratios.
+    /// Estimated number of aggregates that the spec asks for, from mean sizes and aspect ratios.
     pub fn estimated_aggregates(&self) -> f64 {
         let mean_shape = mean_volume(&self.shape);
         let volume = self.fraction * self.specimen.volume();
@@ -91,7 +91,7 @@ fn fraction(value: f64) -> Checked {
     share("fraction", "aggregate", value)
 }
 
-/// A share of the specimen's volume that `what` takes.
+/// Checks the share of the specimen's volume that a phase takes; `what` names the phase.
 pub(super) fn share(key: &str, what: &str, value: f64) -> Checked {
     let accepted = format!("the accepted range is above 0 and below 1 ({what} volume over specimen volume)");
     if value > 0.0 && value < 1.0 {

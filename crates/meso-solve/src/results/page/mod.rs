@@ -11,7 +11,7 @@ use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
 use meso_view::embedded::TURNTABLE;
-use meso_view::plot::{Curve, Plot, escape};
+use meso_view::plot::{Plot, Series, escape};
 use std::io::{self, BufWriter, Write};
 
 const STYLE: &str = include_str!("style.css");
@@ -95,8 +95,8 @@ fn curve(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
         log_x: false,
         size: LARGE,
         curves: vec![
-            Curve::line("stress", start.chain(rows.iter().map(|row| (row.strain, row.stress_mpa))).collect()),
-            Curve::dots("peak", if figures.peak_mpa > 0.0 { peak } else { Vec::new() }),
+            Series::line("stress", start.chain(rows.iter().map(|row| (row.strain, row.stress_mpa))).collect()),
+            Series::dots("peak", if figures.peak_mpa > 0.0 { peak } else { Vec::new() }),
         ],
     };
     plot.write(out)
@@ -150,14 +150,16 @@ fn energies(rows: &[Row], out: &mut impl Write) -> io::Result<()> {
     let loaded = || rows.iter().filter(|row| row.internal > 0.01 * most);
     writeln!(out, "<h2>Energies</h2>\n<div class=\"row\">")?;
     let work = vec![
-        Curve::line("plates' work", over_strain(|row| row.external / 1000.0)),
-        Curve::line("dissipated", over_strain(|row| row.dissipated / 1000.0)),
-        Curve::line("plate friction", over_strain(|row| row.friction_work / 1000.0)),
+        Series::line("plates' work", over_strain(|row| row.external / 1000.0)),
+        Series::line("dissipated", over_strain(|row| row.dissipated / 1000.0)),
+        Series::line("plate friction", over_strain(|row| row.friction_work / 1000.0)),
     ];
     plot("Work and its parts", "J", work).write(out)?;
     let shares = |of: fn(&Row) -> f64| loaded().map(|row| (row.strain, 100.0 * of(row) / row.internal)).collect();
-    let small =
-        vec![Curve::line("kinetic", shares(|row| row.kinetic)), Curve::line("hourglass", shares(|row| row.hourglass))];
+    let small = vec![
+        Series::line("kinetic", shares(|row| row.kinetic)),
+        Series::line("hourglass", shares(|row| row.hourglass)),
+    ];
     plot("Shares of the internal energy", "%", small).write(out)?;
     writeln!(out, "</div>")
 }

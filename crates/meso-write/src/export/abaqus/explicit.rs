@@ -55,8 +55,8 @@ pub(super) fn check(sides: &Sides) -> Result<(), OutOfRange> {
 
 /// The nodes of ZMIN and ZMAX as surfaces of contact pairs.
 ///
-/// Faces would have to hang together by their edges, and not by nodes alone, which those of parted aggregates, caps of
-/// spheres and voids at a side do not. Of nodes nothing is asked.
+/// Faces of a contact surface must be connected by edges, not by single nodes. Faces of separated aggregates, caps of
+/// spheres and voids at a side are not; a surface of nodes has no such rule.
 fn slaves(lines: &mut Lines<impl Write>) -> io::Result<()> {
     for side in ["ZMIN", "ZMAX"] {
         lines.line(format!("*SURFACE, TYPE=NODE, NAME=N_{side}"))?;

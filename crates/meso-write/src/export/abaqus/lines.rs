@@ -24,7 +24,7 @@ impl<W: Write> Lines<W> {
         Self { out, buffer: Vec::with_capacity(FLUSH_AT + 1024) }
     }
 
-    /// Writes what is left.
+    /// Writes the rest of the buffer.
     pub(super) fn finish(mut self) -> io::Result<()> {
         self.out.write_all(&self.buffer)?;
         self.out.flush()

@@ -51,7 +51,7 @@ pub(super) fn check(mesh: &Mesh, materials: &Materials) -> Result<(), OutOfRange
     strong.try_for_each(|phase| limits::curves(&materials, phase, opening))
 }
 
-/// Of crack bands so wide that they spend more crushing energy than was asked for.
+/// Warns of crack bands so wide that they dissipate more crushing energy than was asked for.
 pub(super) fn band_doubt(mesh: &Mesh, materials: &Materials) -> Option<String> {
     let width = crack_band(mesh).width_mm;
     let widest = damage::widest_mm(&materials.mortar, &materials.mortar_strength);
@@ -76,7 +76,7 @@ fn elastic(lines: &mut Lines<impl Write>, name: &str, elastic: &Elastic) -> io::
     lines.line(format!("{}, {}", real(elastic.youngs_modulus_mpa), real(elastic.poisson_ratio)))
 }
 
-/// That of the mortar's mean element: one curve serves all.
+/// Crack band of the mortar's mean element: one curve serves all elements.
 ///
 /// The ITZ's curve takes it, too: over the width of its own thin cells it would be tougher than mortar.
 fn crack_band(mesh: &Mesh) -> Band {

@@ -100,7 +100,7 @@ impl Default for Loading {
 }
 
 impl Analysis {
-    /// Whether it is computed by explicit dynamics, with damage.
+    /// Whether the analysis is explicit dynamics, with damage.
     pub fn is_explicit(self) -> bool {
         matches!(self, Self::Compression | Self::Tension)
     }
@@ -125,7 +125,7 @@ impl DeckOptions {
     /// Finds out whether `mesh` can be written as a deck with these options.
     ///
     /// # Errors
-    /// Names the option, its value and what is accepted.
+    /// Names the option, its value and the accepted range.
     pub fn validate(&self, mesh: &Mesh) -> Result<(), OutOfRange> {
         self.validate_for(mesh.periodic)?;
         if self.has_curves() {
@@ -234,7 +234,7 @@ impl DeckOptions {
 /// The volumes of aggregates in a mesh for an analysis are within this share of their own.
 const VOLUMES_OFF: f64 = 0.05;
 
-/// Of aggregates that are far from their own volume.
+/// Warns of aggregates that are far from their own volume.
 fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     let (exact, meshed) = (exact?.aggregate, PhaseVolumes::of_mesh(mesh).aggregate);
     ((meshed - exact).abs() > VOLUMES_OFF * exact).then(|| {
@@ -246,7 +246,7 @@ fn volume_doubt(mesh: &Mesh, exact: Option<&PhaseVolumes>) -> Option<String> {
     })
 }
 
-/// Of aggregates that share nodes, where that was asked for or is only stiff.
+/// Warns of aggregates that share nodes, where that was asked for or is only too stiff.
 fn joined_doubt(mesh: &Mesh) -> Option<String> {
     let ((nodes, pairs), touching) = (mesh.joined_aggregates(), mesh.touching_share());
     if nodes > 0 {

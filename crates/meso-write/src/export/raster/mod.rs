@@ -10,7 +10,7 @@ pub(crate) mod vti;
 
 use std::borrow::Cow;
 
-/// The grid of an image, and what its values are.
+/// The grid of an image, and the kind of its values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Frame {
     /// Voxels along x, y and z.
@@ -67,7 +67,7 @@ impl ValueKind {
 
 /// The values of some layers, x fastest, then y, then z.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Values {
+pub enum Voxels {
     /// Phases.
     Label(Vec<u8>),
     /// Ids.
@@ -76,8 +76,8 @@ pub enum Values {
     Real(Vec<f32>),
 }
 
-impl Values {
-    /// How many there are.
+impl Voxels {
+    /// Number of voxels.
     pub fn len(&self) -> usize {
         match self {
             Self::Label(values) => values.len(),
@@ -91,7 +91,7 @@ impl Values {
         self.len() == 0
     }
 
-    /// Their bytes, the lowest first.
+    /// Bytes of the values, the lowest first.
     pub fn bytes(&self) -> Cow<'_, [u8]> {
         match self {
             Self::Label(values) => Cow::Borrowed(values),

@@ -1,6 +1,6 @@
 //! Arrays of numpy (`.npy`, format 1.0): a short header, then the values as they come.
 
-use super::{Frame, ValueKind, Values};
+use super::{Frame, ValueKind, Voxels};
 use std::io::{self, Write};
 
 /// The header's length is a multiple of this, so that values are aligned when a file is mapped into memory.
@@ -10,7 +10,7 @@ const ALIGNED: usize = 64;
 ///
 /// # Errors
 /// Those of `out`.
-pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Values>, mut out: impl Write) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Voxels>, mut out: impl Write) -> io::Result<()> {
     let kind = match frame.kind {
         ValueKind::Label => "|u1",
         ValueKind::Id => "<i4",

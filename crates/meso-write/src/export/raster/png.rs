@@ -3,7 +3,7 @@
 //! Phases are indexed colours, whose indices are the labels; shares are grey, black 0 and white 1.
 
 use super::super::appearance::PALETTE;
-use super::{Frame, Values};
+use super::{Frame, Voxels};
 use png::{BitDepth, ColorType, Encoder, EncodingError};
 use std::io::{self, Write};
 
@@ -11,22 +11,22 @@ use std::io::{self, Write};
 ///
 /// # Errors
 /// Those of `out`; ids, and reals that are not shares, which no picture holds.
-pub(crate) fn write(frame: &Frame, values: &Values, out: impl Write) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, values: &Voxels, out: impl Write) -> io::Result<()> {
     let ([rows, columns], _) = frame.pictures();
     let mut encoder = Encoder::new(out, columns, rows);
     encoder.set_depth(BitDepth::Eight);
     let pixels: Vec<u8> = match values {
-        Values::Label(labels) => {
+        Voxels::Label(labels) => {
             encoder.set_color(ColorType::Indexed);
             encoder.set_palette(palette());
             encoder.set_trns([vec![255; 255], vec![0]].concat());
             labels.clone()
         }
-        Values::Real(shares) => {
+        Voxels::Real(shares) => {
             encoder.set_color(ColorType::Grayscale);
             shares.iter().map(|share| (255.0 * share.clamp(0.0, 1.0)).round() as u8).collect()
         }
-        Values::Id(_) => return Err(io::Error::other("a .png holds phases or shares; take .tif or .npy for ids")),
+        Voxels::Id(_) => return Err(io::Error::other("a .png holds phases or shares; take .tif or .npy for ids")),
     };
     let upright: Vec<u8> = pixels.chunks_exact(columns as usize).rev().flatten().copied().collect();
     let plain = |error| match error {

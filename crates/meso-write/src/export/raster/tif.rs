@@ -2,7 +2,7 @@
 //!
 //! The resolution is the voxels' own, in pixels per centimetre. Images near 4 GB and beyond are BigTIFF.
 
-use super::{Frame, Values};
+use super::{Frame, Voxels};
 use std::io::{self, Seek, Write};
 use tiff::TiffError;
 use tiff::encoder::colortype::{ColorType, Gray8, Gray32Float, GrayI32};
@@ -16,7 +16,7 @@ const LARGE: usize = 3_900_000_000;
 ///
 /// # Errors
 /// Those of `out`.
-pub(crate) fn write(frame: &Frame, slabs: impl Iterator<Item = Values>, out: impl Write + Seek) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, slabs: impl Iterator<Item = Voxels>, out: impl Write + Seek) -> io::Result<()> {
     let is_large = frame.counts.iter().product::<usize>() * frame.kind.bytes() > LARGE;
     let written = if is_large {
         TiffEncoder::new_big(out).and_then(|encoder| pages(frame, slabs, encoder))
@@ -31,20 +31,20 @@ pub(crate) fn write(frame: &Frame, slabs: impl Iterator<Item = Values>, out: imp
 
 fn pages<W: Write + Seek, K: TiffKind>(
     frame: &Frame,
-    slabs: impl Iterator<Item = Values>,
+    slabs: impl Iterator<Item = Voxels>,
     mut encoder: TiffEncoder<W, K>,
 ) -> Result<(), TiffError> {
     let ([rows, columns], _) = frame.pictures();
     let of_page = rows as usize * columns as usize;
     for slab in slabs {
         match &slab {
-            Values::Label(values) => {
+            Voxels::Label(values) => {
                 values.chunks_exact(of_page).try_for_each(|page| add::<Gray8, _, _>(frame, page, &mut encoder))?;
             }
-            Values::Id(values) => {
+            Voxels::Id(values) => {
                 values.chunks_exact(of_page).try_for_each(|page| add::<GrayI32, _, _>(frame, page, &mut encoder))?;
             }
-            Values::Real(values) => {
+            Voxels::Real(values) => {
                 values
                     .chunks_exact(of_page)
                     .try_for_each(|page| add::<Gray32Float, _, _>(frame, page, &mut encoder))?;

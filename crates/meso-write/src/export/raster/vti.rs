@@ -2,14 +2,14 @@
 //!
 //! Values belong to the cells, which are the voxels. Little-endian, the size counted in 64 bits.
 
-use super::{Frame, ValueKind, Values};
+use super::{Frame, ValueKind, Voxels};
 use std::io::{self, Write};
 
 /// Writes an image to `out`, slab by slab.
 ///
 /// # Errors
 /// Those of `out`.
-pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Values>, mut out: impl Write) -> io::Result<()> {
+pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Voxels>, mut out: impl Write) -> io::Result<()> {
     let Frame { counts: [nx, ny, nz], corner_mm: [x, y, z], voxel_size_mm: h, name, .. } = *frame;
     let kind = match frame.kind {
         ValueKind::Label => "UInt8",

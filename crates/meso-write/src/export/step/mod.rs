@@ -65,9 +65,9 @@ fn with_cavities(lines: &mut Lines<impl Write>, block: &Block, shells: &[Id]) ->
     lines.entity(format_args!("BREP_WITH_VOIDS('{}',{outer},{})", MORTAR.0, list(&cavities)))
 }
 
-/// The product that all parts belong to, and what they share.
+/// The product that all parts belong to, and the entities that they share.
 struct Assembly {
-    /// Of every product, and of every definition of one.
+    /// Contexts of every product, and of every product definition.
     contexts: [Id; 2],
     /// Units and accuracy.
     geometry: Id,
