@@ -245,22 +245,21 @@ fn outer_area(mesh: &Mesh) -> f64 {
 #[test]
 fn the_smeared_itz_is_the_mortar_with_a_face_on_an_aggregate() {
     let mesh = &*SMEARED;
-    let mut behind: BTreeMap<Vec<u32>, Vec<usize>> = BTreeMap::new();
-    for (number, cell) in mesh.cells().enumerate() {
-        for face in mesh.kind.faces() {
-            let mut nodes: Vec<u32> = face.iter().map(|&corner| cell[corner]).collect();
-            nodes.sort_unstable();
-            behind.entry(nodes).or_default().push(number);
+    let mut aggregates: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); mesh.points.len()];
+    let cores = mesh.cells().zip(&mesh.aggregate).zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Aggregate);
+    for ((cell, &aggregate), _) in cores {
+        for &node in cell {
+            aggregates[node as usize].insert(aggregate);
         }
     }
-    let mut at_aggregate = BTreeSet::new();
-    for pair in behind.values().filter(|cells| cells.len() == 2) {
-        for (a, b) in [(pair[0], pair[1]), (pair[1], pair[0])] {
-            if mesh.phase[a] == Phase::Aggregate && mesh.phase[b] != Phase::Aggregate {
-                at_aggregate.insert(b);
-            }
-        }
-    }
+    let lies_on_one = |cell: &[u32], face: &[usize]| {
+        let of = |corner: &usize| aggregates[cell[*corner] as usize].clone();
+        !face.iter().map(of).reduce(|a, b| &a & &b).unwrap().is_empty()
+    };
+    let at_aggregate: BTreeSet<usize> = (0..mesh.cell_count())
+        .filter(|&cell| mesh.phase[cell] != Phase::Aggregate)
+        .filter(|&cell| mesh.kind.faces().iter().any(|face| lies_on_one(mesh.cell(cell), face)))
+        .collect();
     let smeared: BTreeSet<usize> = (0..mesh.cell_count()).filter(|&cell| mesh.phase[cell] == Phase::Itz).collect();
     assert!(smeared == at_aggregate && smeared.len() > 1000, "{} {}", smeared.len(), at_aggregate.len());
     let deck = Deck::read(&deck(mesh, &compression()));

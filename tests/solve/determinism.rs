@@ -45,9 +45,9 @@ fn fast() -> Test {
 fn cases() -> [(Meshed, Test); 4] {
     let plain = Test { smoothing: Some(Smoothing::None), ..fast() };
     [
-        (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), fast()),
-        (concrete(1.0, Method::FITTED, 3.0, ItzForm::None), plain),
-        (concrete(1.0, Method::VOXEL, 1.5, ItzForm::None), fast()),
+        (concrete(1.0, Method::FITTED, 3.0, ItzForm::Smeared), fast()),
+        (concrete(1.0, Method::FITTED, 3.0, ItzForm::Smeared), plain),
+        (concrete(1.0, Method::VOXEL, 1.5, ItzForm::Smeared), fast()),
         (concrete(0.5, Method::FITTED, 3.0, ItzForm::Cohesive), fast()),
     ]
 }

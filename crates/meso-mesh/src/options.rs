@@ -127,7 +127,7 @@ pub enum ItzForm {
     Solid,
     /// Zero-thickness cohesive elements between the aggregates and what they meet.
     Cohesive,
-    /// Mortar cells with a face on an aggregate are the ITZ: as stiff as mortar, and weaker.
+    /// Mortar cells with a face on an aggregate are the ITZ: as stiff as mortar, and weaker. Fibres have none.
     Smeared,
     /// Not at all: aggregates bonded to the mortar.
     None,

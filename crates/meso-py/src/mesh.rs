@@ -273,7 +273,7 @@ impl PyMesh {
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
     /// **options
-    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+    ///     `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
     ///
     /// Returns
     /// -------

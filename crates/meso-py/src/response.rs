@@ -334,10 +334,10 @@ impl PyFrame {
         PyArray1::from_slice(py, &self.1.opening_mm)
     }
 
-    /// Phase that every cell has in the test: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
+    /// Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy.
     #[getter]
     fn phase<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
-        PyArray1::from_vec(py, self.1.phases.iter().map(|&phase| phase as u8).collect())
+        PyArray1::from_vec(py, self.0.phase.iter().map(|&phase| phase as u8).collect())
     }
 
     /// Id of the aggregate or fibre every cell of the mesh belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.

@@ -31,10 +31,6 @@ pub struct Test {
     pub frames: u32,
     /// The law of mortar and ITZ.
     pub law: LawName,
-    /// Treatment of mortar at the aggregates of a mesh without an ITZ.
-    pub itz: Itz,
-    /// Treatment of aggregates that share nodes.
-    pub joined: Joined,
     /// Strain smoothing; absent, tetrahedra are smoothed over edges, and boxes are not.
     pub smoothing: Option<Smoothing>,
     /// Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ).
@@ -80,28 +76,6 @@ pub enum LawName {
     Cdpm2,
 }
 
-/// Treatment of mortar at the aggregates of a mesh without an ITZ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Itz {
-    /// Mortar cells with a face on an aggregate have the ITZ's strength.
-    Smeared,
-    /// Mortar.
-    None,
-}
-
-/// Treatment of aggregates that share nodes: elastic, they would form a skeleton that never breaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Joined {
-    /// Of the aggregates' cells at a shared node those of one stay, and the others become mortar.
-    Mortar,
-    /// Nothing.
-    Keep,
-}
-
 /// Where strains belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -135,8 +109,6 @@ impl Default for Test {
             rows: 400,
             frames: 0,
             law: LawName::Cdp,
-            itz: Itz::Smeared,
-            joined: Joined::Mortar,
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),

@@ -17,7 +17,7 @@ use meso_core::mesh::{ItzForm, Mesh, MethodName, Order, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
 use meso_solve::results::{Moment, Outcome, ResultFile, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Control, Ended, Itz, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
+use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
 use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -132,7 +132,6 @@ impl Args {
             frames: self.frames,
             control: self.control,
             law: self.law.0,
-            itz: if self.mesh.smears(self.purpose()) { Itz::Smeared } else { Itz::None },
             smoothing: self.smoothing,
             ..Test::default()
         }
@@ -207,11 +206,7 @@ impl Args {
 
     /// The mesh of a specimen, if its test would have a number of steps that can be taken.
     fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
-        let mut settings = self.mesh.settings(self.purpose(), spec)?;
-        // The solver smears the ITZ by itself.
-        if settings.options.itz == ItzForm::Smeared {
-            settings.options.itz = ItzForm::None;
-        }
+        let settings = self.mesh.settings(self.purpose(), spec)?;
         let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.options);
         room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), options.element_size_mm)?;
         let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);

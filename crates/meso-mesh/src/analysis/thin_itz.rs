@@ -1,6 +1,6 @@
 //! An ITZ without a layer of its own: cohesive elements of no thickness, or the mortar's cells at the aggregates.
 
-use crate::cells::{InterfaceFace, Mesh, NO_AGGREGATE, Phase, complete, copies, faces};
+use crate::cells::{InterfaceFace, Mesh, Phase, complete, copies, faces};
 
 /// Parts the aggregates from the mortar and from each other, and joins them by zero-thickness cohesive elements; fibres are
 /// bonded.
@@ -37,13 +37,16 @@ fn kept(mesh: &Mesh) -> Vec<bool> {
     kept
 }
 
-/// Smears the ITZ over the mortar's cells that share a face with an aggregate's: their phase is the ITZ, and they belong to
-/// no aggregate still.
+/// Smears the ITZ over the mortar's cells that have a face on an aggregate, all its corners on the surface of this one.
+///
+/// Their phase is the ITZ, and they still belong to no aggregate. Fibres are bonded to the mortar and have no ITZ. Decks and
+/// the solver read these phases, so that both have the ITZ in the same cells.
 pub(crate) fn smear_itz(mesh: &mut Mesh) {
-    for face in faces(mesh.by_aggregate()) {
-        let [inside, outside] = [face.cell, face.behind].map(|cell| cell as usize);
-        if mesh.phase[inside] == Phase::Aggregate && mesh.aggregate[outside] == NO_AGGREGATE {
-            mesh.phase[outside] = Phase::Itz;
+    let owners = mesh.owners(|cell| mesh.phase[cell] == Phase::Aggregate);
+    for (cell, phase) in mesh.cells.chunks_exact(mesh.kind.nodes()).zip(&mut mesh.phase) {
+        let lies_on_one = |face: &&[usize]| owners.have_one_in_common(face.iter().map(|&corner| cell[corner]));
+        if *phase == Phase::Mortar && mesh.kind.faces().iter().any(lies_on_one) {
+            *phase = Phase::Itz;
         }
     }
 }

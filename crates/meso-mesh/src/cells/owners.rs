@@ -58,6 +58,25 @@ impl Owners {
         self.one[node as usize] != self.other[node as usize]
     }
 
+    /// Whether some body owns cells around every one of `nodes`.
+    pub(crate) fn have_one_in_common(&self, nodes: impl Iterator<Item = u32> + Clone) -> bool {
+        let mut rest = nodes.clone();
+        rest.next().is_some_and(|first| self.around(first).any(|body| rest.clone().all(|node| self.has(node, body))))
+    }
+
+    /// The bodies that own cells around a node.
+    fn around(&self, node: u32) -> impl Iterator<Item = u32> {
+        let [one, other] = [self.one[node as usize], self.other[node as usize]];
+        let start =
+            if one == other { self.further.len() } else { self.further.partition_point(|entry| entry.0 < node) };
+        let further = self.further[start..].iter().take_while(move |entry| entry.0 == node).map(|entry| entry.1);
+        [one, other].into_iter().filter(|body| *body != NO_BODY).chain(further)
+    }
+
+    fn has(&self, node: u32, body: u32) -> bool {
+        self.one[node as usize] == body || self.around(node).any(|other| other == body)
+    }
+
     /// The owner of the last cell around a node that counts.
     pub fn last(&self, node: u32) -> u32 {
         self.one[node as usize]

@@ -566,7 +566,7 @@ class Packing:
         element_size : float, optional
             Edge length of the elements, mm; default 2.
         for_test : bool, optional
-            Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="none",
+            Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="smeared",
             joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
         accept_phase_error : bool, optional
             Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
@@ -737,7 +737,7 @@ class Mesh:
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
         **options
-            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
 
         Returns
         -------

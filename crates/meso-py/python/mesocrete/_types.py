@@ -498,10 +498,6 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    itz: Literal["smeared", "none"]
-    """Treatment of mortar at the aggregates of a mesh without an ITZ."""
-    joined: Literal["mortar", "keep"]
-    """Treatment of aggregates that share nodes."""
     law: Literal["elastic", "cdp", "cdpm2"]
     """The law of mortar and ITZ."""
     ramp: float

@@ -1,16 +1,15 @@
 //! `Bodies`: many hulls, prepared once and asked often.
 
-use super::{CHUNK, Direction, each, gjk_error, one_vector, parse, vector, vertices};
+use super::{CHUNK, each, gjk_error, one_vector, vertices};
 use crate::arrays::{IndexArray, PointArray, from_indices, from_points, points};
 use crate::boundary::{guard, wrong_type, wrong_value};
-use crate::tree::type_name;
 use meso_concrete::thousands;
-use meso_core::gjk::{Bodies, Impact, Method, Penetration};
+use meso_core::gjk::Bodies;
 use meso_core::math::{Rotation, Vec3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::PyTuple;
 use std::sync::Arc;
 
 /// Convex bodies that are laid out once and asked often.
@@ -20,8 +19,8 @@ use std::sync::Arc;
 /// bodies : iterable of array_like, shape (n, 3), or Aggregate, or Polyhedron
 ///     Hulls of any dimension, closed, in one frame and any unit. Any finite numbers.
 ///
-/// All answers are exact for the points and shifts as given, as those of `intersects` are. Of a solid the corners of its
-/// hull are kept, and points inside are dropped.
+/// All answers are exact for the points and shifts as given, as those of `intersects` are. A solid keeps the corners of its
+/// hull; points inside are dropped.
 ///
 /// Raises
 /// ------

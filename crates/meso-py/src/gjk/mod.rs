@@ -11,7 +11,7 @@ use crate::polyhedron::PyPolyhedron;
 use crate::tree::type_name;
 use meso_core::gjk::{self, GjkError, Impact, Method, Penetration};
 use meso_core::math::Vec3;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 

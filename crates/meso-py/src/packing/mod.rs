@@ -387,10 +387,6 @@ impl PyPacking {
     ) -> PyResult<PyMesh> {
         guard(|| {
             let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
-            // The solver smears the ITZ by itself.
-            if for_test && !keywords.contains("itz")? {
-                keywords.set_item("itz", "none")?;
-            }
             let asked = mesh::table(method, element_size, &keywords)?;
             mesh::build(py, Arc::clone(&self.0), progress, &asked, mesh::purpose(for_test), accept_phase_error)
         })

@@ -3,7 +3,7 @@
 use crate::march::curve::{Figures, Row, to_half_peak};
 use crate::march::run::Run;
 use crate::sample::Sample;
-use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
+use crate::test::{Control, Kind, LawName, Smoothing};
 use meso_mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -153,8 +153,8 @@ impl Response {
             energy_balance_error: balance_error(rows),
             hourglass_over_internal: largest(rows, |row| row.hourglass / row.internal),
             energies: energies(&last),
-            joined_pairs: run.phases.joined_pairs + run.sample.mesh.notes.parted_pairs,
-            joined_cells: run.phases.parted_cells + run.sample.mesh.notes.parted_cells,
+            joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.parted_pairs,
+            joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
             ended,
             warnings: Vec::new(),
@@ -177,14 +177,13 @@ fn balance_error(rows: &[Row]) -> f64 {
 }
 
 fn phases(run: &Run) -> Vec<PhaseResult> {
-    // The mesh's volumes are of its own phases; the test's are wanted.
-    let volumes = run.volumes();
+    let volumes = PhaseVolumes::of_mesh(run.sample.mesh);
     let result = |phase: Phase| {
         let groups = run.blocks.iter().flat_map(|block| &block.groups).filter(|group| group.phase == phase);
         let exact = |exact: PhaseVolumes| exact.of(phase) / run.sample.volume_mm3;
         PhaseResult {
             name: phase.name().to_ascii_lowercase(),
-            volume_fraction: volumes[phase as usize] / run.sample.volume_mm3,
+            volume_fraction: volumes.of(phase) / run.sample.volume_mm3,
             exact_fraction: run.sample.exact.map(exact),
             dissipated_mj: groups.map(|group| group.dissipated).sum(),
         }
@@ -192,15 +191,15 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
     let has_faces = !run.sample.mesh.cohesive.is_empty();
     // Bodies that the elements have lost are told with a volume of 0.
     let is_asked = |phase| run.sample.exact.is_some_and(|exact| exact.of(phase) > 0.0);
-    let is_there =
-        |&phase: &Phase| run.phases().contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces);
+    let is_there = |&phase: &Phase| {
+        run.sample.mesh.phase.contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces)
+    };
     Phase::ALL.into_iter().filter(is_there).map(result).collect()
 }
 
 impl Summary {
     fn warn(&mut self, run: &Run) {
-        let test = &run.test;
-        self.warn_of_the_mesh(run, test);
+        self.warn_of_the_mesh(&run.sample);
         self.warn_of_the_laws(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
@@ -239,22 +238,25 @@ impl Summary {
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
     }
 
-    fn warn_of_the_mesh(&mut self, run: &Run, test: &Test) {
-        let (pairs, kept) = (self.joined_pairs, run.phases.joined_pairs);
-        if kept > 0 && test.joined == Joined::Keep {
+    fn warn_of_the_mesh(&mut self, sample: &Sample) {
+        let mesh = sample.mesh;
+        let (pairs, parted) = (self.joined_pairs, mesh.notes.parted_pairs);
+        if pairs > parted {
             self.warnings.push(format!(
-                "{kept} pairs of aggregates share nodes and form a skeleton that cannot break; \
-                 take test.joined = \"mortar\""
+                "{} pairs of aggregates share nodes and form a skeleton that cannot break; \
+                 mesh with joined = \"mortar\"",
+                pairs - parted
             ));
         } else if pairs > 0 {
-            let cells = run.phases.aggregate_cells + run.sample.mesh.notes.parted_cells;
+            let left = mesh.phase.iter().filter(|phase| **phase == Phase::Aggregate).count();
+            let cells = left + mesh.notes.parted_cells;
             let share = 100.0 * self.joined_cells as f64 / cells.max(1) as f64;
             self.warnings.push(format!(
                 "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
                  pack with a gap that the elements can show, or refine the mesh"
             ));
         }
-        let touching = run.sample.mesh.touching_share();
+        let touching = mesh.touching_share();
         if touching > Mesh::FEW_TOUCH {
             let share = 100.0 * touching;
             self.warnings.push(format!(
@@ -262,8 +264,8 @@ impl Summary {
                  that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
             ));
         }
-        self.warn_of_the_volumes(&run.sample);
-        if run.sample.mesh.periodic != [false; 3] {
+        self.warn_of_the_volumes(sample);
+        if mesh.periodic != [false; 3] {
             self.warnings.push("the specimen is periodic, but its sides are free in this test".to_owned());
         }
     }

@@ -4,7 +4,7 @@
 //! `radius_ratio` and `min_dihedral_deg`.
 
 use super::{Array, Encoding, Grid, Layout};
-use meso_mesh::cells::{CellKind, Mesh, Phase};
+use meso_mesh::cells::{CellKind, Mesh};
 use meso_mesh::figures::CellQuality;
 use std::io::{self, Write};
 
@@ -17,7 +17,7 @@ pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
         CellKind::Hexahedron => Vec::new(),
         _ => CellQuality::of_cells(mesh),
     };
-    let mut cell_data: Vec<Array> = bodies(mesh, &mesh.phase).collect();
+    let mut cell_data: Vec<Array> = bodies(mesh).collect();
     if !quality.is_empty() {
         let measure = |name, value: fn(&CellQuality) -> f64| {
             let quality = &quality;
@@ -42,19 +42,13 @@ pub struct Field<'a> {
     pub values: &'a [f32],
 }
 
-/// Writes `mesh` with fields at its points and in its cells, which have `phases`, compressed. Viewers display the first
+/// Writes `mesh` with fields at its points and in its cells, compressed. Viewers display the first
 /// of `cells`.
 ///
 /// # Errors
 /// Those of `out`.
-pub fn write_fields(
-    mesh: &Mesh,
-    phases: &[Phase],
-    points: &[Field],
-    cells: &[Field],
-    out: impl Write,
-) -> io::Result<()> {
-    let cell_data = cells.iter().map(Field::array).chain(bodies(mesh, phases)).collect();
+pub fn write_fields(mesh: &Mesh, points: &[Field], cells: &[Field], out: impl Write) -> io::Result<()> {
+    let cell_data = cells.iter().map(Field::array).chain(bodies(mesh)).collect();
     Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }
         .write(Encoding::Compressed, out)
 }
@@ -75,9 +69,9 @@ pub fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
 }
 
 /// The phase of every cell, and the body that it belongs to.
-fn bodies<'a>(mesh: &'a Mesh, phases: &'a [Phase]) -> impl Iterator<Item = Array<'a>> {
+fn bodies(mesh: &Mesh) -> impl Iterator<Item = Array<'_>> {
     let cells = mesh.cell_count();
-    let phase = Array::new("UInt8", "phase", cells, || phases.iter().map(|phase| [*phase as u8]));
+    let phase = Array::new("UInt8", "phase", cells, || mesh.phase.iter().map(|phase| [*phase as u8]));
     let ids = Array::new("Int32", "aggregate", cells, || mesh.aggregate.iter().map(|&id| signed(id).to_le_bytes()));
     [phase, ids].into_iter()
 }

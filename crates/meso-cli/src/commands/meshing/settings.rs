@@ -56,11 +56,6 @@ impl MeshFlags {
         Ok(MeshSettings { options, gmsh, accepted: f64::INFINITY })
     }
 
-    /// Whether the ITZ is smeared over the mortar's cells.
-    pub(crate) fn smears(&self, purpose: Purpose) -> bool {
-        self.options(purpose, &Itz::default()).is_ok_and(|options| options.itz == ItzForm::Smeared)
-    }
-
     /// The materials of the file that is given, or the illustrative ones.
     pub(crate) fn materials(&self) -> Result<Materials, Failure> {
         let Some(path) = &self.materials else { return Ok(Materials::default()) };
