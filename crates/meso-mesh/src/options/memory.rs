@@ -1,7 +1,7 @@
 //! Memory that a mesh takes, estimated from its options before any of it is taken.
 //!
 //! Peak memory of the command over the number of cubes of one element size in the specimen. A cube of 50 mm at 30 % was
-//! meshed in 125,000 to 2.9 million such cubes, and tested in 31,000 to 244,000. The estimates lie a few percent below, so
+//! meshed in 125,000 to 2.9 million such cubes, and tested in 31,000 to 244,000. The estimates lie below, so
 //! that they refuse nothing that fits: `benches/memory.py`, with figures in `benches/results/memory.csv`.
 
 use super::{Fit, MeshOptions, Method, Order};
@@ -16,8 +16,8 @@ const PLAIN: f64 = 600.0;
 const FITTED: f64 = 850.0;
 
 /// Bytes per cube of a fitted lattice of second order: 2550 were measured.
-const QUADRATIC: f64 = 2500.0;
-/// Bytes per voxel in a test: 436 to 477 were measured.
+const QUADRATIC: f64 = 2300.0;
+/// Bytes per voxel in a test: 455 to 477 were measured.
 const TESTED_VOXEL: f64 = 420.0;
 /// Bytes per cube of a lattice in a test: 5070 were measured at 1.6 mm and 4660 at 1.2 mm, with 15 and 14.3 tetrahedra in a
 /// cube; without aggregates there are 12.
