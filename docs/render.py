@@ -106,7 +106,7 @@ def painted_section(packing: mc.Packing, axis: int, at: float, px: int = 800) ->
 def draw_cracks() -> np.ndarray:
     """The cracks of a cube that was crushed between plates with little friction, cut open; displacements five times."""
     packing = mc.pack({"specimen": {"kind": "cube", "side_mm": 50.0}, "fraction": 0.4}, seed=1)
-    response = packing.mesh(method="lattice", element_size=2.0, itz="none").solve(friction=0.1, strain=0.005)
+    response = packing.mesh(for_test=True, element_size=2.0).solve(friction=0.1, strain=0.005)
     grid = response.to_pyvista()
     grid.points += 5.0 * grid.point_data["displacement_mm"]
     shades = matplotlib.colors.LinearSegmentedColormap.from_list("cracks", [MORTAR, "#e8b7a4", CRACK, "#2b0d07"])

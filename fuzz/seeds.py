@@ -22,6 +22,13 @@ COMMAND_LINES = [
     "report m.json -o a.html",
     "completions bash",
 ]
+STUDIES = [
+    "recipe = 'rve-60'\noutputs = ['a.csv', 'b.vtu']\n[over]\nseed = { from = 1, to = 9, step = 2 }\n",
+    "[spec]\nfraction = 0.2\n[over]\nspecimen.side_mm = [30, 40]\nmesh.itz = ['none', 'cohesive']\n[mesh]\noutput = ['m.inp', 'm.pvtu']\n",
+    "[solve]\nfriction = 0.1\nmethod = 'voxel'\nframes = 2\n[over]\nsolve.test = ['compression', 'tension']\n",
+    "[over]\nspecimen = [{ kind = 'sphere', diameter_mm = 30 }, { side_mm = 40 }]\n\"grading.d_max_mm\" = [16, 20]\n",
+    "outputs = ['frame_0001.vtu']\n[mesh]\noutput = 'm.inp'\nanalysis = 'compression'\n[solve]\n",
+]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
 
 
@@ -89,6 +96,8 @@ def main() -> None:
     keep("materials", "mortar.toml", b"[mortar]\nyoungs_modulus_mpa = 25000\npoisson_ratio = 0.2\n")
     for number, line in enumerate(COMMAND_LINES):
         keep("command-line", str(number), line.replace(" ", "\n").encode())
+    for number, text in enumerate(STUDIES):
+        keep("study", str(number), text.encode())
     for target in ["hull", "offset", "collision", "tiny-mesh"]:
         for seed in range(8):
             keep(target, str(seed), bytes((i * 37 + seed * 11) % 256 for i in range(200)))

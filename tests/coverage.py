@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """How many lines of the core do its own Rust tests run? Builds them with counters, runs them, and prints a table by folder.
 
-    python3 tests/coverage.py                             # meso-collision and meso-core
+    python3 tests/coverage.py                             # the libraries below meso-solve
     python3 tests/coverage.py --solver                    # and meso-solve
-    python3 tests/coverage.py --missing meso-core/check   # and the lines of a folder that no test runs
+    python3 tests/coverage.py --missing meso-pack/check   # and the lines of a folder that no test runs
     python3 tests/coverage.py --again --enter             # the last run's counts, entered in benches/results/coverage.csv
 
 Counted are the lines of crates/*/src that have code, without unit tests. What other crates call is not counted: the
@@ -33,7 +33,7 @@ RESULTS = ROOT / "benches" / "results" / "coverage.csv"
 COLUMNS = ["what", "lines", "covered", "percent", "machine", "date", "commit"]
 
 # Whose lines are counted, and the targets of their tests.
-CORE = {"meso-collision": ["collision"], "meso-core": ["core"]}
+CORE = {"meso-collision": ["collision"], "meso-concrete": [], "meso-pack": [], "meso-mesh": [], "meso-view": [], "meso-write": [], "meso-core": ["core"]}
 SOLVER = {"meso-solve": ["laws", "solve"]}
 
 # Of a file, how often each line with code was run.

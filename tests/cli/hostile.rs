@@ -1,6 +1,7 @@
 //! Words as an enemy or a tired user would type them: good command lines, mixed by chance.
 
 use crate::command_line::command_line;
+use crate::hostile_study::study;
 
 /// Every flag that takes a value, with good and bad ones, and every command.
 const WORDS: [&str; 72] = [
@@ -110,4 +111,56 @@ fn what_is_validated_is_what_the_command_accepts() {
         let args = std::iter::once("mesocrete").chain(line.iter().copied()).map(Into::into);
         assert_eq!(meso_cli::validate(args).is_ok(), accepted, "{line:?}");
     }
+}
+
+/// Lines of good and bad studies.
+const LINES: [&str; 34] = [
+    "recipe = 'rve-60'",
+    "outputs = ['a.csv', 'A.CSV']",
+    "outputs = ['frame_1.vtu', '../a.csv', 'b.vtu']",
+    "outputs = ['m_0.vtu', 'a\u{0}.csv']",
+    "[spec]",
+    "fraction = 0.2",
+    "fraction = nan",
+    "specimen = { kind = 'cube', side_mm = 24 }",
+    "[over]",
+    "seed = { from = 1, to = 9, step = 4 }",
+    "seed = { from = -9223372036854775808, to = 9223372036854775807 }",
+    "seed = [18446744073709551615, -1, 1e300]",
+    "seed = [[], {}, '\u{1f600}']",
+    "specimen.side_mm = [30, 40]",
+    "specimen = [{ kind = 'sphere' }, 3]",
+    "\"grading..d\" = [1]",
+    "mesh.itz = ['none', 'cohesive']",
+    "mesh.output = [['b.vtu'], ['b.vtu', 'B.vtu']]",
+    "mesh = [{}, { output = 'q.inp' }]",
+    "solve.friction = [0, 1e999]",
+    "[mesh]",
+    "output = 'm.inp'",
+    "output = ['m.inp', 'm.pvtu', 'm_1.vtu']",
+    "output = ['frame.pvtu', 3]",
+    "method = 'conforming'",
+    "gmsh = './x.sh'",
+    "\"gmsh=./x.sh\" = true",
+    "element_size_mm = 1e-300",
+    "analysis = 'compression'",
+    "strict = true",
+    "[solve]",
+    "test = 'tension'",
+    "frames = 18446744073709551615",
+    "\"\" = \"\"",
+];
+
+#[test]
+fn studies_of_lines_in_any_order_break_nothing() {
+    let mut state = 7;
+    let mut planned = 0;
+    for _ in 0..3000 {
+        let lines: Vec<&str> = (0..below(&mut state, 9)).map(|_| LINES[below(&mut state, LINES.len())]).collect();
+        let text = lines.join("\n");
+        study(text.as_bytes());
+        planned += usize::from(meso_cli::validate_study(&text).is_ok());
+    }
+    // Many are refused, some are not.
+    assert!((100..2900).contains(&planned), "{planned}");
 }

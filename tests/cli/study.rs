@@ -40,7 +40,7 @@ fn every_combination_has_a_folder_and_a_row() {
     let expected = [("1", "30"), ("1", "40"), ("2", "30"), ("2", "40"), ("3", "30"), ("3", "40")];
     assert_eq!(seeds, expected.map(|(seed, side)| (seed.to_owned(), side.to_owned())));
     assert!(String::from_utf8(folder.read("study/ensemble.csv")).unwrap().contains(",aggregates,3,"));
-    // The same packing as by hand.
+    // A packing by hand has equal bytes.
     folder.run(&["pack", "small.toml", "--seed", "2", "-o", "two.json"]);
     let case = cases.iter().find(|case| case.starts_with("seed-2_side_mm-40")).expect("the case");
     assert_eq!(folder.read(&format!("study/{case}/model.json")), folder.read("two.json"));

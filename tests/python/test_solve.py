@@ -27,7 +27,7 @@ QUICK = {"strain": 0.004, "materials": {"mortar_strength": {"crushing_energy_n_p
 
 @pytest.fixture(scope="module")
 def mesh():
-    return mc.pack(CUBE).mesh(method="lattice", element_size=3.0, itz="none", accept_phase_error=True)
+    return mc.pack(CUBE).mesh(method="lattice", element_size=3.0, itz="smeared", joined="mortar", accept_phase_error=True)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ use crate::samples::{Meshed, brittle, concrete};
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::mesh::{ItzForm, Method};
-use meso_solve::{Itz, LawName, Smoothing, Test};
+use meso_solve::{LawName, Smoothing, Test};
 use std::process::Command;
 
 /// Modulus that CalculiX gives with our element types, MPa.
@@ -41,8 +41,6 @@ fn moduli_are_those_of_calculix_on_the_same_mesh() {
         let Some(theirs) = theirs(&meshed, &materials) else { return };
         let test = Test {
             law: LawName::Elastic,
-            itz: Itz::None,
-            joined: meso_solve::Joined::Keep,
             smoothing: Some(Smoothing::None),
             friction: 0.0,
             strain: Some(1e-3),

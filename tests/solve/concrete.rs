@@ -1,12 +1,12 @@
 //! Concrete: aggregates in mortar, with all that can be wrong with a mesh.
 
-use crate::samples::{Meshed, brittle, concrete, cube, meshed, options, small_cube, voxels};
+use crate::samples::{Meshed, StopAtOnce, brittle, concrete, cube, meshed, options, small_cube, voxels};
+use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, MeshOptions, Method, Phase, Tools};
-use meso_core::{Silent, Watch};
+use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Phase, Tools};
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Ended, Frame, Interface, Itz, Joined, Kind, Observer, Run, Smoothing, Test};
+use meso_solve::{Control, Ended, Frame, Interface, Kind, Observer, Run, Smoothing, Test};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -16,8 +16,8 @@ fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
 #[test]
 fn concrete_softens_and_its_energies_balance() {
     for meshed in [
-        concrete(1.0, Method::FITTED, 2.5, ItzForm::None),
-        concrete(1.0, Method::VOXEL, 1.5, ItzForm::None),
+        concrete(1.0, Method::FITTED, 2.5, ItzForm::Smeared),
+        concrete(1.0, Method::VOXEL, 1.5, ItzForm::Smeared),
         concrete(0.5, Method::FITTED, 2.5, ItzForm::Cohesive),
     ] {
         let result = solve(&meshed, &Test::default()).result;
@@ -55,7 +55,7 @@ fn coarse_boxes_bear_what_fine_ones_bear() {
 /// Linear tetrahedra that flow between stiff grains are too strong, the coarser the more; patches hardly.
 #[test]
 fn smoothed_strains_take_away_most_of_what_peaks_owe_to_the_elements() {
-    let [coarse, fine] = [2.4, 1.6].map(|size| concrete(1.0, Method::FITTED, size, ItzForm::None));
+    let [coarse, fine] = [2.4, 1.6].map(|size| concrete(1.0, Method::FITTED, size, ItzForm::Smeared));
     let apart = |smoothing: Smoothing| {
         let [coarse, fine] = [&coarse, &fine].map(|meshed| {
             let result = solve(meshed, &Test { smoothing: Some(smoothing), ..Test::default() }).result;
@@ -70,7 +70,7 @@ fn smoothed_strains_take_away_most_of_what_peaks_owe_to_the_elements() {
 
 #[test]
 fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
-    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::Smeared);
     let test = Test::default();
     let peak = |test: &Test| solve(&meshed, test).result.figures.peak_mpa;
     let twice = Test { duration_s: Some(2.0 * test.duration_s(24.0)), ..test.clone() };
@@ -79,30 +79,21 @@ fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
 }
 
 #[test]
-fn joined_aggregates_are_parted_by_mortar_and_counted() {
-    let meshed = concrete(0.0, Method::FITTED, 3.0, ItzForm::None);
-    assert!(meshed.mesh.notes.closed_gap_pairs > 0, "the trial needs closed gaps");
-    let test = Test { itz: Itz::None, ..Test::default() };
-    let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
-    let changed = run.phases().iter().zip(&meshed.mesh.phase).filter(|(now, was)| now != was).count();
-    // No node has cells of two aggregates any more.
-    let mut owner = vec![u32::MAX; meshed.mesh.points.len()];
-    for ((cell, &body), phase) in meshed.mesh.cells().zip(&meshed.mesh.aggregate).zip(run.phases()) {
-        for &node in cell.iter().filter(|_| *phase == Phase::Aggregate) {
-            assert!(owner[node as usize] == u32::MAX || owner[node as usize] == body);
-            owner[node as usize] = body;
-        }
-    }
-    let mut run = run;
-    let response = run.to_end(&StopAtOnce, &Silent);
-    assert_eq!(response.result.joined_pairs, meshed.mesh.notes.closed_gap_pairs);
-    assert!(changed > 0 && response.result.joined_cells == changed);
-    assert!(response.result.warnings.iter().any(|text| text.contains("became mortar")), "{:?}", response.result);
-    let kept = Test { joined: Joined::Keep, ..test };
-    let mut run = Run::new(meshed.sample(), &brittle(), &kept).unwrap();
-    assert!(run.phases() == meshed.mesh.phase);
-    let response = run.to_end(&StopAtOnce, &Silent);
-    assert!(response.result.warnings.iter().any(|text| text.contains("cannot break")), "{:?}", response.result);
+fn results_count_the_joined_aggregates_and_warn_of_their_cells() {
+    let model = small_cube(0.0);
+    let result = |joined| {
+        let meshed = meshed(&model, MeshOptions { joined, ..options(Method::FITTED, 3.0, ItzForm::None) });
+        let result =
+            Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap().to_end(&StopAtOnce, &Silent).result;
+        (meshed.mesh.notes, result)
+    };
+    let (notes, parted) = result(Joined::Mortar);
+    assert!(notes.parted_pairs > 0 && notes.parted_cells > 0, "the trial needs closed gaps");
+    assert_eq!((parted.joined_pairs, parted.joined_cells), (notes.parted_pairs, notes.parted_cells));
+    assert!(parted.warnings.iter().any(|text| text.contains("became mortar")), "{:?}", parted.warnings);
+    let (kept_notes, kept) = result(Joined::Keep);
+    assert_eq!((kept.joined_pairs, kept.joined_cells), (kept_notes.closed_gap_pairs, 0));
+    assert!(kept.warnings.iter().any(|text| text.contains("cannot break")), "{:?}", kept.warnings);
 }
 
 /// Voxels of two aggregates with a cohesive face between them, and no mortar, press on each other for ever.
@@ -111,31 +102,21 @@ fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
     let model = small_cube(0.3);
     let voxels = |joined| meshed(&model, MeshOptions { joined, ..options(Method::VOXEL, 1.5, ItzForm::Cohesive) });
     let touch = |text: &String| text.contains("lie between two aggregates");
-    let kept = Run::new(voxels(mesh::Joined::Keep).sample(), &brittle(), &Test::default())
+    let kept = Run::new(voxels(Joined::Keep).sample(), &brittle(), &Test::default())
         .unwrap()
         .to_end(&StopAtOnce, &Silent)
         .result;
     assert!(kept.warnings.iter().any(touch), "{:?}", kept.warnings);
-    let result = solve(&voxels(mesh::Joined::Mortar), &Test::default()).result;
+    let result = solve(&voxels(Joined::Mortar), &Test::default()).result;
     assert!(result.figures.softened && result.figures.peak_mpa < 55.0 && result.joined_pairs > 0, "{result:?}");
     assert!(!result.warnings.iter().any(touch) && result.energy_balance_error < 1e-3, "{result:?}");
 }
 
-struct StopAtOnce;
-
-impl Watch for StopAtOnce {
-    fn stops(&self) -> bool {
-        true
-    }
-}
-
 #[test]
 fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
-    let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::None);
-    let run = Run::new(meshed.sample(), &brittle(), &Test::default()).unwrap();
-    assert!(run.phases().contains(&Phase::Itz));
-    let peak = |itz: Itz| solve(&meshed, &Test { itz, kind: Kind::Tension, ..Test::default() }).result.figures.peak_mpa;
-    let (smeared, none) = (peak(Itz::Smeared), peak(Itz::None));
+    let test = Test { kind: Kind::Tension, ..Test::default() };
+    let peak = |itz| solve(&concrete(1.0, Method::FITTED, 2.5, itz), &test).result.figures.peak_mpa;
+    let (smeared, none) = (peak(ItzForm::Smeared), peak(ItzForm::None));
     assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
 }
 
@@ -160,7 +141,7 @@ impl Observer for Damage {
     fn frame(&self, frame: &Frame) {
         assert_eq!(frame.number() as usize, self.0.borrow().len() + 1);
         let damage = frame.cells(|point| point.damage);
-        self.0.borrow_mut().push((frame.strain(), frame.phases().iter().copied().zip(damage).collect()));
+        self.0.borrow_mut().push((frame.strain(), frame.mesh().phase.iter().copied().zip(damage).collect()));
     }
 }
 
@@ -170,7 +151,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     let damage = Damage::default();
     // A servo adds frames.
     let control = Control::Steady;
-    let test = Test { frames: 4, itz: Itz::None, kind: Kind::Tension, control, ..Test::default() };
+    let test = Test { frames: 4, kind: Kind::Tension, control, ..Test::default() };
     meshed.watched(&brittle(), &test, &Silent, &damage);
     let frames = damage.0.into_inner();
     assert_eq!(frames.len(), 4);
@@ -185,7 +166,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
 
 #[test]
 fn a_step_that_is_too_long_is_met_by_mass_that_is_told() {
-    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::None);
+    let meshed = concrete(1.0, Method::FITTED, 3.0, ItzForm::Smeared);
     let added = |step: f64| {
         let test = Test { time_step_s: Some(step), ..Test::default() };
         let run = Run::new(meshed.sample(), &brittle(), &test).unwrap();

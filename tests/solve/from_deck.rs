@@ -5,15 +5,17 @@
 //! concrete must peak between 0.15 and 0.3 % and have less than half of its peak left at 0.6 %.
 
 use crate::deck_reader::{Card, Deck};
-use crate::samples::small_cube;
-use meso_core::Silent;
+use crate::samples::{StopAtOnce, small_cube};
+use meso_core::aggregate::Fibres;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Tools,
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Phase, PhaseVolumes, Purpose, Tools,
 };
-use meso_solve::{Control, Figures, Itz, Kind, Run, Sample, Smoothing, Test};
+use meso_core::{Silent, Spec};
+use meso_solve::results::sample_of;
+use meso_solve::{Control, Figures, Kind, Run, Sample, Smoothing, Test};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -103,17 +105,15 @@ fn mesh_of(deck: &Deck, is_smeared: bool) -> Mesh {
             piece[other as usize] = first;
         }
     }
-    let shells = if is_smeared { Mesh::NO_AGGREGATE } else { 0 };
+    let shells = if is_smeared { Mesh::NO_BODY } else { 0 };
     let mut owner = |(cell, phase): (&[u32], &Phase)| match phase {
         Phase::Aggregate => root(&mut piece, cell[0]),
         Phase::Itz => shells,
-        _ => Mesh::NO_AGGREGATE,
+        _ => Mesh::NO_BODY,
     };
-    let aggregate = cells.chunks_exact(per_cell).zip(&phase).map(&mut owner).collect();
+    let owner = cells.chunks_exact(per_cell).zip(&phase).map(&mut owner).collect();
     let points = used.iter().map(|node| Vec3::from(deck.nodes[node])).collect();
-    let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
-    let (periodic, notes) = ([false; 3], Notes::default());
-    Mesh { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+    Mesh::of(kind, points, cells, phase, owner)
 }
 
 fn root(piece: &mut [u32], mut node: u32) -> u32 {
@@ -144,8 +144,6 @@ fn test(deck: &Deck) -> Test {
         strain: Some(strain.abs()),
         duration_s: Some(duration),
         time_step_s: Some(real(step.card("FIXED MASS SCALING").unwrap().parameter("DT"))),
-        itz: Itz::None,
-        joined: meso_solve::Joined::Keep,
         smoothing: Some(Smoothing::None),
         control: Control::Steady,
         ..Test::default()
@@ -258,7 +256,7 @@ fn assert_crushing(rows: &[[f64; 2]], top: usize, e: f64, peak_strain: f64, stre
 
 /// What `mesocrete pack --analysis compression` takes by itself.
 fn defaults() -> MeshOptions {
-    MeshTable { itz: Some(ItzForm::Smeared), ..MeshTable::of_a_test() }.try_into().unwrap()
+    MeshTable::default().resolve(Purpose::Test, &meso_core::aggregate::Itz::default()).unwrap()
 }
 
 /// A deck of the 24 mm cube, with a step that is as fast as our engine's own, and the error of the aggregates' volume.
@@ -306,4 +304,46 @@ fn the_defaults_of_before_fail_the_same_test() {
     let all = Model::read(&text).crush();
     // What is left is mortar, and as stiff as that.
     assert!(all.modulus_mpa < 0.8 * tough.modulus_mpa && error < -0.5, "{all:?} {tough:?} {error}");
+}
+
+/// The engine and the deck's writer had a rule each for the cells of a smeared ITZ; with fibres these differed.
+#[test]
+fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
+    let plain = small_cube(0.3).spec;
+    let fibres = Some(Fibres { fraction: 0.01, length_mm: 8.0, diameter_mm: 1.5, orientation: None });
+    for spec in [Spec { fibres, ..plain.clone() }, plain] {
+        let model = meso_core::pack(&spec, &Silent).unwrap();
+        let options = MeshOptions { element_size_mm: 1.5, ..defaults() };
+        let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
+        let mut deck = Vec::new();
+        abaqus::write(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() }, &mut deck)
+            .unwrap();
+        let deck = Deck::read(std::str::from_utf8(&deck).unwrap());
+        let volumes = volumes(&mesh);
+        let sets: BTreeMap<String, f64> = Phase::ALL
+            .into_iter()
+            .filter_map(|phase| Some((phase.name().to_ascii_lowercase(), deck.element_sets.get(phase.name())?)))
+            .map(|(name, cells)| (name, cells.iter().map(|&number| volumes[number as usize - 1]).sum()))
+            .collect();
+        let sample = sample_of(&mesh, &model, &options);
+        let volume_mm3 = sample.volume_mm3;
+        let result =
+            Run::new(sample, &Materials::default(), &Test::default()).unwrap().to_end(&StopAtOnce, &Silent).result;
+        assert_eq!(sets.len(), result.phases.len());
+        assert_eq!(sets.contains_key("fibre"), spec.fibres.is_some());
+        for phase in result.phases {
+            let (tested, written) = (phase.volume_fraction * volume_mm3, sets[&phase.name]);
+            assert!(written > 0.0 && (tested / written - 1.0).abs() < 1e-12, "{}: {tested} {written}", phase.name);
+        }
+    }
+}
+
+/// Fibres are bonded to the mortar: no ITZ is smeared over the cells at them.
+#[test]
+fn a_smeared_itz_lies_at_aggregates_and_not_at_fibres() {
+    let fibres = Some(Fibres { fraction: 0.01, length_mm: 8.0, diameter_mm: 1.5, orientation: None });
+    let model = meso_core::pack(&Spec { fibres, ..small_cube(0.3).spec }, &Silent).unwrap();
+    let options = MeshOptions { element_size_mm: 1.5, ..defaults() };
+    let mesh = mesh::build((&model.inclusions, &model.spec.specimen), &options, &Tools::default()).unwrap();
+    assert!(mesh.phase.contains(&Phase::Fibre) && !mesh.phase.contains(&Phase::Itz));
 }

@@ -56,7 +56,7 @@ fn rows_and_frames_come_as_densely_while_the_plates_are_held() {
 
 #[test]
 fn a_specimen_that_does_not_break_is_not_held() {
-    let specimen = concrete(1.0, Method::FITTED, 4.0, ItzForm::None);
+    let specimen = concrete(1.0, Method::FITTED, 4.0, ItzForm::Smeared);
     for test in [
         Test { law: LawName::Elastic, ..Test::default() },
         Test { strain: Some(0.0005), ..Test::default() },

@@ -42,7 +42,7 @@ fn the_mean_is_known_once_its_interval_is_one_percent() {
 }
 
 #[test]
-fn quantiles_are_those_of_students_t() {
+fn quantiles_equal_students_t() {
     // scipy.stats.t.ppf(0.975, n).
     for (degrees, expected) in [
         (1, 12.706_204_736_174_694),

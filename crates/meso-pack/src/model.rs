@@ -15,13 +15,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A packed specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// The spec.
+    /// Spec that was packed.
     pub spec: Spec,
     /// The aggregates in the specimen's frame, in descending volume; ids count from 0.
     pub aggregates: Vec<Aggregate>,
     /// Voids in descending volume, then fibres; their ids count on. In the report, only [`Report::phases`] counts them.
     pub inclusions: Vec<Aggregate>,
-    /// The result's figures.
+    /// Figures of the packing.
     pub report: Report,
 }
 

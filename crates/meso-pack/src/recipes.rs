@@ -3,7 +3,7 @@
 /// A commented SPEC.toml and its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipe {
-    /// Its name in `mesocrete init NAME`.
+    /// Name of the recipe in `mesocrete init NAME`.
     pub name: &'static str,
     /// The spec; its first line is a comment that describes it.
     pub text: &'static str,
@@ -50,7 +50,7 @@ impl Recipe {
         Self::find(name).ok_or_else(|| format!("there is no recipe {name:?}; the recipes are {}", known()))
     }
 
-    /// Its specimen in a line.
+    /// The recipe's specimen in one line.
     pub fn title(&self) -> &'static str {
         self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
     }

@@ -37,7 +37,7 @@ pub enum PlanError {
     /// An axis without values.
     #[error("over.{0} has no values; give it at least one, or leave it out")]
     Empty(String),
-    /// The same option twice, or an option and a part of it.
+    /// Two axes of one option, or of an option and a part of it.
     #[error("over.{0} and over.{1} change the same option; keep one of the two")]
     Overlapping(String, String),
     /// A key that is not a dotted path.

@@ -2,6 +2,7 @@
 
 use meso_pack::packing::Report;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 
 /// The figures of a packing, by the keys of `--summary-json`; no times and no counters of work.
 pub fn of_packing(report: &Report) -> Map<String, Value> {
@@ -39,5 +40,26 @@ pub fn of_summary(summary: &Value) -> Value {
             tables.filter(|tables| !tables.is_empty()).map_or(Value::Null, Value::Object)
         }
         scalar => scalar.clone(),
+    }
+}
+
+/// A dotted name that two of the `results` have.
+pub(crate) fn repeated(results: &Map<String, Value>) -> Option<String> {
+    let mut seen = BTreeSet::new();
+    flatten(results).map(|(name, _)| name).find(|name| !seen.insert(name.clone()))
+}
+
+/// The scalar results by dotted names.
+pub(crate) fn flatten(results: &Map<String, Value>) -> impl Iterator<Item = (String, Value)> {
+    let mut flat = Vec::new();
+    results.iter().for_each(|(name, value)| flatten_into(&mut flat, name.clone(), value));
+    flat.into_iter()
+}
+
+fn flatten_into(flat: &mut Vec<(String, Value)>, name: String, value: &Value) {
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, inner)| flatten_into(flat, format!("{name}.{key}"), inner)),
+        Value::Array(_) | Value::Null => {}
+        scalar => flat.push((name, scalar.clone())),
     }
 }

@@ -1,6 +1,7 @@
 //! The table of a study: one row a case, one column a quantity.
 
 use crate::record::{Record, Status};
+use crate::results::flatten;
 use serde_json::{Map, Number, Value};
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -75,27 +76,6 @@ fn titles(keys: &[String], names: &[&str]) -> Vec<String> {
         title
     };
     names.iter().map(|name| title(name)).collect()
-}
-
-/// A dotted name that two of the `results` have.
-pub(crate) fn repeated(results: &Map<String, Value>) -> Option<String> {
-    let mut seen = BTreeSet::new();
-    flatten(results).map(|(name, _)| name).find(|name| !seen.insert(name.clone()))
-}
-
-/// The scalar results by dotted names.
-fn flatten(results: &Map<String, Value>) -> impl Iterator<Item = (String, Value)> {
-    let mut flat = Vec::new();
-    results.iter().for_each(|(name, value)| flatten_into(&mut flat, name.clone(), value));
-    flat.into_iter()
-}
-
-fn flatten_into(flat: &mut Vec<(String, Value)>, name: String, value: &Value) {
-    match value {
-        Value::Object(map) => map.iter().for_each(|(key, inner)| flatten_into(flat, format!("{name}.{key}"), inner)),
-        Value::Array(_) | Value::Null => {}
-        scalar => flat.push((name, scalar.clone())),
-    }
 }
 
 /// The narrowest type that holds all values exactly.

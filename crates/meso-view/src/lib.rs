@@ -8,4 +8,3 @@
 pub mod embedded;
 pub mod plot;
 pub mod vtk;
-pub mod vtu_mesh;

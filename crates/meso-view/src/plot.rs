@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 /// A plot of a few curves; the y axis begins at 0.
 pub struct Plot {
-    /// Above the axes.
+    /// Title above the axes.
     pub title: &'static str,
     /// Label of the x axis, with its unit.
     pub x: &'static str,

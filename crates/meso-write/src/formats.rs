@@ -86,7 +86,7 @@ impl Format {
         }
     }
 
-    /// Its content, in a few words.
+    /// The format's content, in a few words.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Json => "the saved model, bit for bit; every other command reads it",
@@ -219,7 +219,7 @@ impl MeshFormat {
 /// One of the files that a mesh is written as.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeshFile {
-    /// Where.
+    /// Path of the file.
     pub path: PathBuf,
     content: Content,
 }

@@ -1,7 +1,7 @@
 //! Compact polyhedra in half the memory: a million grains live at once while they are placed.
 
-use super::Polyhedron;
-use super::faces::{FaceList, Faces, Indices};
+use crate::geometry::Polyhedron;
+use crate::geometry::faces::{FaceList, Faces, Indices};
 use crate::math::{Aabb, Vec3};
 
 /// A convex polyhedron whose vertices are f32 numbers, coordinate by coordinate.
@@ -11,7 +11,7 @@ pub struct CompactPolyhedron {
     /// zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Of all faces; with the number of vertices it determines the lists' layout.
+    /// Number of corners of all faces; with the number of vertices it determines the lists' layout.
     corners: u32,
     volume: f64,
 }
@@ -117,7 +117,7 @@ impl CompactPolyhedron {
     }
 
     /// The faces, in the form that a body has which is worked with.
-    pub(super) fn faces(&self) -> FaceList {
+    pub(crate) fn faces(&self) -> FaceList {
         let (lists, corners) = (&self.lists[3 * self.vertex_count()..], self.corners as usize);
         let len = if self.are_triangles() { corners } else { corners + self.face_count() };
         let lists = match self.width() {
@@ -152,12 +152,12 @@ impl CompactPolyhedron {
         Aabb { min: low.into(), max: high.into() }
     }
 
-    /// The same body in double precision.
+    /// Returns the body in double precision.
     pub fn widened(&self) -> Polyhedron {
         Polyhedron::of_volume(self.vertices().collect(), self.faces(), self.volume)
     }
 
-    /// The same faces over as many other vertices (mm), which must be these moved as one body.
+    /// Keeps the faces over as many other vertices (mm), which must be these moved as one body.
     pub fn with_vertices(&self, vertices: Vec<Vec3>) -> Polyhedron {
         Polyhedron::with_faces(vertices.into_boxed_slice(), self.faces())
     }

@@ -5,17 +5,17 @@ use serde::{Serialize, Serializer};
 
 /// Polygons over vertices 0, 1, 2, ..., each a run of vertex indices.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct FaceList {
+pub(crate) struct FaceList {
     lists: Owned,
     corners: u32,
 }
 
 /// A [`FaceList`] wherever its indices are.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Faces<'a> {
+pub(crate) struct Faces<'a> {
     /// The corners of all faces; then, unless every face is a triangle, one past the last corner of each.
-    pub(super) lists: Indices<'a>,
-    pub(super) corners: usize,
+    pub(crate) lists: Indices<'a>,
+    pub(crate) corners: usize,
 }
 
 /// One face of a polyhedron: its vertex indices, counter-clockwise from outside.
@@ -34,9 +34,9 @@ enum Owned {
     U32(Box<[u32]>),
 }
 
-/// The same, borrowed.
+/// Borrowed indices in the narrowest type.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Indices<'a> {
+pub(crate) enum Indices<'a> {
     U8(&'a [u8]),
     U16(&'a [u16]),
     U32(&'a [u32]),
@@ -44,18 +44,18 @@ pub(super) enum Indices<'a> {
 
 impl FaceList {
     /// Stores the faces whose corners are `corners[0..ends[0]]`, `corners[ends[0]..ends[1]]`, ...
-    pub(super) fn new(corners: &[u32], ends: &[u32]) -> Self {
+    pub(crate) fn new(corners: &[u32], ends: &[u32]) -> Self {
         let triangles = ends.iter().zip(1..).all(|(&end, count)| end == 3 * count);
         let lists = if triangles { Owned::new(corners) } else { Owned::new(&[corners, ends].concat()) };
         Self { lists, corners: corners.len() as u32 }
     }
 
     /// Triangles with these corners, one after the other.
-    pub(super) fn of_triangles(corners: Box<[u8]>) -> Self {
+    pub(crate) fn of_triangles(corners: Box<[u8]>) -> Self {
         Self { corners: corners.len() as u32, lists: Owned::U8(corners) }
     }
 
-    pub(super) fn faces(&self) -> Faces<'_> {
+    pub(crate) fn faces(&self) -> Faces<'_> {
         let lists = match &self.lists {
             Owned::U8(values) => Indices::U8(values),
             Owned::U16(values) => Indices::U16(values),
@@ -85,12 +85,12 @@ impl<'a> Faces<'a> {
         self.lists.len() == self.corners
     }
 
-    pub(super) fn iter(self) -> impl ExactSizeIterator<Item = Face<'a>> + Clone {
+    pub(crate) fn iter(self) -> impl ExactSizeIterator<Item = Face<'a>> + Clone {
         (0..self.len()).map(move |f| self.face(f))
     }
 
     /// The faces of nearly all bodies: triangles over up to 256 vertices; `None` for others.
-    pub(super) fn byte_triangles(self) -> Option<&'a [[u8; 3]]> {
+    pub(crate) fn byte_triangles(self) -> Option<&'a [[u8; 3]]> {
         match self.lists {
             Indices::U8(corners) if self.are_triangles() => Some(corners.as_chunks().0),
             _ => None,
@@ -160,7 +160,7 @@ impl Owned {
 }
 
 impl Indices<'_> {
-    pub(super) fn len(self) -> usize {
+    pub(crate) fn len(self) -> usize {
         match self {
             Self::U8(values) => values.len(),
             Self::U16(values) => values.len(),

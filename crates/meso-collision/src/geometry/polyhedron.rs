@@ -1,11 +1,11 @@
 //! A convex polyhedron: vertices and outward polygonal faces, with its exact integrals.
 
-use super::faces::{Face, FaceList, Faces};
-use super::facet_kernels::{Facets, Moment};
-use super::integrals;
-use super::plane::{Facet, Plane};
-use super::predicates::orient3d;
-use super::tetrahedron::six_volumes;
+use crate::geometry::exact::predicates::orient3d;
+use crate::geometry::faces::{Face, FaceList, Faces};
+use crate::geometry::measure::facet_kernels::{Facets, Moment};
+use crate::geometry::measure::integrals;
+use crate::geometry::measure::tetrahedron::six_volumes;
+use crate::geometry::plane::{Facet, Plane};
 use crate::math::{Aabb, Mat3, Rotation, Vec3};
 use crate::simd::widest;
 
@@ -14,7 +14,7 @@ const BYTE_INDICES: usize = 256;
 
 /// A closed convex polyhedron.
 ///
-/// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps what it is given:
+/// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps its input as it is:
 /// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
@@ -45,8 +45,8 @@ impl Polyhedron {
         Self::from_lists(vertices.into_boxed_slice(), &corners, &ends)
     }
 
-    /// As [`Polyhedron::from_parts`], from the corners of all faces and where each face ends.
-    pub(super) fn from_lists(vertices: Box<[Vec3]>, corners: &[u32], ends: &[u32]) -> Self {
+    /// Makes a polyhedron as [`Polyhedron::from_parts`] does, from the corners of all faces and where each face ends.
+    pub(crate) fn from_lists(vertices: Box<[Vec3]>, corners: &[u32], ends: &[u32]) -> Self {
         // The lists are read faster than the narrow indices they are stored as: a tenth of a grain's hull.
         let starts = std::iter::once(&0).chain(ends);
         let triangles = starts.zip(ends).flat_map(|(&start, &end)| {
@@ -66,12 +66,12 @@ impl Polyhedron {
     }
 
     /// From the corners of triangles, in the canonical order.
-    pub(super) fn of_triangles(vertices: Box<[Vec3]>, corners: &[u8]) -> Self {
+    pub(crate) fn of_triangles(vertices: Box<[Vec3]>, corners: &[u8]) -> Self {
         Self::with_faces(vertices, FaceList::of_triangles(corners.into()))
     }
 
     /// Over faces that other vertices had.
-    pub(super) fn with_faces(vertices: Box<[Vec3]>, faces: FaceList) -> Self {
+    pub(crate) fn with_faces(vertices: Box<[Vec3]>, faces: FaceList) -> Self {
         let volume = match faces.faces().byte_triangles() {
             Some(triangles) => integrals::volume_of_few(&vertices, triangles),
             None => integrals::volume(&vertices, faces.faces().iter().flat_map(Face::triangles)),
@@ -80,7 +80,7 @@ impl Polyhedron {
     }
 
     /// Over faces that other vertices had, around the same volume.
-    pub(super) fn of_volume(vertices: Box<[Vec3]>, faces: FaceList, volume: f64) -> Self {
+    pub(crate) fn of_volume(vertices: Box<[Vec3]>, faces: FaceList, volume: f64) -> Self {
         Self { vertices, faces, volume }
     }
 
@@ -90,12 +90,12 @@ impl Polyhedron {
     }
 
     /// Its faces, wherever they are stored.
-    pub(super) fn face_lists(&self) -> Faces<'_> {
+    pub(crate) fn face_lists(&self) -> Faces<'_> {
         self.faces.faces()
     }
 
-    /// The same faces over vertices mapped by `map`, with a volume known better than from the rounded vertices.
-    pub(super) fn mapped_to_volume(mut self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
+    /// Maps the vertices by `map` and keeps the faces, with a volume known better than from the rounded vertices.
+    pub(crate) fn mapped_to_volume(mut self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = map(vertex));
         Self { volume, ..self }
     }
@@ -121,7 +121,6 @@ impl Polyhedron {
     }
 
     /// The faces with their planes, in face order.
-    #[doc(hidden)]
     pub fn facets(&self) -> Vec<Facet> {
         match self.face_lists().byte_triangles() {
             // Nearly all bodies: in a fifth of the time.
@@ -221,7 +220,7 @@ impl Polyhedron {
         self.mapped(|v| matrix * v)
     }
 
-    /// The same faces over vertices mapped by `map`, which must keep the orientation.
+    /// Maps the vertices by `map`, which must keep the orientation, and keeps the faces.
     pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
         Self::with_faces(self.vertices.iter().map(map).collect(), self.faces.clone())
     }

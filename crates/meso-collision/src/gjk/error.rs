@@ -1,4 +1,4 @@
-//! Why a question has no answer: what is wrong with the points.
+//! Reasons why a question has no answer: faults of the points.
 
 use crate::math::Vec3;
 
@@ -53,8 +53,8 @@ pub enum GjkError {
     },
 }
 
-/// Refuses what is no body.
-pub(super) fn check(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
+/// Refuses points that form no body.
+pub(crate) fn check(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
     if points.is_empty() {
         return Err(GjkError::Empty { body });
     }
@@ -62,7 +62,7 @@ pub(super) fn check(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
 }
 
 /// Refuses NaN and infinity.
-pub(super) fn check_finite(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
+pub(crate) fn check_finite(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
     for (index, point) in points.iter().enumerate() {
         if let Some(&value) = point.iter().find(|value| !value.is_finite()) {
             return Err(GjkError::NotFinite { body, index, value });

@@ -1,11 +1,11 @@
 //! The searches by name.
 
-use super::classical::{Classical, Until};
-use super::enhanced::Enhanced;
-use super::error::GjkError;
-use super::nearest::SubAlgorithm;
-use super::pair::{Found, Pair};
-use super::simplex::Corners;
+use crate::gjk::error::GjkError;
+use crate::gjk::pair::{Found, Pair};
+use crate::gjk::search::classical::{Classical, Until};
+use crate::gjk::search::enhanced::Enhanced;
+use crate::gjk::search::nearest::SubAlgorithm;
+use crate::gjk::search::simplex::Corners;
 use crate::math::Vec3;
 use crate::simd::dispatch;
 use std::str::FromStr;

@@ -1,9 +1,9 @@
 //! Do two convex bodies share a point, and how far apart are they: proved answers, on any input.
 //!
-//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any finite
-//! numbers, in any unit. Every answer is certified. A search in floating point ([`Method`]) proposes it; a separating
-//! direction or four points around the origin prove it, rounding included; what they leave open is decided in exact
-//! arithmetic.
+//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any
+//! finite numbers, in any unit. Every answer is certified. A search in floating point ([`Method`]) proposes it; a
+//! separating direction or four points around the origin prove it, rounding included; pairs they leave open are decided
+//! in exact arithmetic.
 //!
 //! ```
 //! use meso_collision::{gjk, math::Vec3};
@@ -19,62 +19,41 @@
 //!
 //! For many queries about the same points, make [`Bodies`] of them. Where they are about bodies that hold their frames'
 //! origins and are displaced from each other, a [`Body`] of each is faster still: ask [`Body::overlaps`] or
-//! [`Body::separating_axis`], [`PairQuery::overlap_many`] for many pairs at once, and [`PairQuery::clear_many`] for many
-//! placement attempts.
+//! [`Body::separating_axis`], [`PairQuery::overlap_many`] for many pairs at once, and [`PairQuery::clear_many`] for
+//! many placement attempts.
 //!
-//! The modules, from the question to its proof:
+//! Rooms, from the question to its proof:
 //!
-//! 1. `points` takes plain points, and `scaled` brings them to a common scale; `bodies` lays them out once; `cascade` takes
-//!    pairs of [`Body`]s; `many` takes many, and
-//!    `attempts` those of placement.
-//! 2. `ellipsoid` and `gauge` decide most pairs without a search.
-//! 3. `mpr` searches bodies that hold their frames' origins, in f32 and then in f64; `enhanced` and `classical` all others;
-//!    `kernel` finds their supports, and `lockstep` runs `mpr` on a register of pairs at once.
-//! 4. `certificate` proves what they propose, and `exact` decides the rest in integers.
-//! 5. `penetration` and `impact` bound depths and times with the same searches and proofs.
+//! 1. `ask` takes questions: plain `points`, prepared `bodies`, pairs of [`Body`]s (`cascade`), many pairs (`many`),
+//!    and attempts of placement (`attempts`). `scaled` brings points to a common scale.
+//! 2. `search` proposes an answer. `mpr` takes bodies that hold their frames' origins, in f32 and then in f64;
+//!    `enhanced` and `classical` take all others. `kernel` finds supports, and `lockstep` runs `mpr` on a register of
+//!    pairs.
+//! 3. `prove` confirms it. `ellipsoid` and `gauge` decide most pairs without a search; `certificate` proves the result
+//!    of a search, and `exact` decides the rest in integers.
+//! 4. `measure` bounds depths (`penetration`) and times (`impact`) with these searches and proofs.
 
-mod attempts;
-mod bodies;
+mod ask;
 mod body;
-mod cascade;
-mod certificate;
-mod classical;
-mod ellipsoid;
-mod enhanced;
 mod error;
-mod exact;
-mod gauge;
-mod impact;
-mod integer;
-mod kernel;
-mod lockstep;
-mod many;
+mod measure;
 mod method;
-mod mpr;
-mod nearest;
 mod pair;
-mod pair_query;
-mod penetration;
-mod points;
+mod prove;
 mod scaled;
-mod simplex;
+mod search;
 mod support;
 
-pub use bodies::Bodies;
+pub use ask::bodies::Bodies;
+pub use ask::cascade::{Counters, apart_from};
+pub use ask::pair_query::PairQuery;
+pub use ask::points::distance_exceeds;
+pub use ask::points::{Verdict, closest_points, distance, intersects};
 pub use body::Body;
-#[doc(hidden)]
 pub use body::Bounds;
-#[doc(hidden)]
-pub use cascade::{Counters, apart_from};
 pub use error::{GjkError, Operand};
-#[doc(hidden)]
-pub use gauge::Solid;
-pub use impact::Impact;
+pub use measure::impact::Impact;
+pub use measure::penetration::Penetration;
 pub use method::Method;
-pub use pair_query::PairQuery;
-pub use penetration::Penetration;
-#[doc(hidden)]
-pub use points::distance_exceeds;
-pub use points::{Verdict, closest_points, distance, intersects};
-#[doc(hidden)]
+pub use prove::gauge::Solid;
 pub use support::Support;

@@ -1,28 +1,30 @@
 //! A pair of plain points, brought near the origin and to a size near 1, where searches in floating point work.
 
-use super::body::Body;
-use super::classical::{Classical, Until};
-use super::exact::{Decision, ExactPair};
-use super::method::Method;
-use super::nearest::SubAlgorithm;
-use super::pair::{Found, Originals, Pair};
-use super::simplex::Corners;
+use crate::gjk::body::Body;
+use crate::gjk::method::Method;
+use crate::gjk::pair::{Found, Originals, Pair};
+use crate::gjk::prove::exact::{Decision, ExactPair};
+use crate::gjk::search::classical::{Classical, Until};
+use crate::gjk::search::nearest::SubAlgorithm;
+use crate::gjk::search::simplex::Corners;
 use crate::math::Vec3;
 use crate::simd::dispatch;
 
-/// Magnitudes of coordinates, other than 0, whose products neither over- nor underflow. Beyond, exact arithmetic answers.
+/// Magnitudes of coordinates, other than 0, whose products neither over- nor underflow. Beyond, exact arithmetic
+/// answers.
 const ORDINARY: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
 /// True where no product of these coordinates over- or underflows.
-pub(super) fn is_ordinary(points: &[Vec3]) -> bool {
+pub(crate) fn is_ordinary(points: &[Vec3]) -> bool {
     points.iter().all(|point| point.iter().all(|&value| value == 0.0 || ORDINARY.contains(&value.abs())))
 }
 
-/// A pair near the origin and of a size near 1: each coordinate rounded once, by the shift; the scale is a power of two.
-pub(super) struct Scaled<'p> {
-    pub(super) a: Body,
-    pub(super) b: Body,
-    pub(super) originals: Originals<'p>,
+/// A pair near the origin and of a size near 1: each coordinate rounded once, by the shift; the scale is a power of
+/// two.
+pub(crate) struct Scaled<'p> {
+    pub(crate) a: Body,
+    pub(crate) b: Body,
+    pub(crate) originals: Originals<'p>,
     /// From the mean of A's points to the mean of B's.
     towards_b: Vec3,
     /// Whether searches in floating point can tell anything.
@@ -30,12 +32,12 @@ pub(super) struct Scaled<'p> {
 }
 
 impl<'p> Scaled<'p> {
-    pub(super) fn new(a: &'p [Vec3], b: &'p [Vec3]) -> Self {
+    pub(crate) fn new(a: &'p [Vec3], b: &'p [Vec3]) -> Self {
         Self::beside(a, b, &Vec3::zeros())
     }
 
     /// The pair where not only itself but also this vector is to be of a size near 1.
-    pub(super) fn beside(a: &'p [Vec3], b: &'p [Vec3], other: &Vec3) -> Self {
+    pub(crate) fn beside(a: &'p [Vec3], b: &'p [Vec3], other: &Vec3) -> Self {
         let origin = a[0];
         let size = a.iter().chain(b).map(|p| (p - origin).amax()).fold(other.amax(), f64::max);
         let scale = power_of_two_near_inverse(size);
@@ -50,29 +52,29 @@ impl<'p> Scaled<'p> {
         }
     }
 
-    pub(super) fn pair(&self) -> Pair<'_> {
+    pub(crate) fn pair(&self) -> Pair<'_> {
         // Scaled coordinates are at most 1, and two such points at most 2 sqrt(3).
         Pair { a: &self.a, b: &self.b, x: Vec3::zeros(), reach: 4.0, originals: Some(&self.originals) }
     }
 
     /// The first direction of a search.
-    pub(super) fn start(&self) -> Vec3 {
+    pub(crate) fn start(&self) -> Vec3 {
         if self.towards_b == Vec3::zeros() { Vec3::x() } else { self.towards_b }
     }
 
-    pub(super) fn search(&self, method: Method) -> Found {
+    pub(crate) fn search(&self, method: Method) -> Found {
         if self.ordinary { method.search(self.pair(), self.start()) } else { Found::Undecided(Corners::NONE) }
     }
 
     /// The distance search.
-    pub(super) fn classical(&self, until: Until) -> Found {
+    pub(crate) fn classical(&self, until: Until) -> Found {
         if !self.ordinary {
             return Found::Undecided(Corners::NONE);
         }
         dispatch(Classical { pair: self.pair(), v: self.start(), sub_algorithm: SubAlgorithm::SignedVolumes, until })
     }
 
-    pub(super) fn overlap(&self, method: Method) -> bool {
+    pub(crate) fn overlap(&self, method: Method) -> bool {
         match self.search(method) {
             Found::Apart(_) => false,
             Found::Overlap(_) => true,
@@ -80,7 +82,7 @@ impl<'p> Scaled<'p> {
         }
     }
 
-    pub(super) fn distance(&self) -> f64 {
+    pub(crate) fn distance(&self) -> f64 {
         match self.classical(Until::Nearest) {
             Found::Overlap(_) => 0.0,
             Found::Apart(_) => unreachable!("a search for the nearest point does not stop at a separation"),
@@ -88,15 +90,15 @@ impl<'p> Scaled<'p> {
         }
     }
 
-    pub(super) fn closest_points(&self) -> [Vec3; 2] {
+    pub(crate) fn closest_points(&self) -> [Vec3; 2] {
         let (Found::Overlap(corners) | Found::Undecided(corners)) = self.classical(Until::Nearest) else {
             unreachable!("a search for the nearest point does not stop at a separation")
         };
         self.exact().closest_points(corners.pairs())
     }
 
-    pub(super) fn distance_exceeds(&self, gap: f64) -> bool {
-        // The scale is a power of two: nothing is rounded, but what is left of a gap must not be nothing.
+    pub(crate) fn distance_exceeds(&self, gap: f64) -> bool {
+        // The scale is a power of two: nothing is rounded, but a gap must not become 0.
         let least = if gap > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
         let scaled = (gap * self.originals.scale).max(least);
         match self.classical(Until::Apart(scaled)) {
@@ -106,7 +108,7 @@ impl<'p> Scaled<'p> {
         }
     }
 
-    pub(super) fn exact(&self) -> ExactPair<'p, [Vec3], [Vec3]> {
+    pub(crate) fn exact(&self) -> ExactPair<'p, [Vec3], [Vec3]> {
         ExactPair::new(self.originals.a, self.originals.b, &Vec3::zeros())
     }
 }
@@ -120,9 +122,9 @@ fn power_of_two_near_inverse(size: f64) -> f64 {
     f64::from_bits(((1023 - exponent) as u64) << 52)
 }
 
-/// The exponent of the power of two that brings the largest coordinate to 1..2, where that is needed for products not to
-/// over- or underflow; else 0.
-pub(super) fn power_to_one<'p>(points: impl IntoIterator<Item = &'p Vec3>) -> i32 {
+/// The exponent of the power of two that brings the largest coordinate to 1..2, where that is needed for products not
+/// to over- or underflow; else 0.
+pub(crate) fn power_to_one<'p>(points: impl IntoIterator<Item = &'p Vec3>) -> i32 {
     let (mut largest, mut ordinary) = (0.0_f64, true);
     for point in points {
         largest = largest.max(point.amax());
@@ -131,7 +133,7 @@ pub(super) fn power_to_one<'p>(points: impl IntoIterator<Item = &'p Vec3>) -> i3
     if ordinary { 0 } else { -libm::ilogb(largest) }
 }
 
-/// p 2^exponent; what underflows is lost.
-pub(super) fn times_power(p: &Vec3, exponent: i32) -> Vec3 {
+/// p 2^exponent; underflow is lost.
+pub(crate) fn times_power(p: &Vec3, exponent: i32) -> Vec3 {
     p.map(|x| libm::scalbn(x, exponent))
 }

@@ -23,7 +23,7 @@ impl Kind {
     /// All kinds but the aggregates, in the order of their classes.
     pub const FURTHER: [Self; 2] = [Self::Void, Self::Fibre];
 
-    /// Its name.
+    /// Name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             Self::Aggregate => "aggregate",
@@ -45,7 +45,7 @@ impl Kind {
 /// A grain has a shape and an orientation, but no position yet.
 #[derive(Clone, Debug)]
 pub struct Grain {
-    /// Its kind.
+    /// Kind of the grain.
     pub kind: Kind,
     /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,
@@ -64,7 +64,7 @@ pub struct Grain {
 }
 
 impl Grain {
-    /// mm3.
+    /// Volume of the grain, mm3.
     pub fn volume(&self) -> f64 {
         self.body.volume()
     }

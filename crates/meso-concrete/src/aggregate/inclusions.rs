@@ -113,7 +113,7 @@ impl Fibres {
 }
 
 impl Inclusions {
-    /// Their volume over the specimen's, in the order of [`Kind::FURTHER`]; 0 where there are none.
+    /// Volumes of voids and fibres over the specimen's, in the order of [`Kind::FURTHER`]; 0 where there are none.
     pub fn fractions(&self) -> [f64; 2] {
         [self.voids.map_or(0.0, |voids| voids.fraction), self.fibres.map_or(0.0, |fibres| fibres.fraction)]
     }

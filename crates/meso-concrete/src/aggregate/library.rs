@@ -29,7 +29,7 @@ impl Template {
         Ok(Self { unit: body.vertices().iter().map(along).collect(), vertices })
     }
 
-    /// As given, mm.
+    /// Corners as given, mm.
     pub fn vertices(&self) -> &[Vec3] {
         &self.vertices
     }

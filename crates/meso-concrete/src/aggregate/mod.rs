@@ -27,7 +27,7 @@ use meso_collision::geometry::{OffsetError, Polyhedron};
 pub struct Aggregate {
     /// Position in the model's list, from 0; voids and fibres count on from the last aggregate.
     pub id: u32,
-    /// Its kind.
+    /// Kind of the body.
     pub kind: Kind,
     /// Index of its size class, from the finest; those of voids and of fibres follow the grading's.
     pub class: u16,

@@ -14,13 +14,13 @@ pub(crate) const ITZ_LIMIT: f64 = 0.5;
 /// The parts of a spec that the take needs.
 #[derive(Clone, Copy)]
 pub struct Mixture<'a> {
-    /// Sizes.
+    /// Sizes of aggregates.
     pub grading: &'a Grading,
-    /// Shapes.
+    /// Shapes of aggregates.
     pub shape: &'a Shape,
-    /// ITZ.
+    /// Thickness of the ITZ.
     pub itz: &'a Itz,
-    /// Further phases.
+    /// Voids and fibres.
     pub inclusions: &'a Inclusions,
     /// Seed of all streams.
     pub seed: u64,
@@ -37,7 +37,7 @@ pub struct Mixture<'a> {
 pub fn take(mixture: &Mixture, fraction: f64, volume: f64, surplus: f64) -> Result<Vec<Grain>, HullError> {
     let (classes, beyond) = (mixture.grading.classes(), 1.0 + surplus);
     let mut grains = Vec::new();
-    // Coarse classes first: if it ends early, they are what a packing begins with.
+    // Coarse classes come first: if the take ends early, a packing begins with them.
     for (class, limits) in (0..classes.len() as u16).zip(&classes).rev() {
         let target = fraction * volume * limits.share * beyond;
         fill(&mut grains, target, mixture.go_on, |index| make(mixture, class, limits, index))?;

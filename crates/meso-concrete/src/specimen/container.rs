@@ -78,7 +78,7 @@ pub trait Container: Debug + Send + Sync {
 /// A convex body outside the container.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle<'a> {
-    /// Its points, mm.
+    /// Points of the surface, mm.
     pub points: &'a [Vec3],
     /// Unit normals out of the container, its own first: grains are pushed against these alone. Empty where any
     /// direction is allowed.
@@ -91,14 +91,14 @@ pub struct Obstacle<'a> {
 /// A closed surface of polygons, counter-clockwise from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
-    /// Corners, mm.
+    /// Corners of the surface, mm.
     pub points: Vec<Vec3>,
     /// Convex polygons as indices of points.
     pub faces: Vec<Vec<u32>>,
 }
 
 impl Surface {
-    /// Volume inside, mm3.
+    /// Volume inside the surface, mm3.
     pub fn volume(&self) -> f64 {
         TriangleMesh { vertices: self.points.clone(), triangles: self.triangles().collect() }.volume()
     }

@@ -338,7 +338,7 @@ impl Specimen {
         }
     }
 
-    /// Bounding box, mm.
+    /// Bounding box of the specimen, mm.
     pub fn aabb(&self) -> Aabb {
         match self {
             // The container of a large surface takes long to build, where it is not yet there.
@@ -347,7 +347,7 @@ impl Specimen {
         }
     }
 
-    /// Volume, mm3.
+    /// Volume of the specimen, mm3.
     pub fn volume(&self) -> f64 {
         match self {
             Self::Mesh { vertices_mm, triangles, built } => {

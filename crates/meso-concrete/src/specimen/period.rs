@@ -15,7 +15,7 @@ const NAMES: [&str; 3] = ["x", "y", "z"];
 impl Periodic {
     /// Walls on all sides.
     pub const NONE: Self = Self([false; 3]);
-    /// Walls nowhere.
+    /// Periodic along all axes: no walls.
     pub const ALL: Self = Self([true; 3]);
 
     /// True where there are walls on all sides.

@@ -139,8 +139,8 @@ impl Triangulated {
         first != 0.0 && sides.all(|side| side * first > 0.0)
     }
 
-    /// True when an edge of `a` parts it from `b`, seen along an axis: the edge's line passes through all corners that the
-    /// two share, and those of `b` alone, `others`, lie strictly beyond it. Neighbours in one plane are told apart so.
+    /// True when an edge of `a` parts it from `b`, seen along an axis: the edge's line passes through all corners that
+    /// the two share, and those of `b` alone, `others`, lie strictly beyond it. This separates neighbours in one plane.
     fn part_in_a_view(&self, a: u32, b: u32, others: &[Vec3]) -> bool {
         let (own, corners) = (&self.mesh.triangles[a as usize], self.facets.of(a));
         let is_shared = |corner: usize| self.mesh.triangles[b as usize].contains(&own[corner]);
@@ -170,7 +170,7 @@ impl Container for Triangulated {
         self.volume
     }
 
-    /// That of its box; narrower parts inside are found by trying.
+    /// Width of the surface's box; narrower parts inside are found by trying.
     fn width(&self) -> f64 {
         self.size.min()
     }
@@ -258,9 +258,9 @@ fn longest(component: &TriangleMesh) -> f64 {
     aabb.size().norm().min(2.0 * radius)
 }
 
-/// Of a surface of a million triangles, the share of the time that reading takes before its triangles are compared, and that
-/// these then take; its hull takes the rest.
+/// Share of the time to read a surface of a million triangles that passes before its triangles are compared.
 const BEFORE: f64 = 0.4;
+/// Share of that time in which the triangles are compared; the hull takes the rest.
 const WITHIN: f64 = 0.4;
 /// Triangles from one look at the clock to the next: some 10 ms of work.
 const RUN: usize = 1 << 10;

@@ -1,6 +1,6 @@
 //! An ITZ without a layer of its own: cohesive elements of no thickness, or the mortar's cells at the aggregates.
 
-use crate::cells::{InterfaceFace, Mesh, NO_AGGREGATE, Phase, complete, copies, faces};
+use crate::cells::{InterfaceFace, Mesh, Phase, complete, copies, faces};
 
 /// Parts the aggregates from the mortar and from each other, and joins them by zero-thickness cohesive elements; fibres are
 /// bonded.
@@ -9,19 +9,19 @@ use crate::cells::{InterfaceFace, Mesh, NO_AGGREGATE, Phase, complete, copies, f
 /// them. The bottom face is counter-clockwise seen from the top, so that its normal, the thickness direction, points out
 /// of the aggregate. Between two aggregates the bottom is that of the lower id.
 pub(crate) fn add_cohesive(mesh: &mut Mesh) {
-    let mut faces = faces(mesh.by_aggregate());
+    let mut faces = faces(mesh.by_owner());
     faces.retain(|face| mesh.phase[face.cell as usize] != Phase::Fibre);
-    let copies = copies(mesh.by_aggregate(), &faces, Some(kept(mesh)));
-    copies.part(&mut mesh.points, mesh.kind.nodes(), &mut mesh.cells, &mesh.aggregate);
-    faces.retain(|face| mesh.aggregate[face.cell as usize] < mesh.aggregate[face.behind as usize]);
+    let copies = copies(mesh.by_owner(), &faces, Some(kept(mesh)));
+    copies.part(&mut mesh.points, mesh.kind.nodes(), &mut mesh.cells, &mesh.owner);
+    faces.retain(|face| mesh.owner[face.cell as usize] < mesh.owner[face.behind as usize]);
     let join = |face: &InterfaceFace| {
-        let [inside, outside] = [face.cell, face.behind].map(|cell| mesh.aggregate[cell as usize]);
+        let [inside, outside] = [face.cell, face.behind].map(|cell| mesh.owner[cell as usize]);
         let own = |aggregate: u32| face.nodes().iter().map(move |&node| (aggregate, node));
         let nodes = own(inside).chain(own(outside));
         nodes.map(|(aggregate, node)| copies.of(aggregate, node)).collect::<Vec<u32>>()
     };
     mesh.cohesive = faces.iter().flat_map(join).collect();
-    mesh.cohesive_aggregate = faces.iter().map(|face| mesh.aggregate[face.cell as usize]).collect();
+    mesh.cohesive_owner = faces.iter().map(|face| mesh.owner[face.cell as usize]).collect();
     if mesh.periodic != [false; 3] {
         complete(mesh);
     }
@@ -37,13 +37,16 @@ fn kept(mesh: &Mesh) -> Vec<bool> {
     kept
 }
 
-/// Smears the ITZ over the mortar's cells that share a face with an aggregate's: their phase is the ITZ, and they belong to
-/// no aggregate still.
+/// Smears the ITZ over the mortar's cells that have a face on an aggregate, all its corners on the surface of this one.
+///
+/// Their phase is the ITZ, and they still belong to no aggregate. Fibres are bonded to the mortar and have no ITZ. Decks and
+/// the solver read these phases, so that both have the ITZ in the same cells.
 pub(crate) fn smear_itz(mesh: &mut Mesh) {
-    for face in faces(mesh.by_aggregate()) {
-        let [inside, outside] = [face.cell, face.behind].map(|cell| cell as usize);
-        if mesh.phase[inside] == Phase::Aggregate && mesh.aggregate[outside] == NO_AGGREGATE {
-            mesh.phase[outside] = Phase::Itz;
+    let owners = mesh.owners(|cell| mesh.phase[cell] == Phase::Aggregate);
+    for (cell, phase) in mesh.cells.chunks_exact(mesh.kind.nodes()).zip(&mut mesh.phase) {
+        let lies_on_one = |face: &&[usize]| owners.have_one_in_common(face.iter().map(|&corner| cell[corner]));
+        if *phase == Phase::Mortar && mesh.kind.faces().iter().any(lies_on_one) {
+            *phase = Phase::Itz;
         }
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 impl Mesh {
     /// Whose cells meet at every node, of the cells alone whose numbers `counts` picks.
     pub fn owners(&self, counts: impl Fn(usize) -> bool) -> Owners {
-        Owners::among(self.by_aggregate(), counts)
+        Owners::among(self.by_owner(), counts)
     }
 }
 
@@ -27,7 +27,7 @@ impl Owners {
         Self::among(mesh, |_| true)
     }
 
-    /// The same where only the cells count whose numbers `counts` picks.
+    /// The owners of all nodes among the cells whose numbers `counts` picks.
     pub(crate) fn among(mesh: Cells, counts: impl Fn(usize) -> bool) -> Self {
         let corners = mesh.kind.corners();
         let owned = || {
@@ -56,6 +56,25 @@ impl Owners {
     /// True where the cells are not all of one owner.
     pub fn are_several(&self, node: u32) -> bool {
         self.one[node as usize] != self.other[node as usize]
+    }
+
+    /// Whether some body owns cells around every one of `nodes`.
+    pub(crate) fn have_one_in_common(&self, nodes: impl Iterator<Item = u32> + Clone) -> bool {
+        let mut rest = nodes.clone();
+        rest.next().is_some_and(|first| self.around(first).any(|body| rest.clone().all(|node| self.has(node, body))))
+    }
+
+    /// The bodies that own cells around a node.
+    fn around(&self, node: u32) -> impl Iterator<Item = u32> {
+        let [one, other] = [self.one[node as usize], self.other[node as usize]];
+        let start =
+            if one == other { self.further.len() } else { self.further.partition_point(|entry| entry.0 < node) };
+        let further = self.further[start..].iter().take_while(move |entry| entry.0 == node).map(|entry| entry.1);
+        [one, other].into_iter().filter(|body| *body != NO_BODY).chain(further)
+    }
+
+    fn has(&self, node: u32, body: u32) -> bool {
+        self.one[node as usize] == body || self.around(node).any(|other| other == body)
     }
 
     /// The owner of the last cell around a node that counts.

@@ -1,9 +1,9 @@
 //! How far a mesh's interfaces lie from the exact surfaces.
 
+use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners};
 use meso_collision::geometry::ConvexSurface;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::images::{ById, near as images_near};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::stop;
@@ -16,7 +16,7 @@ use serde::Serialize;
 pub struct InterfaceDistance {
     /// Nodes where an aggregate meets something else.
     pub nodes: usize,
-    /// Those of them that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more
+    /// Interface nodes that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more
     /// than 1e-9 of the specimen.
     pub off: usize,
     /// Root mean square of all nodes' distances, mm: each to the nearest of these surfaces.
@@ -25,7 +25,7 @@ pub struct InterfaceDistance {
     pub max_mm: f64,
     /// Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen.
     pub joined: usize,
-    /// Root mean square of what the gaps were at them, mm: from the node to the farthest of the aggregates that meet there.
+    /// Root mean square of the gaps at these nodes, mm: from the node to the farthest of the aggregates that meet there.
     pub joined_rms_mm: f64,
     /// The largest of these distances, mm.
     pub joined_max_mm: f64,
@@ -35,13 +35,14 @@ pub struct InterfaceDistance {
 const ROUNDING: f64 = 1e-9;
 
 impl InterfaceDistance {
-    /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
+    /// Measures a mesh of `aggregates` in `specimen`; a solid ITZ counts by its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
-        let bodies = images_near(aggregates, specimen, 0.0);
-        let surfaces = ById::new(&bodies, |body| ConvexSurface::new(&body.body));
-        let distance = |&(node, id): &(u32, u32)| {
+        let bodies = BodyImages::of(&(aggregates, specimen).into());
+        let surfaces: Vec<_> = bodies.all.iter().map(|body| ConvexSurface::new(&body.body)).collect();
+        let distance = |&(node, body): &(u32, u32)| {
             stop::point();
-            let images = surfaces.images(id).map(|surface| surface.distance(&mesh.points[node as usize]));
+            let images =
+                surfaces[bodies.places(body)].iter().map(|surface| surface.distance(&mesh.points[node as usize]));
             images.fold(f64::INFINITY, f64::min)
         };
         let mut pairs = interface_nodes(mesh);
@@ -84,7 +85,7 @@ impl InterfaceDistance {
 
 /// Corners of cells where an aggregate meets something else, with its id, each pair once, in order.
 fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
-    let owners = Owners::of(mesh.by_aggregate());
+    let owners = Owners::of(mesh.by_owner());
     // Cohesive elements parted their nodes.
     let mut parted = vec![false; if mesh.cohesive.is_empty() { 0 } else { mesh.points.len() }];
     mesh.cohesive.iter().for_each(|&node| parted[node as usize] = true);

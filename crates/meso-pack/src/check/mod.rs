@@ -1,8 +1,8 @@
 //! The independent check of a model: everything a packing promises, proved from the saved coordinates alone.
 //!
-//! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are saved,
-//! and exact orientation signs for convexity. The grains that the spec and the seed give are made again: every body must be
-//! one of them, and the report must say what follows from them. What it finds is listed, never repaired.
+//! It shares no code with placement: its own broad phase, the exact collision verdict on the vertices as they are
+//! saved, and exact orientation signs for convexity. The grains that the spec and the seed give are made again: every
+//! body must be one of them, and the report must follow from them. Findings are listed, never repaired.
 
 mod inclusions;
 mod pairs;
@@ -26,7 +26,7 @@ use std::fmt;
 /// follow those of the aggregates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// Aggregates looked at.
+    /// Number of aggregates checked.
     pub aggregates: usize,
     /// Pairs whose boxes come within the asked gap of each other: those were put to the exact test.
     pub pairs_tested: u64,
@@ -159,7 +159,7 @@ impl Finding {
 }
 
 impl Check {
-    /// As [`check`], and reports which share of the work is done, 0 to 1.
+    /// Checks like [`check`], and reports to `watch` as [`Stage::Prove`].
     pub fn of(model: &Model, watch: &dyn Watch) -> Self {
         watch.stage(Stage::Prove, 0.02);
         let container = model.spec.specimen.container();
@@ -309,7 +309,10 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::pack;
+    use crate::spec::{Files, Spec};
     use meso_collision::geometry::convex_hull;
+    use std::io;
 
     #[test]
     fn a_shell_thinner_by_a_nanometre_and_more_is_found() {
@@ -319,5 +322,38 @@ mod tests {
         assert_eq!(too_thin(&body, &core, 0.5), None);
         assert_eq!(too_thin(&body, &core, 0.5 + 1e-10), None);
         assert!(too_thin(&body, &core, 0.5 + 2e-9).is_some());
+    }
+
+    /// A library of one grain.
+    struct Library(&'static str);
+
+    impl Files for Library {
+        fn read(&mut self, _: &str) -> io::Result<Vec<u8>> {
+            Ok(self.0.into())
+        }
+
+        fn list(&mut self, _: &str) -> io::Result<Vec<String>> {
+            Err(io::ErrorKind::NotADirectory.into())
+        }
+    }
+
+    /// The case `sieve_library.toml`: 48 cubes, 171 tetrahedra and 84 plates lay outside their classes.
+    #[test]
+    fn packings_of_regular_grains_by_sieve_size_are_sound() {
+        let grains = [
+            "[[[1,1,1], [1,1,-1], [1,-1,1], [1,-1,-1], [-1,1,1], [-1,1,-1], [-1,-1,1], [-1,-1,-1]]]",
+            "[[[4,4,1], [4,4,-1], [4,-4,1], [4,-4,-1], [-4,4,1], [-4,4,-1], [-4,-4,1], [-4,-4,-1]]]",
+            "[[[1,0,0], [-1,0,0], [0,1,0], [0,-1,0], [0,0,1], [0,0,-1]]]",
+            "[[[1,1,1], [1,-1,-1], [-1,1,-1], [-1,-1,1]]]",
+        ];
+        let text = "fraction = 0.2\nspecimen = { kind = 'cube', side_mm = 50 }\nshape = { library = 'grain.json' }\n\
+            itz = { thickness_mm = [0, 0] }\n\
+            grading = { d_min_mm = 8, d_max_mm = 16, classes_mm = [8, 11.2, 16], size = 'sieve' }\n";
+        for grain in grains {
+            for seed in 0..5 {
+                let spec = Spec::from_toml_with(&format!("seed = {seed}\n{text}"), &mut Library(grain)).unwrap();
+                assert_eq!(check(&pack(&spec, &Silent).unwrap()).findings, [], "{grain}, seed {seed}");
+            }
+        }
     }
 }

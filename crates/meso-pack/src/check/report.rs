@@ -1,4 +1,4 @@
-//! Does the report say what the spec and the bodies say? It is written again from them, and every key compared.
+//! Does the report follow from the spec and the bodies? It is written again from them, and every key compared.
 
 use super::Finding;
 use super::taken::{Taken, was_stopped};
@@ -10,7 +10,7 @@ use serde_json::Value;
 /// Sums over bodies are right to this share, as their order is the file's; every other figure is exact.
 const SUMMED: f64 = 1e-12;
 
-/// Every figure that differs from what a run reports that took these grains.
+/// Finds every figure that differs from the report of a run that took these grains.
 pub(super) fn check(model: &Model, taken: Option<&Taken>) -> Vec<Finding> {
     let report = &model.report;
     if !report.is_recorded() {
@@ -32,7 +32,7 @@ fn wrong(reason: String) -> Finding {
     Finding::Report { reason }
 }
 
-/// The report as it must be; what depends on the clock, or counts work, is taken as it is.
+/// The report as it must be. Figures that depend on the clock, or count work, are taken from the file.
 fn expected(model: &Model, Taken { tally, outcome }: &Taken) -> Report {
     let said = &model.report;
     let bodies = (&model.aggregates[..], &model.inclusions[..]);

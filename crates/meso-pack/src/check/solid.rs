@@ -4,7 +4,7 @@ use meso_collision::geometry::{Face, Polyhedron};
 use meso_collision::math::Vec3;
 use robust::{Coord3D, orient3d};
 
-/// Describes what is wrong with the faces of `body`.
+/// Checks the faces of `body`; an error describes the fault.
 pub(super) fn check(body: &Polyhedron) -> Result<(), String> {
     closed(body)?;
     let mut solid = false;

@@ -51,7 +51,7 @@ pub(super) fn check(model: &Model, bodies: &[Aggregate]) -> (Option<Taken>, Vec<
     (Some(Taken { tally, outcome }), findings)
 }
 
-/// A time limit or the user ended the run: what was made and tried depends on the clock.
+/// Whether a time limit or the user ended the run, so that its grains and attempts depend on the clock.
 pub(super) fn was_stopped(model: &Model) -> bool {
     matches!(model.report.stop_reason, StopReason::TimeLimit | StopReason::Interrupted)
 }

@@ -89,13 +89,13 @@ pub(crate) struct Target<'a> {
 /// The grains to place, and how.
 #[derive(Clone, Copy)]
 pub(crate) struct Request<'a> {
-    /// The target.
+    /// Target of the placement.
     pub target: Target<'a>,
     /// Upper bounds on a body in the specimen, its distance to the walls kept.
     pub largest: Largest,
     /// The grains in the order they are placed.
     pub grains: &'a [Grain],
-    /// How to place.
+    /// Options of the placement.
     pub placement: &'a Placement,
     /// Where to report, and whom to ask.
     pub watch: &'a dyn Watch,
@@ -149,7 +149,7 @@ impl Pose {
 pub(crate) struct Outcome {
     /// The pose of every grain; `None` where it found none.
     pub poses: Vec<Option<Pose>>,
-    /// Counters.
+    /// Counters of the work done.
     pub work: Work,
     /// Why it ended early, if it did.
     pub stop: Option<StopReason>,

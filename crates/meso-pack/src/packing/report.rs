@@ -35,7 +35,7 @@ pub struct Report {
     pub phases: Vec<PhaseReport>,
     /// Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id.
     pub itz_limited: Vec<u32>,
-    /// Why it ended.
+    /// Why the placement ended.
     pub stop_reason: StopReason,
     /// The reason for the stop in a sentence: which class or fraction fell short, and by how much.
     pub stop_detail: String,
@@ -53,7 +53,7 @@ pub struct Report {
 pub struct SpecimenReport {
     /// As in the spec.
     pub kind: String,
-    /// mm3.
+    /// Volume of the specimen, mm3.
     pub volume_mm3: f64,
     /// Lowest corner of the vertices of the spec, mm, where it is not the origin. The packing has its origin there: its
     /// coordinates plus these are those of the file.
@@ -76,9 +76,9 @@ pub struct ClassReport {
     pub d_min_mm: f64,
     /// Upper limit, mm.
     pub d_max_mm: f64,
-    /// Asked.
+    /// Fraction of the specimen asked for.
     pub target_fraction: f64,
-    /// Reached.
+    /// Fraction of the specimen reached.
     pub fraction: f64,
     /// Number of aggregates.
     pub aggregates: usize,
@@ -90,9 +90,9 @@ pub struct ClassReport {
 pub struct PhaseReport {
     /// Voids or fibres.
     pub phase: Kind,
-    /// Asked.
+    /// Fraction of the specimen asked for.
     pub target_fraction: f64,
-    /// Reached.
+    /// Fraction of the specimen reached.
     pub fraction: f64,
     /// Volume of the bodies, mm3.
     pub volume_mm3: f64,
@@ -120,17 +120,17 @@ pub enum StopReason {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Seconds {
-    /// All of it.
+    /// Whole run.
     pub total: f64,
     /// Generating the grains.
     pub take: f64,
-    /// Placing them.
+    /// Placing the grains.
     pub place: f64,
     /// Writing files.
     pub write: f64,
 }
 
-/// How many candidates or pairs each stage saw; a pair a stage decides goes no further.
+/// Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Work {

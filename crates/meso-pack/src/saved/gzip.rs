@@ -9,7 +9,7 @@ use std::io::{self, Read, Write};
 
 /// Bytes of text in a member.
 const MEMBER: usize = 1 << 20;
-/// Of zlib's levels: 0.45 of the text; 2 gives 0.48 in half the time, 9 gives 0.44 in five times as much.
+/// Level of zlib: 4 gives 0.45 of the text, 2 gives 0.48 in half the time, 9 gives 0.44 in five times as much.
 const LEVEL: u32 = 4;
 /// How a gzip file begins.
 pub(super) const MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -27,7 +27,7 @@ impl<W: Write> Members<W> {
         Self { out, text: Vec::new() }
     }
 
-    /// Writes what is left, and flushes.
+    /// Writes the rest of the buffer, and flushes.
     pub(super) fn finish(mut self) -> io::Result<()> {
         self.compress()?;
         self.out.flush()

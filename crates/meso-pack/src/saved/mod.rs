@@ -9,6 +9,7 @@
 //!
 //! `.json.gz` is the same text, compressed in members of 1 MB (RFC 1952), which `gunzip` and Python's `gzip` read as one.
 
+mod distinct;
 mod gzip;
 mod polygons;
 mod read;
@@ -57,7 +58,7 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     out.flush()
 }
 
-/// The same, compressed.
+/// Writes the model as JSON, compressed by gzip.
 ///
 /// # Errors
 /// Those of `out`.

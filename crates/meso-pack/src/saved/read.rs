@@ -3,7 +3,7 @@
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
 use super::polygons::Polygons;
-use super::{VERSION, gzip, seal};
+use super::{VERSION, distinct, gzip, seal};
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
@@ -63,8 +63,10 @@ pub enum ReadError {
 #[serde(deny_unknown_fields)]
 struct File {
     mesocrete: String,
+    #[serde(deserialize_with = "distinct::value")]
     spec: serde_json::Value,
     seed: u64,
+    #[serde(deserialize_with = "distinct::value")]
     specimen: serde_json::Value,
     report: Option<Report>,
     aggregates: Vec<FileAggregate>,
@@ -111,8 +113,8 @@ const LONG: usize = 16 << 20;
 const LOADED: f64 = 0.05;
 const PARSED: f64 = 0.3;
 
-/// As [`read`], while somebody waits for it: a long file and the proof of a specimen's surface of a million triangles take
-/// seconds, of which `watch` is told. A time limit of the model's spec was its packing's, and does not count here.
+/// Reads a model like [`read`], and reports to `watch`: a long file and the proof of a surface of a million triangles
+/// take seconds. A time limit of the model's spec was its packing's, and does not count here.
 ///
 /// # Errors
 /// See [`ReadError`].
@@ -187,7 +189,7 @@ fn other_kind(text: &[u8]) -> Option<&'static str> {
 /// Said of TOML.
 const A_SPEC: &str = "it is TOML, as a spec is; pack it first, and save the packing as .json";
 
-/// The same major and minor version, or an older minor one.
+/// Accepts this major version with this minor version or an older one.
 fn accept_version(found: &str) -> Result<(), ReadError> {
     let numbers = |version: &str| {
         let parts = version.split('.').map(|part| part.parse::<u32>().ok()).collect::<Option<Vec<_>>>()?;

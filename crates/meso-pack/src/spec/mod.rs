@@ -14,6 +14,7 @@ mod messages;
 mod mix_design;
 mod overlay;
 mod read;
+mod room;
 #[cfg(feature = "schema")]
 mod schema;
 mod sieves;
@@ -147,7 +148,7 @@ impl Spec {
         Self::from_tree(tree::from_json(value), &mut Reading { files, watch, time_limit_s })
     }
 
-    /// The further phases.
+    /// Voids and fibres of the spec.
     pub fn inclusions(&self) -> Inclusions {
         Inclusions { voids: self.voids, fibres: self.fibres }
     }

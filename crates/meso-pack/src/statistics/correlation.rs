@@ -28,7 +28,7 @@ pub struct Correlation {
     pub lag_mm: Vec<f64>,
     /// S2(r), from pairs of points that both lie in the specimen.
     pub two_point: Vec<f64>,
-    /// L(r).
+    /// Lineal path L(r).
     pub lineal_path: Vec<f64>,
     /// Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific
     /// surface.

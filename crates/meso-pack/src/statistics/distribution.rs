@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 /// Mean, spread and quantiles of a sample; a quantile between two values is between them as it is between their ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Distribution {
-    /// Mean.
+    /// Mean of the values.
     pub mean: f64,
     /// Standard deviation (of the sample, over n).
     pub sd: f64,
-    /// Smallest.
+    /// Smallest value.
     pub min: f64,
     /// A tenth is less.
     pub p10: f64,
-    /// Half is less.
+    /// Median: half of the values are less.
     pub median: f64,
     /// Nine tenths are less.
     pub p90: f64,
-    /// Largest.
+    /// Largest value.
     pub max: f64,
 }
 

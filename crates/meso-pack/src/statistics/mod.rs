@@ -89,7 +89,7 @@ pub struct Statistics {
     pub specific_surface_per_mm: f64,
     /// Asked and reached volume, and number, by size class.
     pub classes: Vec<ClassReport>,
-    /// Shape.
+    /// Shapes of the aggregates.
     pub shapes: Shapes,
     /// Directions of the longest axes.
     pub orientation: Orientation,

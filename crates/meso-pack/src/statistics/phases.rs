@@ -11,11 +11,11 @@ pub struct PhaseFigures {
     pub phase: Kind,
     /// Number of bodies.
     pub bodies: usize,
-    /// Their volume, mm3.
+    /// Volume of the phase's bodies, mm3.
     pub volume_mm3: f64,
-    /// Their volume over the specimen's.
+    /// Volume of the phase's bodies over the specimen's.
     pub fraction: f64,
-    /// Their surface over the specimen's volume, 1/mm.
+    /// Surface of the phase's bodies over the specimen's volume, 1/mm.
     pub specific_surface_per_mm: f64,
     /// Directions of the longest axes; absent for voids, which have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -103,7 +103,7 @@ class _Reader:
         return _hash("dict", *(part for pair in sorted(pairs) for part in pair))
 
     def _callable(self, value: Any, place: str) -> bytes | None:
-        """Hash what can be called; None for other values."""
+        """Hash a callable; None for other values."""
         if isinstance(value, types.FunctionType):
             return self._function(value, place)
         if isinstance(value, types.MethodType):
@@ -166,7 +166,7 @@ class _Reader:
         )
 
     def _code(self, code: types.CodeType, place: str) -> bytes:
-        """Hash what code does: no file names and no lines."""
+        """Hash code without its file name and lines."""
         shape = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags)
         names = (code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)
         constants = (self.digest(item, place) for item in code.co_consts)
@@ -205,7 +205,7 @@ class _Reader:
         return _hash("class", value.__qualname__, *bases, *members)
 
     def _reduced(self, value: Any, place: str) -> bytes:
-        """Hash an object by what `pickle` would keep of it, and its class."""
+        """Hash an object by its class and the state that `pickle` would keep."""
         try:
             parts = value.__reduce_ex__(4)
         except Exception as error:

@@ -566,12 +566,13 @@ class Packing:
         element_size : float, optional
             Edge length of the elements, mm; default 2.
         for_test : bool, optional
-            Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="none",
+            Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="smeared",
             joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
         accept_phase_error : bool, optional
             Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
         progress : bool or callable, optional
-            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1.
+            True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. When it returns False,
+            meshing stops with a `RuntimeError`.
         **options
             The other options of `mesocrete mesh`, e.g. `itz="cohesive"`. Where `itz` is not given, the mesh has the ITZ
             if its elements can show it: voxels thicker than the thinnest shell cannot. None means "none".
@@ -736,7 +737,7 @@ class Mesh:
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
         **options
-            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `itz`, `joined`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
+            `duration_s`, `time_step_s`, `control`, `ramp`, `rows`, `smoothing`, `hourglass`, `interface`: see docs/solve.md.
 
         Returns
         -------
@@ -922,6 +923,9 @@ def pack(
     fraction: float | None = None,
     threads: int | None = None,
     time_limit: float | None = None,
+    for_test: bool = False,
+    method: Literal["voxel", "lattice", "conforming"] | None = None,
+    element_size: float | None = None,
     progress: bool | Callable[..., object] | None = None,
 ) -> Packing:
     """Generates and places the aggregates that a spec asks for.

@@ -42,7 +42,7 @@ class SpecimenReport(TypedDict):
     kind: str
     """As in the spec."""
     volume_mm3: float
-    """mm3."""
+    """Volume of the specimen, mm3."""
     origin_mm: NotRequired[list[float] | None]
     """Lowest corner of the vertices of the spec, mm, where it is not the origin. The packing has its origin there: its coordinates plus these are those of the file."""
 
@@ -55,9 +55,9 @@ class ClassReport(TypedDict):
     d_max_mm: float
     """Upper limit, mm."""
     target_fraction: float
-    """Asked."""
+    """Fraction of the specimen asked for."""
     fraction: float
-    """Reached."""
+    """Fraction of the specimen reached."""
     aggregates: int
     """Number of aggregates."""
 
@@ -68,9 +68,9 @@ class PhaseReport(TypedDict):
     phase: str
     """Voids or fibres."""
     target_fraction: float
-    """Asked."""
+    """Fraction of the specimen asked for."""
     fraction: float
-    """Reached."""
+    """Fraction of the specimen reached."""
     volume_mm3: float
     """Volume of the bodies, mm3."""
     bodies: int
@@ -78,7 +78,7 @@ class PhaseReport(TypedDict):
 
 
 class Work(TypedDict):
-    """How many candidates or pairs each stage saw; a pair a stage decides goes no further."""
+    """Numbers of candidates or pairs that each stage saw; a pair that a stage decides goes no further."""
 
     candidates: int
     """Candidate positions tried."""
@@ -100,11 +100,11 @@ class Seconds(TypedDict):
     """Wall-clock seconds by stage. The core reads no clock: its callers fill these in."""
 
     total: float
-    """All of it."""
+    """Whole run."""
     take: float
     """Generating the grains."""
     place: float
-    """Placing them."""
+    """Placing the grains."""
     write: float
     """Writing files."""
 
@@ -137,9 +137,9 @@ class Report(TypedDict):
     itz_limited: list[int]
     """Aggregates whose drawn ITZ was thinner than asked by the documented limit, by id."""
     stop_reason: str
-    """Why it ended."""
+    """Why the placement ended."""
     stop_detail: str
-    """The same in a sentence: which class or fraction fell short, and by how much."""
+    """The reason for the stop in a sentence: which class or fraction fell short, and by how much."""
     work: Work
     """Counters of each stage."""
 
@@ -148,19 +148,19 @@ class Distribution(TypedDict):
     """Mean, spread and quantiles of a sample; a quantile between two values is between them as it is between their ranks."""
 
     mean: float
-    """Mean."""
+    """Mean of the values."""
     sd: float
     """Standard deviation (of the sample, over n)."""
     min: float
-    """Smallest."""
+    """Smallest value."""
     p10: float
     """A tenth is less."""
     median: float
-    """Half is less."""
+    """Median: half of the values are less."""
     p90: float
     """Nine tenths are less."""
     max: float
-    """Largest."""
+    """Largest value."""
 
 
 class Zingg(TypedDict):
@@ -201,7 +201,7 @@ class Orientation(TypedDict):
     tensor: list[list[float]]
     """Mean of a a^T over the unit vectors a along the longest axes: a third of the identity where there is no order."""
     eigenvalues: list[float]
-    """Its eigenvalues, ascending; they sum to 1."""
+    """Eigenvalues of the orientation tensor, ascending; they sum to 1."""
 
 
 class WallEffect(TypedDict):
@@ -223,7 +223,7 @@ class Correlation(TypedDict):
     two_point: list[float]
     """S2(r), from pairs of points that both lie in the specimen."""
     lineal_path: list[float]
-    """L(r)."""
+    """Lineal path L(r)."""
     slope_per_mm: float
     """Slope of the pairs' measure at r = 0, from the number of chord ends, 1/mm: minus a quarter of the specific surface."""
     mean_chord_mm: float
@@ -240,11 +240,11 @@ class PhaseFigures(TypedDict):
     bodies: int
     """Number of bodies."""
     volume_mm3: float
-    """Their volume, mm3."""
+    """Volume of the phase's bodies, mm3."""
     fraction: float
-    """Their volume over the specimen's."""
+    """Volume of the phase's bodies over the specimen's."""
     specific_surface_per_mm: float
-    """Their surface over the specimen's volume, 1/mm."""
+    """Surface of the phase's bodies over the specimen's volume, 1/mm."""
     orientation: NotRequired[Orientation | None]
     """Directions of the longest axes; absent for voids, which have none."""
 
@@ -259,7 +259,7 @@ class Statistics(TypedDict):
     classes: list[ClassReport]
     """Asked and reached volume, and number, by size class."""
     shapes: Shapes
-    """Shape."""
+    """Shapes of the aggregates."""
     orientation: Orientation
     """Directions of the longest axes."""
     wall_effect: WallEffect
@@ -369,7 +369,7 @@ class CheckResult(TypedDict):
     sound: bool
     """True where nothing was found."""
     aggregates: int
-    """Aggregates looked at."""
+    """Number of aggregates checked."""
     pairs_tested: int
     """Pairs whose boxes come within the asked gap of each other: those were put to the exact test."""
     fraction: float

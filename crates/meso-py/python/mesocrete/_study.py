@@ -53,7 +53,7 @@ class CaseRecord(TypedDict):
     status: Literal["done", "failed"]
     """Whether it succeeded."""
     results: dict[str, object]
-    """What `then` returned, or the figures of the packing."""
+    """Results of `then`, or the figures of the packing."""
     error: NotRequired[str]
     """Message of the failure."""
     warnings: NotRequired[list[str]]
@@ -67,10 +67,10 @@ class CaseRecord(TypedDict):
 
 
 class Study:
-    """The cases of a study and what they found; `study()` returns one."""
+    """The cases of a study and their results; `study()` returns one."""
 
     def __init__(self, plan: _StudyPlan, then: str, out: Path) -> None:
-        """Read what is in the folder `out`."""
+        """Read the study in the folder `out`."""
         self._plan = plan
         self._then = then
         self.out = out
@@ -165,12 +165,12 @@ def study(
     Parameters
     ----------
     spec : None, dict, path or Spec
-        What the values of `over` are laid over, as for `pack`.
+        Options that the values of `over` replace, as for `pack`.
     over : dict
         From the dotted key of an option to its values, e.g. ``{"seed": range(20), "grading.d_max_mm": [16, 20]}``. The last
         axis runs fastest.
     then : callable, optional
-        Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; what it returns, a dict or a
+        Called as ``then(packing)`` or, if it takes two arguments, ``then(packing, folder)``; its result, a dict or a
         number, becomes columns of the table. Absent: the figures of the packing's report.
     version : str or int, optional
         Names the work of `then`: results are kept under it, whatever `then` contains. Absent: a fingerprint of the code of
@@ -229,7 +229,7 @@ def study(
     return Study(plan, name, folder)
 
 
-# What a worker needs to do a case: its number, spec, folder, function, threads, and whether the packing is there.
+# A case for a worker: its number, spec, folder, function, threads, and whether the packing is there.
 _Job = tuple[int, Spec, Path, Callable[..., Any] | None, int | None, bool]
 # Its number, the results as JSON, and the message of its failure.
 _Ended = tuple[int, str, str | None]
@@ -329,7 +329,7 @@ def _takes_folder(then: Callable[..., Any]) -> bool:
 
 
 def _results(value: Any) -> str:
-    """Return what `then` returned as JSON; raise for a result that JSON cannot hold."""
+    """Return the result of `then` as JSON; raise for a result that JSON cannot hold."""
     named = {} if value is None else value if isinstance(value, Mapping) else {"value": value}
     return json.dumps(_mapping(named, ""), allow_nan=False)
 
@@ -381,7 +381,7 @@ def _message(error: Exception) -> str:
 
 
 def _teller(progress: bool | Callable[[int, int], object] | None, cases: int) -> Callable[[int | None], None]:
-    """Return what is called with the number of cases that are over, and with None at the end."""
+    """Return a listener to the number of cases that are over; None ends it."""
     if not progress:
         return lambda _: None
     if progress is True:
@@ -404,7 +404,7 @@ def _wide(columns: Mapping[str, list[Any]]) -> dict[str, Any]:
 
 
 def _array(values: list[Any]) -> np.ndarray[Any, Any]:
-    """Return a column as an array: missing numbers are NaN, missing texts "". Objects keep what no other type keeps."""
+    """Return a column as an array: missing numbers are NaN, missing texts "". Object arrays keep values that no other type holds."""
     if any(isinstance(value, str) for value in values) or all(value is None for value in values):
         return np.array(["" if value is None else value for value in values], dtype=np.str_)
     whole = [value for value in values if isinstance(value, int)]

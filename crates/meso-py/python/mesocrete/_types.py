@@ -254,9 +254,9 @@ class NotchedPrismSpecimen(TypedDict, total=False):
     length_mm: float
     """Along x, mm."""
     notch_depth_mm: float
-    """Of the notch, from z = 0 upwards, mm."""
+    """Depth of the notch, from z = 0 upwards, mm."""
     notch_width_mm: float
-    """Of the notch, along x, mm."""
+    """Width of the notch, along x, mm."""
     width_mm: float
     """Along y, mm."""
 
@@ -269,11 +269,11 @@ class DogboneSpecimen(TypedDict, total=False):
     length_mm: float
     """Along x, mm."""
     neck_length_mm: float
-    """Of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle."""
+    """Length of the part that is as narrow as the neck, mm; 0 where the arcs meet in the middle."""
     neck_width_mm: float
     """Narrowest width, mm."""
     radius_mm: float
-    """Of the arcs, mm; they are polygons within 0.005 mm."""
+    """Radius of the arcs, mm; they are polygons within 0.005 mm."""
     thickness_mm: float
     """Along z, mm."""
     width_mm: float
@@ -502,10 +502,6 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    itz: Literal["smeared", "none"]
-    """Treatment of mortar at the aggregates of a mesh without an ITZ."""
-    joined: Literal["mortar", "keep"]
-    """Treatment of aggregates that share nodes."""
     law: Literal["elastic", "cdp", "cdpm2"]
     """The law of mortar and ITZ."""
     ramp: float

@@ -42,7 +42,8 @@ class Impact(NamedTuple):
     not_before: float
     """Before this the bodies are apart, for certain."""
     by: float | None
-    """Displaced by this times the motion, b shares a point with a. None where rounding hides whether they touch."""
+    """At this share of the motion b shares a point with a, for certain: the exact time is not later.
+    None where rounding hides whether they touch."""
     direction: NDArray[np.float64]
     """Of unit length, from a to b: what separates them until then. 0 where they share a point at the start."""
 
@@ -82,7 +83,7 @@ def time_of_impact(
     Returns
     -------
     Impact or None
-        The true time lies from `not_before` to `by`.
+        The exact time lies from `not_before` to `by`, both included.
 
     Raises
     ------

@@ -60,12 +60,13 @@ impl<'a> Builder<'a> {
     pub(crate) fn build(mut self, cells: &[u32], faces: &[u32]) -> Block {
         let mesh = self.parts.sample.mesh;
         let mut cells = if self.patches.is_some() { Vec::new() } else { cells.to_vec() };
-        cells.sort_by_key(|&cell| self.parts.phases[cell as usize] as u8);
+        cells.sort_by_key(|&cell| self.parts.sample.mesh.phase[cell as usize] as u8);
         self.nodes = self.nodes_of(&cells, faces);
         let mut groups = Vec::new();
         for phase in PHASES {
-            let start = cells.partition_point(|&cell| (self.parts.phases[cell as usize] as u8) < phase as u8);
-            let end = cells.partition_point(|&cell| self.parts.phases[cell as usize] as u8 <= phase as u8);
+            let start =
+                cells.partition_point(|&cell| (self.parts.sample.mesh.phase[cell as usize] as u8) < phase as u8);
+            let end = cells.partition_point(|&cell| self.parts.sample.mesh.phase[cell as usize] as u8 <= phase as u8);
             if start < end {
                 let own = &cells[start..end];
                 let kind = if mesh.kind == CellKind::Hexahedron { self.hexes(own) } else { self.tets(own) };

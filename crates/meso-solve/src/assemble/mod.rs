@@ -5,7 +5,6 @@ pub(crate) mod mass;
 mod order;
 pub(crate) mod parts;
 pub(crate) mod patches;
-pub(crate) mod phases;
 mod weight;
 
 use crate::assemble::builder::{Builder, OwnPatches};
@@ -62,7 +61,7 @@ fn patches(parts: &Parts, nodes: &[u32], number: &[u32]) -> Option<Patches> {
     let (mesh, matter) = (parts.sample.mesh, &parts.common.matter);
     let is_smoothed = parts.smoothing == Smoothing::Edges;
     let mixed = matter[Phase::Mortar as usize].elastic == matter[Phase::Itz as usize].elastic;
-    is_smoothed.then(|| Patches::of(Numbered { mesh, phases: parts.phases, number }, nodes, mixed))
+    is_smoothed.then(|| Patches::of(Numbered { mesh, phases: &mesh.phase, number }, nodes, mixed))
 }
 
 /// The mesh's one box.

@@ -45,7 +45,7 @@ impl Weight {
     fn add_cells(&mut self, parts: &Parts) -> Result<(), SolveError> {
         let mesh = parts.sample.mesh;
         let share = 1.0 / mesh.kind.corners() as f64;
-        for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(parts.phases)) {
+        for (number, (cell, &phase)) in (0..).zip(mesh.cells().zip(&mesh.phase)) {
             let need = need(parts, number, phase)?;
             self.add(&need, cell.iter().map(|&node| (node, share)));
         }

@@ -7,7 +7,7 @@ use crate::lanes::{Eight, LANES, Lanes, Task, Vectors};
 use crate::law::{Law, Tensor};
 use crate::march::plates::Plates;
 use crate::march::run::Run;
-use meso_mesh::{Mesh, Phase};
+use meso_mesh::Mesh;
 use rayon::prelude::*;
 
 /// A moment of a test.
@@ -61,11 +61,6 @@ impl<'a> Frame<'a> {
     /// The mesh.
     pub fn mesh(&self) -> &Mesh {
         self.run.sample.mesh
-    }
-
-    /// The phase that every cell has in the test.
-    pub fn phases(&self) -> &[Phase] {
-        self.run.phases()
     }
 
     /// Displacements of the mesh's nodes, mm; the lower plate rests.

@@ -3,7 +3,7 @@
 use crate::march::curve::{Figures, Row, to_half_peak};
 use crate::march::run::Run;
 use crate::sample::Sample;
-use crate::test::{Control, Joined, Kind, LawName, Smoothing, Test};
+use crate::test::{Control, Kind, LawName, Smoothing};
 use meso_mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -60,7 +60,7 @@ pub struct Summary {
     /// Figures of the curve.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Largest kinetic over internal energy after the ramp.
+    /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
     /// The same until the stress has fallen to half its peak.
     pub kinetic_over_internal_to_half_peak: f64,
@@ -129,8 +129,9 @@ impl Response {
         let rows = &run.state.rows;
         let last = rows.last().copied().unwrap_or_default();
         let ramp_s = run.test.ramp * run.outline.dt * run.outline.steps as f64;
+        let checked = first_checked(rows, ramp_s);
         let largest = |rows: &[Row], of: fn(&Row) -> f64| {
-            let after = rows.iter().filter(|row| row.time_s > ramp_s && row.internal > 0.0);
+            let after = rows.iter().skip(checked).filter(|row| row.internal > 0.0);
             after.map(of).fold(0.0, f64::max)
         };
         let kinetic = |row: &Row| row.kinetic / row.internal;
@@ -153,8 +154,8 @@ impl Response {
             energy_balance_error: balance_error(rows),
             hourglass_over_internal: largest(rows, |row| row.hourglass / row.internal),
             energies: energies(&last),
-            joined_pairs: run.phases.joined_pairs + run.sample.mesh.notes.parted_pairs,
-            joined_cells: run.phases.parted_cells + run.sample.mesh.notes.parted_cells,
+            joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.parted_pairs,
+            joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
             ended,
             warnings: Vec::new(),
@@ -163,6 +164,15 @@ impl Response {
         result.warn(run);
         Self { curve: rows.clone(), result }
     }
+}
+
+/// Number of the first row whose speed counts: after the ramp, or from half the peak on where the ramp holds the peak. So no
+/// ramp hides the strength that is reported.
+fn first_checked(rows: &[Row], ramp_s: f64) -> usize {
+    let peak = rows.iter().max_by(|a, b| a.stress_mpa.total_cmp(&b.stress_mpa)).copied().unwrap_or_default();
+    let is_hidden = peak.time_s <= ramp_s;
+    let counts = |row: &Row| row.time_s > ramp_s || (is_hidden && row.stress_mpa >= peak.stress_mpa / 2.0);
+    rows.iter().position(counts).unwrap_or(rows.len())
 }
 
 fn energies(row: &Row) -> Energies {
@@ -177,14 +187,13 @@ fn balance_error(rows: &[Row]) -> f64 {
 }
 
 fn phases(run: &Run) -> Vec<PhaseResult> {
-    // The mesh's volumes are of its own phases; the test's are wanted.
-    let volumes = run.volumes();
+    let volumes = PhaseVolumes::of_mesh(run.sample.mesh);
     let result = |phase: Phase| {
         let groups = run.blocks.iter().flat_map(|block| &block.groups).filter(|group| group.phase == phase);
         let exact = |exact: PhaseVolumes| exact.of(phase) / run.sample.volume_mm3;
         PhaseResult {
             name: phase.name().to_ascii_lowercase(),
-            volume_fraction: volumes[phase as usize] / run.sample.volume_mm3,
+            volume_fraction: volumes.of(phase) / run.sample.volume_mm3,
             exact_fraction: run.sample.exact.map(exact),
             dissipated_mj: groups.map(|group| group.dissipated).sum(),
         }
@@ -192,15 +201,15 @@ fn phases(run: &Run) -> Vec<PhaseResult> {
     let has_faces = !run.sample.mesh.cohesive.is_empty();
     // Bodies that the elements have lost are told with a volume of 0.
     let is_asked = |phase| run.sample.exact.is_some_and(|exact| exact.of(phase) > 0.0);
-    let is_there =
-        |&phase: &Phase| run.phases().contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces);
+    let is_there = |&phase: &Phase| {
+        run.sample.mesh.phase.contains(&phase) || is_asked(phase) || (phase == Phase::Itz && has_faces)
+    };
     Phase::ALL.into_iter().filter(is_there).map(result).collect()
 }
 
 impl Summary {
     fn warn(&mut self, run: &Run) {
-        let test = &run.test;
-        self.warn_of_the_mesh(run, test);
+        self.warn_of_the_mesh(&run.sample);
         self.warn_of_the_laws(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
@@ -225,7 +234,7 @@ impl Summary {
             return;
         }
         let share = 100.0 * kinetic;
-        let reached = format!("the kinetic energy reached {share:.1} % of the internal energy after the ramp");
+        let reached = format!("the kinetic energy reached {share:.1} % of the internal energy");
         // No row to half the peak: it broke within the ramp.
         let text = if before > SLOW || before == 0.0 {
             format!("{reached}; lengthen test.duration_s")
@@ -239,22 +248,25 @@ impl Summary {
         if kinetic > FAST { self.errors.push(text) } else { self.warnings.push(text) }
     }
 
-    fn warn_of_the_mesh(&mut self, run: &Run, test: &Test) {
-        let (pairs, kept) = (self.joined_pairs, run.phases.joined_pairs);
-        if kept > 0 && test.joined == Joined::Keep {
+    fn warn_of_the_mesh(&mut self, sample: &Sample) {
+        let mesh = sample.mesh;
+        let (pairs, parted) = (self.joined_pairs, mesh.notes.parted_pairs);
+        if pairs > parted {
             self.warnings.push(format!(
-                "{kept} pairs of aggregates share nodes and form a skeleton that cannot break; \
-                 take test.joined = \"mortar\""
+                "{} pairs of aggregates share nodes and form a skeleton that cannot break; \
+                 mesh with joined = \"mortar\"",
+                pairs - parted
             ));
         } else if pairs > 0 {
-            let cells = run.phases.aggregate_cells + run.sample.mesh.notes.parted_cells;
+            let left = mesh.phase.iter().filter(|phase| **phase == Phase::Aggregate).count();
+            let cells = left + mesh.notes.parted_cells;
             let share = 100.0 * self.joined_cells as f64 / cells.max(1) as f64;
             self.warnings.push(format!(
                 "{pairs} pairs of aggregates share nodes: {share:.1} % of the aggregates' cells became mortar; \
                  pack with a gap that the elements can show, or refine the mesh"
             ));
         }
-        let touching = run.sample.mesh.touching_share();
+        let touching = mesh.touching_share();
         if touching > Mesh::FEW_TOUCH {
             let share = 100.0 * touching;
             self.warnings.push(format!(
@@ -262,8 +274,8 @@ impl Summary {
                  that hardly breaks; mesh with joined = \"mortar\", or pack with a gap that the elements can show"
             ));
         }
-        self.warn_of_the_volumes(&run.sample);
-        if run.sample.mesh.periodic != [false; 3] {
+        self.warn_of_the_volumes(sample);
+        if mesh.periodic != [false; 3] {
             self.warnings.push("the specimen is periodic, but its sides are free in this test".to_owned());
         }
     }
@@ -291,16 +303,19 @@ impl Summary {
         }
     }
 
-    /// Crack bands that are too wide for their energy.
+    /// Bands that are too wide for the energy of what happens in them.
     fn warn_of_the_laws(&mut self, run: &Run) {
         for phase in Phase::ALL {
-            let (width, most) = (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
-            if width > most {
-                let name = phase.name().to_ascii_lowercase();
-                self.warnings.push(format!(
-                    "crack bands in {name} are up to {width:.2} mm wide; beyond {most:.2} mm they would snap back and \
-                     spend more energy than asked for: take smaller elements"
-                ));
+            let (width, limits) =
+                (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
+            let name = phase.name().to_ascii_lowercase();
+            for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
+                if width > limit {
+                    self.warnings.push(format!(
+                        "elements are too large for the {energy} energy of {name}: its bands are up to {width:.2} mm wide, \
+                         and {what} in more than {limit:.2} mm dissipate too much; take smaller elements"
+                    ));
+                }
             }
         }
     }

@@ -117,7 +117,6 @@ mod tests {
         Snapshot {
             moment: Moment::default(),
             displacement: Vec::new(),
-            phases: mesh.phase.clone(),
             stress: Vec::new(),
             damage: Vec::new(),
             tension: Vec::new(),

@@ -27,7 +27,7 @@ pub(super) fn picture(mesh: &Mesh, snapshot: &Snapshot, axis: usize, place: f64)
     for (number, cell) in mesh.cells().enumerate() {
         let corners = cut(mesh, cell, axis, place);
         if corners.len() > 2 {
-            canvas.fill(&corners, colour(snapshot.phases[number], snapshot.damage[number]));
+            canvas.fill(&corners, colour(mesh.phase[number], snapshot.damage[number]));
         }
     }
     canvas.picture

@@ -2,8 +2,8 @@
 
 use crate::march::Frame;
 use crate::march::Run;
-use meso_mesh::{Mesh, Phase};
-use meso_view::vtu_mesh::{self, Field};
+use meso_mesh::Mesh;
+use meso_view::vtk::mesh::{self as vtu_mesh, Field};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
 
@@ -44,8 +44,6 @@ pub struct Snapshot {
     pub moment: Moment,
     /// Of the mesh's nodes, mm.
     pub displacement: Vec<[f32; 3]>,
-    /// The phase that every cell has in the test.
-    pub phases: Vec<Phase>,
     /// xx yy zz xy yz zx in every cell, MPa; tension is positive.
     pub stress: Vec<[f32; 6]>,
     /// 1 less the share of the stiffness that is left, in every cell.
@@ -65,7 +63,6 @@ impl Snapshot {
         Self {
             moment: Moment { number, strain, stress_mpa: frame.stress_mpa(), time_s: frame.time_s() },
             displacement: frame.displacement(),
-            phases: frame.phases().to_vec(),
             // One field at a time: a point of all of them would be held twice.
             stress: frame.cells(|point| point.stress),
             damage: frame.cells(|point| point.damage),
@@ -94,6 +91,6 @@ impl Snapshot {
             scalar("crack_opening_mm", &self.opening_mm),
             Field { name: "stress_mpa", components: 6, values: self.stress.as_flattened() },
         ];
-        vtu_mesh::write_fields(mesh, &self.phases, &[moved], &cells, out)
+        vtu_mesh::write_fields(mesh, &[moved], &cells, out)
     }
 }

@@ -13,6 +13,6 @@ pub(crate) mod step;
 pub mod stl;
 pub(crate) mod vtu;
 
-pub use meso_view::vtu_mesh;
+pub use meso_view::vtk::mesh as vtu_mesh;
 
 pub use appearance::{CLASSES, PALETTE};

@@ -23,7 +23,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name in files.
+    /// Name of the quantity in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Phase => "phase",

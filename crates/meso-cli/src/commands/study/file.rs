@@ -4,17 +4,22 @@ use super::beside;
 use super::steps::{Given, Steps};
 use crate::failure::Failure;
 use crate::inputs;
+use meso_core::SpecError;
 use meso_core::recipes::Recipe;
-use meso_core::spec::options_from_toml;
+use meso_core::spec::{Files, options_from_toml};
 use meso_files::Beside;
 use meso_study::{Axis, Case, Plan, Planning, digest};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// A flag whose value is a file that determines the result.
 const FILE_FLAG: &str = "materials";
+
+/// Most cases of a study that is read for its own sake.
+const MOST_ALONE: usize = 50;
 
 /// The file's content, unchecked.
 #[derive(Default, Deserialize)]
@@ -42,7 +47,10 @@ pub(super) struct StudyFile {
 impl StudyFile {
     /// Reads the file, and the spec that it names.
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
-        let content: Content = inputs::toml(path, options_from_toml)?;
+        Self::of(inputs::toml(path, options_from_toml)?, path)
+    }
+
+    fn of(content: Content, path: &Path) -> Result<Self, Failure> {
         let wrong = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
         let (base, folder) = base(&content, path)?;
         let axes = axes("", &content.over).map_err(wrong)?;
@@ -59,17 +67,58 @@ impl StudyFile {
         Ok(Self { path: path.to_owned(), base, folder, axes, outputs: content.outputs, task: Value::Object(task) })
     }
 
+    /// Reads a study from `text` that names no other file; `None` for one that names some, or has very many cases.
+    pub(super) fn alone(text: &str) -> Result<Option<Self>, Failure> {
+        let wrong = |error: SpecError| Failure::Usage(error.to_string());
+        let content: Content = options_from_toml(text).map_err(wrong)?;
+        if content.spec.as_ref().is_some_and(Value::is_string) {
+            return Ok(None);
+        }
+        let study = Self::of(content, Path::new("STUDY.toml"))?;
+        let cases = study.axes.iter().map(|axis| axis.values.len()).fold(1, usize::saturating_mul);
+        let names_files =
+            study.task.to_string().contains(FILE_FLAG) || study.axes.iter().any(|axis| axis.key.ends_with(FILE_FLAG));
+        Ok((cases <= MOST_ALONE && !names_files).then_some(study))
+    }
+
     /// All cases, every spec validated; `report` hears how far the planning is.
     pub(super) fn plan(&self, report: &mut dyn FnMut(usize, usize)) -> Result<Plan, Failure> {
+        self.plan_with(&mut Beside(&self.folder), report)
+    }
+
+    /// Plans as [`plan`](Self::plan) does, and refuses a spec that names files.
+    pub(super) fn plan_alone(&self) -> Result<Plan, Failure> {
+        self.plan_with(&mut NoFiles, &mut |_, _| ())
+    }
+
+    fn plan_with(&self, files: &mut dyn Files, report: &mut dyn FnMut(usize, usize)) -> Result<Plan, Failure> {
         let mut completing = Completing { study: &self.path, digests: BTreeMap::new(), report };
-        Plan::new_while(&self.base, &self.axes, &self.task, &mut Beside(&self.folder), &mut completing)
+        Plan::new_while(&self.base, &self.axes, &self.task, files, &mut completing)
             .map_err(|error| Failure::Usage(format!("{}: {error}", self.path.display())))
     }
 
     /// The steps of a case, with their flags checked.
     pub(super) fn steps(&self, case: &Case, out: &Path, given: &Given) -> Result<Steps, Failure> {
         Steps::new(case, &self.outputs, &out.join(&case.folder), &self.path, given)
-            .map_err(|failure| Failure::Usage(format!("{}: {}", self.path.display(), failure.message())))
+            .map_err(|failure| self.wrong(&failure))
+    }
+
+    /// A failure with the file's name.
+    pub(super) fn wrong(&self, failure: &Failure) -> Failure {
+        Failure::Usage(format!("{}: {}", self.path.display(), failure.message()))
+    }
+}
+
+/// A folder without files.
+struct NoFiles;
+
+impl Files for NoFiles {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        Err(io::Error::other(format!("{name} is not read here")))
+    }
+
+    fn list(&mut self, name: &str) -> io::Result<Vec<String>> {
+        self.read(name).map(|_| Vec::new())
     }
 }
 
@@ -92,7 +141,8 @@ impl Planning for Completing<'_> {
             let Some(file) = task[section][FILE_FLAG].as_str() else { continue };
             let path = beside(self.study, file);
             if !self.digests.contains_key(&path) {
-                let bytes = std::fs::read(&path).map_err(|error| Failure::file(&path, &error).message().to_owned())?;
+                // A pipe or a device would be read without end.
+                let bytes = Beside(Path::new("")).read(&path.to_string_lossy()).map_err(|error| error.to_string())?;
                 self.digests.insert(path.clone(), digest(&bytes));
             }
             task[section]["materials-sha256"] = self.digests[&path].clone().into();

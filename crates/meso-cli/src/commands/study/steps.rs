@@ -9,7 +9,7 @@ use crate::{interrupt, stderr, threads};
 use clap::Parser;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Spec};
-use meso_study::{Case, MODEL, NameError, Names, Outcome, RECORD, of_packing, of_summary};
+use meso_study::{Case, CaseOutcome, MODEL, NameError, Names, RECORD, of_packing, of_summary};
 use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -49,7 +49,8 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// The steps of `case`, whose files go to `folder`. Invalid flags, and names that two steps use, are usage errors.
+    /// The steps of `case`, whose files go to `folder`. Unknown flags, and names that two steps use, are usage errors. It
+    /// opens no file and runs no program.
     pub(super) fn new(
         case: &Case,
         outputs: &[String],
@@ -70,12 +71,12 @@ impl Steps {
         let mesh_line = line("mesh", [&model, Path::new("--summary-json"), &summary], true).transpose()?;
         let solve_line = line("solve", [&model, Path::new("-o"), folder], false).transpose()?;
         let mesh = mesh_line.map(|line| -> Result<_, Failure> {
-            let MeshLine { args } = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
-            args.check(&case.spec).map(|()| args)
+            let line = MeshLine::try_parse_from(line).map_err(|error| wrong_flag("mesh", &error))?;
+            line.args.validate().map(|()| line.args)
         });
         let solve = solve_line.map(|line| -> Result<_, Failure> {
-            let SolveLine { args } = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
-            args.check(&case.spec).map(|()| args)
+            let line = SolveLine::try_parse_from(line).map_err(|error| wrong_flag("solve", &error))?;
+            line.args.validate_alone().map(|()| line.args)
         });
         let (mesh, solve) = (mesh.transpose()?, solve.transpose()?);
         claim(outputs, mesh.as_ref(), solve.is_some())?;
@@ -83,9 +84,21 @@ impl Steps {
         Ok(Self { outputs, mesh, solve, threads: given.threads })
     }
 
+    /// Refuses flags that the packing of `spec` cannot be meshed or tested with, and a missing gmsh.
+    pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        self.mesh.as_ref().map_or(Ok(()), |mesh| mesh.check(spec))?;
+        self.solve.as_ref().map_or(Ok(()), |solve| solve.check(spec))
+    }
+
+    /// The files that the flags name, for the packing and its mesh.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let packings = self.outputs.iter().map(|(path, _)| path.clone());
+        packings.chain(self.mesh.iter().flat_map(|mesh| mesh.outputs().to_owned())).collect()
+    }
+
     /// Does the case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see
     /// [`interrupt::asked`].
-    pub(super) fn run(&self, case: &Case, folder: &Path) -> Outcome {
+    pub(super) fn run(&self, case: &Case, folder: &Path) -> CaseOutcome {
         let work = || catch_unwind(AssertUnwindSafe(|| self.all(case, folder))).unwrap_or(Err(Failure::Bug));
         let (ended, said) = stderr::of(&case.folder, work);
         let ended = ended.map_err(|failure| failure.message().to_owned());
@@ -94,7 +107,7 @@ impl Steps {
             true => ended,
             false => Err(said.errors.join("; ")),
         };
-        Outcome { results, warnings: said.warnings }
+        CaseOutcome { results, warnings: said.warnings }
     }
 
     fn all(&self, case: &Case, folder: &Path) -> Result<Map<String, Value>, Failure> {

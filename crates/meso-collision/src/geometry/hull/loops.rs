@@ -2,10 +2,10 @@
 
 /// Faces as loops of vertex indices, one after the other.
 #[derive(Debug, Default, PartialEq)]
-pub(in super::super) struct Loops {
-    pub(in super::super) corners: Vec<u32>,
+pub(crate) struct Loops {
+    pub(crate) corners: Vec<u32>,
     /// One past the last corner of each face.
-    pub(in super::super) ends: Vec<u32>,
+    pub(crate) ends: Vec<u32>,
 }
 
 /// A face at one of its vertices, and the vertices before and after that one.
@@ -18,19 +18,19 @@ struct Corner {
 
 impl Loops {
     /// Number of faces.
-    pub(in super::super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.ends.len()
     }
 
     /// The vertices of a face.
     #[inline(always)]
-    pub(in super::super) fn face(&self, f: usize) -> &[u32] {
+    pub(crate) fn face(&self, f: usize) -> &[u32] {
         let start = if f == 0 { 0 } else { self.ends[f - 1] };
         &self.corners[start as usize..self.ends[f] as usize]
     }
 
     /// The vertices of every face.
-    pub(in super::super) fn iter(&self) -> impl Iterator<Item = &[u32]> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &[u32]> {
         (0..self.len()).map(|f| self.face(f))
     }
 
@@ -81,7 +81,7 @@ impl Loops {
 }
 
 /// Every corner of a loop with the one after it, from the last one on.
-pub(in super::super) fn pairs(around: &[u32]) -> impl Iterator<Item = (u32, u32)> {
+pub(crate) fn pairs(around: &[u32]) -> impl Iterator<Item = (u32, u32)> {
     let mut last = around.last().copied().unwrap_or_default();
     around.iter().map(move |&corner| (std::mem::replace(&mut last, corner), corner))
 }

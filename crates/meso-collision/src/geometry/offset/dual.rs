@@ -1,10 +1,11 @@
 //! The body whose planes are y_i . x = 1, from the hull of the points y_i.
 
 use super::{ACCURACY, OffsetError, ROUNDING, ill_conditioned};
-use crate::geometry::double_double::{Dd, Dd3, cross, dot};
-use crate::geometry::facet_kernels::{AHEAD, LANES};
+use crate::geometry::exact::double_double::{Dd, Dd3, cross, dot};
+use crate::geometry::exact::integer;
 use crate::geometry::hull::{Loops, facets_and_dual, pairs};
-use crate::geometry::{Polyhedron, convex_hull, integer};
+use crate::geometry::measure::facet_kernels::{AHEAD, LANES};
+use crate::geometry::{Polyhedron, convex_hull};
 use crate::math::Vec3;
 use crate::simd::{Wide, widest};
 
@@ -49,7 +50,8 @@ impl Dual {
                 return Some(body);
             }
         }
-        // Faces narrower than rounding may close upon themselves when their corners are joined: then the corners decide.
+        // Faces narrower than rounding may close upon themselves when their corners are joined: then the corners
+        // decide.
         convex_hull(&self.vertices).ok().filter(|hull| is_accurate(hull, 0.0))
     }
 }
@@ -120,7 +122,7 @@ impl Wide for Vertices<'_> {
     }
 }
 
-/// Of the fan of a facet's triangles.
+/// Sums over the fan of a facet's triangles.
 #[inline(always)]
 fn widest_triangle(points: &[Vec3], facet: &[u32]) -> [u32; 3] {
     if let &[a, b, c] = facet {
@@ -152,7 +154,7 @@ fn float_vertices([a, b, c]: &[[[f64; LANES]; 3]; 3]) -> ([[f64; LANES]; 3], [u6
     (points, certain)
 }
 
-/// The same for one facet, to more digits.
+/// Finds the vertex of one facet, to more digits.
 #[cold]
 fn close_vertex(points: &[Vec3], facet: &[u32]) -> Option<Vec3> {
     let corners = widest_triangle(points, facet).map(|i| points[i as usize]);
@@ -170,7 +172,7 @@ fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
     (!lost && height.value() > 0.0).then(|| Vec3::from(normal.map(|n| (n * inverse).value())))
 }
 
-/// The same in integers, for planes that are one but for rounding.
+/// Finds the vertex in integers, for planes that are one but for rounding.
 fn exact_vertex(corners: &[Vec3; 3]) -> Option<Vec3> {
     let unit = integer::unit_exponent(corners.iter().flat_map(|p| [p.x, p.y, p.z]));
     let [a, b, c] = corners.map(|p| integer::to_integers(&p, unit));

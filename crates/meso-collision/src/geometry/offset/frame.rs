@@ -4,7 +4,7 @@
 
 use super::dual::Dual;
 use super::planes::exact_point_in;
-use crate::geometry::integer;
+use crate::geometry::exact::integer;
 use crate::math::Vec3;
 
 /// The columns of A: the frame's axes in the specimen's coordinates, mm.

@@ -16,11 +16,11 @@
 mod arcs;
 mod search;
 
-use super::Polyhedron;
+use crate::geometry::Polyhedron;
 use crate::simd::dispatch;
 
 /// Relative bound on the difference between a sieve size and the least side over all directions.
-pub(super) const SLACK: f64 = 1e-9;
+pub(crate) const SLACK: f64 = 1e-9;
 
 impl Polyhedron {
     /// Side of the smallest square hole that the body passes, mm, in the best direction.

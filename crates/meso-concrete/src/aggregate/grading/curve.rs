@@ -65,7 +65,7 @@ impl Curve {
         }
     }
 
-    /// Its name and parameters.
+    /// Describes the curve by its name and parameters.
     pub fn describe(&self) -> String {
         match self {
             Self::Fuller { exponent } => format!("Fuller, n = {exponent}"),

@@ -122,7 +122,7 @@ type Row = (f64, f64, f64);
 const DIN: [f64; 8] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 31.5];
 
 impl Standard {
-    /// All of them.
+    /// All gradings of standards.
     pub const ALL: [Self; 32] = [
         Self::DinA8,
         Self::DinB8,
@@ -158,7 +158,7 @@ impl Standard {
         Self::Gb5To40,
     ];
 
-    /// Its name as engineers write it.
+    /// Name of the grading as engineers write it.
     pub fn title(self) -> &'static str {
         match self {
             Self::DinA8 => "DIN 1045-2 A8",

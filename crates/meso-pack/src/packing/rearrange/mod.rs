@@ -5,6 +5,30 @@
 //! of their number (Jacobi, so that threads cannot change the result), plus heavy-ball momentum, which is dropped
 //! whenever the energy rises. Walls are hard. The result is certified pair by pair ([`certify`]) before anyone sees
 //! it.
+//!
+//! Every list is indexed by *body*: a moving grain's number along a space-filling curve. `Fixed::grain` is its number in the
+//! request, the only other index.
+//!
+//! | owner | state | changed by |
+//! |---|---|---|
+//! | `Bodies` | pose, velocity, turned vertices, box, path length of every body | `advance` (a sweep), `settle` (a start) |
+//! | `NeighbourList` | pairs that may touch, in blocks of 64 first bodies | `cover`, when bodies moved beyond their limits |
+//! | `contact_cache::Block` | per pair: known gap, axis, the contact and its impulse while it lasts | `look`, each block by one thread |
+//! | `CellList` | bodies by cell, in levels of size, at their positions when it was built | rebuilt when stale |
+//! | `Walls` | the container, moved inwards by the gap | never |
+//! | `Settings`, `Damping` | wanted gap, momentum, patience, cost of a jam | `narrow`, `hurry`, `next`, `fewer`, `relieve` |
+//!
+//! The phases of a run:
+//!
+//! 1. `initial_placement::fill`: a position for every grain. Nothing else draws random numbers.
+//! 2. `Dynamics::descend`: sweeps (one update of all bodies) until *open*, *jammed* (the energy stops falling), *late* or
+//!    *stopped*. A sweep reads the contacts of the last look and writes each body's own state only.
+//! 3. `start_over_or_relieve`: after a jam, drops all grains anew with other damping, or fewer grains (`subsample`), or
+//!    leaves out the worst wedged and goes on (*relief*).
+//! 4. `certify::keep_apart`: the only phase whose answers are promises. It starts from poses, in double precision, and
+//!    shares nothing with the dynamics.
+//!
+//! Sums over bodies and contacts run in index order, so that threads cannot change a bit.
 
 mod bodies;
 mod cell_list;

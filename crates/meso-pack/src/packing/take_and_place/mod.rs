@@ -1,6 +1,6 @@
 //! Take-and-place: random positions one grain at a time, largest first (Sec. 2.2).
 //!
-//! Batches of grains look for their first free position in parallel, against what is placed so far; then they are
+//! Batches of grains look for their first free position in parallel, against the grains placed so far; then they are
 //! committed in order, and one that meets a batch mate goes on with its own random stream. A position that was refused
 //! stays refused when more is placed, so the outcome is the sequential one, bit for bit, for any number of threads.
 
@@ -25,7 +25,7 @@ const BATCH: usize = 32;
 /// out.
 pub(super) fn place(task: &Task, attempts: u32) -> Outcome {
     let mut outcome = Outcome::empty(task, "take-and-place", StopReason::AttemptsExhausted);
-    // After a stop during the take the caller decides what to do with the grains that exist.
+    // After a stop during the take the caller places the grains that exist.
     if outcome.stop.is_some() {
         return outcome;
     }

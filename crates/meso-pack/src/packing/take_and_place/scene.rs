@@ -167,8 +167,8 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The prefilter: tests positions for what ends most attempts, in vector registers. A rejection stays right when more
-/// is placed.
+/// The prefilter: tests positions for the most frequent rejections, in vector registers. A rejection stays right when
+/// more is placed.
 pub(super) struct Looking<'a, const N: usize> {
     pub(super) scene: &'a Scene<'a>,
     pub(super) it: &'a Candidate<'a>,
@@ -197,7 +197,7 @@ impl<const N: usize> Wide for Looking<'_, N> {
                 None => Look::Clear,
             };
         }
-        // Prefetches what the proofs will read.
+        // Prefetches the memory that the proofs will read.
         for look in looks {
             if let Look::Near(other) = *look {
                 prefetch(&scene.placed[other as usize..=other as usize]);

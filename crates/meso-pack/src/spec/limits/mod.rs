@@ -72,7 +72,7 @@ impl Spec {
         Some(SpecError::value("grading.d_max_mm", message))
     }
 
-    /// How many aggregates the spec asks for, roughly: mean sizes and aspect ratios.
+    /// Estimated number of aggregates that the spec asks for, from mean sizes and aspect ratios.
     pub fn estimated_aggregates(&self) -> f64 {
         let mean_shape = mean_volume(&self.shape);
         let volume = self.fraction * self.specimen.volume();

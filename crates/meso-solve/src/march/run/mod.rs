@@ -7,9 +7,10 @@
 mod checkpoint;
 mod drive;
 
+pub use checkpoint::checkpoint_note;
+
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
-use crate::assemble::phases::Phases;
 use crate::assemble::{Assembly, assemble, box_shape};
 use crate::block::matter::{self, Matter};
 use crate::block::{Block, Common, Pass, Scratch};
@@ -23,7 +24,7 @@ use crate::march::servo::Servo;
 use crate::sample::Sample;
 use crate::test::{Control, Kind, LawName, Smoothing, Test};
 use meso_mesh::materials::Materials;
-use meso_mesh::{CellKind, Mesh, Phase};
+use meso_mesh::{CellKind, Phase};
 use rayon::prelude::*;
 use std::cell::RefCell;
 
@@ -34,7 +35,6 @@ const UNBREAKABLE: f64 = 1e6;
 pub struct Run<'a> {
     pub(crate) sample: Sample<'a>,
     pub(crate) test: Test,
-    pub(crate) phases: Phases,
     pub(crate) common: Common,
     pub(crate) blocks: Vec<Block>,
     pub(crate) patches: Option<Patches>,
@@ -108,15 +108,15 @@ impl<'a> Run<'a> {
         validate_smoothing(&sample, test)?;
         matter::validate(materials, test.law)?;
         let (mesh, height_mm) = (sample.mesh, sample.height_mm());
-        let phases = Phases::of(mesh, test.joined, test.itz);
-        let common = common(&sample, &as_solved(&materials.in_mesh(mesh), &phases), test)?;
+        let common = common(&sample, &materials.in_mesh(mesh), test)?;
         let (steps, dt) = test.steps(height_mm, sample.element_size_mm, !mesh.cohesive.is_empty())?;
         let smoothing = test.smoothing(mesh.kind);
-        let parts = Parts { sample: &sample, phases: &phases.of_cells, common: &common, dt, smoothing };
+        let parts = Parts { sample: &sample, common: &common, dt, smoothing };
         let Assembly { blocks, patches, nodes: order, mass, masses, stable_s, widest_mm } = assemble(&parts)?;
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
+        sample.validate_volume()?;
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
         let spent = vec![0.0; blocks.len()];
@@ -124,22 +124,7 @@ impl<'a> Run<'a> {
         let stride = (steps / u64::from(test.rows)).max(1);
         let outline = Outline { height_mm, dt, steps, stride, masses, stable_s, widest_mm };
         let (test, state) = (test.clone(), State::default());
-        Ok(Self {
-            sample,
-            test,
-            phases,
-            common,
-            blocks,
-            patches,
-            nodes,
-            order,
-            forces,
-            spent,
-            plates,
-            set,
-            outline,
-            state,
-        })
+        Ok(Self { sample, test, common, blocks, patches, nodes, order, forces, spent, plates, set, outline, state })
     }
 
     /// Steps of the whole test at the plates' full speed; the servo adds some.
@@ -157,17 +142,11 @@ impl<'a> Run<'a> {
         100.0 * (self.outline.masses[1] / self.outline.masses[0] - 1.0)
     }
 
-    /// The phase that every cell of the mesh has in the test.
-    pub fn phases(&self) -> &[Phase] {
-        &self.phases.of_cells
-    }
-
     /// Bytes that the engine holds, the mesh apart.
     pub fn bytes(&self) -> usize {
         let blocks: usize = self.blocks.iter().map(Block::bytes).sum();
-        let phases = size_of_val(&*self.phases.of_cells);
         let patches = self.patches.as_ref().map_or(0, Patches::bytes);
-        blocks + patches + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces) + phases
+        blocks + patches + self.nodes.bytes() + size_of_val(&*self.order) + size_of_val(&*self.forces)
     }
 
     /// Takes one step.
@@ -244,32 +223,6 @@ impl<'a> Run<'a> {
         }
         is_sound
     }
-
-    /// Volume of the cells of every phase in the test, mm3.
-    pub(crate) fn volumes(&self) -> [f64; 5] {
-        let (mesh, mut volumes) = (self.sample.mesh, [0.0; 5]);
-        for (cell, &phase) in mesh.cells().zip(self.phases()) {
-            volumes[phase as usize] += cell_volume(mesh, cell);
-        }
-        volumes
-    }
-}
-
-/// mm3.
-fn cell_volume(mesh: &Mesh, cell: &[u32]) -> f64 {
-    let p = |corner: usize| mesh.points[cell[corner] as usize];
-    let edges = |of: [usize; 3]| of.map(|corner| p(corner) - p(0));
-    let ([a, b, c], share) = match mesh.kind {
-        CellKind::Hexahedron => (edges([1, 3, 4]), 1.0),
-        _ => (edges([1, 2, 3]), 1.0 / 6.0),
-    };
-    share * a.cross(&b).dot(&c)
-}
-
-/// The materials of a test: a smeared ITZ is mortar of less strength, and as stiff.
-fn as_solved(materials: &Materials, phases: &Phases) -> Materials {
-    let itz = if phases.smeared_cells > 0 { materials.mortar } else { materials.itz };
-    Materials { itz, ..materials.clone() }
 }
 
 /// Boxes have no edges to smooth over.

@@ -100,7 +100,7 @@ impl Default for Loading {
 }
 
 impl Analysis {
-    /// Whether it is computed by explicit dynamics, with damage.
+    /// Whether the analysis is explicit dynamics, with damage.
     pub fn is_explicit(self) -> bool {
         matches!(self, Self::Compression | Self::Tension)
     }
@@ -141,6 +141,14 @@ impl DeckOptions {
             refuse_joined(mesh, self.analysis)?;
         }
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
+    }
+
+    /// Refuses options without effect on a deck of hexahedra, or of tetrahedra.
+    ///
+    /// # Errors
+    /// Names the option, its value and whom it serves.
+    pub fn validate_effects(&self, has_hexahedra: bool) -> Result<(), OutOfRange> {
+        limits::effects(self, has_hexahedra)
     }
 
     /// Checks the values of cohesive elements before there is a mesh.

@@ -77,7 +77,7 @@ pub enum Voxels {
 }
 
 impl Voxels {
-    /// How many there are.
+    /// Number of voxels.
     pub fn len(&self) -> usize {
         match self {
             Self::Label(values) => values.len(),
@@ -91,7 +91,7 @@ impl Voxels {
         self.len() == 0
     }
 
-    /// Their bytes, the lowest first.
+    /// Bytes of the values, the lowest first.
     pub fn bytes(&self) -> Cow<'_, [u8]> {
         match self {
             Self::Label(values) => Cow::Borrowed(values),

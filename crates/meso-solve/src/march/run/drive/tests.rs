@@ -6,7 +6,7 @@ use crate::march::frame::Frame;
 use crate::march::response::Ended;
 use crate::march::run::Run;
 use crate::sample::Sample;
-use crate::test::{Itz, LawName, Smoothing, Test};
+use crate::test::{LawName, Smoothing, Test};
 use meso_collision::math::{Aabb, Mat3, Vec3};
 use meso_concrete::specimen::Specimen;
 use meso_concrete::watch::{Silent, Stage, Watch};
@@ -60,7 +60,7 @@ impl Body {
 
     fn run(&self, law: LawName) -> Run<'_> {
         let sample = Sample::of(&self.mesh, &self.specimen, &self.options);
-        let test = Test { law, itz: Itz::None, smoothing: Some(self.smoothing), ..Test::default() };
+        let test = Test { law, smoothing: Some(self.smoothing), ..Test::default() };
         Run::new(sample, &Materials::default(), &test).unwrap()
     }
 

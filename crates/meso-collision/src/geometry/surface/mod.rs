@@ -1,0 +1,6 @@
+//! Surfaces of triangles: input meshes, nearest points, and cuts.
+
+pub(crate) mod box_tree;
+pub(crate) mod clip;
+pub(crate) mod nearest;
+pub(crate) mod triangle_mesh;

@@ -1,0 +1,106 @@
+//! Volume meshes as VTK unstructured grids (`.vtu`), for ParaView, PyVista and meshio.
+//!
+//! Cell data: `phase` (0 mortar, 1 ITZ, 2 aggregate, 4 fibre), `aggregate` (id, -1 in the mortar) and, for tetrahedra,
+//! `radius_ratio` and `min_dihedral_deg`.
+
+use super::{Array, Encoding, Grid, Layout};
+use meso_mesh::cells::{CellKind, Mesh};
+use meso_mesh::figures::CellQuality;
+use std::io::{self, Write};
+
+/// Writes `mesh` with its phases and quality to `out`; `compress` is by zlib.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
+    let quality = match mesh.kind {
+        CellKind::Hexahedron => Vec::new(),
+        _ => CellQuality::of_cells(mesh),
+    };
+    let mut cell_data: Vec<Array> = bodies(mesh).collect();
+    if !quality.is_empty() {
+        let measure = |name, value: fn(&CellQuality) -> f64| {
+            let quality = &quality;
+            Array::new("Float32", name, quality.len(), move || {
+                quality.iter().map(move |q| (value(q) as f32).to_le_bytes())
+            })
+        };
+        cell_data.push(measure("radius_ratio", |q| q.radius_ratio));
+        cell_data.push(measure("min_dihedral_deg", |q| q.min_dihedral_deg));
+    }
+    grid(mesh, cell_data).write(Encoding::compressed(compress), out)
+}
+
+/// Values at the points or in the cells of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Field<'a> {
+    /// As a viewer shows it.
+    pub name: &'a str,
+    /// Values for each point or cell: 1, 3 for vectors, 6 for symmetric tensors (xx yy zz xy yz xz).
+    pub components: usize,
+    /// All of them, point by point or cell by cell.
+    pub values: &'a [f32],
+}
+
+/// Writes `mesh` with fields at its points and in its cells, compressed. Viewers display the first
+/// of `cells`.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_fields(mesh: &Mesh, points: &[Field], cells: &[Field], out: impl Write) -> io::Result<()> {
+    let cell_data = cells.iter().map(Field::array).chain(bodies(mesh)).collect();
+    Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }
+        .write(Encoding::Compressed, out)
+}
+
+impl<'a> Field<'a> {
+    fn array(&self) -> Array<'a> {
+        let Self { name, components, values } = *self;
+        Array::new("Float32", name, values.len(), || values.iter().map(|value| value.to_le_bytes()))
+            .in_groups_of(components)
+    }
+}
+
+/// The cell data of such a file: VTK's type and the name of every array.
+pub fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
+    const ALL: [(&str, &str); 4] =
+        [("UInt8", "phase"), ("Int32", "aggregate"), ("Float32", "radius_ratio"), ("Float32", "min_dihedral_deg")];
+    if kind == CellKind::Hexahedron { &ALL[..2] } else { &ALL }
+}
+
+/// The phase of every cell, and the body that it belongs to.
+fn bodies(mesh: &Mesh) -> impl Iterator<Item = Array<'_>> {
+    let cells = mesh.cell_count();
+    let phase = Array::new("UInt8", "phase", cells, || mesh.phase.iter().map(|phase| [*phase as u8]));
+    let ids = Array::new("Int32", "aggregate", cells, || mesh.ids().map(|id| signed(id).to_le_bytes()));
+    [phase, ids].into_iter()
+}
+
+fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
+    let (nodes, cells) = (mesh.kind.nodes() as i64, mesh.cell_count());
+    let kind = match mesh.kind {
+        CellKind::Tetrahedron => 10,
+        CellKind::QuadraticTetrahedron => 24,
+        CellKind::Hexahedron => 12,
+    };
+    let positions = || mesh.points.iter().flat_map(|p| [p.x, p.y, p.z]).map(f64::to_le_bytes);
+    Grid {
+        layout: Layout::Cells,
+        points: mesh.points.len(),
+        cells,
+        positions: Array::new("Float64", "Points", 3 * mesh.points.len(), positions).of_vectors(),
+        topology: [
+            Array::new("Int32", "connectivity", mesh.cells.len(), || mesh.cells.iter().map(|node| node.to_le_bytes())),
+            Array::new("Int64", "offsets", cells, move || {
+                (1..=cells as i64).map(move |cell| (cell * nodes).to_le_bytes())
+            }),
+            Array::new("UInt8", "types", cells, move || std::iter::repeat_n([kind], cells)),
+        ],
+        point_data: Vec::new(),
+        cell_data,
+    }
+}
+
+fn signed(aggregate: u32) -> i32 {
+    if aggregate == Mesh::NO_BODY { -1 } else { aggregate as i32 }
+}

@@ -1,0 +1,81 @@
+"""Studies that are killed at random moments, and resumed with other flags: the same bytes, or a refusal."""
+
+import json
+import random
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="kills by signal")
+
+SPEC = """[spec]
+fraction = 0.2
+specimen = { kind = 'cube', side_mm = 20 }
+grading = { d_min_mm = 5, d_max_mm = 8 }
+"""
+# Every one goes into the same folder; the first one is followed to its end.
+STUDIES = {
+    "a.toml": "outputs = ['grains.csv']\n" + SPEC + "[mesh]\noutput = 'deck.inp'\nelement-size-mm = 2\nitz = 'none'\naccept-phase-error = true\n[over]\nseed = { from = 1, to = 6 }\n",
+    "longer.toml": "outputs = ['grains.csv']\n" + SPEC + "[mesh]\noutput = 'deck.inp'\nelement-size-mm = 2\nitz = 'none'\naccept-phase-error = true\n[over]\nseed = { from = 1, to = 8 }\n",
+    "finer.toml": "outputs = ['grains.csv']\n" + SPEC + "[mesh]\noutput = 'deck.inp'\nelement-size-mm = 1.5\nitz = 'none'\naccept-phase-error = true\n[over]\nseed = { from = 1, to = 6 }\n",
+    "test.toml": SPEC + "[solve]\nelement-size-mm = 4\nframes = 1\nstrain = 0.0002\n[over]\nseed = { from = 1, to = 3 }\n",
+}
+FLAGS = [[], ["--jobs", "2"], ["--threads", "1"], ["--jobs", "3", "--threads", "2"], ["--retry-failed"], ["--force"]]
+# These hold seconds.
+TIMED = {"result.json", "result.html", "mesh.json"}
+
+
+def contents(out: Path) -> dict[str, object]:
+    """Read the cases of a study that have a record: the bytes of their files, and the records without lengths."""
+    found: dict[str, object] = {}
+    for record in out.glob("*/case.json"):
+        told = json.loads(record.read_text(encoding="utf-8"))
+        found[f"{record.parent.name}/case.json"] = {k: v for k, v in told.items() if k not in ("files", "sha256")}
+        for name in told["files"]:
+            if name not in TIMED:
+                found[f"{record.parent.name}/{name}"] = (record.parent / name).read_bytes()
+    return found
+
+
+def campaign(command: str, place: Path, kills: int, seed: int) -> None:
+    """Kill and resume until `kills` runs were killed, then follow every study to its end."""
+    draw, right = random.Random(seed), {}
+    for name, text in STUDIES.items():
+        (place / name).write_text(text, encoding="utf-8")
+        straight = subprocess.run([command, "study", name, "-q", "-o", f"straight-{name}"], cwd=place, check=False)
+        right |= contents(place / f"straight-{name}")
+        assert straight.returncode in (0, 1)
+    out, killed, refused = place / "study", 0, 0
+    while killed < kills:
+        name = draw.choice(list(STUDIES))
+        words = [command, "study", name, "-q", "-o", "study", *draw.choice(FLAGS)]
+        process = subprocess.Popen(words, cwd=place, stderr=subprocess.DEVNULL)
+        if draw.random() < 0.2:
+            time.sleep(0.01)
+            refused += subprocess.run(words, cwd=place, check=False, capture_output=True).returncode == 1
+        try:
+            process.wait(draw.uniform(0.0, 0.5))
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            killed += 1
+        for path, content in contents(out).items():
+            assert content == right[path], f"{path} after {killed} kills, {words}"
+    for name in STUDIES:
+        subprocess.run([command, "study", name, "-q", "-o", "study", "--retry-failed"], cwd=place, check=False)
+        tables = [(place / where / "table.csv").read_text(encoding="utf-8") for where in ("study", f"straight-{name}")]
+        assert tables[0] == tables[1], name
+    assert contents(out) == right
+    assert refused >= kills // 50, "no second process met a first one"
+
+
+def test_ten_kills_leave_the_bytes_of_a_straight_run(command, tmp_path):
+    campaign(command, tmp_path, 10, seed=1)
+
+
+@pytest.mark.slow
+def test_two_hundred_kills_leave_the_bytes_of_a_straight_run(command, tmp_path):
+    campaign(command, tmp_path, 200, seed=2)
