@@ -1,6 +1,8 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
+use crate::stderr;
+use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
 use meso_files::{Beside, missing_recipe};
 use std::fs::File;
@@ -25,7 +27,25 @@ pub(crate) fn spec(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) ->
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
     let named = |error: SpecError| error.of_limit(time_limit_s, "--time-limit");
-    toml(path, |text| Spec::from_toml_while(text, &mut Beside(folder), watch, time_limit_s).map_err(named))
+    let mut files = Told(Beside(folder));
+    toml(path, |text| Spec::from_toml_while(text, &mut files, watch, time_limit_s).map_err(named))
+}
+
+/// Files beside a spec; remarks about them are lines on stderr.
+struct Told<'a>(Beside<'a>);
+
+impl Files for Told<'_> {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        self.0.read(name)
+    }
+
+    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
+        self.0.list(folder)
+    }
+
+    fn remark(&mut self, name: &str, remark: &str) {
+        stderr::line(format!("note: {}: {remark}", name.escape_debug()));
+    }
 }
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.
@@ -42,8 +62,8 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
     })
 }
 
-/// Reads a saved model, `-` for standard input, and reports to `watch` how far the proof of its specimen's surface is. What does
-/// not begin like a model is not read to its end.
+/// Reads a saved model, `-` for standard input, and reports to `watch` how far the proof of its specimen's surface is. A file
+/// that does not begin like a model is not read to its end.
 pub(crate) fn model(path: &Path, watch: &dyn Watch) -> Result<Model, Failure> {
     let fail = |error: io::Error| Failure::file(path, &error);
     let mut source = source(path)?;
@@ -65,7 +85,7 @@ fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// Appends what is left of `source`, up to a limit of all bytes; a longer one is refused as too long for its `kind`.
+/// Appends the rest of `source`, up to a limit of all bytes; a longer one is refused as too long for its `kind`.
 fn read_rest(path: &Path, source: impl Read, bytes: &mut Vec<u8>, limit: u64, kind: &str) -> Result<(), Failure> {
     let left = limit.saturating_sub(bytes.len() as u64).saturating_add(1);
     source.take(left).read_to_end(bytes).map_err(|error| Failure::file(path, &error))?;
