@@ -15,7 +15,7 @@ use meso_core::mesh::{
 };
 use meso_core::{Silent, Spec};
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Figures, Kind, Run, Sample, Smoothing, Test};
+use meso_solve::{Control, Figures, Run, Sample, Smoothing, Test, TestKind};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -139,7 +139,7 @@ fn test(deck: &Deck) -> Test {
     );
     let strain = -real(&moved.data[0][3]) / (z("REF_TOP") - z("REF_BOTTOM"));
     Test {
-        kind: if strain > 0.0 { Kind::Compression } else { Kind::Tension },
+        kind: if strain > 0.0 { TestKind::Compression } else { TestKind::Tension },
         friction: deck.friction.unwrap(),
         strain: Some(strain.abs()),
         duration_s: Some(duration),

@@ -11,8 +11,8 @@ use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
-use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Ended, Frame, Kind, Observer, Response, Row, Run, SolveError, Test};
+use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
+use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -30,7 +30,7 @@ struct Tested {
     frames: Vec<Arc<Snapshot>>,
     /// The end; none of a run that diverged.
     last: Option<Arc<Snapshot>>,
-    seconds: Seconds,
+    seconds: TestSeconds,
 }
 
 impl Tested {
@@ -65,7 +65,7 @@ pub(crate) struct Asked {
 /// The kind of a test by the keyword's name, which errors then have.
 #[derive(Deserialize)]
 struct Asking {
-    test: Kind,
+    test: TestKind,
 }
 
 impl Asked {
@@ -137,7 +137,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let diverged = matches!(response.result.ended, Ended::Diverged(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;
-    let seconds = Seconds { solve, total: solve, ..Seconds::default() };
+    let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };
     let frames = watching.frames.into_inner();
     Ok(Tested { mesh: Arc::clone(mesh), response, source: Source::of(model, options), frames, last, seconds })
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Test {
     /// Compression or tension.
-    pub kind: Kind,
+    pub kind: TestKind,
     /// Coulomb's coefficient between plates and specimen; in tension the plates are glued on.
     pub friction: f64,
     /// Mean axial strain at the end; 0.005 in compression, 0.0005 in tension.
@@ -45,7 +45,7 @@ pub struct Test {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum TestKind {
     /// Towards each other, between plates that press and rub.
     Compression,
     /// Apart, glued on.
@@ -99,7 +99,7 @@ pub struct Interface {
 impl Default for Test {
     fn default() -> Self {
         Self {
-            kind: Kind::Compression,
+            kind: TestKind::Compression,
             friction: 0.1,
             strain: None,
             duration_s: None,
@@ -144,16 +144,16 @@ impl Test {
     /// Strain at the end.
     pub fn strain(&self) -> f64 {
         self.strain.unwrap_or(match self.kind {
-            Kind::Compression => 0.005,
-            Kind::Tension => 0.0005,
+            TestKind::Compression => 0.005,
+            TestKind::Tension => 0.0005,
         })
     }
 
     /// Time of the whole test on a specimen of this height, s.
     pub fn duration_s(&self, height_mm: f64) -> f64 {
         let pace = match self.kind {
-            Kind::Compression => COMPRESSION_PACE,
-            Kind::Tension => TENSION_PACE,
+            TestKind::Compression => COMPRESSION_PACE,
+            TestKind::Tension => TENSION_PACE,
         };
         self.duration_s.unwrap_or_else(|| (pace * height_mm * self.strain() / 0.005).max(LEAST_PACE * height_mm))
     }

@@ -9,7 +9,7 @@ use crate::arrays::{PointArray, from_points, points};
 use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::polyhedron::PyPolyhedron;
 use crate::tree::type_name;
-use meso_core::gjk::{self, GjkError, Impact, Method, Penetration};
+use meso_core::gjk::{self, Algorithm, GjkError, Impact, Penetration};
 use meso_core::math::Vec3;
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -193,7 +193,7 @@ fn each(bodies: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
     items.enumerate().map(body).collect()
 }
 
-fn parse(method: &str) -> PyResult<Method> {
+fn parse(method: &str) -> PyResult<Algorithm> {
     method.parse().map_err(|error| gjk_error(&error))
 }
 

@@ -146,7 +146,7 @@ impl Matter {
     #[inline(always)]
     pub(crate) fn law<L: Lanes, T: LawTask>(&self, task: T) -> T::Output {
         match &self.behaviour {
-            Behaviour::Elastic => task.run(&law::Elastic::<L>::new(&self.elastic)),
+            Behaviour::Elastic => task.run(&law::Hooke::<L>::new(&self.elastic)),
             Behaviour::Cdp(strength, plasticity) => {
                 task.run(self.prepared.law(|| self.cdp::<L>(strength, plasticity)).get())
             }

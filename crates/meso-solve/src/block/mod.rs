@@ -12,7 +12,7 @@ use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
 use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
-use crate::law::{Elastic, Law, Tensor};
+use crate::law::{Hooke, Law, Tensor};
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
 
@@ -322,7 +322,7 @@ impl<const N: usize> LawTask for UniformTask<'_, N> {
 /// Boxes that bend: C3D8I.
 #[inline(always)]
 fn bend<L: Lanes>(cells: &[Hexes], matter: &Matter, shape: &BoxShape, u: &Vectors, forces: &mut Vectors) {
-    let (law, bending) = (Elastic::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
+    let (law, bending) = (Hooke::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
     for cells in cells {
         let (strain, amplitudes) = cells.strain(u, shape);
         cells.resist(&law.of(&strain), &bending.forces(&amplitudes), L::splat(1.0), shape, forces);

@@ -3,7 +3,7 @@
 use crate::march::curve::{Figures, Row, to_half_peak};
 use crate::march::run::Run;
 use crate::sample::Sample;
-use crate::test::{Control, Kind, LawName, Smoothing};
+use crate::test::{Control, LawName, Smoothing, TestKind};
 use meso_mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -34,7 +34,7 @@ pub struct Response {
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Compression or tension.
-    pub test: Kind,
+    pub test: TestKind,
     /// Coulomb's coefficient between plates and specimen.
     pub friction: f64,
     /// How the plates kept their speed.

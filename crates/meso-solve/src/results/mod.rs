@@ -38,7 +38,7 @@ pub struct Outcome<'a> {
     /// The moment that the page shows; a run that diverged at once has none.
     pub last: Option<&'a Snapshot>,
     /// How long it took.
-    pub seconds: Seconds,
+    pub seconds: TestSeconds,
 }
 
 /// Where a tested mesh came from.
@@ -64,7 +64,7 @@ impl Source {
 
 /// How long the parts took, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Seconds {
+pub struct TestSeconds {
     /// Packing; 0 where a saved model was read.
     pub pack: f64,
     /// Meshing.
@@ -138,7 +138,7 @@ struct Figures<'a> {
     frames: Vec<FrameFigures<'a>>,
     #[serde(flatten)]
     source: &'a Source,
-    seconds: Seconds,
+    seconds: TestSeconds,
 }
 
 #[derive(Serialize)]

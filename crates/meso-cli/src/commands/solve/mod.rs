@@ -16,8 +16,8 @@ use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{ItzForm, Mesh, MethodName, Order, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
-use meso_solve::results::{Moment, Outcome, ResultFile, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
+use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Source, TestSeconds, sample_of};
+use meso_solve::{Control, Ended, LawName, Response, Run, Smoothing, SolveError, Test, TestKind};
 use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -31,9 +31,9 @@ pub(crate) struct Args {
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
-    #[arg(long, default_value = "compression", value_parser = names::parse::<Kind>)]
-    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<Kind>()))]
-    test: Kind,
+    #[arg(long, default_value = "compression", value_parser = names::parse::<TestKind>)]
+    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<TestKind>()))]
+    test: TestKind,
     /// Friction between plates and specimen; in tension the plates are glued on
     #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
@@ -105,7 +105,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     args.validate()?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
-    let mut seconds = Seconds::default();
+    let mut seconds = TestSeconds::default();
     let Some((model, settings)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
     let mesh = args.divide(&model, &settings, &mut seconds)?;
     let source = Source::of(&model, &settings.options);
@@ -215,7 +215,7 @@ impl Args {
     }
 
     /// The specimen, and how it is meshed; none where the user stopped the packing.
-    fn model(&self, seconds: &mut Seconds) -> Result<Option<(Model, MeshSettings)>, Failure> {
+    fn model(&self, seconds: &mut TestSeconds) -> Result<Option<(Model, MeshSettings)>, Failure> {
         if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
@@ -257,7 +257,7 @@ impl Args {
         Ok(spec)
     }
 
-    fn divide(&self, model: &Model, settings: &MeshSettings, seconds: &mut Seconds) -> Result<Mesh, Failure> {
+    fn divide(&self, model: &Model, settings: &MeshSettings, seconds: &mut TestSeconds) -> Result<Mesh, Failure> {
         let begun = Instant::now();
         if !self.writing.quiet {
             let (method, size) = (names::of(&settings.options.method.name()), settings.options.element_size_mm);
@@ -306,7 +306,7 @@ struct Finished<'a> {
     response: Response,
     source: Source,
     started: Instant,
-    seconds: Seconds,
+    seconds: TestSeconds,
 }
 
 /// Writes the results and says the most of them; the exit code.
@@ -317,7 +317,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let kept = if keeps { folder.keep(run) } else { Ok(()) };
     // A run that diverged holds no numbers now.
     let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
-    let seconds = Seconds { total: started.elapsed().as_secs_f64(), ..*seconds };
+    let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let frames = folder.frames();
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
     // Before a disk without room can hide them.
