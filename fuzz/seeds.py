@@ -51,6 +51,29 @@ def binary_stl() -> bytes:
     return bytes(80) + struct.pack("<I", len(FACES)) + b"".join(records)
 
 
+def off() -> bytes:
+    """Write it as OFF."""
+    rows = [" ".join(map(str, corner)) for corner in CORNERS] + [f"3 {a} {b} {c}" for a, b, c in FACES]
+    return "\n".join(["OFF", "4 4 6", *rows, ""]).encode()
+
+
+def obj() -> bytes:
+    """Write it as OBJ."""
+    rows = ["v {} {} {}".format(*corner) for corner in CORNERS] + [f"f {a + 1} {b + 1}/1 {c - 4}" for a, b, c in FACES]
+    return "\n".join(["o a", *rows, ""]).encode()
+
+
+def ply(binary: bool) -> bytes:
+    """Write it as PLY."""
+    form = "binary_big_endian" if binary else "ascii"
+    head = f"ply\nformat {form} 1.0\nelement vertex 4\n" + "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+    if not binary:
+        return head.encode() + off().split(b"\n", 2)[2]
+    corners = b"".join(struct.pack(">3f", *corner) for corner in CORNERS)
+    return head.encode() + corners + b"".join(struct.pack(">B3i", 3, *face) for face in FACES)
+
+
 def saved_model() -> bytes:
     """Pack a small specimen with the command that was built last."""
     spec = b"fraction = 0.2\nspecimen = { kind = 'cube', side_mm = 25 }\ngrading = { d_max_mm = 10 }\n"
@@ -65,6 +88,8 @@ def main() -> None:
         keep("spec", recipe.name, recipe.read_bytes())
     keep("saved-model", "small.json", saved_model())
     keep("stl", "text.stl", text_stl())
+    for name, content in {"a.off": off(), "a.obj": obj(), "a.ply": ply(binary=False), "b.ply": ply(binary=True)}.items():
+        keep("stl", name, content)
     keep("stl", "binary.stl", binary_stl())
     keep("sieve-table", "comma.csv", b"sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n")
     keep("sieve-table", "semicolon.csv", b"sieve_mm;passing_percent\n4;10\n8;45,5\n16;100\n")

@@ -109,7 +109,11 @@ pub(crate) const REJECTED: &[(&str, &str, &str)] = &[
         "the neck and its arcs take 200",
     ),
     ("[specimen]\nkind = 'mesh'\nfile = 'x.stl'", "specimen.file", "is \"x.stl\": "),
-    ("[specimen]\nkind = 'mesh'\nfile = 7", "specimen.file", "the name of an STL file in quotes"),
+    (
+        "[specimen]\nkind = 'mesh'\nfile = 7",
+        "specimen.file",
+        "the name of a surface file (STL, PLY, OBJ, OFF) in quotes",
+    ),
     (
         "[specimen]\nkind = 'mesh'\nvertices_mm = [[0, 0, 0], [90, 0, 0], [0, 90, 0], [0, 0, 90]]\ntriangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3]]",
         "specimen.triangles",

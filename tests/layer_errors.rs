@@ -47,7 +47,7 @@ fn points_of([a, b, c]: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
 /// The triangles between an aggregate's core and its layer, with its id; by their nodes.
 fn inner_side(mesh: &Mesh) -> Vec<(u32, [Vec3; 3])> {
     let mut sides = Vec::new();
-    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
+    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.owner) {
         for face in mesh.kind.faces().iter().filter(|_| *phase != Phase::Mortar) {
             let mut nodes = [0, 1, 2].map(|i| cell[face[i]]);
             nodes.sort_unstable();

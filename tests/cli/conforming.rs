@@ -58,7 +58,7 @@ fn a_conforming_mesh_has_every_aggregates_exact_volume() {
     assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
     assert!((cells.iter().map(|q| q.volume_mm3).sum::<f64>() / 13_824.0 - 1.0).abs() < 1e-12);
     let mut volumes = vec![0.0; model.aggregates.len()];
-    for (q, id) in cells.iter().zip(&mesh.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
+    for (q, id) in cells.iter().zip(&mesh.owner).filter(|(_, id)| **id != Mesh::NO_BODY) {
         volumes[*id as usize] += q.volume_mm3;
     }
     for (aggregate, volume) in model.aggregates.iter().zip(volumes) {
@@ -94,7 +94,7 @@ fn a_second_order_conforming_mesh_has_the_same_shape_with_one_node_in_the_middle
     };
     let (Some(first), Some(second)) = (of_order(Order::Linear), of_order(Order::Quadratic)) else { return };
     assert_eq!(second.kind, CellKind::QuadraticTetrahedron);
-    assert_eq!((&first.phase, &first.aggregate), (&second.phase, &second.aggregate));
+    assert_eq!((&first.phase, &first.owner), (&second.phase, &second.owner));
     let mut middles = BTreeMap::new();
     for (corners, cell) in first.cells().zip(second.cells()) {
         assert_eq!(corners, &cell[..4]);
@@ -137,7 +137,7 @@ fn assert_coarse_elements_end(side_mm: f64) {
     assert!((PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0).abs() < 1e-9);
     // That of its centre, which may have moved for better angles.
     let mut held = vec![BTreeSet::new(); mesh.points.len()];
-    for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
+    for (cell, id) in mesh.cells().zip(&mesh.owner) {
         for &node in cell {
             held[node as usize].insert(*id);
         }
@@ -225,14 +225,14 @@ fn voids_are_holes_and_fibres_bodies_of_their_exact_volumes_in_a_conforming_mesh
             );
         }
         assert_eq!(mesh.cohesive().len() > 1000, itz == ItzForm::Cohesive);
-        for (nodes, id) in mesh.cohesive().zip(&mesh.cohesive_aggregate) {
+        for (nodes, id) in mesh.cohesive().zip(&mesh.cohesive_owner) {
             let at = |i: usize| mesh.points[nodes[i] as usize];
             assert!((0..3).all(|i| at(i) == at(i + 3) && nodes[i] != nodes[i + 3]), "{nodes:?}");
             let body = &bodies.iter().find(|body| body.id == *id).unwrap().body;
             let normal = (at(1) - at(0)).cross(&(at(2) - at(0)));
             assert!(normal.dot(&(at(0) - body.centroid())) > 0.0, "the normal leads out of the aggregate");
         }
-        let held: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|id| *id != Mesh::NO_AGGREGATE).collect();
+        let held: BTreeSet<u32> = mesh.owner.iter().copied().filter(|id| *id != Mesh::NO_BODY).collect();
         let solid: BTreeSet<u32> = bodies.iter().filter(|b| b.kind != Kind::Void).map(|b| b.id).collect();
         assert_eq!(held, solid);
     }

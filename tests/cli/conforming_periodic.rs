@@ -30,7 +30,7 @@ fn conforming(model: &Model, itz: ItzForm) -> Option<Mesh> {
 /// aggregate behind each.
 fn side(mesh: &Mesh, axis: usize, place: f64) -> Vec<([[u64; 2]; 3], u32)> {
     let mut found = Vec::new();
-    for (cell, &aggregate) in mesh.cells().zip(&mesh.aggregate) {
+    for (cell, &aggregate) in mesh.cells().zip(&mesh.owner) {
         for face in mesh.kind.faces() {
             let corners = [0, 1, 2].map(|i| mesh.points[cell[face[i]] as usize]);
             if corners.iter().all(|corner| corner[axis] == place) {
@@ -57,10 +57,8 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
             assert!((meshed / exact - 1.0).abs() < 1e-12, "{axes:?}: {meshed} {exact}");
         }
         let mut volumes = vec![0.0; model.aggregates.len()];
-        for (q, id) in figures::CellQuality::of_cells(&mesh)
-            .iter()
-            .zip(&mesh.aggregate)
-            .filter(|(_, id)| **id != Mesh::NO_AGGREGATE)
+        for (q, id) in
+            figures::CellQuality::of_cells(&mesh).iter().zip(&mesh.owner).filter(|(_, id)| **id != Mesh::NO_BODY)
         {
             volumes[*id as usize] += q.volume_mm3;
         }
@@ -70,7 +68,7 @@ fn every_phase_has_its_exact_volume_and_opposite_faces_have_the_same_triangles_o
         for axis in (0..3).filter(|&axis| axes[axis]) {
             let [low, high] = [0.0, SIDE_MM].map(|place| side(&mesh, axis, place));
             assert!(low == high && low.len() > 500, "{axes:?} across {axis}: {} {}", low.len(), high.len());
-            assert!(low.iter().filter(|triangle| triangle.1 != Mesh::NO_AGGREGATE).count() > 100, "aggregates are cut");
+            assert!(low.iter().filter(|triangle| triangle.1 != Mesh::NO_BODY).count() > 100, "aggregates are cut");
         }
     }
 }

@@ -65,7 +65,7 @@ fn slabs_make_one_mesh_in_which_every_aggregate_has_its_exact_volume() {
         assert!(cells.iter().all(|q| q.volume_mm3 > 0.0));
         assert!(mesh.cell_count() > one.cell_count() && mesh.cell_count() < 2 * one.cell_count(), "{slabs}");
         let mut volumes = vec![0.0; model.aggregates.len()];
-        for (q, id) in cells.iter().zip(&mesh.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
+        for (q, id) in cells.iter().zip(&mesh.owner).filter(|(_, id)| **id != Mesh::NO_BODY) {
             volumes[*id as usize] += q.volume_mm3;
         }
         for (aggregate, volume) in model.aggregates.iter().zip(volumes) {

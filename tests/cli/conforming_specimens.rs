@@ -82,7 +82,7 @@ fn meshed_within(specimen: &Specimen, off_mm: f64) -> Option<Mesh> {
     assert!(outside.len() > 1000 && off < off_mm, "{kind}: {off} mm off the surface");
     let exact: f64 = model.aggregates.iter().map(|a| a.body.volume()).sum();
     assert!((PhaseVolumes::of_mesh(&mesh).aggregate / exact - 1.0).abs() < 1e-9, "{kind}");
-    assert!(mesh.aggregate.contains(&Mesh::NO_AGGREGATE));
+    assert!(mesh.owner.contains(&Mesh::NO_BODY));
     Some(mesh)
 }
 

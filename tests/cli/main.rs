@@ -7,6 +7,8 @@ mod angle_piece;
 mod bad_input;
 #[path = "../bad_specs.rs"]
 mod bad_specs;
+#[cfg(unix)]
+mod checkpoint;
 mod command;
 #[path = "../hostile/command_line.rs"]
 mod command_line;

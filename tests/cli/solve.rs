@@ -11,7 +11,7 @@ fn solve(folder: &Folder, args: &[&str]) -> Run {
     folder.run(&[&["solve"], args, &QUICK].concat())
 }
 
-fn result(folder: &Folder, name: &str) -> Value {
+pub(crate) fn result(folder: &Folder, name: &str) -> Value {
     serde_json::from_slice(&folder.read(name)).unwrap()
 }
 
@@ -69,6 +69,14 @@ fn a_test_leaves_a_curve_its_figures_frames_and_a_page() {
     }
     let frames = String::from_utf8(folder.read("out/frames.pvd")).unwrap();
     assert_eq!(frames.matches("file=\"frame_000").count(), 2);
+}
+
+#[test]
+fn a_test_without_frames_leaves_all_other_results() {
+    let folder = Folder::with_model();
+    let run = solve(&folder, &["small.json", "--frames", "0", "-q"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(folder.names_in("out"), ["curve.csv", "frames.pvd", "result.html", "result.json"]);
 }
 
 #[test]
@@ -153,7 +161,13 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
             2,
             "--duration is 0.000000001; 1.000e-9 s in steps of 2.000e-7 s are 1 steps",
         ),
-        (&["small.json", "--frames", "0"], 2, "'--frames <N>': it must be a whole number from 1"),
+        (&["small.json", "--frames", "-1"], 2, "'--frames <N>': it must be a whole number, not below 0"),
+        (&["small.json", "--frames", "10001"], 2, "--frames is 10001; it must be at most 10000"),
+        (
+            &["small.json", "-o", "-"],
+            2,
+            "--output - is standard output, but a test writes several files; name a folder",
+        ),
         (&["small.json", "--law", "steel"], 2, "it must be one of elastic, cdp"),
         (&["small.json", "--smoothing", "edges", "--method", "voxel"], 2, "--smoothing edges needs tetrahedra"),
         (&["small.json", "--test", "bending"], 2, "it must be one of compression, tension"),
@@ -222,58 +236,27 @@ mod failures {
 }
 
 #[cfg(unix)]
-mod signals {
+pub(crate) mod signals {
     use super::*;
     use std::io::{BufRead, BufReader};
     use std::process::{Child, Command, Stdio};
     use std::time::{Duration, Instant};
 
     /// The quick test in so many steps that it can be caught on its way.
-    const LONG: [&str; 10] =
+    pub(crate) const LONG: [&str; 10] =
         ["solve", "small.json", "--element-size-mm", "5", "--strain", "0.003", "--frames", "4", "--time-step", "4e-8"];
 
-    fn signal(child: &Child, name: &str) {
+    pub(crate) fn signal(child: &Child, name: &str) {
         assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
     }
 
     /// Waits for `event`, as long as the child runs.
-    fn wait_for(child: &mut Child, mut event: impl FnMut() -> bool) {
+    pub(crate) fn wait_for(child: &mut Child, mut event: impl FnMut() -> bool) {
         let begun = Instant::now();
         while !event() {
             assert!(child.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(120), "too late");
             std::thread::sleep(Duration::from_millis(10));
         }
-    }
-
-    #[test]
-    fn a_killed_test_is_resumed_to_the_same_bytes() {
-        let folder = Folder::with_model();
-        assert_eq!(folder.run(&[&LONG[..], &["-o", "whole", "-q"]].concat()).code, 0);
-        let mut child =
-            folder.command(&[&LONG[..], &["-o", "cut", "--checkpoint", "0", "-q"]].concat()).spawn().unwrap();
-        // Behind the second frame, and a checkpoint after it.
-        wait_for(&mut child, || folder.path("cut/frame_0002.vtu").exists());
-        let there = folder.read("cut/checkpoint.bin");
-        wait_for(&mut child, || folder.read("cut/checkpoint.bin") != there);
-        signal(&child, "-KILL");
-        child.wait().unwrap();
-        assert!(!folder.path("cut/curve.csv").exists() && folder.path("cut/checkpoint.bin").exists());
-        let refused = folder.run(&[&LONG[..], &["-o", "cut"]].concat());
-        assert!(refused.code == 1 && refused.stderr.contains("--resume continues from it"), "{}", refused.stderr);
-        let other = folder.run(&[&LONG[..], &["-o", "cut", "--resume", "--friction", "0.2"]].concat());
-        assert!(other.code == 1 && other.stderr.contains("it belongs to another mesh"), "{}", other.stderr);
-        let resumed = folder.run(&[&LONG[..], &["-o", "cut", "--resume", "-q"]].concat());
-        assert_eq!(resumed.code, 0, "{}", resumed.stderr);
-        let names: Vec<String> = folder.names_in("cut").into_iter().filter(|name| !name.ends_with(".tmp")).collect();
-        assert_eq!(names, folder.names_in("whole"));
-        for file in names.iter().filter(|name| *name != "result.json") {
-            assert!(folder.read(&format!("whole/{file}")) == folder.read(&format!("cut/{file}")), "{file} differs");
-        }
-        let [mut whole, mut cut] = ["whole", "cut"].map(|name| result(&folder, &format!("{name}/result.json")));
-        for result in [&mut whole, &mut cut] {
-            result["seconds"] = Value::Null;
-        }
-        assert_eq!(whole, cut);
     }
 
     #[test]

@@ -51,7 +51,7 @@ fn compression() -> DeckOptions {
 /// Counts nodes shared by cores from the mesh's cells, not from its notes.
 fn shared_by_cores(mesh: &Mesh) -> usize {
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
+    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.owner) {
         if *phase == Phase::Aggregate {
             cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
         }
@@ -145,14 +145,14 @@ fn few_whole_cells_part_aggregates_and_cut_ones_cost_less_still() {
     let parted = became_mortar - whole.notes.stiff_cells;
     assert_eq!((parted, parted), (whole.notes.parted_cells, kept.joining_cells().len()));
     let mut owners: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
-    for (cell, id) in kept.cells().zip(&kept.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
+    for (cell, id) in kept.cells().zip(&kept.owner).filter(|(_, id)| **id != Mesh::NO_BODY) {
         cell.iter().for_each(|node| owners.entry(*node).or_default().extend([*id]));
     }
     let qualities = figures::CellQuality::of_cells(kept);
     let shared = |cell: &[u32]| cell.iter().any(|node| owners.get(node).is_some_and(|ids| ids.len() > 1));
-    let cells = kept.cells().zip(&kept.aggregate).zip(&qualities);
+    let cells = kept.cells().zip(&kept.owner).zip(&qualities);
     let both: f64 =
-        cells.filter(|((cell, id), _)| **id != Mesh::NO_AGGREGATE && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
+        cells.filter(|((cell, id), _)| **id != Mesh::NO_BODY && shared(cell)).map(|(_, q)| q.volume_mm3).sum();
     let lost = [whole, cut].map(|mesh| mesh.notes.parted_mm3 / both);
     assert!(lost[0] < 0.5 && lost[1] < 0.5 * lost[0], "{lost:?}");
 }
@@ -220,7 +220,7 @@ fn split_gaps_leave_no_edge_of_mortar_from_one_aggregate_to_another() {
 /// Edges of cells of no aggregate whose ends lie on two aggregates, one each.
 fn bridges(mesh: &Mesh) -> usize {
     let mut owners: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); mesh.points.len()];
-    for (cell, id) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id != Mesh::NO_AGGREGATE) {
+    for (cell, id) in mesh.cells().zip(&mesh.owner).filter(|(_, id)| **id != Mesh::NO_BODY) {
         cell.iter().for_each(|&node| _ = owners[node as usize].insert(*id));
     }
     let parts = |a: u32, b: u32| {
@@ -228,7 +228,7 @@ fn bridges(mesh: &Mesh) -> usize {
         a.len() == 1 && b.len() == 1 && a != b
     };
     let mut found = BTreeSet::new();
-    for (cell, _) in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == Mesh::NO_AGGREGATE) {
+    for (cell, _) in mesh.cells().zip(&mesh.owner).filter(|(_, id)| **id == Mesh::NO_BODY) {
         for (i, &a) in cell.iter().enumerate() {
             found.extend(cell[..i].iter().filter(|&&b| parts(a, b)).map(|&b| (a.min(b), a.max(b))));
         }
@@ -246,7 +246,7 @@ fn outer_area(mesh: &Mesh) -> f64 {
 fn the_smeared_itz_is_the_mortar_with_a_face_on_an_aggregate() {
     let mesh = &*SMEARED;
     let mut aggregates: Vec<BTreeSet<u32>> = vec![BTreeSet::new(); mesh.points.len()];
-    let cores = mesh.cells().zip(&mesh.aggregate).zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Aggregate);
+    let cores = mesh.cells().zip(&mesh.owner).zip(&mesh.phase).filter(|(_, phase)| **phase == Phase::Aggregate);
     for ((cell, &aggregate), _) in cores {
         for &node in cell {
             aggregates[node as usize].insert(aggregate);

@@ -24,9 +24,10 @@ fn two_tetrahedra(cohesive: bool) -> Mesh {
         kind: CellKind::Tetrahedron,
         cells,
         phase: vec![Phase::Aggregate, Phase::Mortar],
-        aggregate: vec![0, Mesh::NO_AGGREGATE],
+        owner: vec![0, Mesh::NO_BODY],
+        id_of: vec![0],
         cohesive: if cohesive { vec![5, 6, 7, 1, 2, 3] } else { Vec::new() },
-        cohesive_aggregate: if cohesive { vec![0] } else { Vec::new() },
+        cohesive_owner: if cohesive { vec![0] } else { Vec::new() },
         periodic: [false; 3],
         notes: Notes::default(),
     }
@@ -65,8 +66,8 @@ fn a_geometry_of_two_reduced_voxels_reads_as_by_hand() {
 fn a_spike_has_no_face_for_a_plate_to_press_on() {
     // As a specimen with an oblique tip has it: its deck would have named a surface that is not there.
     let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 9.0]].map(Vec3::from).to_vec();
-    let (phase, aggregate) = (vec![Phase::Mortar], vec![Mesh::NO_AGGREGATE]);
-    let spike = Mesh { points, cells: vec![0, 1, 2, 3], phase, aggregate, ..two_tetrahedra(false) };
+    let (phase, owner) = (vec![Phase::Mortar], vec![Mesh::NO_BODY]);
+    let spike = Mesh { points, cells: vec![0, 1, 2, 3], phase, owner, ..two_tetrahedra(false) };
     let of = |analysis| DeckOptions { analysis, ..Default::default() }.validate(&spike);
     let error = of(Analysis::Compression).unwrap_err().to_string();
     assert!(error.starts_with("deck.analysis is compression; a plate presses on S_ZMAX, and no face"), "{error}");

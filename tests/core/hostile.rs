@@ -10,8 +10,11 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
     let recipes = || meso_core::recipes::Recipe::ALL.iter().map(|recipe| recipe.text.as_bytes().to_vec());
     match target {
         "spec" => recipes().collect(),
-        "saved-model" => vec![model()],
-        "stl" => vec![stl(b"solid a\nfacet normal 0 0 0\nouter loop\n"), stl(&[0; 84])],
+        // With its checksum nearly every change would end there.
+        "saved-model" => vec![model(), unsealed(&model())],
+        "stl" => {
+            [stl(b"solid a\nfacet normal 0 0 0\nouter loop\n"), stl(&[0; 84])].into_iter().chain(indexed()).collect()
+        }
         "sieve-table" => [&b"sieve_mm,passing\n4,0.1\n8,0.45\n16,1\n"[..], b"sieve_mm;passing_percent\n4;10\n16;100\n"]
             .map(<[u8]>::to_vec)
             .to_vec(),
@@ -25,6 +28,12 @@ fn model() -> Vec<u8> {
     let mut bytes = Vec::new();
     saved::write(&pack(&Spec::from_toml(spec).unwrap(), &Silent).unwrap(), &mut bytes).unwrap();
     bytes
+}
+
+/// The bytes of a saved model without its checksum.
+fn unsealed(model: &[u8]) -> Vec<u8> {
+    let end = model.windows(9).rposition(|part| part == b",\n\"crc32\"").expect("a model ends with its checksum");
+    [&model[..end], b"}\n"].concat()
 }
 
 /// A tetrahedron as text or, after 84 bytes, as records.
@@ -53,6 +62,29 @@ fn stl(head: &[u8]) -> Vec<u8> {
         bytes.extend([0; 2]);
     }
     bytes
+}
+
+/// A tetrahedron as OBJ, OFF, and PLY as text and binary.
+fn indexed() -> Vec<Vec<u8>> {
+    let (vertices, faces) = ("0 0 0\n30 0 0\n0 30 0\n0 0 30\n", [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3u8]]);
+    let rows: String = faces.iter().map(|[a, b, c]| format!("3 {a} {b} {c}\n")).collect();
+    let off = format!("OFF\n4 4 6\n{vertices}{rows}");
+    let names = faces.iter().map(|f| format!("f {}//1 {} -{}\n", f[0] + 1, f[1] + 1, 4 - f[2]));
+    let obj = format!("o a\nv {}{}", vertices.trim_end().replace('\n', "\nv ") + "\n", names.collect::<String>());
+    let head = |form: &str| {
+        format!(
+            "ply\nformat {form} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n\
+             property list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let mut binary = head("binary_little_endian").into_bytes();
+    let numbers = vertices.split_whitespace().map(|x| x.parse::<f32>().expect("a number"));
+    numbers.for_each(|x| binary.extend(x.to_le_bytes()));
+    for face in faces {
+        binary.push(3);
+        face.iter().for_each(|&i| binary.extend(i32::from(i).to_le_bytes()));
+    }
+    vec![obj.into_bytes(), off.into_bytes(), (head("ascii") + vertices + &rows).into_bytes(), binary]
 }
 
 /// A generator after G. Marsaglia (xorshift64*).

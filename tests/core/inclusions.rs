@@ -375,7 +375,7 @@ fn meshes_leave_voids_out_and_give_fibres_a_phase_of_their_own() {
         assert!(off(missing, holes) < 0.1, "{method:?}: {missing} of {holes} mm3 are left out");
         assert!(off(volumes.aggregate, exact.aggregate) < 0.03, "{method:?}: {volumes:?} {exact:?}");
         assert!(volumes.fibre > 0.0, "{method:?}");
-        let ids: BTreeSet<u32> = mesh.aggregate.iter().copied().filter(|&id| id != Mesh::NO_AGGREGATE).collect();
+        let ids: BTreeSet<u32> = mesh.owner.iter().copied().filter(|&id| id != Mesh::NO_BODY).collect();
         assert!(of(&model, Kind::Void).iter().all(|void| !ids.contains(&void.id)));
         let used: BTreeSet<u32> = mesh.cells.iter().copied().collect();
         assert_eq!(used.len(), mesh.points.len(), "no node is left without cells");
@@ -417,7 +417,7 @@ fn fibres_are_bonded_where_aggregates_get_cohesive_elements() {
     let model = both();
     let mesh = meshed(&model, Method::VOXEL, ItzForm::Cohesive);
     assert!(mesh.phase.contains(&Phase::Fibre) && mesh.cohesive().len() > 1000);
-    assert!(mesh.cohesive_aggregate.iter().all(|&id| (id as usize) < model.aggregates.len()));
+    assert!(mesh.cohesive_owner.iter().all(|&id| (id as usize) < model.aggregates.len()));
     for element in mesh.cohesive() {
         let (bottom, top) = element.split_at(element.len() / 2);
         assert!(bottom.iter().zip(top).all(|(p, q)| p != q), "every element joins two sets of nodes");

@@ -42,6 +42,7 @@ mod spec;
 mod specimens;
 mod statistics;
 mod stop;
+mod surfaces;
 #[path = "../hostile/targets.rs"]
 mod targets;
 mod voxel_image;

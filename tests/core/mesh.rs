@@ -85,7 +85,7 @@ fn every_voxel_has_the_phase_of_its_centre() {
             _ => Phase::Mortar,
         };
         assert_eq!(mesh.phase[c], expected, "depth {depth} at {centre}");
-        assert_eq!(mesh.aggregate[c] == id, expected != Phase::Mortar);
+        assert_eq!(mesh.owner[c] == id, expected != Phase::Mortar);
     }
 }
 
@@ -236,7 +236,7 @@ fn a_plain_lattice_has_the_phase_of_every_centroid() {
     for (c, cell) in mesh.cells().enumerate() {
         let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / 4.0;
         let inside = |(_, planes): &&(u32, Vec<Plane>)| planes.iter().all(|p| p.normal.dot(&centre) <= p.offset);
-        assert_eq!(mesh.aggregate[c], planes.iter().find(inside).map_or(Mesh::NO_AGGREGATE, |(id, _)| *id));
+        assert_eq!(mesh.owner[c], planes.iter().find(inside).map_or(Mesh::NO_BODY, |(id, _)| *id));
     }
 }
 

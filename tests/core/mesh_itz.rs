@@ -48,7 +48,7 @@ fn cohesive_elements_close_every_interface_with_their_normal_out_of_the_aggregat
         let options = MeshOptions { method, element_size_mm: 1.25, itz: ItzForm::Cohesive, ..Default::default() };
         let mesh = mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap();
         assert!(mesh.cohesive().len() > 1000);
-        for (nodes, id) in mesh.cohesive().zip(&mesh.cohesive_aggregate) {
+        for (nodes, id) in mesh.cohesive().zip(&mesh.cohesive_owner) {
             let (bottom, top) = nodes.split_at(nodes.len() / 2);
             let at = |node: &u32| mesh.points[*node as usize];
             assert!(bottom.iter().zip(top).all(|(b, t)| b != t && at(b) == at(t)));

@@ -33,10 +33,10 @@ fn in_a_dense_packing_no_angle_is_below_ten_degrees_and_volumes_are_within_half_
     assert!((volumes.total() / exact.total() - 1.0).abs() < 1e-9);
 }
 
-/// The ids of the aggregates, and [`Mesh::NO_AGGREGATE`], whose cells every node has.
+/// The ids of the aggregates, and [`Mesh::NO_BODY`], whose cells every node has.
 fn around(mesh: &Mesh) -> Vec<BTreeSet<u32>> {
     let mut around = vec![BTreeSet::new(); mesh.points.len()];
-    for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
+    for (cell, id) in mesh.cells().zip(&mesh.owner) {
         cell.iter().for_each(|&node| _ = around[node as usize].insert(*id));
     }
     around
@@ -51,7 +51,7 @@ fn off(mesh: &Mesh, model: &Model) -> Vec<(f64, usize)> {
         heights.fold(f64::MIN, f64::max).abs()
     };
     let of = |(ids, p): (&BTreeSet<u32>, &Vec3)| {
-        let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != Mesh::NO_AGGREGATE).collect();
+        let bodies: Vec<u32> = ids.iter().copied().filter(|id| *id != Mesh::NO_BODY).collect();
         let heights = bodies.iter().map(|id| height(*id, p));
         (ids.len() > 1).then_some((heights.fold(f64::INFINITY, f64::min), bodies.len()))
     };
@@ -171,7 +171,7 @@ fn a_gap_thinner_than_the_elements_is_counted_where_they_close_it_and_a_wide_one
             let options = MeshOptions { method, itz: ItzForm::None, element_size_mm: 2.0, ..Default::default() };
             let mesh = mesh::build((&blocks, &specimen), &options, &Tools::default()).unwrap();
             let nodes = |id: u32| -> BTreeSet<u32> {
-                let cells = mesh.cells().zip(&mesh.aggregate).filter(|(_, of)| **of == id);
+                let cells = mesh.cells().zip(&mesh.owner).filter(|(_, of)| **of == id);
                 cells.flat_map(|(cell, _)| cell.iter().copied()).collect()
             };
             let shared = nodes(0).intersection(&nodes(1)).count();

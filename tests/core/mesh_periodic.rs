@@ -162,9 +162,9 @@ fn a_layer_is_as_thick_on_the_faces_of_a_periodic_box_as_inside() {
 #[test]
 fn both_parts_of_an_aggregate_on_a_face_keep_its_id() {
     let mesh = block_across();
-    assert!(mesh.aggregate.iter().all(|id| [0, Mesh::NO_AGGREGATE].contains(id)));
+    assert!(mesh.owner.iter().all(|id| [0, Mesh::NO_BODY].contains(id)));
     let mut parts: BTreeMap<(Phase, bool), usize> = BTreeMap::new();
-    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
+    for ((cell, phase), id) in mesh.cells().zip(&mesh.phase).zip(&mesh.owner) {
         assert_eq!(*id == 0, *phase != Phase::Mortar);
         *parts.entry((*phase, mesh.points[cell[0] as usize].x < 8.0)).or_default() += 1;
     }

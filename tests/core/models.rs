@@ -56,7 +56,7 @@ fn report_of(spec: &Spec, aggregates: usize) -> Report {
         fraction: 0.0,
         aggregates,
         discarded: 0,
-        specimen: SpecimenReport { kind: spec.specimen.kind().into(), volume_mm3: spec.specimen.volume() },
+        specimen: SpecimenReport::new(&spec.specimen),
         grading: "by hand".into(),
         strategy: "by hand".into(),
         classes: classes.collect(),

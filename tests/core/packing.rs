@@ -240,6 +240,27 @@ fn a_time_limit_counts_what_was_spent_before() {
     assert!(clock.seconds() < 0.6, "{} s of the 0.5 that were left", clock.seconds());
 }
 
+/// The case attempts.toml: neither the time limit of 3 s nor Ctrl-C was heard.
+#[test]
+fn a_search_of_endless_attempts_hears_the_time_limit_and_the_wish_to_stop() {
+    let mut spec = small(0.7);
+    spec.specimen = Specimen::cube(40.0);
+    spec.placement.strategy = Strategy::TakeAndPlace;
+    for attempts in [100_000_000, u32::MAX] {
+        spec.placement.attempts = Some(attempts);
+        spec.placement.time_limit_s = Some(3.0);
+        let late = pack(&spec, &Ticking(AtomicI32::new(0))).unwrap();
+        assert_eq!(late.report.stop_reason, StopReason::TimeLimit, "{attempts}");
+        spec.placement.time_limit_s = None;
+        let stopped = pack(&spec, &StopAfter(AtomicI32::new(200))).unwrap();
+        assert_eq!(stopped.report.stop_reason, StopReason::Interrupted, "{attempts}");
+        for model in [late, stopped] {
+            assert!(model.report.fraction > 0.2, "{}", model.report.fraction);
+            assert_apart(&model);
+        }
+    }
+}
+
 #[test]
 fn a_run_that_is_stopped_ends_in_time_with_what_take_and_place_holds() {
     let mut spec = small(0.68);

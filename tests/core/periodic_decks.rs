@@ -124,7 +124,7 @@ fn cohesive_elements_across_a_face_leave_no_node_alone_and_images_are_tied_mater
         let options = MeshOptions { method, element_size_mm, itz: ItzForm::Cohesive, ..Default::default() };
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut owners = vec![None; mesh.points.len()];
-        for (cell, id) in mesh.cells().zip(&mesh.aggregate) {
+        for (cell, id) in mesh.cells().zip(&mesh.owner) {
             cell.iter().for_each(|&node| owners[node as usize] = Some(*id));
         }
         let mut alone: BTreeSet<u32> = (0..mesh.points.len() as u32).collect();

@@ -115,7 +115,43 @@ fn an_error_names_the_fault_of_a_file() {
 #[test]
 fn numbers_too_large_for_a_double_are_refused() {
     let text = String::from_utf8(bytes()).unwrap().replacen("10.333333333333334", "1e999", 1);
+    assert!(matches!(saved::read(text.as_bytes()), Err(ReadError::Damaged)));
+    let text = text.split(",\n\"crc32\"").next().unwrap().to_owned() + "}\n";
     assert!(matches!(saved::read(text.as_bytes()), Err(ReadError::NotAModel(_))));
+}
+
+/// The bar of 500 flipped bits in every file that is read back.
+#[test]
+fn no_flipped_bit_of_a_saved_model_is_read_in_silence() {
+    let model = two_boxes();
+    let mut compressed = Vec::new();
+    saved::write_compressed(&model, &mut compressed).unwrap();
+    let mut refused = [0; 2];
+    for (whole, refused) in [bytes(), compressed].iter().zip(&mut refused) {
+        for bit in 0..8 * whole.len() {
+            let mut flipped = whole.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            match saved::read(&flipped) {
+                // A gzip header has bytes that say nothing of the model: its time, its system.
+                Ok(again) => assert!(again == model && flipped[..2] == [0x1f, 0x8b], "bit {bit} of byte {}", bit / 8),
+                Err(_) => *refused += 1,
+            }
+        }
+        assert!(*refused > 7 * whole.len(), "{refused} of {}", 8 * whole.len());
+    }
+}
+
+#[test]
+fn files_without_a_checksum_and_files_that_other_programs_wrote_again_are_read() {
+    let text = String::from_utf8(bytes()).unwrap();
+    let (bare, seal) = text.rsplit_once(",\n\"crc32\": \"").unwrap();
+    assert_eq!(seal.len(), "01234567\"}\n".len());
+    let moved = text.replacen("\"class\":0", "\"class\":1", 1);
+    assert!(saved::read(moved.as_bytes()).unwrap_err().to_string().contains("its checksum does not fit"));
+    let again: Value = serde_json::from_str(&moved).unwrap();
+    for text in [format!("{bare}}}\n"), text.trim_end().to_owned(), text.replace('\n', "\r\n"), again.to_string()] {
+        saved::read(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
+    }
 }
 
 #[test]

@@ -20,9 +20,10 @@ fn two_tetrahedra() -> Mesh {
         kind: CellKind::Tetrahedron,
         cells: vec![0, 1, 2, 3, 1, 2, 3, 4],
         phase: vec![Phase::Aggregate, Phase::Mortar],
-        aggregate: vec![0, Mesh::NO_AGGREGATE],
+        owner: vec![0, Mesh::NO_BODY],
+        id_of: vec![0],
         cohesive: Vec::new(),
-        cohesive_aggregate: Vec::new(),
+        cohesive_owner: Vec::new(),
         periodic: [false; 3],
         notes: Notes::default(),
     }

@@ -132,9 +132,17 @@ fn a_grain_that_is_not_convex_is_rejected_by_name() {
     let open = dented.replacen("facet normal 0 0 0\nouter loop\nvertex 0 0 0\n", "outer loop\nvertex 0 0 1\n", 1);
     let beyond = b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0],[0,0,2]], \"faces\": [[0,1,9]]}]";
     for (name, bytes, part) in [
-        ("dented.stl", dented.as_bytes(), "dented.stl: it is not convex: it fills 50.0 % of its hull"),
+        (
+            "dented.stl",
+            dented.as_bytes(),
+            "dented.stl: it is not convex: it fills 50.0 % of its hull; shape.hull = true takes its hull",
+        ),
         ("open.stl", open.as_bytes(), "open.stl: its surface is open"),
-        ("short.stl", &cube[..600], "short.stl: this is not an STL file"),
+        (
+            "short.stl",
+            &cube[..600],
+            "short.stl: this is not an STL file: it is no text that begins with `solid`, and as a binary file its count",
+        ),
         ("empty.stl", b"solid empty\nendsolid empty\n", "empty.stl: it has no triangles"),
         ("flat.json", b"[{\"vertices\": [[0,0,0],[3,0,0],[0,2,0]]}]", "flat.json: grain 0: the points span 2"),
         ("far.json", beyond, "far.json: grain 0: a face names vertex 9 of 4"),
@@ -147,7 +155,7 @@ fn a_grain_that_is_not_convex_is_rejected_by_name() {
         assert!(error.contains("shape.library is \"stones\": ") && error.contains(part), "{error}");
     }
     let error = library(&[("stones/readme.txt", b"")], "stones").unwrap_err();
-    assert!(error.contains("holds no .stl and no .json"), "{error}");
+    assert!(error.contains("the folder holds no file that ends in .stl, .ply, .obj, .off or .json"), "{error}");
 }
 
 #[test]

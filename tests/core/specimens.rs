@@ -260,8 +260,7 @@ fn voxels_and_lattices_fill_a_cylinder_and_nothing_else() {
         let volume = mesh::PhaseVolumes::of_mesh(&mesh).total();
         let exact = model.spec.specimen.volume();
         assert!((volume / exact - 1.0).abs() < 0.02, "{method:?}: {volume} of {exact}");
-        for cell in mesh.cells().zip(&mesh.aggregate).filter(|(_, id)| **id == Mesh::NO_AGGREGATE).map(|(cell, _)| cell)
-        {
+        for cell in mesh.cells().zip(&mesh.owner).filter(|(_, id)| **id == Mesh::NO_BODY).map(|(cell, _)| cell) {
             let centre = cell.iter().map(|&node| mesh.points[node as usize]).sum::<Vec3>() / cell.len() as f64;
             assert!((centre.x - 20.0).hypot(centre.y - 20.0) <= 20.0 + 1e-9);
         }

@@ -21,11 +21,12 @@ use std::time::{Duration, Instant};
 const MOST: f64 = 0.5;
 
 /// Nobody waits once this is true.
-struct Flag(AtomicBool);
+#[derive(Clone, Default)]
+struct Flag(Arc<AtomicBool>);
 
 impl Watch for Flag {
-    fn is_abandoned(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+    fn abandoned(&self) -> Option<Arc<AtomicBool>> {
+        Some(Arc::clone(&self.0))
     }
 }
 
@@ -47,11 +48,10 @@ fn used(threads: &[PathBuf], start: Instant) -> f64 {
 
 /// Seconds for which `work` goes on after it was abandoned at `begun`; `None` where it was done before.
 fn ended_after<T>(begun: Duration, work: impl FnOnce() -> T + Send) -> Option<f64> {
-    let (flag, threads, start) =
-        (Arc::new(Flag(AtomicBool::new(false))), Arc::new(Mutex::new(Vec::new())), Instant::now());
-    let (heard, working) = (Arc::clone(&flag), Arc::clone(&threads));
+    let (flag, threads, start) = (Flag::default(), Arc::new(Mutex::new(Vec::new())), Instant::now());
+    let (heard, working) = (flag.clone(), Arc::clone(&threads));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).start_handler(move |_| {
-        listen(heard.clone());
+        listen(&heard);
         let own = std::fs::read_link("/proc/thread-self").map(|own| PathBuf::from("/proc").join(own));
         working.lock().unwrap().push(own.unwrap_or_default());
     });

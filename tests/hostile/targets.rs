@@ -67,15 +67,19 @@ pub(crate) fn saved_model(bytes: &[u8]) {
     assert_eq!(saved::read(&written).expect("what was written can be read"), model);
 }
 
-/// A surface encloses something as a specimen, and is a grain of a library, or it is refused.
+/// A surface in each format encloses something as a specimen, and is grains of a library, or it is refused.
 pub(crate) fn stl(bytes: &[u8]) {
-    let text = "fraction = 0.1\nspecimen = { kind = 'mesh', file = 'a.stl' }\n";
-    if let Ok(spec) = Spec::from_toml_with(text, &mut One(bytes)) {
-        assert!(spec.specimen.volume() > 0.0);
-    }
-    let text = "[shape]\nlibrary = 'a.stl'\n";
-    if let Ok(spec) = Spec::from_toml_with(text, &mut One(bytes)) {
-        assert!(!spec.shape.grains.is_empty());
+    for ending in ["stl", "ply", "obj", "off"] {
+        let text = format!("fraction = 0.1\nspecimen = {{ kind = 'mesh', file = 'a.{ending}' }}\n");
+        if let Ok(spec) = Spec::from_toml_with(&text, &mut One(bytes)) {
+            assert!(spec.specimen.volume() > 0.0);
+        }
+        for hull in [false, true] {
+            let text = format!("[shape]\nlibrary = 'a.{ending}'\nhull = {hull}\n");
+            if let Ok(spec) = Spec::from_toml_with(&text, &mut One(bytes)) {
+                assert!(!spec.shape.grains.is_empty());
+            }
+        }
     }
 }
 

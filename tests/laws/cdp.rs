@@ -129,10 +129,10 @@ fn stiffness_comes_back_in_compression_and_not_in_tension() {
 }
 
 #[test]
-fn a_band_too_wide_is_named_and_spends_more() {
+fn a_crushing_band_too_wide_is_named_and_dissipates_more() {
     let materials = mortar();
     let of = cdp::<f64>(&materials);
-    let widest = Law::<f64>::widest_mm(&of);
+    let [_, widest] = Law::<f64>::widest_mm(&of);
     // E G_c / f_c^2 = 8.125 mm, less 2 %.
     close(widest, 0.98 * 8.125, 1e-9);
     let spent = |width: f64| {
@@ -144,6 +144,24 @@ fn a_band_too_wide_is_named_and_spends_more() {
     };
     close(spent(widest), 0.5, 1e-3);
     close(spent(2.0 * widest), 1.0, 1e-3);
+}
+
+/// Case `tension_energy_needs_crushing_energy.py`: one limit served both mechanisms, and voxels of 20 mm took 3.49 G_f.
+#[test]
+fn the_fracture_energy_of_a_wide_band_does_not_depend_on_the_crushing_energy() {
+    for (width, crushing) in [(10.0, 0.5), (24.0, 0.5), (24.0, 0.01), (24.0, 500.0), (70.0, 0.05)] {
+        let mut materials = mortar();
+        materials.mortar_strength.crushing_energy_n_per_mm = crushing;
+        let of = cdp::<f64>(&materials);
+        let [cracking, crushed] = Law::<f64>::widest_mm(&of);
+        // 0.98 G_f E / (0.8 f_t^2), and 0.98 G_c E / f_c^2.
+        close(cracking, 0.98 * 0.06 * E / (0.8 * 9.0), 1e-9);
+        close(crushed, 0.98 * crushing * E / 1600.0, 1e-9);
+        assert!(width < cracking);
+        let end = 0.1 / width + 3.0 / E;
+        let pulled = curve(&of, width, UNIAXIAL, &ramp(0.0, 1.02 * end, 5000).collect::<Vec<_>>());
+        close(inelastic_energy(&pulled, E, width), 0.06, 1e-3);
+    }
 }
 
 #[test]

@@ -130,7 +130,7 @@ def test_users_of_the_facade_and_of_collision_see_a_bounded_number_of_items() ->
     facade, collision = Surface("meso-core"), Surface("meso-collision")
     listed, hidden = names(facade.listed | collision.listed), names(collision.hidden)
     assert "meso-pack::model::pack" in listed
-    assert "meso-collision::gjk::points::intersects" in listed
+    assert "meso-collision::gjk::ask::points::intersects" in listed
     assert len(listed) <= MOST_ITEMS, f"{len(listed)} items are listed:\n" + "\n".join(listed)
     assert len(hidden) <= MOST_HIDDEN, f"{len(hidden)} items are hidden:\n" + "\n".join(hidden)
 

@@ -1,12 +1,10 @@
-//! The same bytes on any number of threads, on every instruction set, and after a break.
+//! A test gives the same bytes on any number of threads and on every instruction set.
 
 use crate::samples::{Meshed, brittle, concrete};
 use meso_core::mesh::{ItzForm, Method};
-use meso_core::watch::{Silent, Stage, Watch};
-use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Run, Smoothing, Test};
+use meso_core::watch::Silent;
+use meso_solve::{Frame, InstructionSet, LawName, Observer, Response, Smoothing, Test};
 use std::cell::RefCell;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Keeps the bytes of all fields of every frame.
 #[derive(Default)]
@@ -22,7 +20,7 @@ impl Observer for Fields {
     }
 }
 
-fn rows(response: &Response) -> Vec<u8> {
+pub(crate) fn rows(response: &Response) -> Vec<u8> {
     response.curve.iter().flat_map(|row| row.values()).flat_map(f64::to_le_bytes).collect()
 }
 
@@ -38,11 +36,11 @@ fn bytes(meshed: &Meshed, test: &Test, threads: usize) -> Vec<u8> {
 }
 
 /// Few steps and much strain: the shortest way into softening, physics apart.
-fn fast() -> Test {
+pub(crate) fn fast() -> Test {
     Test { duration_s: Some(6e-5), time_step_s: Some(3e-7), rows: 100, frames: 2, ..Test::default() }
 }
 
-fn cases() -> [(Meshed, Test); 4] {
+pub(crate) fn cases() -> [(Meshed, Test); 4] {
     let plain = Test { smoothing: Some(Smoothing::None), ..fast() };
     [
         (concrete(1.0, Method::FITTED, 3.0, ItzForm::Smeared), fast()),
@@ -73,62 +71,4 @@ fn curves_and_fields_are_identical_on_every_instruction_set() {
     let run = |set| bytes(&lattice, &Test { instruction_set: Some(set), ..cdpm2.clone() }, 1);
     let portable = run(InstructionSet::Portable);
     assert!(sets.iter().all(|&set| portable == run(set)), "{sets:?}");
-}
-
-/// Asks for the state at row 40, keeps it and stops at row 50.
-#[derive(Default)]
-struct Killed {
-    rows: AtomicUsize,
-    state: Mutex<Vec<u8>>,
-}
-
-impl Watch for Killed {
-    fn stage(&self, _: Stage, _: f64) {
-        self.rows.fetch_add(1, Ordering::Relaxed);
-    }
-
-    fn stops(&self) -> bool {
-        self.rows.load(Ordering::Relaxed) == 50
-    }
-}
-
-impl Observer for Killed {
-    fn keeps(&self) -> bool {
-        self.rows.load(Ordering::Relaxed) == 40
-    }
-
-    fn keep(&self, run: &Run) {
-        run.save(&mut *self.state.lock().unwrap()).unwrap();
-    }
-}
-
-#[test]
-fn a_resumed_test_gives_the_bytes_of_one_that_was_never_cut() {
-    for (meshed, test) in cases() {
-        let whole = meshed.solve(&brittle(), &test);
-        let killed = Killed::default();
-        let part = meshed.watched(&brittle(), &test, &killed, &killed);
-        assert_eq!((part.curve.len(), &part.curve[..]), (50, &whole.curve[..50]));
-        let mut run = Run::new(meshed.sample(), &brittle(), &test).unwrap();
-        run.resume(&mut &killed.state.lock().unwrap()[..]).unwrap();
-        let resumed = run.to_end(&Silent, &Silent);
-        assert!(rows(&whole) == rows(&resumed));
-        assert_eq!(whole.result.phases, resumed.result.phases);
-    }
-}
-
-#[test]
-fn a_state_of_another_test_or_a_torn_one_is_refused() {
-    let [(meshed, _), ..] = cases();
-    let killed = Killed::default();
-    meshed.watched(&brittle(), &fast(), &killed, &killed);
-    let state = killed.state.into_inner().unwrap();
-    let other = Test { friction: 0.2, ..fast() };
-    let mut run = Run::new(meshed.sample(), &brittle(), &other).unwrap();
-    let error = run.resume(&mut &state[..]).unwrap_err().to_string();
-    assert!(error.contains("another mesh, other materials or another test"), "{error}");
-    let mut run = Run::new(meshed.sample(), &brittle(), &fast()).unwrap();
-    assert!(run.resume(&mut &state[..state.len() - 100]).is_err());
-    // A refused state leaves no trace.
-    assert!(rows(&run.to_end(&Silent, &Silent)) == rows(&meshed.solve(&brittle(), &fast())));
 }

@@ -88,3 +88,20 @@ fn a_bar_glued_to_its_plates_keeps_its_energy_balance_to_rounding() {
         assert!(result.energy_balance_error < 1e-10, "{method:?}: {}", result.energy_balance_error);
     }
 }
+
+/// Case `ramp.py`: with ramp = 1 no row lay after the ramp, and a test at the speed of sound had no error.
+#[test]
+fn a_ramp_as_long_as_the_test_does_not_hide_its_speed() {
+    let meshed = Meshed::mortar([6.0; 3], Method::FITTED, 3.0);
+    let result = |ramp, duration_s| {
+        let test = Test { law: LawName::Elastic, ramp, duration_s: Some(duration_s), ..Test::default() };
+        meshed.solve(&Materials::default(), &test).result
+    };
+    for ramp in [0.3, 0.9, 0.99, 1.0] {
+        let fast = result(ramp, 6e-6);
+        assert!(fast.kinetic_over_internal_max > 0.05, "{ramp}: {}", fast.kinetic_over_internal_max);
+        assert!(fast.errors.iter().any(|error| error.contains("kinetic energy")), "{ramp}: {:?}", fast.errors);
+        let slow = result(ramp, 3e-4);
+        assert!(slow.kinetic_over_internal_max < 0.01 && slow.errors.is_empty(), "{ramp}: {:?}", slow.errors);
+    }
+}

@@ -11,7 +11,7 @@ use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
 use meso_core::mesh::{
-    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Notes, Phase, PhaseVolumes, Purpose, Tools,
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Phase, PhaseVolumes, Purpose, Tools,
 };
 use meso_core::{Silent, Spec};
 use meso_solve::results::sample_of;
@@ -105,17 +105,15 @@ fn mesh_of(deck: &Deck, is_smeared: bool) -> Mesh {
             piece[other as usize] = first;
         }
     }
-    let shells = if is_smeared { Mesh::NO_AGGREGATE } else { 0 };
+    let shells = if is_smeared { Mesh::NO_BODY } else { 0 };
     let mut owner = |(cell, phase): (&[u32], &Phase)| match phase {
         Phase::Aggregate => root(&mut piece, cell[0]),
         Phase::Itz => shells,
-        _ => Mesh::NO_AGGREGATE,
+        _ => Mesh::NO_BODY,
     };
-    let aggregate = cells.chunks_exact(per_cell).zip(&phase).map(&mut owner).collect();
+    let owner = cells.chunks_exact(per_cell).zip(&phase).map(&mut owner).collect();
     let points = used.iter().map(|node| Vec3::from(deck.nodes[node])).collect();
-    let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
-    let (periodic, notes) = ([false; 3], Notes::default());
-    Mesh { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+    Mesh::of(kind, points, cells, phase, owner)
 }
 
 fn root(piece: &mut [u32], mut node: u32) -> u32 {

@@ -3,6 +3,7 @@
 #![allow(clippy::print_stderr, reason = "a test that skips says why")]
 
 mod calculix;
+mod checkpoint;
 mod concrete;
 #[path = "../core/deck_reader.rs"]
 #[allow(dead_code, reason = "meso-core's tests ask more of it")]

@@ -1,9 +1,10 @@
 //! What cannot be tested is refused before the first step, by name and with the way out.
 
-use crate::samples::Meshed;
+use crate::samples::{Meshed, options};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
-use meso_core::mesh::{Mesh, Method};
+use meso_core::mesh::{ItzForm, Mesh, Method};
+use meso_core::specimen::Specimen;
 use meso_solve::{Interface, Run, Sample, Smoothing, Test};
 
 fn refusal(sample: Sample, materials: &Materials, test: &Test) -> String {
@@ -19,7 +20,10 @@ fn values_out_of_range_are_named_with_what_is_accepted() {
     let meshed = cube();
     let base = Test::default();
     for (test, text) in [
-        (Test { strain: Some(0.0), ..base.clone() }, "test.strain is 0; it must lie above 0"),
+        (Test { strain: Some(0.0), ..base.clone() }, "test.strain is 0; it must be 1e-12 to 0.1"),
+        (Test { strain: Some(-1e-3), ..base.clone() }, "test.strain is -0.001"),
+        (Test { strain: Some(5e-324), ..base.clone() }, "and single precision carries no smaller ones"),
+        (Test { strain: Some(9.9e-13), ..base.clone() }, "test.strain is"),
         (Test { strain: Some(f64::NAN), ..base.clone() }, "test.strain is NaN"),
         (Test { friction: -0.1, ..base.clone() }, "test.friction is -0.1; it must be 0 to 10"),
         (Test { ramp: 0.0, ..base.clone() }, "test.ramp is 0"),
@@ -46,6 +50,11 @@ fn materials_that_cannot_be_are_named() {
         (|m| m.mortar.density_t_per_mm3 = 2400.0, "2400 kg/m3 are 2.4e-9"),
         (|m| m.mortar_strength.tensile_mpa = f64::NAN, "materials.mortar_strength.tensile_mpa is NaN"),
         (|m| m.plasticity.meridian_ratio = 0.5, "materials.plasticity.meridian_ratio is 0.5"),
+        (|m| m.aggregate.youngs_modulus_mpa = 1e-30, "aggregate.youngs_modulus_mpa is"),
+        (|m| m.mortar.youngs_modulus_mpa = 1e40, "the solver computes in single precision and takes 1e-12 to 1e12"),
+        (|m| m.mortar_strength.tensile_mpa = 1e-200, "materials.mortar_strength.tensile_mpa is"),
+        (|m| m.mortar_strength.fracture_energy_n_per_mm = 1e300, "mortar_strength.fracture_energy_n_per_mm is"),
+        (|m| m.mortar_strength.crushing_energy_n_per_mm = 1e-40, "mortar_strength.crushing_energy_n_per_mm is"),
     ] {
         let mut materials = Materials::default();
         change(&mut materials);
@@ -76,14 +85,14 @@ fn meshes_that_cannot_be_tested_are_refused() {
     let empty = refused(|mesh| {
         mesh.cells.clear();
         mesh.phase.clear();
-        mesh.aggregate.clear();
+        mesh.owner.clear();
     });
     assert!(empty.contains("it has no cells"), "{empty}");
     let spike = refused(|mesh| {
         mesh.points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 10.0]].map(Vec3::from).to_vec();
         mesh.cells = vec![0, 1, 2, 3];
         mesh.phase.truncate(1);
-        mesh.aggregate.truncate(1);
+        mesh.owner.truncate(1);
     });
     assert!(spike.contains("no face points to its upper plate"), "{spike}");
 }
@@ -94,4 +103,25 @@ fn hexahedra_that_are_no_boxes_are_refused() {
     meshed.mesh.points[13].x += 0.1;
     let error = refusal(meshed.sample(), &Materials::default(), &Test::default());
     assert!(error.contains("is no box like the first one"), "{error}");
+}
+
+/// Case `voxel_cylinder.toml`: forces over the gross section gave a cylinder of 6 voxels in diameter 12 % too much strength.
+#[test]
+fn voxels_that_do_not_fill_a_round_specimen_are_refused() {
+    let meshed = |specimen: Specimen, method, size| Meshed::of(&[], specimen, options(method, size, ItzForm::None));
+    let cylinder = |diameter_mm| Specimen::Cylinder { diameter_mm, height_mm: 24.0 };
+    let sphere = Specimen::Sphere { diameter_mm: 24.0 };
+    for (meshed, share) in [
+        (meshed(cylinder(12.0), Method::VOXEL, 2.0), "113.2 %"),
+        (meshed(cylinder(20.0), Method::VOXEL, 4.0), "107.0 %"),
+        (meshed(sphere, Method::VOXEL, 4.0), "%"),
+    ] {
+        let error = refusal(meshed.sample(), &Materials::default(), &Test::default());
+        assert!(error.contains("of the specimen's volume") && error.contains(share), "{error}");
+        assert!(error.contains("the method lattice, whose surface follows the specimen"), "{error}");
+    }
+    let fitted = meshed(cylinder(24.0), Method::FITTED, 3.0);
+    assert!(Run::new(fitted.sample(), &Materials::default(), &Test::default()).is_ok());
+    let fine = meshed(cylinder(24.0), Method::VOXEL, 1.0);
+    assert!(Run::new(fine.sample(), &Materials::default(), &Test::default()).is_ok());
 }

@@ -1,6 +1,8 @@
 //! Specs and saved models from files or standard input.
 
 use crate::failure::Failure;
+use crate::stderr;
+use meso_core::spec::Files;
 use meso_core::{Model, Spec, SpecError, Watch, saved};
 use meso_files::{Beside, missing_recipe};
 use std::fs::File;
@@ -25,7 +27,25 @@ pub(crate) fn spec(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) ->
         return Err(Failure::Usage(format!("{name} is a recipe and no file; write it first: mesocrete init {name}")));
     }
     let named = |error: SpecError| error.of_limit(time_limit_s, "--time-limit");
-    toml(path, |text| Spec::from_toml_while(text, &mut Beside(folder), watch, time_limit_s).map_err(named))
+    let mut files = Told(Beside(folder));
+    toml(path, |text| Spec::from_toml_while(text, &mut files, watch, time_limit_s).map_err(named))
+}
+
+/// Files beside a spec; remarks about them are lines on stderr.
+struct Told<'a>(Beside<'a>);
+
+impl Files for Told<'_> {
+    fn read(&mut self, name: &str) -> io::Result<Vec<u8>> {
+        self.0.read(name)
+    }
+
+    fn list(&mut self, folder: &str) -> io::Result<Vec<String>> {
+        self.0.list(folder)
+    }
+
+    fn remark(&mut self, name: &str, remark: &str) {
+        stderr::line(format!("note: {}: {remark}", name.escape_debug()));
+    }
 }
 
 /// Reads a TOML file by `parse`, whose errors are wrong usage and named with the file.

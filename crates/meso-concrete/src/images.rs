@@ -46,36 +46,25 @@ fn open_at_walls(specimen: &Specimen) -> Aabb {
     specimen.period().mixed(&specimen.aabb(), &Aabb::everywhere())
 }
 
-/// The aggregates, then their whole images whose boxes come within `margin` mm of the specimen's: all that a point, a
-/// line or an aggregate in the specimen may meet.
+/// The aggregates, then their whole images whose boxes come within `margin` mm of the specimen's box.
+///
+/// A point, a line or an aggregate in the specimen meets only these.
 pub fn near(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -> Vec<Aggregate> {
-    let (period, domain) = (specimen.period(), open_at_walls(specimen));
-    if period.is_none() {
-        return aggregates.to_vec();
-    }
-    let domain = domain.grown(margin);
-    let images = |aggregate: &Aggregate| -> Vec<Aggregate> {
-        let shifts = period.shifts(&aggregate.body.aabb(), &domain).into_iter().filter(|shift| *shift != Vec3::zeros());
-        shifts.map(|shift| Aggregate { body: aggregate.body.translated(&shift), ..aggregate.clone() }).collect()
-    };
-    let images = parallel::flat_map(aggregates.len(), |number| images(&aggregates[number]));
-    aggregates.iter().cloned().chain(images).collect()
+    numbered(aggregates, specimen, margin).into_iter().map(|(_, body)| body).collect()
 }
 
-/// Values made of bodies, found by the bodies' ids; images have the id of their body.
-pub struct ById<T>(Vec<(u32, T)>);
-
-impl<T> ById<T> {
-    /// Applies `made` to each of `bodies`. Values of one id keep the order of their bodies.
-    pub fn new<'a>(bodies: &'a [Aggregate], made: impl Fn(&'a Aggregate) -> T) -> Self {
-        let mut by_id: Vec<(u32, T)> = bodies.iter().map(|body| (body.id, made(body))).collect();
-        by_id.sort_by_key(|body| body.0);
-        Self(by_id)
+/// The bodies that [`near`] returns, each with the index of its aggregate.
+pub fn numbered(aggregates: &[Aggregate], specimen: &Specimen, margin: f64) -> Vec<(u32, Aggregate)> {
+    let (period, domain) = (specimen.period(), open_at_walls(specimen).grown(margin));
+    let own = (0..).zip(aggregates.iter().cloned());
+    if period.is_none() {
+        return own.collect();
     }
-
-    /// Iterates over the values of body `id` and of its images.
-    pub fn images(&self, id: u32) -> impl Iterator<Item = &T> {
-        let start = self.0.partition_point(|body| body.0 < id);
-        self.0[start..].iter().take_while(move |body| body.0 == id).map(|(_, made)| made)
-    }
+    let images = |number: usize| -> Vec<(u32, Aggregate)> {
+        let aggregate = &aggregates[number];
+        let shifts = period.shifts(&aggregate.body.aabb(), &domain).into_iter().filter(|shift| *shift != Vec3::zeros());
+        let image = |shift| Aggregate { body: aggregate.body.translated(&shift), ..aggregate.clone() };
+        shifts.map(|shift| (number as u32, image(shift))).collect()
+    };
+    own.chain(parallel::flat_map(aggregates.len(), images)).collect()
 }

@@ -7,19 +7,21 @@
 use crate::watch::Watch;
 use std::cell::RefCell;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 thread_local! {
-    static WATCH: RefCell<Option<Arc<dyn Watch + Send>>> = const { RefCell::new(None) };
+    // The watch's flag and not the watch: a call through its table would cost a point as much again.
+    static ABANDONED: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
 /// Payload with which stopped work unwinds. No panic hook is run, and nothing is printed.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopped;
 
-/// Ends work on this thread from the moment when `watch` [is abandoned](Watch::is_abandoned). Whoever starts the work catches the
+/// Ends work on this thread from the moment when `watch` is [abandoned](Watch::abandoned). Whoever starts the work catches the
 /// unwinding: see [`Stopped`].
-pub fn listen(watch: Arc<dyn Watch + Send>) {
-    WATCH.set(Some(watch));
+pub fn listen(watch: &dyn Watch) {
+    ABANDONED.set(watch.abandoned());
 }
 
 /// Unwinds where the thread's watch is abandoned. It takes 2 ns; pass one about every microsecond to millisecond.
@@ -28,7 +30,7 @@ pub fn listen(watch: Arc<dyn Watch + Send>) {
 /// by itself, and pieces are split on down to single steps: of 3.5 million that took 19 s.
 #[inline]
 pub fn point() {
-    if WATCH.with_borrow(|watch| watch.as_ref().is_some_and(|watch| watch.is_abandoned())) {
+    if ABANDONED.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
         std::panic::resume_unwind(Box::new(Stopped));
     }
 }
@@ -38,21 +40,22 @@ mod tests {
     use super::*;
     use rayon::prelude::*;
     use std::panic::{AssertUnwindSafe, catch_unwind};
-    use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+    use std::sync::atomic::AtomicU32;
 
-    struct Flag(AtomicBool);
+    #[derive(Clone, Default)]
+    struct Flag(Arc<AtomicBool>);
 
     impl Watch for Flag {
-        fn is_abandoned(&self) -> bool {
-            self.0.load(Ordering::Relaxed)
+        fn abandoned(&self) -> Option<Arc<AtomicBool>> {
+            Some(Arc::clone(&self.0))
         }
     }
 
     #[test]
     fn loops_of_a_pool_end_at_their_next_point() {
-        let flag = Arc::new(Flag(AtomicBool::new(false)));
-        let heard = Arc::clone(&flag);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).start_handler(move |_| listen(heard.clone()));
+        let flag = Flag::default();
+        let heard = flag.clone();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).start_handler(move |_| listen(&heard));
         let pool = pool.build().unwrap();
         let seen = AtomicU32::new(0);
         let work = || {

@@ -3,7 +3,8 @@
 //! Packing, meshing and a test get one [`Watch`] each. Work that keeps a result asks [`Watch::stops`]; see [`stop`](crate::stop)
 //! for work without a result worth keeping.
 
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 /// A part of long work, by the name that users see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,9 +60,10 @@ pub trait Watch: Sync {
     fn stops(&self) -> bool {
         false
     }
-    /// Whether nobody waits for the result any more. Work on a thread that [listens](crate::stop::listen) then unwinds.
-    fn is_abandoned(&self) -> bool {
-        false
+    /// A flag that is true once nobody waits for the result any more. Work on a thread that [listens](crate::stop::listen)
+    /// then unwinds.
+    fn abandoned(&self) -> Option<Arc<AtomicBool>> {
+        None
     }
     /// Seconds since some fixed moment: the core itself reads no clock.
     fn seconds(&self) -> f64 {

@@ -5,8 +5,8 @@
 //! surface instead.) Voids are left out of every mesh.
 
 use super::acceptance::all_positive;
+use super::body_images::BodyImages;
 use super::conforming::{self, VolumeMesher};
-use super::draft::Draft;
 use super::error::MeshError;
 use super::options::{Fit, ItzForm, Joined, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes};
 use super::{clip, lattice, layer, voxel};
@@ -15,11 +15,9 @@ use crate::cells::{CellKind, FlatSides, Mesh, NO_BODY, Notes, Phase, cell_volume
 use crate::figures::note_closed_gaps;
 use crate::tet::TetMesh;
 use meso_concrete::aggregate::{Aggregate, Kind};
-use meso_concrete::images::near as images_near;
-use meso_concrete::specimen::{Container, Specimen};
+use meso_concrete::specimen::Container;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use meso_concrete::{Parts, parallel};
-use std::cmp::Ordering;
 
 /// The help that a mesh may need from outside.
 #[derive(Clone, Copy)]
@@ -42,21 +40,20 @@ impl Default for Tools<'_> {
 /// # Errors
 /// Options that cannot be met are named before any work starts; see [`MeshError`].
 pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Tools) -> Result<Mesh, MeshError> {
-    let Parts { bodies: aggregates, specimen } = &parts.into();
+    let parts = parts.into();
+    let Parts { specimen, .. } = parts;
     let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
     report(watch, 0.02)?;
     // Where the specimen repeats itself, what crosses a face comes in again on the other side.
-    let mut bodies = images_near(aggregates, specimen, 0.0);
-    bodies.sort_by(before);
-    let bodies = bodies.as_slice();
+    let bodies = &BodyImages::of(&parts);
     report(watch, 0.05)?;
-    let mut mesh = cells_of(aggregates, bodies, specimen, options, gmsh)?;
+    let mut mesh = cells_of(&parts, bodies, options, gmsh)?;
     report(watch, 0.6)?;
     if matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. }) {
         clip(&mut mesh, &*specimen.container());
     }
-    leave_out_voids(&mut mesh, bodies);
+    leave_out_voids(&mut mesh, &parts.bodies);
     note_closed_gaps(&mut mesh, bodies, &FlatSides::of(specimen));
     report(watch, 0.75)?;
     make_fit(&mut mesh, bodies, options);
@@ -65,7 +62,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
         add_cohesive(&mut mesh);
     }
     report(watch, 0.95)?;
-    all_positive(mesh.by_aggregate())?;
+    all_positive(mesh.by_owner())?;
     if options.method.order() == Order::Quadratic {
         mesh.raise_order();
     }
@@ -83,7 +80,7 @@ fn report(watch: &dyn Watch, share: f64) -> Result<(), MeshError> {
 
 /// Parts joined aggregates, restores volumes, splits narrow gaps, spares stiff cells and names the smeared ITZ, as far as each
 /// is asked for.
-fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
+fn make_fit(mesh: &mut Mesh, bodies: &BodyImages, options: &MeshOptions) {
     let follows_surfaces = !matches!(options.method, Method::Voxel { .. } | Method::Lattice { fit: Fit::Plain, .. });
     // Where cells stand across the surfaces, whole faces of aggregates meet: cohesive elements there would bear pressure.
     if options.joined != Joined::Keep && (options.itz != ItzForm::Cohesive || !follows_surfaces) {
@@ -105,65 +102,56 @@ fn make_fit(mesh: &mut Mesh, bodies: &[Aggregate], options: &MeshOptions) {
 
 /// The cells of the method asked for, with the solid ITZ as a layer of its own.
 fn cells_of(
-    placed: &[Aggregate],
-    bodies: &[Aggregate],
-    specimen: &Specimen,
+    parts: &Parts,
+    bodies: &BodyImages,
     options: &MeshOptions,
     gmsh: &dyn VolumeMesher,
 ) -> Result<Mesh, MeshError> {
+    let Parts { bodies: placed, specimen } = parts;
+    let all = bodies.all.as_slice();
     let (size, periodic) = (options.element_size_mm, specimen.periodic().0);
-    let (draft, notes) = match options.method {
-        Method::Voxel { thin_itz, subsamples } => {
-            (voxel::build(bodies, specimen, options, thin_itz, subsamples), Notes::default())
-        }
-        Method::Lattice { fit: Fit::Plain, .. } => (lattice::plain(bodies, specimen, options), Notes::default()),
+    let mut mesh = match options.method {
+        Method::Voxel { thin_itz, subsamples } => voxel::build(all, specimen, options, thin_itz, subsamples),
+        Method::Lattice { fit: Fit::Plain, .. } => lattice::plain(all, specimen, options),
         Method::Lattice { fit: Fit::Fitted, .. } => {
-            let (mesh, notes) = lattice::fitted(bodies, &*specimen.container(), periodic, size);
-            with_layer(mesh, notes, bodies, periodic, options)
+            let (mesh, notes) = lattice::fitted(all, &*specimen.container(), periodic, size);
+            with_layer(mesh, notes, all, periodic, options)
         }
         Method::Conforming { slabs, .. } => {
-            let mesh = conforming::mesh(placed, bodies, specimen, size, slabs, gmsh)?;
-            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, bodies, periodic, options)
+            let mesh = conforming::mesh(placed, all, specimen, size, slabs, gmsh)?;
+            with_layer(mesh, Notes { conforming: true, ..Notes::default() }, all, periodic, options)
         }
     };
-    Ok(draft.into_mesh(bodies, periodic, notes))
-}
-
-/// The order of bodies, that builders decide by: images at opposite faces are in the same one.
-fn before(a: &Aggregate, b: &Aggregate) -> Ordering {
-    let corner = |body: &Aggregate| body.body.aabb().min;
-    let along = |axis: usize| corner(a)[axis].total_cmp(&corner(b)[axis]);
-    a.id.cmp(&b.id).then_with(|| along(0).then(along(1)).then(along(2)))
+    bodies.name_bodies(&mut mesh.owner);
+    Ok(Mesh { periodic, id_of: bodies.id_of.clone(), ..mesh })
 }
 
 /// Tetrahedra of bodies and mortar with the solid ITZ, where it is asked for.
 fn with_layer(
-    mesh: TetMesh,
+    mut mesh: TetMesh,
     mut notes: Notes,
     bodies: &[Aggregate],
     periodic: [bool; 3],
     options: &MeshOptions,
-) -> (Draft, Notes) {
+) -> Mesh {
     let inside = |&owner: &u32| match owner {
         NO_BODY => Phase::Mortar,
         owner => Phase::inside(bodies[owner as usize].kind),
     };
-    let phase = mesh.owner.iter().map(inside).collect();
-    let mut mesh = layer::Layered { mesh, phase, periodic };
+    let mut phase = mesh.owner.iter().map(inside).collect();
     if options.itz == ItzForm::Solid {
-        let layer = layer::add(&mut mesh, bodies, |body| body.itz_thickness_mm);
+        let layer = layer::add(&mut mesh, &mut phase, periodic, bodies, |body| body.itz_thickness_mm);
         notes.thinned_itz_aggregates = layer.thinned_aggregates;
         notes.thinned_itz_nodes = layer.short_nodes;
         notes.pinched_itz_nodes = layer.pinched_nodes;
         if options.method.name() == MethodName::Lattice {
-            let improved = layer::improve(&mut mesh, &layer, options.element_size_mm);
+            let improved = layer::improve(&mut mesh, &mut phase, periodic, &layer, options.element_size_mm);
             notes.shifted_itz_nodes = improved.shifted;
             notes.pinched_itz_nodes += improved.collapsed;
         }
     }
-    let layer::Layered { mesh, phase, .. } = mesh;
     let TetMesh { points, cells, owner } = mesh;
-    (Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }, notes)
+    Mesh { notes, ..Mesh::of(CellKind::Tetrahedron, points, cells.into_flattened(), phase, owner) }
 }
 
 /// Keeps the aggregates' cells and the mortar's inside `container`, and the nodes they have.
@@ -176,12 +164,11 @@ fn clip(mesh: &mut Mesh, container: &dyn Container) {
 
 /// Keeps all cells but those of voids, whose volume is noted.
 fn leave_out_voids(mesh: &mut Mesh, bodies: &[Aggregate]) {
-    let mut voids: Vec<u32> = bodies.iter().filter(|body| body.kind == Kind::Void).map(|body| body.id).collect();
-    if voids.is_empty() {
+    if bodies.iter().all(|body| body.kind != Kind::Void) {
         return;
     }
-    voids.sort_unstable();
-    let solid = parallel::map_short(mesh.aggregate.len(), |cell| voids.binary_search(&mesh.aggregate[cell]).is_err());
+    let is_void = |&owner: &u32| bodies.get(owner as usize).is_some_and(|body| body.kind == Kind::Void);
+    let solid = parallel::map_short(mesh.owner.len(), |cell| !is_void(&mesh.owner[cell]));
     let taken = mesh.cells().zip(&solid).filter(|(_, is_solid)| !**is_solid);
     mesh.notes.voids_mm3 = taken.map(|(cell, _)| cell_volume(mesh.kind, cell, &mesh.points)).sum();
     retain(mesh, &solid);
@@ -194,6 +181,6 @@ fn retain(mesh: &mut Mesh, cells: &[bool]) {
     let mut kept = cells.iter();
     mesh.phase.retain(|_| *kept.next().unwrap_or(&true));
     let mut kept = cells.iter();
-    mesh.aggregate.retain(|_| *kept.next().unwrap_or(&true));
+    mesh.owner.retain(|_| *kept.next().unwrap_or(&true));
     drop_lone_nodes(&mut mesh.points, &mut mesh.cells);
 }

@@ -4,7 +4,7 @@
 //! about a circle of 100 mm 0.6 % too many have their centres in it, which the mortar, half of the specimen, has to hold. Then
 //! every voxel is sampled, and the ones with the largest shares inside are kept, as many as come closest to the volume.
 
-use crate::cells::{CellKind, Mesh, NO_AGGREGATE};
+use crate::cells::{CellKind, Mesh, NO_BODY};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Container;
@@ -19,7 +19,7 @@ const ALL: u16 = (SAMPLES * SAMPLES * SAMPLES) as u16;
 
 /// For every cell of `mesh` whether it is kept: all of aggregates, and those of mortar in `container`.
 pub(super) fn kept(mesh: &Mesh, container: &dyn Container) -> Vec<bool> {
-    let is_mortar = |cell: usize| mesh.aggregate[cell] == NO_AGGREGATE;
+    let is_mortar = |cell: usize| mesh.owner[cell] == NO_BODY;
     let by_centroid = |cell: usize| !is_mortar(cell) || container.contains(&centroid(&corners(mesh, cell)));
     let inside = parallel::map_short(mesh.cell_count(), by_centroid);
     // Voxels have one volume.
@@ -68,7 +68,7 @@ fn samples(mesh: &Mesh, cell: usize, container: &dyn Container) -> u16 {
 }
 
 fn corners(mesh: &Mesh, cell: usize) -> Vec<Vec3> {
-    mesh.by_aggregate().cell(cell).iter().map(|&node| mesh.points[node as usize]).collect()
+    mesh.by_owner().cell(cell).iter().map(|&node| mesh.points[node as usize]).collect()
 }
 
 fn centroid(corners: &[Vec3]) -> Vec3 {

@@ -30,11 +30,11 @@
 
 mod acceptance;
 mod analysis;
+mod body_images;
 mod build;
 pub mod cells;
 mod clip;
 pub mod conforming;
-mod draft;
 mod error;
 pub mod figures;
 mod lattice;

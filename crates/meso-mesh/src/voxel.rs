@@ -11,9 +11,8 @@
 //! Bodies that are alike are all rounded the same way: each fibre of 1.93 voxels got two, 3.5 % too much. So a kind that got too
 //! much gives voxels back.
 
-use super::draft::Draft;
 use super::options::MeshOptions;
-use crate::cells::{CellKind, NO_BODY, Phase};
+use crate::cells::{CellKind, Mesh, NO_BODY, Phase};
 use crate::location::{Facets, Label, PointGrid, Scan};
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::{Aggregate, Kind};
@@ -34,7 +33,7 @@ pub(super) fn build(
     options: &MeshOptions,
     thin_itz: bool,
     subsamples: u32,
-) -> Draft {
+) -> Mesh {
     let voxels = Voxels::of(specimen, options.element_size_mm);
     let facets =
         Facets::all(bodies, |a| shell_thickness(a, if thin_itz { 0.0 } else { voxels.spacing.max() }, options));
@@ -43,7 +42,7 @@ pub(super) fn build(
     let mut phase = vec![Phase::Mortar; labels.len()];
     parallel::each_short_mut(&mut phase, |voxel, phase| *phase = phase_of(labels[voxel], &facets));
     let owner = parallel::map_short(labels.len(), |voxel| labels[voxel].body().unwrap_or(NO_BODY));
-    Draft { kind: CellKind::Hexahedron, points: voxels.points(), cells: voxels.cells(), phase, owner }
+    Mesh::of(CellKind::Hexahedron, voxels.points(), voxels.cells(), phase, owner)
 }
 
 /// The thickness an aggregate's shell has in a voxel mesh, `least` mm or more; 0 for none.

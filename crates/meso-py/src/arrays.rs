@@ -137,9 +137,9 @@ pub(crate) fn from_points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<Poi
 }
 
 /// The ids of the bodies that cells belong to as a new int64 array, -1 in the mortar.
-pub(crate) fn from_owners<'py>(py: Python<'py>, owners: &[u32]) -> Bound<'py, PyArray1<i64>> {
-    let id = |&id: &u32| if id == Mesh::NO_AGGREGATE { -1 } else { i64::from(id) };
-    PyArray1::from_vec(py, owners.iter().map(id).collect())
+pub(crate) fn from_ids<'py>(py: Python<'py>, ids: impl Iterator<Item = u32>) -> Bound<'py, PyArray1<i64>> {
+    let id = |id: u32| if id == Mesh::NO_BODY { -1 } else { i64::from(id) };
+    PyArray1::from_vec(py, ids.map(id).collect())
 }
 
 /// Rows of `width` indices as a new int64 array.

@@ -127,7 +127,7 @@ impl PyMesh {
     /// Id of the aggregate or fibre every cell belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        arrays::from_owners(py, &self.0.aggregate)
+        arrays::from_ids(py, self.0.ids())
     }
 
     /// Volume of every phase in the mesh, mm3: a dict with the keys `aggregate`, `itz`, `mortar`, and `fibre` where

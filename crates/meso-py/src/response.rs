@@ -343,7 +343,7 @@ impl PyFrame {
     /// Id of the aggregate or fibre every cell of the mesh belongs to, -1 in the mortar: ndarray, shape (m,), int64; a copy.
     #[getter]
     fn aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        arrays::from_owners(py, &self.0.aggregate)
+        arrays::from_ids(py, self.0.ids())
     }
 
     /// Points, cells and the VTK type of the cells, for `to_pyvista`.

@@ -25,7 +25,7 @@ const FILES_GRACE: u64 = 3000;
 pub(crate) struct Watch {
     go_on: Arc<AtomicBool>,
     /// Nobody waits for the result any more.
-    abandoned: AtomicBool,
+    abandoned: Arc<AtomicBool>,
     fraction: AtomicU64,
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
@@ -69,7 +69,7 @@ impl Watch {
             go_on: plan.as_ref().map_or_else(|| Arc::new(AtomicBool::new(true)), |plan| Arc::clone(&plan.go_on)),
             start: plan.as_ref().map_or_else(Instant::now, |plan| plan.began),
             staged: plan,
-            abandoned: AtomicBool::new(false),
+            abandoned: Arc::new(AtomicBool::new(false)),
             fraction: AtomicU64::new(0),
             target: AtomicU64::new(0),
             grace: AtomicU64::new(GRACE),
@@ -113,8 +113,8 @@ impl watch::Watch for Watch {
         !self.goes_on()
     }
 
-    fn is_abandoned(&self) -> bool {
-        self.abandoned.load(Relaxed)
+    fn abandoned(&self) -> Option<Arc<AtomicBool>> {
+        Some(Arc::clone(&self.abandoned))
     }
 
     fn stage(&self, stage: Stage, share: f64) {
@@ -191,7 +191,7 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
     // For rayon 0 means all cores.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
-        .start_handler(move |_| stop::listen(heard.clone()))
+        .start_handler(move |_| stop::listen(&*heard))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let (sender, receiver) = mpsc::channel();

@@ -21,7 +21,9 @@ mod test;
 
 pub use error::SolveError;
 pub use lanes::InstructionSet;
-pub use march::{Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary};
+pub use march::{
+    Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary, checkpoint_note,
+};
 pub use sample::{Sample, gross_section_mm2};
 pub use test::{Control, Interface, Kind, LawName, Smoothing, Test};
 

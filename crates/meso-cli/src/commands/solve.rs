@@ -10,7 +10,7 @@ use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
 use crate::{inputs, interrupt, room, stderr};
-use folder::{CHECKPOINT, Folder, Kept};
+use folder::{CHECKPOINT, Folder, Kept, Written};
 use meso_concrete::thousands;
 use meso_core::aggregate::Itz as Shells;
 use meso_core::mesh::{ItzForm, Mesh, MethodName, Order, Purpose};
@@ -50,8 +50,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "HOW", default_value = "servo", value_parser = names::parse::<Control>)]
     #[arg(help = format!("Plates that slow down while the specimen breaks, or keep their speed as in a deck: {}", names::list::<Control>()))]
     control: Control,
-    /// Frames of all fields, evenly over the test; more while a servo holds the plates back
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::count)]
+    /// Frames of all fields, evenly over the test, 0 for none; more while a servo holds the plates back
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole_number)]
     #[arg(allow_negative_numbers = true)]
     frames: u32,
     /// Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]
@@ -114,8 +114,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let begun = Instant::now();
     let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
+    folder.go_on(frames, !args.resume)?;
     args.announce(&run, &mesh);
-    let watch = Watching::new(&mesh, folder, frames, args.checkpoint, args.writing.quiet);
+    let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
     finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
@@ -293,7 +294,7 @@ fn is_spec(path: &Path) -> bool {
 }
 
 /// Restores the state that an earlier run kept.
-fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<meso_solve::results::Moment>, Failure> {
+fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<Written>, Failure> {
     run.resume(&mut kept.state).map_err(|error| Failure::Run(format!("{}: {error}", kept.path.display())))?;
     Ok(kept.frames)
 }
@@ -317,7 +318,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     // A run that diverged holds no numbers now.
     let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
     let seconds = Seconds { total: started.elapsed().as_secs_f64(), ..*seconds };
-    let frames = folder.frames().to_vec();
+    let frames = folder.frames();
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
     // Before a disk without room can hide them.
     tell(response, args.test().strain(), args.writing.quiet);

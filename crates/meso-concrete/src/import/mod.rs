@@ -1,3 +1,192 @@
-//! Bodies from files that other programs wrote.
+//! Surfaces from files that other programs wrote: STL, PLY, OBJ and OFF.
+//!
+//! These formats have no units: a number is a millimetre. Each reader turns bytes into triangles; [`mend`] then joins
+//! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
-pub mod stl;
+mod mend;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod words;
+
+pub use mend::without_flat_triangles;
+
+use meso_collision::geometry::{SurfaceError, TriangleMesh};
+use meso_collision::math::Vec3;
+
+/// Why bytes are no surface.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ImportError {
+    /// The name ends like no format that is read.
+    #[error("its name must end in {}", list(&ENDINGS))]
+    Ending,
+    /// Text in two bytes a character.
+    #[error("it is text in UTF-16; save it as ASCII or UTF-8")]
+    Utf16,
+    /// The file does not begin as its format does.
+    #[error("this is not {format} file: {wanted}")]
+    Begin {
+        /// With its article.
+        format: &'static str,
+        /// How such a file begins.
+        wanted: String,
+    },
+    /// A word or line that cannot be read.
+    #[error("line {line}: `{found}` is not {wanted}")]
+    Line {
+        /// From 1.
+        line: usize,
+        /// The text found there.
+        found: String,
+        /// The text expected there.
+        wanted: &'static str,
+    },
+    /// No facets.
+    #[error("it has no triangles")]
+    Empty,
+    /// Facets without three corners each.
+    #[error("it has {corners} vertices, which is not a multiple of 3")]
+    Incomplete {
+        /// Number of vertices.
+        corners: usize,
+    },
+    /// The file is shorter than its header says.
+    #[error("it ends within its {part}; it was cut off, or its header is wrong")]
+    Cut {
+        /// Name of the section that is too short.
+        part: &'static str,
+    },
+    /// A face that names a vertex that is not there.
+    #[error("face {face}, counted from 0, names vertex {vertex} of {vertices}")]
+    Corner {
+        /// From 0.
+        face: usize,
+        /// As in the file.
+        vertex: i64,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A coordinate that is NaN or infinite.
+    #[error("triangle {triangle} has a coordinate that is not finite")]
+    NotFinite {
+        /// From 0.
+        triangle: usize,
+    },
+}
+
+/// Endings of the names of files that are read, in lower case.
+pub const ENDINGS: [&str; 4] = ["stl", "ply", "obj", "off"];
+
+/// Endings as a sentence lists them: `.stl, .ply or .off`.
+pub fn list(endings: &[&str]) -> String {
+    let dotted: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    let (last, others) = dotted.split_last().expect("there are some");
+    format!("{} or {last}", others.join(", "))
+}
+
+/// The ending of a file's name, in lower case.
+pub fn ending(name: &str) -> Option<String> {
+    name.rsplit_once('.').map(|(_, ending)| ending.to_lowercase())
+}
+
+/// Triangles as a reader finds them.
+#[derive(Default)]
+struct Facets {
+    /// Three a triangle, mm.
+    corners: Vec<Vec3>,
+    /// First triangle of each part that the file separates.
+    starts: Vec<usize>,
+    /// Remarks about a file that was read although it has a fault.
+    notes: Vec<String>,
+}
+
+impl Facets {
+    /// Begins a part of the file.
+    fn begin(&mut self) {
+        self.starts.push(self.corners.len() / 3);
+    }
+
+    /// Adds a polygon as a fan of triangles. Face number `face` names `vertices` from 0.
+    fn polygon(&mut self, vertices: &[Vec3], face: usize, corners: &[i64]) -> Result<(), ImportError> {
+        let of = |&vertex: &i64| {
+            let found = usize::try_from(vertex).ok().and_then(|index| vertices.get(index)).copied();
+            found.ok_or(ImportError::Corner { face, vertex, vertices: vertices.len() })
+        };
+        let points = corners.iter().map(of).collect::<Result<Vec<Vec3>, _>>()?;
+        for pair in points.windows(2).skip(1) {
+            self.corners.extend([points[0], pair[0], pair[1]]);
+        }
+        Ok(())
+    }
+
+    /// The corners of each part.
+    fn parts(&self) -> impl Iterator<Item = &[Vec3]> {
+        let starts = std::iter::once(0).chain(self.starts.iter().copied());
+        let ends = self.starts.iter().copied().chain(std::iter::once(self.corners.len() / 3));
+        starts.zip(ends).map(|(from, to)| &self.corners[3 * from..3 * to]).filter(|part| !part.is_empty())
+    }
+}
+
+/// A surface, and remarks about its file.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// In the frame of the file.
+    pub mesh: TriangleMesh,
+    /// Whether every edge lies between two triangles.
+    pub edges: Result<(), SurfaceError>,
+    /// Remarks for the user: faults that were mended.
+    pub notes: Vec<String>,
+}
+
+impl Surface {
+    fn new(corners: &[Vec3]) -> Self {
+        mend::mended(TriangleMesh::welded(corners))
+    }
+}
+
+/// Reads the surface in `bytes`; the ending of `name` decides the format.
+///
+/// # Errors
+/// See [`ImportError`]. Open surfaces are no error here: see [`Surface::edges`].
+pub fn read(name: &str, bytes: &[u8]) -> Result<Surface, ImportError> {
+    let mut facets = facets(name, bytes)?;
+    let mut surface = Surface::new(&facets.corners);
+    facets.notes.append(&mut surface.notes);
+    Ok(Surface { notes: facets.notes, ..surface })
+}
+
+/// Reads the bodies in `bytes`: the connected components of each part, or of the whole where a part is not closed.
+///
+/// # Errors
+/// See [`ImportError`].
+pub fn read_bodies(name: &str, bytes: &[u8]) -> Result<(Vec<TriangleMesh>, Vec<String>), ImportError> {
+    let facets = facets(name, bytes)?;
+    let mut parts: Vec<Surface> = facets.parts().map(Surface::new).collect();
+    if parts.len() > 1 && parts.iter().any(|part| part.edges.is_err()) {
+        parts = vec![Surface::new(&facets.corners)];
+    }
+    let notes = facets.notes.into_iter().chain(parts.iter().flat_map(|part| part.notes.clone())).collect();
+    Ok((parts.iter().flat_map(|part| part.mesh.components()).collect(), notes))
+}
+
+fn facets(name: &str, bytes: &[u8]) -> Result<Facets, ImportError> {
+    let facets = match ending(name).as_deref() {
+        Some("stl") => stl::read(bytes),
+        Some("ply") => ply::read(bytes),
+        Some("obj") => obj::read(bytes),
+        Some("off") => off::read(bytes),
+        _ => Err(ImportError::Ending),
+    }?;
+    let corners = &facets.corners;
+    if corners.is_empty() {
+        return Err(ImportError::Empty);
+    }
+    if corners.len() % 3 != 0 {
+        return Err(ImportError::Incomplete { corners: corners.len() });
+    }
+    if let Some(corner) = corners.iter().position(|p: &Vec3| !p.iter().all(|x| x.is_finite())) {
+        return Err(ImportError::NotFinite { triangle: corner / 3 });
+    }
+    Ok(facets)
+}

@@ -1,74 +1,50 @@
-//! Triangle surfaces from STL, text or binary.
+//! STL, text or binary.
 //!
-//! The format has no units: a number is a millimetre. Normals are ignored; the order of the corners defines the
-//! outside. A binary file may begin with "solid" like a text, so its length decides.
+//! Normals are ignored; the order of the corners defines the outside. A binary file may begin with "solid" as a text
+//! does, so its length decides first.
 
-use meso_collision::geometry::TriangleMesh;
+use super::words::{is, lines, number, text, unreadable, words};
+use super::{Facets, ImportError};
 use meso_collision::math::Vec3;
+use std::iter::Peekable;
 
-const HEADER: usize = 80;
+/// Bytes before the first record: a header and the number of triangles.
+const HEAD: usize = 84;
 const RECORD: usize = 50;
 
-/// Why bytes are no STL.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StlError {
-    /// Neither form fits.
-    #[error(
-        "this is not an STL file: neither text that begins with `solid` nor a binary file of 84 + 50 n bytes, n the number at byte 80"
-    )]
-    NotStl,
-    /// A line of a text that cannot be read.
-    #[error("line {line}: `{found}` is not a vertex of three numbers")]
-    Vertex {
-        /// From 1.
-        line: usize,
-        /// The text found there.
-        found: String,
-    },
-    /// No facets.
-    #[error("it has no triangles")]
-    Empty,
-    /// Facets without three corners each.
-    #[error("it has {corners} vertices, which is not a multiple of 3")]
-    Incomplete {
-        /// Number of `vertex` lines.
-        corners: usize,
-    },
-    /// A coordinate that is NaN or infinite.
-    #[error("triangle {triangle} has a coordinate that is not finite")]
-    NotFinite {
-        /// From 0.
-        triangle: usize,
-    },
+pub(super) fn read(bytes: &[u8]) -> Result<Facets, ImportError> {
+    let Some((head, records)) = bytes.split_at_checked(HEAD) else { return read_text(bytes) };
+    let count = u32::from_le_bytes([80, 81, 82, 83].map(|byte| head[byte])) as usize;
+    if count.checked_mul(RECORD) == Some(records.len()) {
+        return Ok(binary(records, None));
+    }
+    let begins = text(bytes)?.trim_ascii_start();
+    // Texts have no NUL; the number of triangles nearly always does.
+    if begins_with_solid(begins) && !head.contains(&0) {
+        return read_text(bytes);
+    }
+    let whole = count.saturating_mul(RECORD);
+    if count > 0 && records.len() > whole && records.len() - whole < RECORD {
+        let note = format!("{} byte(s) after its {count} triangles were ignored", records.len() - whole);
+        return Ok(binary(&records[..whole], Some(note)));
+    }
+    // Programs that write as they go leave the number at 0.
+    if count == 0 && records.len() % RECORD == 0 {
+        let note = format!("it counts 0 triangles; its length says {}", records.len() / RECORD);
+        return Ok(binary(records, Some(note)));
+    }
+    let wanted = format!(
+        "it is no text that begins with `solid`, and as a binary file its count, at byte 80, is {count} triangles, which take \
+         {} bytes; it has {}",
+        HEAD.saturating_add(whole),
+        bytes.len()
+    );
+    Err(ImportError::Begin { format: "an STL", wanted })
 }
 
-/// Reads the surface in `bytes`, mm; corners at the same position become one vertex.
-///
-/// # Errors
-/// See [`StlError`]. [`TriangleMesh::check_closed`] tests whether the surface is closed.
-pub fn read(bytes: &[u8]) -> Result<TriangleMesh, StlError> {
-    let corners = match binary_records(bytes) {
-        Some(records) => records.chunks_exact(RECORD).flat_map(corners_of).collect(),
-        None => text_corners(bytes)?,
-    };
-    if corners.is_empty() {
-        return Err(StlError::Empty);
-    }
-    if corners.len() % 3 != 0 {
-        return Err(StlError::Incomplete { corners: corners.len() });
-    }
-    if let Some(corner) = corners.iter().position(|p: &Vec3| !p.iter().all(|x| x.is_finite())) {
-        return Err(StlError::NotFinite { triangle: corner / 3 });
-    }
-    Ok(TriangleMesh::welded(&corners))
-}
-
-/// The triangles of a binary file, whose length its count must fit.
-fn binary_records(bytes: &[u8]) -> Option<&[u8]> {
-    let count = bytes.get(HEADER..HEADER + 4)?;
-    let count = u32::from_le_bytes(count.try_into().ok()?) as usize;
-    let records = &bytes[HEADER + 4..];
-    (records.len() == count.checked_mul(RECORD)?).then_some(records)
+fn binary(records: &[u8], note: Option<String>) -> Facets {
+    let corners = records.chunks_exact(RECORD).flat_map(corners_of).collect();
+    Facets { corners, notes: note.into_iter().collect(), ..Facets::default() }
 }
 
 /// The corners of one record: a normal, three corners and two bytes of attributes.
@@ -77,24 +53,52 @@ fn corners_of(record: &[u8]) -> [Vec3; 3] {
     [1, 2, 3].map(|corner| Vec3::from_fn(|axis, _| f64::from(number(3 * corner + axis))))
 }
 
-fn text_corners(bytes: &[u8]) -> Result<Vec<Vec3>, StlError> {
-    let text = std::str::from_utf8(bytes).map_err(|_| StlError::NotStl)?;
-    if !begins_with(text.trim_start(), "solid") {
-        return Err(StlError::NotStl);
+fn begins_with_solid(text: &[u8]) -> bool {
+    text.get(..5).is_some_and(|word| is(word, "solid"))
+}
+
+/// A text is read word by word, since some files are one line. A new `solid` is a new part.
+fn read_text(bytes: &[u8]) -> Result<Facets, ImportError> {
+    let text = text(bytes)?;
+    if !begins_with_solid(text.trim_ascii_start()) {
+        let wanted =
+            "it is neither text that begins with `solid` nor a binary file of 84 + 50 n bytes, n the number at byte 80";
+        return Err(ImportError::Begin { format: "an STL", wanted: wanted.to_owned() });
     }
-    let lines = text.lines().zip(1..).map(|(line, number)| (line.trim(), number));
-    lines.filter(|(line, _)| begins_with(line, "vertex")).map(|(line, number)| text_corner(line, number)).collect()
+    let mut facets = Facets::default();
+    let mut all = lines(text).flat_map(|(line, text)| words(text).map(move |word| (line, word))).peekable();
+    while let Some((line, word)) = all.next() {
+        if is(word, "vertex") {
+            facets.corners.push(vertex(&mut all, line)?);
+        } else if is(word, "solid") || is(word, "endsolid") {
+            facets.begin();
+            skip_name(&mut all, line);
+        }
+    }
+    Ok(facets)
 }
 
-/// Some programs write their words in capitals.
-fn begins_with(line: &str, word: &str) -> bool {
-    line.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
+/// Skips the name of a solid: the words of its line up to a keyword.
+fn skip_name<'a>(words: &mut Peekable<impl Iterator<Item = (usize, &'a [u8])>>, line: usize) {
+    let is_name = |&(at, word): &(usize, &[u8])| {
+        at == line && !["facet", "solid", "endsolid"].iter().any(|keyword| is(word, keyword))
+    };
+    while words.next_if(is_name).is_some() {}
 }
 
-fn text_corner(line: &str, number: usize) -> Result<Vec3, StlError> {
-    let fields = line.split_ascii_whitespace().skip(1).map(str::parse);
-    match fields.collect::<Result<Vec<f64>, _>>().as_deref() {
-        Ok(&[x, y, z]) => Ok(Vec3::new(x, y, z)),
-        _ => Err(StlError::Vertex { line: number, found: line.chars().take(60).collect() }),
+fn vertex<'a>(words: &mut Peekable<impl Iterator<Item = (usize, &'a [u8])>>, line: usize) -> Result<Vec3, ImportError> {
+    let (mut found, mut position) = (vec![&b"vertex"[..]], Vec3::zeros());
+    for axis in 0..3 {
+        let word = words.next().map(|(_, word)| word);
+        found.extend(word);
+        let Some(x) = word.and_then(number) else { return Err(unreadable(line, &found, "a vertex of three numbers")) };
+        position[axis] = x;
+    }
+    match words.peek() {
+        Some((_, word)) if number::<f64>(word).is_some() => {
+            found.push(word);
+            Err(unreadable(line, &found, "a vertex of three numbers"))
+        }
+        _ => Ok(position),
     }
 }

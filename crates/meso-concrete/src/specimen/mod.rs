@@ -111,8 +111,8 @@ pub enum Specimen {
         /// Four points or more, mm.
         vertices_mm: Vec<[f64; 3]>,
     },
-    /// The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL
-    /// instead.
+    /// The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name
+    /// a surface file (STL, PLY, OBJ, OFF) instead.
     Mesh {
         /// Corners, mm.
         vertices_mm: Vec<[f64; 3]>,
@@ -168,7 +168,7 @@ pub enum ContainerError {
     /// Triangles that cross each other.
     #[error("its surface crosses itself near ({}, {}, {})", at[0], at[1], at[2])]
     Crossing {
-        /// A corner of one of the two triangles, mm, in the specimen's frame.
+        /// A corner of one of the two triangles, mm, in the frame of the spec.
         at: [f64; 3],
     },
     /// The time limit came first.
@@ -188,7 +188,7 @@ pub enum ContainerError {
         at[0], at[1], at[2]
     )]
     Nested {
-        /// A corner of the component, mm, in the specimen's frame.
+        /// A corner of the component, mm, in the frame of the spec.
         at: [f64; 3],
     },
 }
@@ -288,15 +288,22 @@ impl Specimen {
         }
         let closed = Triangulated::new(surface(vertices_mm, triangles)?);
         if let Some([triangle, _]) = closed.crossing(waiting)? {
-            return Err(ContainerError::Crossing { at: triangle[0].into() });
+            return Err(ContainerError::Crossing { at: as_given(vertices_mm, &triangle[0]) });
         }
         if let Some(corner) = closed.nested() {
-            return Err(ContainerError::Nested { at: corner.into() });
+            return Err(ContainerError::Nested { at: as_given(vertices_mm, &corner) });
         }
         built.checked.get_or_init(|| fingerprint);
         let container = built.container.get_or_init(|| convex_or(closed).into());
         waiting.watch.stage(Stage::Read, 1.0);
         Ok(Arc::clone(container))
+    }
+
+    /// Position of the specimen's origin in the frame of its vertices, mm, where that is not the origin: the lowest corner.
+    pub fn origin(&self) -> Option<[f64; 3]> {
+        let (Self::Polyhedron { vertices_mm } | Self::Mesh { vertices_mm, .. }) = self else { return None };
+        let low = vertices_mm.iter().copied().reduce(|low, p| [0, 1, 2].map(|axis| low[axis].min(p[axis])))?;
+        low.iter().any(|x| *x != 0.0).then_some(low)
     }
 
     /// How long each arc of a dog-bone is along its length, mm; `None` for other kinds and for arcs that cannot be.
@@ -381,12 +388,23 @@ fn surface(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<TriangleMesh
         }
     }
     let mesh = unchecked(vertices, triangles);
-    mesh.check_closed()?;
+    if let Err(error) = mesh.check_closed() {
+        // Open edges are located where the user knows them.
+        let given = vertices.iter().map(|p| Vec3::from(*p)).collect();
+        TriangleMesh { vertices: given, triangles: mesh.triangles }.check_edges()?;
+        return Err(error.into());
+    }
     Ok(mesh)
 }
 
 fn unchecked(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
     TriangleMesh { vertices: at_origin(vertices), triangles: triangles.to_vec() }
+}
+
+/// The position in the spec of a corner that was moved to the specimen's frame.
+fn as_given(vertices: &[[f64; 3]], corner: &Vec3) -> [f64; 3] {
+    let place = at_origin(vertices).iter().position(|vertex| vertex == corner);
+    place.map_or((*corner).into(), |place| vertices[place])
 }
 
 /// The points moved so that the lowest corner of their bounding box is the origin.

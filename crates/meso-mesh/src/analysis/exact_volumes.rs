@@ -5,10 +5,10 @@
 //! missing volume over the area that moves, some hundredths of a millimetre. Nodes of cells that would get too flat move half
 //! as far, and the next round distributes the rest. Nodes on the specimen's sides, and between more than two materials, stay.
 
-use crate::cells::{Mesh, NO_AGGREGATE, Owners, Phase, Sides, cell_volume, faces};
+use crate::body_images::BodyImages;
+use crate::cells::{Mesh, NO_BODY, Owners, Phase, Sides, cell_volume, faces};
 use crate::tet::{ascending, dihedral_cosines, stable_length};
 use meso_collision::math::Vec3;
-use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use std::collections::BTreeMap;
 
@@ -26,8 +26,8 @@ const KEPT: f64 = 0.97;
 const HALVINGS: usize = 3;
 
 /// Moves the interface nodes of `mesh`, of tetrahedra, until every aggregate has the volume that its body has.
-pub(crate) fn restore(mesh: &mut Mesh, bodies: &[Aggregate], element_size_mm: f64) {
-    let exact: BTreeMap<u32, f64> = bodies.iter().map(|body| (body.id, body.body.volume())).collect();
+pub(crate) fn restore(mesh: &mut Mesh, bodies: &BodyImages, element_size_mm: f64) {
+    let exact = exact(bodies);
     let surface = MovingSurface::of(mesh);
     for _ in 0..ROUNDS {
         let missing = missing(mesh, &exact);
@@ -40,10 +40,16 @@ pub(crate) fn restore(mesh: &mut Mesh, bodies: &[Aggregate], element_size_mm: f6
     }
 }
 
+/// Volume of every body that is in the specimen, mm3.
+fn exact(bodies: &BodyImages) -> BTreeMap<u32, f64> {
+    let last = |body: u32| Some((body, bodies.images(body).last()?.body.volume()));
+    (0..bodies.id_of.len() as u32).filter_map(last).collect()
+}
+
 /// The volume that every aggregate lacks in `mesh`, mm3.
 fn missing(mesh: &Mesh, exact: &BTreeMap<u32, f64>) -> BTreeMap<u32, f64> {
     let mut missing = exact.clone();
-    let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate);
+    let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.owner);
     for ((cell, _), id) in cells.filter(|((_, phase), _)| **phase == Phase::Aggregate) {
         *missing.get_mut(id).expect("a cell's aggregate is a body") -= cell_volume(mesh.kind, cell, &mesh.points);
     }
@@ -52,7 +58,7 @@ fn missing(mesh: &Mesh, exact: &BTreeMap<u32, f64>) -> BTreeMap<u32, f64> {
 
 /// The nodes that may move, with their faces and cells.
 struct MovingSurface {
-    /// For every node the aggregate whose surface it slides off, [`NO_AGGREGATE`] where it stays.
+    /// For every node the aggregate whose surface it slides off, [`NO_BODY`] where it stays.
     owner: Vec<u32>,
     /// The aggregates' faces that have such nodes, with their aggregates.
     faces: Vec<([u32; 3], u32)>,
@@ -62,13 +68,13 @@ struct MovingSurface {
 
 impl MovingSurface {
     fn of(mesh: &Mesh) -> Self {
-        let (owners, sides) = (Owners::of(mesh.by_aggregate()), Sides::of(mesh));
-        let moving = |node: u32| owners.beside_mortar(node).filter(|_| sides.on(node) == 0).unwrap_or(NO_AGGREGATE);
+        let (owners, sides) = (Owners::of(mesh.by_owner()), Sides::of(mesh));
+        let moving = |node: u32| owners.beside_mortar(node).filter(|_| sides.on(node) == 0).unwrap_or(NO_BODY);
         let owner: Vec<u32> = (0..mesh.points.len() as u32).map(moving).collect();
-        let moves = |node: &u32| owner[*node as usize] != NO_AGGREGATE;
+        let moves = |node: &u32| owner[*node as usize] != NO_BODY;
         let cores =
-            faces(mesh.by_aggregate()).into_iter().filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
-        let faces = cores.map(|face| ([0, 1, 2].map(|i| face.nodes[i]), mesh.aggregate[face.cell as usize]));
+            faces(mesh.by_owner()).into_iter().filter(|face| mesh.phase[face.cell as usize] == Phase::Aggregate);
+        let faces = cores.map(|face| ([0, 1, 2].map(|i| face.nodes[i]), mesh.owner[face.cell as usize]));
         let faces = faces.filter(|(nodes, _)| nodes.iter().any(moves)).collect();
         let cells =
             (0..).zip(mesh.cells()).filter(|(_, cell)| cell.iter().any(moves)).map(|(number, _)| number).collect();
@@ -88,7 +94,7 @@ impl MovingSurface {
                 .for_each(|node| normals[*node as usize] += third);
         }
         let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-        for (normal, owner) in normals.iter().zip(&self.owner).filter(|(_, owner)| **owner != NO_AGGREGATE) {
+        for (normal, owner) in normals.iter().zip(&self.owner).filter(|(_, owner)| **owner != NO_BODY) {
             *areas.entry(*owner).or_default() += normal.norm();
         }
         let distance = |id: u32| (missing[&id] / areas[&id]).clamp(-most, most);
@@ -101,7 +107,7 @@ impl MovingSurface {
     /// Halves the displacements of the nodes whose cells would get too flat, at last to zero.
     fn shorten(&self, mesh: &Mesh, displacements: &mut [Vec3], short: f64) {
         let mut watched = self.cells.clone();
-        let corners = |cell: u32| mesh.by_aggregate().cell(cell as usize);
+        let corners = |cell: u32| mesh.by_owner().cell(cell as usize);
         for halving in 0.. {
             let after = |node: &u32| mesh.points[*node as usize] + displacements[*node as usize];
             let is_flat = |number: &u32| {

@@ -5,7 +5,7 @@
 //! bisected at their longest such edge first; neighbours have that edge in common, so they agree on the face between
 //! them. Edges in faces across which a specimen repeats itself stay, so that opposite faces still match.
 
-use crate::cells::{CellKind, EDGES, Mesh, NO_AGGREGATE, Owners, Phase, Sides, repeating};
+use crate::cells::{CellKind, EDGES, Mesh, NO_BODY, Owners, Phase, Sides, repeating};
 
 /// Halves the edges of mortar between two bodies; the number of these.
 pub(crate) fn split_narrow(mesh: &mut Mesh) -> usize {
@@ -31,7 +31,7 @@ pub(crate) fn split_narrow(mesh: &mut Mesh) -> usize {
         rest[j] = first + edge;
         mesh.cells.extend(rest);
         mesh.phase.push(Phase::Mortar);
-        mesh.aggregate.push(NO_AGGREGATE);
+        mesh.owner.push(NO_BODY);
     }
     bridges.edges.len()
 }
@@ -47,7 +47,7 @@ struct Bridges {
 
 impl Bridges {
     fn of(mesh: &Mesh) -> Self {
-        let owners = mesh.owners(|cell| mesh.aggregate[cell] != NO_AGGREGATE);
+        let owners = mesh.owners(|cell| mesh.owner[cell] != NO_BODY);
         let mut bridges = Self { edges: Vec::new(), rank: Vec::new(), owners };
         let sides = Sides::of_points(&mesh.points);
         let is_fixed = |[a, b]: [u32; 2]| sides.on(a) & sides.on(b) & repeating(mesh.periodic) != 0;

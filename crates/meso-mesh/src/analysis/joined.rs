@@ -9,12 +9,12 @@
 //! and what lies before the cut becomes mortar: little volume less, but cells of half the size. Hexahedra, and cells of a
 //! mesh whose opposite faces must match, become mortar whole.
 
-use crate::cells::{CellKind, Mesh, NO_AGGREGATE, Phase, pairs};
+use crate::body_images::BodyImages;
+use crate::cells::{CellKind, Mesh, NO_BODY, Phase, pairs};
 use crate::tet::Incidence;
 use meso_collision::geometry::Plane;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::images::ById;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Mesh {
@@ -35,7 +35,7 @@ impl Mesh {
             return 0.0;
         }
         let owners = self.owners(|cell| self.phase[cell] == Phase::Aggregate);
-        let is_aggregate = |&node: &u32| owners.last(node) != NO_AGGREGATE;
+        let is_aggregate = |&node: &u32| owners.last(node) != NO_BODY;
         let touching = self.cohesive().filter(|face| face[face.len() / 2..].iter().all(is_aggregate)).count();
         touching as f64 / self.cohesive().len() as f64
     }
@@ -68,13 +68,12 @@ fn joined(mesh: &Mesh) -> Vec<(u32, u32)> {
 }
 
 /// Parts the aggregates of `mesh`, images of `bodies`, that share nodes; `cuts` tetrahedra before whole cells go.
-pub(crate) fn part(mesh: &mut Mesh, bodies: &[Aggregate], cuts: bool) {
+pub(crate) fn part(mesh: &mut Mesh, bodies: &BodyImages, cuts: bool) {
     (mesh.notes.parted_nodes, mesh.notes.parted_pairs) = mesh.joined_aggregates();
     if cuts && mesh.kind == CellKind::Tetrahedron && mesh.periodic == [false; 3] {
-        let bodies = ById::new(bodies, |body| body);
         for _ in 0..CUTS {
-            let left = left(mesh, &bodies, &joined(mesh));
-            cut(mesh, &bodies, &left);
+            let left = left(mesh, bodies, &joined(mesh));
+            cut(mesh, bodies, &left);
             let gone = cells_at(mesh, &left);
             leave(mesh, &gone);
         }
@@ -94,7 +93,7 @@ fn leave(mesh: &mut Mesh, gone: &[usize]) {
 pub(super) fn become_mortar(mesh: &mut Mesh, cells: &[usize]) {
     for &cell in cells {
         mesh.phase[cell] = Phase::Mortar;
-        mesh.aggregate[cell] = NO_AGGREGATE;
+        mesh.owner[cell] = NO_BODY;
     }
 }
 
@@ -111,7 +110,7 @@ impl Shared {
         let is_stiff = |cell: usize| matches!(mesh.phase[cell], Phase::Aggregate | Phase::Fibre);
         let owners = mesh.owners(is_stiff);
         let mut cells: BTreeMap<u32, Vec<(usize, u32, f64)>> = BTreeMap::new();
-        let all = mesh.cells().zip(&mesh.aggregate).enumerate().filter(|(number, _)| is_stiff(*number));
+        let all = mesh.cells().zip(&mesh.owner).enumerate().filter(|(number, _)| is_stiff(*number));
         for (number, (cell, &body)) in all {
             let weight = if mesh.phase[number] == Phase::Fibre { f64::INFINITY } else { mesh.volume(number) };
             for &node in cell[..mesh.kind.corners()].iter().filter(|node| owners.are_several(**node)) {
@@ -127,7 +126,7 @@ impl Shared {
         let mut volumes: BTreeMap<u32, f64> = BTreeMap::new();
         left().for_each(|(_, body, volume)| *volumes.entry(*body).or_default() += volume);
         let largest = volumes.iter().fold(
-            (NO_AGGREGATE, 0.0),
+            (NO_BODY, 0.0),
             |best, (body, volume)| {
                 if *volume > best.1 { (*body, *volume) } else { best }
             },
@@ -140,7 +139,7 @@ impl Shared {
 
     /// The shared nodes of a cell.
     fn neighbours(&self, mesh: &Mesh, cell: usize) -> Vec<u32> {
-        let nodes = &mesh.by_aggregate().cell(cell)[..mesh.kind.corners()];
+        let nodes = &mesh.by_owner().cell(cell)[..mesh.kind.corners()];
         nodes.iter().copied().filter(|node| self.cells.contains_key(node)).collect()
     }
 }
@@ -150,7 +149,7 @@ impl Shared {
 const CUTS: usize = 2;
 
 /// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.
-fn left(mesh: &Mesh, bodies: &ById<&Aggregate>, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
+fn left(mesh: &Mesh, bodies: &BodyImages, joined: &[(u32, u32)]) -> Vec<(u32, u32)> {
     let stays = |meet: &[(u32, u32)]| {
         let x = mesh.points[meet[0].0 as usize];
         let depth = |id: u32| beyond(bodies, id, &x).abs();
@@ -160,20 +159,20 @@ fn left(mesh: &Mesh, bodies: &ById<&Aggregate>, joined: &[(u32, u32)]) -> Vec<(u
     nodes.flat_map(|meet| meet.iter().copied().filter(move |(_, id)| Some(*id) != stays(meet))).collect()
 }
 
-/// How far `x` lies beyond the outermost plane of body `id` or of its nearest image, mm; negative inside.
-fn beyond(bodies: &ById<&Aggregate>, id: u32, x: &Vec3) -> f64 {
-    let beyond = |body: &&Aggregate| Plane::height_over(body.body.planes(), x);
-    bodies.images(id).map(beyond).fold(f64::INFINITY, f64::min)
+/// How far `x` lies beyond the outermost plane of `body` or of its nearest image, mm; negative inside.
+fn beyond(bodies: &BodyImages, body: u32, x: &Vec3) -> f64 {
+    let beyond = |body: &Aggregate| Plane::height_over(body.body.planes(), x);
+    bodies.images(body).iter().map(beyond).fold(f64::INFINITY, f64::min)
 }
 
 /// The shares of an edge between which it is cut: no cell gets much smaller than its neighbours.
 const CUT: [f64; 2] = [0.35, 0.65];
 
 /// Cuts the edges that lead from the nodes which aggregates leave into these aggregates.
-fn cut(mesh: &mut Mesh, bodies: &ById<&Aggregate>, left: &[(u32, u32)]) {
+fn cut(mesh: &mut Mesh, bodies: &BodyImages, left: &[(u32, u32)]) {
     let leaves = |node: u32, aggregate: u32| left.binary_search(&(node, aggregate)).is_ok();
     let mut edges: Vec<([u32; 2], u32)> = Vec::new();
-    for ((cell, phase), &aggregate) in mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate) {
+    for ((cell, phase), &aggregate) in mesh.cells().zip(&mesh.phase).zip(&mesh.owner) {
         if *phase != Phase::Aggregate || !cell.iter().any(|&node| leaves(node, aggregate)) {
             continue;
         }
@@ -211,7 +210,7 @@ fn cut_edge(mesh: &mut Mesh, around: &mut Incidence, [a, b]: [u32; 2], position:
         mesh.cells[4 * cell as usize..][..4].copy_from_slice(&with(b));
         mesh.cells.extend(with(a));
         mesh.phase.push(mesh.phase[cell as usize]);
-        mesh.aggregate.push(mesh.aggregate[cell as usize]);
+        mesh.owner.push(mesh.owner[cell as usize]);
         around.unlink(cell, &[b]);
         around.link(new, &with(a));
     }
@@ -223,7 +222,7 @@ fn cells_at(mesh: &Mesh, left: &[(u32, u32)]) -> Vec<usize> {
     let leaves = |cell: &[u32], aggregate: u32| {
         cell[..corners].iter().any(|&node| left.binary_search(&(node, aggregate)).is_ok())
     };
-    let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.aggregate).enumerate();
+    let cells = mesh.cells().zip(&mesh.phase).zip(&mesh.owner).enumerate();
     let left = cells.filter(|(_, ((cell, phase), id))| **phase == Phase::Aggregate && leaves(cell, **id));
     left.map(|(number, _)| number).collect()
 }

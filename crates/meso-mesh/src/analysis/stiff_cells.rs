@@ -25,7 +25,7 @@ fn stiff_cells(mesh: &Mesh) -> Vec<usize> {
         return Vec::new();
     }
     let materials = Materials::default();
-    let corners = |cell: usize| [0, 1, 2, 3].map(|i| mesh.points[mesh.by_aggregate().cell(cell)[i] as usize]);
+    let corners = |cell: usize| [0, 1, 2, 3].map(|i| mesh.points[mesh.by_owner().cell(cell)[i] as usize]);
     let steps = parallel::map_short(mesh.cell_count(), |cell| {
         stable_length(corners(cell)) / materials.elastic(mesh.phase[cell]).wave_speed_mm_per_s()
     });

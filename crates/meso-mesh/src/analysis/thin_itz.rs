@@ -9,19 +9,19 @@ use crate::cells::{InterfaceFace, Mesh, Phase, complete, copies, faces};
 /// them. The bottom face is counter-clockwise seen from the top, so that its normal, the thickness direction, points out
 /// of the aggregate. Between two aggregates the bottom is that of the lower id.
 pub(crate) fn add_cohesive(mesh: &mut Mesh) {
-    let mut faces = faces(mesh.by_aggregate());
+    let mut faces = faces(mesh.by_owner());
     faces.retain(|face| mesh.phase[face.cell as usize] != Phase::Fibre);
-    let copies = copies(mesh.by_aggregate(), &faces, Some(kept(mesh)));
-    copies.part(&mut mesh.points, mesh.kind.nodes(), &mut mesh.cells, &mesh.aggregate);
-    faces.retain(|face| mesh.aggregate[face.cell as usize] < mesh.aggregate[face.behind as usize]);
+    let copies = copies(mesh.by_owner(), &faces, Some(kept(mesh)));
+    copies.part(&mut mesh.points, mesh.kind.nodes(), &mut mesh.cells, &mesh.owner);
+    faces.retain(|face| mesh.owner[face.cell as usize] < mesh.owner[face.behind as usize]);
     let join = |face: &InterfaceFace| {
-        let [inside, outside] = [face.cell, face.behind].map(|cell| mesh.aggregate[cell as usize]);
+        let [inside, outside] = [face.cell, face.behind].map(|cell| mesh.owner[cell as usize]);
         let own = |aggregate: u32| face.nodes().iter().map(move |&node| (aggregate, node));
         let nodes = own(inside).chain(own(outside));
         nodes.map(|(aggregate, node)| copies.of(aggregate, node)).collect::<Vec<u32>>()
     };
     mesh.cohesive = faces.iter().flat_map(join).collect();
-    mesh.cohesive_aggregate = faces.iter().map(|face| mesh.aggregate[face.cell as usize]).collect();
+    mesh.cohesive_owner = faces.iter().map(|face| mesh.owner[face.cell as usize]).collect();
     if mesh.periodic != [false; 3] {
         complete(mesh);
     }

@@ -4,7 +4,7 @@
 //! position has a node for each material there, and which these are depends on the cells behind the face. So images are told
 //! apart by their *owner*, the aggregate whose cells have them.
 
-use super::mesh::NO_AGGREGATE;
+use super::mesh::NO_BODY;
 use super::sides::{Sides, repeating};
 use meso_collision::math::{Aabb, Vec3};
 
@@ -124,7 +124,7 @@ pub struct NodeImages {
 impl NodeImages {
     /// Those of `points` on `sides` of a box across which it is `periodic`.
     pub(crate) fn of(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Self {
-        let images = images(points, periodic, sides, &vec![NO_AGGREGATE; points.len()]);
+        let images = images(points, periodic, sides, &vec![NO_BODY; points.len()]);
         let mut members: Vec<(u32, u32)> = images.iter().map(|image| (image.class, image.node)).collect();
         members.sort_unstable();
         Self { classes: ImageClasses::new(points.len(), &images).of, members }

@@ -4,7 +4,7 @@
 //! node has cells or cohesive elements.
 
 use super::images::{ImageClasses, NodeImage, images, positions};
-use super::mesh::{Mesh, NO_AGGREGATE, Phase};
+use super::mesh::{Mesh, NO_BODY, Phase};
 use super::sides::Sides;
 
 /// The owner of a node that no cell has, while it is not known.
@@ -14,7 +14,7 @@ const NOBODY: u32 = u32::MAX - 1;
 /// all have the same.
 pub fn owners(mesh: &Mesh, sides: &Sides) -> Vec<u32> {
     if mesh.cohesive.is_empty() {
-        return vec![NO_AGGREGATE; mesh.points.len()];
+        return vec![NO_BODY; mesh.points.len()];
     }
     let mut owners = by_cells(mesh);
     let images = images(&mesh.points, mesh.periodic, sides, &owners);
@@ -49,7 +49,7 @@ pub(crate) fn complete(mesh: &mut Mesh) {
     for Join { own, inside, outside } in joins {
         if let Some((aggregate, nodes)) = classes.join(own, inside, outside) {
             mesh.cohesive.extend(nodes);
-            mesh.cohesive_aggregate.push(aggregate);
+            mesh.cohesive_owner.push(aggregate);
         }
     }
 }
@@ -64,7 +64,7 @@ struct Join {
 /// Where a cell on an upper face meets another material's on the lower one.
 fn joins(mesh: &Mesh, sides: &Sides, images: &[NodeImage]) -> Vec<Join> {
     let classes = ImageClasses::new(mesh.points.len(), images);
-    let corners = |&(cell, face): &(u32, usize)| -> Vec<u32> { mesh.by_aggregate().face(cell, face).collect() };
+    let corners = |&(cell, face): &(u32, usize)| -> Vec<u32> { mesh.by_owner().face(cell, face).collect() };
     let mut joins = Vec::new();
     for axis in (0..3).filter(|axis| mesh.periodic[*axis]) {
         let lower = |face: &(u32, usize)| Some((classes.key(&corners(face))?, material(mesh, face.0)));
@@ -116,7 +116,7 @@ fn by_cells(mesh: &Mesh) -> Vec<u32> {
 /// The aggregate of a cell. Fibres count as mortar, to which they are bonded: both have the same nodes.
 fn material(mesh: &Mesh, cell: u32) -> u32 {
     match mesh.phase[cell as usize] {
-        Phase::Fibre => NO_AGGREGATE,
-        _ => mesh.aggregate[cell as usize],
+        Phase::Fibre => NO_BODY,
+        _ => mesh.owner[cell as usize],
     }
 }

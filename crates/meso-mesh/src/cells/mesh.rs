@@ -1,9 +1,9 @@
 //! The mesh itself: points, cells, and the phase and owner of every cell.
 
+use super::notes::Notes;
 use meso_collision::math::Vec3;
 use meso_concrete::aggregate::Kind;
 use meso_concrete::parallel;
-use serde::Serialize;
 
 /// The material a cell is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,7 +15,7 @@ pub enum Phase {
     Itz = 1,
     /// The inside of an aggregate.
     Aggregate = 2,
-    /// A fibre. 3 is what surfaces of voids have in a file: meshes have no cells there.
+    /// A fibre. Surfaces of voids have the number 3 in a file; meshes have no cells there.
     Fibre = 4,
 }
 
@@ -52,12 +52,30 @@ impl Phase {
     }
 }
 
-/// The shape of a mesh's cells.
+/// The shape of a mesh's cells, with the numbering of their nodes.
+///
+/// Numbers count from 0, as in [`Mesh::cells`]; Abaqus and gmsh count from 1. Tetrahedra have a positive volume: seen from
+/// node 3, nodes 0, 1, 2 are counter-clockwise. The second-order tetrahedron has nodes 4 to 9 in the middle of edges.
+///
+/// ```text
+///        tetrahedron              second order                 hexahedron
+///
+///             3                        3                        7--------6
+///            /|\                      /|\                      /|       /|
+///           / | \                    / | \                    / |      / |
+///          /  |  \                  7  |  9                  4--------5  |
+///         /   |   \                /   8   \                 |  3-----|--2
+///        0 -.-|-.- 2              0 -.6|-.- 2                | /      | /
+///         \   |   /                \   |   /                 |/       |/
+///          \  |  /                  4  |  5                  0--------1
+///           \ | /                    \ | /
+///             1                        1                     z up, x to the right, y to the back
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellKind {
-    /// Four nodes, positive volume in Abaqus' (and VTK's) order.
+    /// Four nodes in the order of Abaqus and VTK.
     Tetrahedron,
-    /// Its four corners, then the middles of its edges 1-2, 2-3, 3-1, 1-4, 2-4, 3-4.
+    /// Four corners, then the middles of the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
     QuadraticTetrahedron,
     /// Eight nodes, bottom face counter-clockwise from above, then the top face.
     Hexahedron,
@@ -91,7 +109,7 @@ impl CellKind {
         }
     }
 
-    /// The same faces with the middle nodes of their edges after the corners, the first edge's first.
+    /// The faces' corners, then the middle nodes of their edges, the first edge's first; as positions in the cell.
     pub fn face_nodes(self) -> &'static [&'static [usize]] {
         match self {
             Self::QuadraticTetrahedron => {
@@ -113,79 +131,34 @@ pub struct Mesh {
     pub cells: Vec<u32>,
     /// Phase of every cell.
     pub phase: Vec<Phase>,
-    /// Id of the aggregate or fibre every cell belongs to; `u32::MAX` in the mortar.
-    pub aggregate: Vec<u32>,
+    /// Index of the body that every cell belongs to, one for a body and its periodic images; [`Mesh::NO_BODY`] in the mortar.
+    pub owner: Vec<u32>,
+    /// Id of every body, by its index; only files have ids.
+    pub id_of: Vec<u32>,
     /// Zero-thickness cohesive elements: the aggregate side's face, then the nodes over it (6 or 8 in all).
     pub cohesive: Vec<u32>,
-    /// Id of the aggregate below every cohesive element.
-    pub cohesive_aggregate: Vec<u32>,
+    /// Index of the body below every cohesive element.
+    pub cohesive_owner: Vec<u32>,
     /// The directions in which the specimen repeats itself.
     pub periodic: [bool; 3],
     /// Decisions of the builder.
     pub notes: Notes,
 }
 
-/// Decisions of the builder, and how often it took each: every bridged gap and thinned ITZ is counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Notes {
-    /// Whether the cells follow the bodies' facets, in which case they lie in no lattice and crack bands are narrower.
-    pub conforming: bool,
-    /// Volume of the cells that voids took, which are left out, mm3; a conforming mesh has none to begin with.
-    pub voids_mm3: f64,
-    /// Nodes that two or more aggregates share: there a gap between them, thinner than the elements can show, is closed.
-    pub closed_gaps: usize,
-    /// Pairs of aggregates that share nodes.
-    pub closed_gap_pairs: usize,
-    /// The widest gap between two of these, mm.
-    pub widest_closed_gap_mm: f64,
-    /// Nodes that two or more aggregates shared and mortar parts now.
-    pub parted_nodes: usize,
-    /// Pairs of aggregates that mortar parts there.
-    pub parted_pairs: usize,
-    /// Cells of aggregates that became mortar for it.
-    pub parted_cells: usize,
-    /// Their volume, mm3, before any volume was made good.
-    pub parted_mm3: f64,
-    /// Cells of aggregates that became mortar, since their stable time step was shorter than that of all mortar.
-    pub stiff_cells: usize,
-    /// Their volume, mm3.
-    pub stiff_mm3: f64,
-    /// Edges of mortar between two aggregates that got a node in the middle.
-    pub split_gap_edges: usize,
-    /// Nodes of aggregates on flat sides of the specimen (across which it does not repeat itself): there a gap between the
-    /// two, thinner than the elements can show, is closed.
-    pub closed_side_gaps: usize,
-    /// Aggregates that have such nodes.
-    pub closed_side_gap_aggregates: usize,
-    /// The widest gap between one of them and its side, mm.
-    pub widest_closed_side_gap_mm: f64,
-    /// Nodes of a fitted lattice that belong on a surface and lie off it, since there no angle would be large enough.
-    pub off_surface_nodes: usize,
-    /// Aggregates too small for their solid ITZ: it takes 0.8 of their centroid's depth instead.
-    pub thinned_itz_aggregates: usize,
-    /// Nodes of the solid ITZ that stopped short, so that no tetrahedron turns over.
-    pub thinned_itz_nodes: usize,
-    /// The nodes where the layer has no thickness at all.
-    pub pinched_itz_nodes: usize,
-    /// Inner nodes of a lattice's solid ITZ that left the exact offset, so that no angle is too sharp.
-    pub shifted_itz_nodes: usize,
-}
-
-/// Within the core, by a short name.
-pub(crate) const NO_AGGREGATE: u32 = Mesh::NO_AGGREGATE;
-
-/// The owner of a cell that lies in no body.
-pub(crate) const NO_BODY: u32 = NO_AGGREGATE;
+/// [`Mesh::NO_BODY`] by a short name.
+pub(crate) const NO_BODY: u32 = Mesh::NO_BODY;
 
 impl Mesh {
-    /// [`Mesh::aggregate`] of a cell that belongs to none.
-    pub const NO_AGGREGATE: u32 = u32::MAX;
+    /// The owner of a cell that lies in no body, and its id in files.
+    pub const NO_BODY: u32 = u32::MAX;
 
-    /// Cells alone, without cohesive elements, of a specimen that does not repeat itself.
-    pub fn of(kind: CellKind, points: Vec<Vec3>, cells: Vec<u32>, phase: Vec<Phase>, aggregate: Vec<u32>) -> Self {
-        let (cohesive, cohesive_aggregate) = (Vec::new(), Vec::new());
+    /// A mesh without cohesive elements, of a specimen that does not repeat itself; ids are the bodies' indices.
+    pub fn of(kind: CellKind, points: Vec<Vec3>, cells: Vec<u32>, phase: Vec<Phase>, owner: Vec<u32>) -> Self {
+        let bodies = owner.iter().filter(|owner| **owner != NO_BODY).max().map_or(0, |last| last + 1);
+        let (cohesive, cohesive_owner) = (Vec::new(), Vec::new());
         let (periodic, notes) = ([false; 3], Notes::default());
-        Self { points, kind, cells, phase, aggregate, cohesive, cohesive_aggregate, periodic, notes }
+        let id_of = (0..bodies).collect();
+        Self { points, kind, cells, phase, owner, id_of, cohesive, cohesive_owner, periodic, notes }
     }
 
     /// The cells' node indices, one slice per cell.
@@ -204,6 +177,16 @@ impl Mesh {
         self.cohesive.chunks_exact(2 * self.kind.faces()[0].len())
     }
 
+    /// Id of the body that every cell belongs to; [`Mesh::NO_BODY`] in the mortar.
+    pub fn ids(&self) -> impl ExactSizeIterator<Item = u32> {
+        self.owner.iter().map(|&owner| self.id(owner))
+    }
+
+    /// Id of the body of index `owner`.
+    pub fn id(&self, owner: u32) -> u32 {
+        self.id_of.get(owner as usize).copied().unwrap_or(NO_BODY)
+    }
+
     /// Number of cells, cohesive elements apart.
     pub fn cell_count(&self) -> usize {
         self.phase.len()
@@ -212,8 +195,8 @@ impl Mesh {
     /// Whether the ITZ is mortar at the aggregates' surfaces, [`ItzForm::Smeared`](crate::ItzForm::Smeared): its cells
     /// belong to no aggregate.
     pub fn has_smeared_itz(&self) -> bool {
-        let mut cells = self.phase.iter().zip(&self.aggregate);
-        cells.any(|(phase, aggregate)| *phase == Phase::Itz && *aggregate == NO_AGGREGATE)
+        let mut cells = self.phase.iter().zip(&self.owner);
+        cells.any(|(phase, owner)| *phase == Phase::Itz && *owner == NO_BODY)
     }
 }
 
@@ -251,7 +234,7 @@ pub(crate) fn volume([a, b, c, d]: [Vec3; 4]) -> f64 {
     (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0
 }
 
-/// Cells with the body or aggregate that owns each, whoever keeps them.
+/// Cells of a mesh, with the index of the body that owns each.
 #[derive(Clone, Copy)]
 pub struct Cells<'a> {
     pub(crate) kind: CellKind,
@@ -284,9 +267,9 @@ impl<'a> Cells<'a> {
 const RUN: usize = 1 << 16;
 
 impl Mesh {
-    /// The cells by their aggregates' ids.
-    pub fn by_aggregate(&self) -> Cells<'_> {
-        Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.aggregate }
+    /// The cells by their bodies' indices.
+    pub fn by_owner(&self) -> Cells<'_> {
+        Cells { kind: self.kind, points: &self.points, nodes: &self.cells, owner: &self.owner }
     }
 
     /// Volume of a cell, mm3.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 impl Mesh {
     /// Whose cells meet at every node, of the cells alone whose numbers `counts` picks.
     pub fn owners(&self, counts: impl Fn(usize) -> bool) -> Owners {
-        Owners::among(self.by_aggregate(), counts)
+        Owners::among(self.by_owner(), counts)
     }
 }
 

@@ -21,7 +21,7 @@ impl Mesh {
         let middles: Vec<_> = edges.ends().map(|[a, b]| (self.points[a] + self.points[b]) / 2.0).collect();
         self.points.extend(middles);
         let nodes = |cell: usize| {
-            let cell = self.by_aggregate().cell(cell);
+            let cell = self.by_owner().cell(cell);
             let mut nodes = [0; 10];
             nodes[..4].copy_from_slice(cell);
             for (node, [i, j]) in nodes[4..].iter_mut().zip(EDGES) {
@@ -44,7 +44,7 @@ struct Edges {
 impl Edges {
     fn of(mesh: &Mesh) -> Self {
         let ends = |cell: &[u32], [i, j]: [usize; 2]| (cell[i].min(cell[j]), cell[i].max(cell[j]));
-        let of_cell = |cell: usize| EDGES.map(|edge| ends(mesh.by_aggregate().cell(cell), edge));
+        let of_cell = |cell: usize| EDGES.map(|edge| ends(mesh.by_owner().cell(cell), edge));
         let mut edges: Vec<(u32, u32)> = parallel::flat_map(mesh.cell_count(), of_cell);
         edges.par_sort_unstable();
         edges.dedup();

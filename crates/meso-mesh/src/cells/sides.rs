@@ -34,7 +34,7 @@ pub struct Sides {
 impl Sides {
     /// Those of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
-        let cells = mesh.by_aggregate();
+        let cells = mesh.by_owner();
         let mut sides = Self::in_planes(cells);
         if sides.faces.iter().any(Vec::is_empty) {
             sides.add_curved(cells, &mesh.cohesive);

@@ -3,18 +3,16 @@
 //! They are counted in the finished mesh, whatever its method: a node closes one when it has cells of two aggregates, or of one and
 //! lies on a flat side of the specimen across which this does not repeat itself.
 
+use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners, pairs};
 use meso_collision::gjk;
-use meso_concrete::aggregate::Aggregate;
-use meso_concrete::images::ById;
 use meso_concrete::parallel;
 
 /// Notes where `mesh`, before its materials are parted, joins `bodies`, and how wide the gaps between these are.
-pub(crate) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &FlatSides) {
-    let owners = Owners::of(mesh.by_aggregate());
+pub(crate) fn note_closed_gaps(mesh: &mut Mesh, bodies: &BodyImages, sides: &FlatSides) {
+    let owners = Owners::of(mesh.by_owner());
     let on_side = |node: u32| sides.have(&mesh.points[node as usize]);
     let members = owners.bodies(|node| owners.are_several(node) || on_side(node));
-    let bodies = ById::new(bodies, |body| body);
     let (pairs, mut at_sides) = (pairs(&members), Vec::new());
     let notes = &mut mesh.notes;
     for meet in members.chunk_by(|a, b| a.0 == b.0) {
@@ -25,16 +23,16 @@ pub(crate) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
         let x = &mesh.points[node as usize];
         if sides.have(x) {
             notes.closed_side_gaps += 1;
-            at_sides.extend(meet.iter().map(|(_, id)| (*id, sides.across(x))));
+            at_sides.extend(meet.iter().map(|(_, body)| (*body, sides.across(x))));
         }
     }
     notes.closed_gap_pairs = pairs.len();
-    notes.widest_closed_gap_mm = widest(&bodies, &pairs);
+    notes.widest_closed_gap_mm = widest(bodies, &pairs);
     at_sides.sort_unstable();
     at_sides.dedup();
     notes.closed_side_gap_aggregates = at_sides.chunk_by(|a, b| a.0 == b.0).count();
-    let gap = |&(id, across): &(u32, u8)| {
-        bodies.images(id).map(|body| sides.gap(&body.body.aabb(), across)).fold(f64::INFINITY, f64::min)
+    let gap = |&(body, across): &(u32, u8)| {
+        bodies.images(body).iter().map(|body| sides.gap(&body.body.aabb(), across)).fold(f64::INFINITY, f64::min)
     };
     notes.widest_closed_side_gap_mm = at_sides.iter().map(gap).fold(0.0, f64::max);
 }
@@ -43,10 +41,14 @@ pub(crate) fn note_closed_gaps(mesh: &mut Mesh, bodies: &[Aggregate], sides: &Fl
 const RUN: usize = 1 << 12;
 
 /// The widest gap between the `bodies` of a pair, mm.
-fn widest(bodies: &ById<&Aggregate>, pairs: &[(u32, u32)]) -> f64 {
+fn widest(bodies: &BodyImages, pairs: &[(u32, u32)]) -> f64 {
     let wider = |widest: f64, &(a, b): &(u32, u32)| {
-        let all =
-            || bodies.images(a).flat_map(|a| bodies.images(b).map(move |b| [a, b].map(|body| body.body.vertices())));
+        let all = || {
+            bodies
+                .images(a)
+                .iter()
+                .flat_map(|a| bodies.images(b).iter().map(move |b| [a, b].map(|body| body.body.vertices())))
+        };
         // Bodies have vertices, so that there are answers. Most pairs are done with by the first, which is much cheaper.
         let is_wider = all().all(|[a, b]| gjk::distance_exceeds(a, b, widest).unwrap_or(false));
         let gap = || all().map(|[a, b]| gjk::distance(a, b).unwrap_or(0.0)).fold(f64::INFINITY, f64::min);

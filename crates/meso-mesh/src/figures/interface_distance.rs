@@ -1,9 +1,9 @@
 //! How far a mesh's interfaces lie from the exact surfaces.
 
+use crate::body_images::BodyImages;
 use crate::cells::{FlatSides, Mesh, Owners};
 use meso_collision::geometry::ConvexSurface;
 use meso_concrete::aggregate::Aggregate;
-use meso_concrete::images::{ById, near as images_near};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Specimen;
 use meso_concrete::stop;
@@ -37,11 +37,12 @@ const ROUNDING: f64 = 1e-9;
 impl InterfaceDistance {
     /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
-        let bodies = images_near(aggregates, specimen, 0.0);
-        let surfaces = ById::new(&bodies, |body| ConvexSurface::new(&body.body));
-        let distance = |&(node, id): &(u32, u32)| {
+        let bodies = BodyImages::of(&(aggregates, specimen).into());
+        let surfaces: Vec<_> = bodies.all.iter().map(|body| ConvexSurface::new(&body.body)).collect();
+        let distance = |&(node, body): &(u32, u32)| {
             stop::point();
-            let images = surfaces.images(id).map(|surface| surface.distance(&mesh.points[node as usize]));
+            let images =
+                surfaces[bodies.places(body)].iter().map(|surface| surface.distance(&mesh.points[node as usize]));
             images.fold(f64::INFINITY, f64::min)
         };
         let mut pairs = interface_nodes(mesh);
@@ -84,7 +85,7 @@ impl InterfaceDistance {
 
 /// Corners of cells where an aggregate meets something else, with its id, each pair once, in order.
 fn interface_nodes(mesh: &Mesh) -> Vec<(u32, u32)> {
-    let owners = Owners::of(mesh.by_aggregate());
+    let owners = Owners::of(mesh.by_owner());
     // Cohesive elements parted their nodes.
     let mut parted = vec![false; if mesh.cohesive.is_empty() { 0 } else { mesh.points.len() }];
     mesh.cohesive.iter().for_each(|&node| parted[node as usize] = true);

@@ -34,7 +34,7 @@ pub struct CellQuality {
 impl CellQuality {
     /// Every cell's measures, in the cells' order.
     pub fn of_cells(mesh: &Mesh) -> Vec<Self> {
-        parallel::map_short(mesh.cell_count(), |cell| measured(mesh, mesh.by_aggregate().cell(cell)))
+        parallel::map_short(mesh.cell_count(), |cell| measured(mesh, mesh.by_owner().cell(cell)))
     }
 
     /// The cells whose smallest dihedral angle lies below `degrees`, as indices.

@@ -20,9 +20,8 @@ mod surface;
 mod sweeps;
 mod warp;
 
-use super::draft::Draft;
 use super::options::MeshOptions;
-use crate::cells::{CellKind, NO_BODY, Notes, Phase};
+use crate::cells::{CellKind, Mesh, NO_BODY, Notes, Phase};
 use crate::location::{Facets, Locator};
 use crate::tet::{TetMesh, centroid, oriented};
 use bcc::Bcc;
@@ -35,7 +34,7 @@ use meso_concrete::stop;
 use surface::Surface;
 
 /// The plain lattice: phase by centroid.
-pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Draft {
+pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOptions) -> Mesh {
     let facets = Facets::all(bodies, |body| options.shell_mm(body));
     let bcc = Bcc::new(specimen.aabb(), options.element_size_mm);
     let locator = Locator::new(&facets, &specimen.aabb());
@@ -48,7 +47,7 @@ pub(super) fn plain(bodies: &[Aggregate], specimen: &Specimen, options: &MeshOpt
     let cells = layers.concat();
     let located = parallel::map_each(&cells, |cell| locate(&facets, &locator, &centroid(*cell, &points)));
     let (phase, owner) = located.into_iter().unzip();
-    Draft { kind: CellKind::Tetrahedron, points, cells: cells.into_flattened(), phase, owner }
+    Mesh::of(CellKind::Tetrahedron, points, cells.into_flattened(), phase, owner)
 }
 
 fn locate(facets: &[Facets], locator: &Locator, x: &Vec3) -> (Phase, u32) {

@@ -16,7 +16,7 @@
 //! the exact one, as far as that leaves no angle too small.
 
 use super::periodic::{Faces, Flat};
-use super::prisms::{Layer, Layered};
+use super::prisms::Layer;
 use crate::cells::Phase;
 use crate::tet::{
     Constraint, Improver, Incidence, Star, TetMesh, ascending, cos2_of, directions, improve as improve_cells,
@@ -52,12 +52,17 @@ pub(crate) struct Improved {
 }
 
 /// Works on a mesh with elements of about `size` mm and this `layer`.
-pub(crate) fn improve(layered: &mut Layered, layer: &Layer, size: f64) -> Improved {
+pub(crate) fn improve(
+    mesh: &mut TetMesh,
+    phase: &mut Vec<Phase>,
+    periodic: [bool; 3],
+    layer: &Layer,
+    size: f64,
+) -> Improved {
     let rails = layer.rails.as_slice();
-    let movable = Movable::new(layered, rails);
-    let mut suspects: Vec<u32> = layered.mesh.numbers().collect();
-    let mut smoothing =
-        Smoothing { mesh: &mut layered.mesh, phase: &layered.phase, movable: &movable, size, shifted: Vec::new() };
+    let movable = Movable::new(mesh, phase, periodic, rails);
+    let mut suspects: Vec<u32> = mesh.numbers().collect();
+    let mut smoothing = Smoothing { mesh, phase, movable: &movable, size, shifted: Vec::new() };
     let mut collapsed = 0;
     for _ in 0..ROUNDS {
         if suspects.is_empty() {
@@ -80,13 +85,13 @@ pub(crate) fn improve(layered: &mut Layered, layer: &Layer, size: f64) -> Improv
     let mut shifted = vec![false; smoothing.mesh.points.len()];
     smoothing.shifted.iter().for_each(|&node| shifted[node as usize] = true);
     if let Some(exact) = layer.exact_mm3 {
-        let mut loose = vec![false; layered.mesh.points.len()];
+        let mut loose = vec![false; mesh.points.len()];
         rails.iter().zip(&layer.loose).for_each(|(rail, is_loose)| loose[rail[0] as usize] = *is_loose);
-        balance(layered, &movable, &loose, exact);
+        balance(mesh, phase, &movable, &loose, exact);
     }
-    let mut kept = layered.mesh.drop_removed().into_iter();
-    layered.phase.retain(|_| kept.next() == Some(true));
-    layered.mesh.drop_lone_nodes();
+    let mut kept = mesh.drop_removed().into_iter();
+    phase.retain(|_| kept.next() == Some(true));
+    mesh.drop_lone_nodes();
     Improved { shifted: rails.iter().filter(|rail| shifted[rail[0] as usize]).count(), collapsed }
 }
 
@@ -165,8 +170,7 @@ impl Stars {
 }
 
 /// Moves the inner ends of rails that are `loose`, with their images, until the layers of `mesh` have `exact` mm3.
-fn balance(layered: &mut Layered, movable: &Movable, loose: &[bool], exact: f64) {
-    let Layered { mesh, phase, .. } = layered;
+fn balance(mesh: &mut TetMesh, phase: &[Phase], movable: &Movable, loose: &[bool], exact: f64) {
     let is_free = |node: u32| loose.get(node as usize) == Some(&true) && movable.outer_end(node).is_some();
     let all_free = |node: &u32| movable.faces.images(*node).into_iter().all(is_free);
     let nodes: Vec<u32> = (0..mesh.points.len() as u32).filter(all_free).collect();
@@ -226,8 +230,7 @@ struct Movable {
 const NO_RAIL: u32 = u32::MAX;
 
 impl Movable {
-    fn new(layered: &Layered, rails: &[[u32; 2]]) -> Self {
-        let Layered { mesh, phase, periodic } = layered;
+    fn new(mesh: &TetMesh, phase: &[Phase], periodic: [bool; 3], rails: &[[u32; 2]]) -> Self {
         let mut outer = vec![NO_RAIL; mesh.points.len()];
         let mut fixed = vec![false; mesh.points.len()];
         for &[inner, end] in rails {
@@ -237,7 +240,7 @@ impl Movable {
         for (cell, _) in mesh.cells.iter().zip(phase).filter(|(_, phase)| **phase == Phase::Mortar) {
             cell.iter().for_each(|&node| fixed[node as usize] = true);
         }
-        let faces = Faces::of(mesh, *periodic);
+        let faces = Faces::of(mesh, periodic);
         let stays =
             |node: u32| !faces.is_matched(node) || faces.images(node).iter().any(|&image| fixed[image as usize]);
         let on_faces: Vec<u32> =

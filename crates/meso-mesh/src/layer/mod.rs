@@ -15,22 +15,27 @@ mod offset;
 mod periodic;
 mod prisms;
 
-use crate::cells::{NO_BODY, Owners, copies, faces};
+use crate::cells::{NO_BODY, Owners, Phase, copies, faces};
+use crate::tet::TetMesh;
 pub(super) use improve::improve;
 use meso_collision::math::Aabb;
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
 use offset::RadialOffsets;
 use periodic::{Bodies, PeriodicConstraint};
-pub(super) use prisms::Layered;
 use prisms::{Layer, LayerCell, append, prism, step_back, untangle};
 
 /// Splits a layer of `thickness(body)` mm off the inside of every one of `bodies`, which are sorted by id.
 ///
 /// Every cell must have a positive volume; then every cell has one afterwards, too. Where the mesh repeats itself it must fill its
 /// bounding box, with opposite faces that match.
-pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl Fn(&Aggregate) -> f64 + Sync) -> Layer {
-    let Layered { mesh, periodic, .. } = layered;
+pub(super) fn add(
+    mesh: &mut TetMesh,
+    phase: &mut Vec<Phase>,
+    periodic: [bool; 3],
+    bodies: &[Aggregate],
+    thickness: impl Fn(&Aggregate) -> f64 + Sync,
+) -> Layer {
     let bodies = Bodies::new(bodies, &Aabb::around(&mesh.points).size());
     let thickness = |body: u32| thickness(bodies.get(body));
     let mut faces = faces(mesh.by_body());
@@ -40,9 +45,9 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     // Nodes of the mortar, and of interfaces, have none.
     let owners = Owners::among(mesh.by_body(), |cell| mesh.owner[cell] != NO_BODY);
     let owner: Vec<u32> = (0..mesh.points.len() as u32).map(|node| owners.last(node)).collect();
-    let mut constraint = PeriodicConstraint::new(mesh, *periodic, &bodies, &owner, copies.first());
+    let mut constraint = PeriodicConstraint::new(mesh, periodic, &bodies, &owner, copies.first());
     constraint.align(&mut mesh.points);
-    let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut constraint, *periodic);
+    let offsets = RadialOffsets::new(&bodies, thickness, &owner, &mut constraint, periodic);
     let layer: Vec<LayerCell> = parallel::flat_map(faces.len(), |face| prism(mesh, &faces[face], &copies, &constraint));
     let mut on_rays = offsets.targets(&mesh.points, &owner, &constraint);
     offset::use_fallback_directions(mesh, &faces, &copies, &offsets, &constraint, &mut on_rays);
@@ -58,7 +63,7 @@ pub(super) fn add(layered: &mut Layered, bodies: &[Aggregate], thickness: impl F
     let kept = copies.iter().map(|(.., copy)| copy).filter(|copy| !backtracking.is_pinched(*copy));
     let loose = kept.map(|copy| loose.binary_search(&constraint.lead(copy)).is_ok()).collect();
     let (thinned_aggregates, exact_mm3) = (offsets.thinner(&bodies, thickness), exact_mm3(&bodies, thickness));
-    let rails = append(layered, &layer, &copies, &backtracking);
+    let rails = append(mesh, phase, &layer, &copies, &backtracking);
     Layer { thinned_aggregates, short_nodes, pinched_nodes, rails, loose, exact_mm3 }
 }
 

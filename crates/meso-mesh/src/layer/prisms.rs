@@ -20,14 +20,6 @@ use meso_concrete::parallel;
 use meso_concrete::stop;
 use rayon::prelude::*;
 
-/// Tetrahedra with their phases, in a specimen that may repeat itself.
-pub(crate) struct Layered {
-    pub(crate) mesh: TetMesh,
-    pub(crate) phase: Vec<Phase>,
-    /// The directions in which the specimen repeats itself.
-    pub(crate) periodic: [bool; 3],
-}
-
 /// The prism between an interface triangle and its offset. Diagonals start at the lowest image class, so neighbours match,
 /// and so do the opposite faces of a periodic box.
 pub(super) fn prism(
@@ -55,8 +47,13 @@ pub(super) fn prism(
 }
 
 /// Adds the layer's cells, and takes back the copies that did not move, with the cells on their rails; the rails that are left.
-pub(super) fn append(layered: &mut Layered, layer: &[LayerCell], copies: &Copies, back: &StepsBack) -> Vec<[u32; 2]> {
-    let Layered { mesh, phase, .. } = layered;
+pub(super) fn append(
+    mesh: &mut TetMesh,
+    phase: &mut Vec<Phase>,
+    layer: &[LayerCell],
+    copies: &Copies,
+    back: &StepsBack,
+) -> Vec<[u32; 2]> {
     let mut rails = Vec::new();
     for cell in layer.iter().filter(|cell| !back.is_pinched(cell.rail[0])) {
         mesh.push(cell.nodes, cell.owner);

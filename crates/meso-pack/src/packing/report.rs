@@ -3,6 +3,7 @@
 use super::{Outcome, Tally, Target};
 use meso_collision::gjk::Counters;
 use meso_concrete::aggregate::{Aggregate, Grading, Inclusions, Kind};
+use meso_concrete::specimen::Specimen;
 use serde::{Deserialize, Serialize};
 
 /// The figures of one run: the keys of `--summary-json`.
@@ -54,6 +55,17 @@ pub struct SpecimenReport {
     pub kind: String,
     /// Volume of the specimen, mm3.
     pub volume_mm3: f64,
+    /// Lowest corner of the vertices of the spec, mm, where it is not the origin. The packing has its origin there: its
+    /// coordinates plus these are those of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin_mm: Option<[f64; 3]>,
+}
+
+impl SpecimenReport {
+    /// The entry of a specimen.
+    pub fn new(specimen: &Specimen) -> Self {
+        Self { kind: specimen.kind().to_owned(), volume_mm3: specimen.volume(), origin_mm: specimen.origin() }
+    }
 }
 
 /// Asked and reached volume of one class, over the specimen's volume.
@@ -149,7 +161,7 @@ pub(crate) fn report(
     (aggregates, inclusions): (&[Aggregate], &[Aggregate]),
     seconds: Seconds,
 ) -> Report {
-    let specimen = SpecimenReport { kind: target.specimen.kind().into(), volume_mm3: target.specimen.volume() };
+    let specimen = SpecimenReport::new(target.specimen);
     let classes = ClassReport::all(target.grading, target.fraction, aggregates, specimen.volume_mm3);
     let phases = PhaseReport::all(&target.inclusions, inclusions, specimen.volume_mm3);
     let largest: Vec<f64> = tally.largest_mm3.iter().map(|grain| grain / specimen.volume_mm3).collect();

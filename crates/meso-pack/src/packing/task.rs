@@ -5,7 +5,7 @@ use meso_collision::math::Aabb;
 use meso_concrete::aggregate::Grain;
 use meso_concrete::specimen::{Container, Period};
 use meso_concrete::watch::Stage;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A request, and the quantities that every strategy derives from it.
 pub(super) struct Task<'a> {
@@ -20,6 +20,8 @@ pub(super) struct Task<'a> {
     /// `watch.seconds()` when it began, and at which to stop.
     started: f64,
     pub(super) deadline: f64,
+    /// Why the run stops; set once by the first thread that finds a reason.
+    stop: OnceLock<StopReason>,
 }
 
 impl<'a> Task<'a> {
@@ -41,6 +43,7 @@ impl<'a> Task<'a> {
             class_targets: aggregates.chain(inclusions).collect(),
             started,
             deadline: request.placement.deadline(started),
+            stop: OnceLock::new(),
         }
     }
 
@@ -81,9 +84,16 @@ impl<'a> Task<'a> {
         if volume > 0.0 {
             self.done(Stage::Place, volume / (self.volume * self.request.target.fraction));
         }
-        if self.request.watch.stops() {
-            return Some(StopReason::Interrupted);
-        }
-        (self.request.watch.seconds() >= self.deadline).then_some(StopReason::TimeLimit)
+        self.over()
+    }
+
+    /// The reason to stop, if there is one. Any thread may ask; a reason once found stays.
+    pub(super) fn over(&self) -> Option<StopReason> {
+        let watch = self.request.watch;
+        let reason = || {
+            let is_late = || (watch.seconds() >= self.deadline).then_some(StopReason::TimeLimit);
+            if watch.stops() { Some(StopReason::Interrupted) } else { is_late() }
+        };
+        self.stop.get().copied().or_else(|| reason().map(|reason| *self.stop.get_or_init(|| reason)))
     }
 }

@@ -5,7 +5,7 @@
 //! specimen's frame, mm, written as the shortest decimal that reads back to the same f64; faces are convex polygons,
 //! counter-clockwise from outside. Voids and fibres, where there are some, follow as `"inclusions": [{"id", "phase",
 //! "vertices", "faces"}, ...]`, their ids counting on from the last aggregate's. `report` leaves out `seconds`, so
-//! that the same spec and seed give the same bytes.
+//! that the same spec and seed give the same bytes. The last entry, `crc32`, is the checksum of all bytes before it.
 //!
 //! `.json.gz` is the same text, compressed in members of 1 MB (RFC 1952), which `gunzip` and Python's `gzip` read as one.
 
@@ -13,6 +13,7 @@ mod distinct;
 mod gzip;
 mod polygons;
 mod read;
+mod seal;
 
 pub use read::read_while;
 pub use read::{ReadError, read};
@@ -39,7 +40,7 @@ const AT_ONCE: usize = 32;
 /// # Errors
 /// Those of `out`.
 pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 15, out);
+    let mut out = BufWriter::with_capacity(1 << 15, seal::Sealing::new(out));
     out.write_all(b"{")?;
     entry(&mut out, "mesocrete", VERSION)?;
     entry(&mut out, "spec", &model.spec)?;
@@ -51,7 +52,9 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
         out.write_all(b",\n")?;
         list(&mut out, "inclusions", &model.inclusions, write_inclusion)?;
     }
-    out.write_all(b"}\n")?;
+    out.flush()?;
+    let end = out.get_ref().end();
+    out.write_all(&end)?;
     out.flush()
 }
 

@@ -3,7 +3,7 @@
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
 use super::polygons::Polygons;
-use super::{VERSION, distinct, gzip};
+use super::{VERSION, distinct, gzip, seal};
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
@@ -13,6 +13,7 @@ use meso_concrete::aggregate::{Aggregate, Kind};
 use meso_concrete::stop;
 use meso_concrete::watch::{Silent, Stage, Watch};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
@@ -22,6 +23,12 @@ pub enum ReadError {
     /// Not JSON, or not with the keys a model has.
     #[error("this is not a saved model of mesocrete: {0}")]
     NotAModel(String),
+    /// Changed since it was written.
+    #[error(
+        "its checksum does not fit: the file was damaged or edited; take another copy, or remove its last entry, crc32, to \
+         read it all the same"
+    )]
+    Damaged,
     /// Written by a version that may mean something else.
     #[error("it was written by mesocrete {found}, and this is {VERSION}, which cannot read it: update mesocrete")]
     Version {
@@ -65,6 +72,9 @@ struct File {
     aggregates: Vec<FileAggregate>,
     #[serde(default)]
     inclusions: Vec<FileInclusion>,
+    /// Proved before the rest is parsed.
+    #[serde(default, rename = "crc32")]
+    _seal: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -118,6 +128,9 @@ pub fn read_while(bytes: &[u8], watch: &dyn Watch) -> Result<Model, ReadError> {
     };
     if let Some(other) = other_kind(&text) {
         return Err(ReadError::NotAModel(other.to_owned()));
+    }
+    if !seal::is_whole(&text) {
+        return Err(ReadError::Damaged);
     }
     let file: File = serde_json::from_slice(&text).map_err(|error| ReadError::NotAModel(error.to_string()))?;
     drop(text);
@@ -304,7 +317,7 @@ fn figures(spec: &Spec, aggregates: &[Aggregate], inclusions: &[Aggregate]) -> R
         fraction,
         aggregates: aggregates.len(),
         discarded: 0,
-        specimen: SpecimenReport { kind: spec.specimen.kind().to_owned(), volume_mm3: volume },
+        specimen: SpecimenReport::new(&spec.specimen),
         grading: NOT_RECORDED.to_owned(),
         strategy: NOT_RECORDED.to_owned(),
         classes,

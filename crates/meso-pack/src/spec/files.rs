@@ -15,6 +15,11 @@ pub trait Files {
     /// # Errors
     /// Where it cannot be read, or is no folder.
     fn list(&mut self, folder: &str) -> io::Result<Vec<String>>;
+
+    /// Hears a remark about a file that was read: a fault that was mended, a move to the origin.
+    fn remark(&mut self, name: &str, remark: &str) {
+        let _ = (name, remark);
+    }
 }
 
 /// No files: for a spec that must stand alone.

@@ -17,11 +17,18 @@ impl Spec {
         schema["properties"]["mix"] = mix;
         // The content of a file need not stand in the spec.
         let library = json!({
-            "description": "A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec.",
-            "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" } }],
+            "description": "A file (STL, PLY, OBJ, OFF, JSON) or folder of grains; lies beside the spec. Each body in a file is a grain.",
+            "type": "string",
         });
         schema["$defs"]["Shape"]["properties"]["library"] = library;
-        from_file(&mut schema["$defs"]["Specimen"], "mesh", "An STL file that lies beside the spec.");
+        let hull = "Grains of a `library` that are not convex count as their convex hulls.";
+        schema["$defs"]["Shape"]["properties"]["hull"] = json!({ "description": hull, "type": "boolean" });
+        let specimen = &mut schema["$defs"]["Specimen"];
+        from_file(specimen, "mesh", "A surface file (STL, PLY, OBJ, OFF) that lies beside the spec.");
+        let scale = "Millimetres in a unit of the file: 1000 for metres, 25.4 for inches; 1 by default.";
+        if let Some(form) = specimen["oneOf"].as_array_mut().and_then(|forms| forms.last_mut()) {
+            form["properties"]["scale"] = json!({ "description": scale, "type": "number" });
+        }
         from_file(&mut schema["$defs"]["Curve"], "sieves", "A CSV file that lies beside the spec: sieve_mm,passing.");
         schema
     }

@@ -1,15 +1,18 @@
-//! Specimens from STL files, put into the spec as if their triangles had been written there.
+//! Specimens from surface files, put into the spec as if their triangles had been written there.
 
-use super::messages::found;
+use super::limits::{MAX_LENGTH_MM, MIN_LENGTH_MM, within};
+use super::messages::{found, number};
 use super::tree::{Node, Value};
 use super::{Reading, SpecError};
-use meso_collision::geometry::TriangleMesh;
-use meso_concrete::import::stl;
-use meso_concrete::watch::Stage;
+use meso_collision::geometry::{SurfaceError, TriangleMesh};
+use meso_collision::math::Vec3;
+use meso_concrete::import::{self, Surface};
+use meso_concrete::specimen::{ContainerError, Specimen};
+use meso_concrete::watch::{Stage, Waiting};
 
 const KEY: &str = "specimen.file";
 
-/// Replaces `file` in `specimen` by the corners and triangles of the STL it names.
+/// Replaces `file` and `scale` in `specimen` by the corners and triangles of the file.
 pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), SpecError> {
     let Some(specimen) = tree.child_mut("specimen") else { return Ok(()) };
     let Some(kind) = specimen.child("kind") else { return Ok(()) };
@@ -24,10 +27,11 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), S
     }
     let Some((_, Node { value, line })) = specimen.take("file") else { return Ok(()) };
     let Value::Text(name) = value else {
-        let error = SpecError::value(KEY, "must be the name of an STL file in quotes");
+        let error = SpecError::value(KEY, "must be the name of a surface file (STL, PLY, OBJ, OFF) in quotes");
         return Err(SpecError { is_wrong_type: true, line, ..error });
     };
-    let mesh = read(&name, reading)
+    let scale = scale(specimen)?;
+    let mesh = read(&name, scale, reading)
         .map_err(|reason| SpecError { line, ..SpecError::value(KEY, format!("is {name:?}: {reason}")) })?;
     let vertices = mesh.vertices.iter().map(|v| Node::list(v.iter().map(|&x| Value::Float(x)))).collect();
     let triangles = mesh.triangles.iter().map(|t| Node::list(t.iter().map(|&i| Value::Integer(i.into())))).collect();
@@ -38,17 +42,70 @@ pub(super) fn inline(tree: &mut Node, reading: &mut Reading<'_>) -> Result<(), S
     Ok(())
 }
 
+/// Millimetres in a unit of the file; 1 by default.
+fn scale(specimen: &mut Node) -> Result<f64, SpecError> {
+    const KEY: &str = "specimen.scale";
+    let Some((_, node)) = specimen.take("scale") else { return Ok(1.0) };
+    let value = match node.value {
+        Value::Integer(n) => n as f64,
+        Value::Float(x) => x,
+        _ => {
+            let message =
+                format!("is {}; it must be a number: 1000 for metres, 25.4 for inches", found(&node.unexpected()));
+            return Err(SpecError { is_wrong_type: true, line: node.line, ..SpecError::value(KEY, message) });
+        }
+    };
+    within(KEY, value, MIN_LENGTH_MM, MAX_LENGTH_MM).map_err(|error| SpecError { line: node.line, ..error })?;
+    Ok(value)
+}
+
 /// The closed surface in a file; one whose triangles are all clockwise is turned.
-fn read(name: &str, reading: &mut Reading<'_>) -> Result<TriangleMesh, String> {
+fn read(name: &str, scale: f64, reading: &mut Reading<'_>) -> Result<TriangleMesh, String> {
     let bytes = reading.files.read(name).map_err(|error| error.to_string())?;
     // Shares of the time that a million triangles take; see `Triangulated::crossing` for the rest.
     reading.watch.stage(Stage::Read, 0.02);
-    let mut mesh = stl::read(&bytes).map_err(|error| error.to_string())?;
+    let Surface { mut mesh, edges, notes } = import::read(name, &bytes).map_err(|error| error.to_string())?;
     reading.watch.stage(Stage::Read, 0.12);
-    if mesh.volume() < 0.0 {
+    notes.iter().for_each(|note| reading.files.remark(name, note));
+    edges.map_err(|error| error.to_string())?;
+    let volume = mesh.volume();
+    if volume == 0.0 || volume.is_nan() {
+        return Err(SurfaceError::NoVolume { volume }.to_string());
+    }
+    if volume < 0.0 {
         mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     }
-    mesh.check_closed().map_err(|error| error.to_string())?;
+    mesh.vertices.iter_mut().for_each(|vertex| *vertex *= scale);
     reading.watch.stage(Stage::Read, 0.2);
+    let mesh = without_flat(name, mesh, reading);
+    moved(name, &mesh, reading);
     Ok(mesh)
+}
+
+/// A surface that crosses itself, without its flat triangles if there are some: these lie upon their neighbours' edges.
+fn without_flat(name: &str, mesh: TriangleMesh, reading: &mut Reading<'_>) -> TriangleMesh {
+    let Some((mended, count)) = import::without_flat_triangles(&mesh) else { return mesh };
+    let specimen = Specimen::Mesh {
+        vertices_mm: mesh.vertices.iter().map(|v| (*v).into()).collect(),
+        triangles: mesh.triangles.clone(),
+        built: Default::default(),
+    };
+    let deadline = reading.time_limit_s.map_or(f64::INFINITY, |limit| reading.watch.began() + limit);
+    match specimen.check_while(Waiting { watch: reading.watch, deadline }) {
+        Err(ContainerError::Crossing { .. }) => {
+            reading.files.remark(name, &format!("{count} triangle(s) without area were removed"));
+            mended
+        }
+        _ => mesh,
+    }
+}
+
+/// Remarks on the move of a surface whose lowest corner is not the origin.
+fn moved(name: &str, mesh: &TriangleMesh, reading: &mut Reading<'_>) {
+    let low = mesh.vertices.iter().copied().reduce(|low, vertex| low.inf(&vertex)).unwrap_or_else(Vec3::zeros);
+    if low != Vec3::zeros() {
+        let [x, y, z] = <[f64; 3]>::from(low).map(number);
+        let remark = format!("its lowest corner, ({x}, {y}, {z}) mm, is the origin of the packing");
+        reading.files.remark(name, &remark);
+    }
 }

@@ -140,9 +140,9 @@ class Specimen:
         return {"kind": "polyhedron", "vertices_mm": np.asarray(vertices_mm, float).tolist()}
 
     @staticmethod
-    def stl(path: str | PathLike[str]) -> _types.MeshFileSpecimen:
-        """Return what the closed surface of an STL file encloses; lengths in the file are mm."""
-        return {"kind": "mesh", "file": fspath(path)}
+    def stl(path: str | PathLike[str], *, scale: float = 1.0) -> _types.MeshFileSpecimen:
+        """Return what the closed surface of a file (STL, PLY, OBJ, OFF) encloses; `scale` is the mm in a unit of the file."""
+        return {"kind": "mesh", "file": fspath(path), "scale": scale}
 
     @staticmethod
     def mesh(vertices_mm: ArrayLike, triangles: ArrayLike) -> _types.MeshSpecimen:

@@ -43,6 +43,8 @@ class SpecimenReport(TypedDict):
     """As in the spec."""
     volume_mm3: float
     """Volume of the specimen, mm3."""
+    origin_mm: NotRequired[list[float] | None]
+    """Lowest corner of the vertices of the spec, mm, where it is not the origin. The packing has its origin there: its coordinates plus these are those of the file."""
 
 
 class ClassReport(TypedDict):

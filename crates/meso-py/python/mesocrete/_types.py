@@ -179,10 +179,12 @@ class Shape(TypedDict, total=False):
     """Law of c/b, the shortest over the intermediate axis; of no meaning for a library."""
     grains: Sequence[Template]
     """The grains of a library."""
+    hull: bool
+    """Grains of a `library` that are not convex count as their convex hulls."""
     kind: Literal["polyhedron", "rounded", "crushed", "library"]
     """Which kind of polyhedron."""
-    library: str | Sequence[str]
-    """A file (STL, JSON) or folder of grains, or a list of these; lies beside the spec."""
+    library: str
+    """A file (STL, PLY, OBJ, OFF, JSON) or folder of grains; lies beside the spec. Each body in a file is a grain."""
     vertices: Sequence[int]
     """Fewest and most vertices; of no meaning for a library."""
 
@@ -288,7 +290,7 @@ class PolyhedronSpecimen(TypedDict, total=False):
 
 
 class MeshSpecimen(TypedDict, total=False):
-    """The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name an STL instead."""
+    """The region that a closed surface of triangles encloses, moved to the origin; in a spec, `file` may name a surface file (STL, PLY, OBJ, OFF) instead."""
 
     kind: Literal["mesh"]
     """Options: kind."""
@@ -299,12 +301,14 @@ class MeshSpecimen(TypedDict, total=False):
 
 
 class MeshFileSpecimen(TypedDict, total=False):
-    """An STL file that lies beside the spec."""
+    """A surface file (STL, PLY, OBJ, OFF) that lies beside the spec."""
 
     file: str
-    """An STL file that lies beside the spec."""
+    """A surface file (STL, PLY, OBJ, OFF) that lies beside the spec."""
     kind: Literal["mesh"]
     """Options: kind."""
+    scale: float
+    """Millimetres in a unit of the file: 1000 for metres, 25.4 for inches; 1 by default."""
 
 
 Specimen = CubeSpecimen | BoxSpecimen | PrismSpecimen | CylinderSpecimen | SphereSpecimen | NotchedPrismSpecimen | DogboneSpecimen | PolyhedronSpecimen | MeshSpecimen | MeshFileSpecimen

@@ -7,7 +7,7 @@ use crate::real::Real;
 use crate::test::LawName;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
-use meso_mesh::materials::{Elastic, Materials, Plasticity, Strength};
+use meso_mesh::materials::{Elastic, MATERIALS, Materials, Plasticity, Strength};
 use std::any::Any;
 use std::fmt;
 use std::sync::OnceLock;
@@ -83,12 +83,38 @@ pub(crate) enum Behaviour {
 /// # Errors
 /// Names the first value that it cannot have.
 pub(crate) fn validate(materials: &Materials, name: LawName) -> Result<(), OutOfRange> {
+    carried(materials)?;
     match name {
         LawName::Elastic => materials.validate_elastic(),
         LawName::Cdp => cdp::validate(materials),
         LawName::Cdpm2 => cdpm2::validate(materials, &cdpm2::Options::default()),
     }?;
     materials.validate_cohesive()
+}
+
+/// Least and largest value of a stiffness, strength or energy of which single precision carries squares and quotients.
+const CARRIED: [f64; 2] = [1e-12, 1e12];
+
+/// Refuses values that single precision cannot carry. Values at or below 0 have their own ranges.
+fn carried(materials: &Materials) -> Result<(), OutOfRange> {
+    let stiffness = |phase: Phase| {
+        let key = format!("{}.youngs_modulus_mpa", phase.name().to_ascii_lowercase());
+        (key, materials.elastic(phase).youngs_modulus_mpa)
+    };
+    let given = &materials.mortar_strength;
+    let strengths = [
+        ("compressive_mpa", given.compressive_mpa),
+        ("tensile_mpa", given.tensile_mpa),
+        ("fracture_energy_n_per_mm", given.fracture_energy_n_per_mm),
+        ("crushing_energy_n_per_mm", given.crushing_energy_n_per_mm),
+    ];
+    let strengths = strengths.map(|(key, value)| (format!("mortar_strength.{key}"), value));
+    let [least, most] = CARRIED;
+    for (key, value) in Phase::ALL.into_iter().map(stiffness).chain(strengths) {
+        let met = !(value > 0.0 && value.is_finite()) || (least..=most).contains(&value);
+        MATERIALS.require(key, value, met, "the solver computes in single precision and takes 1e-12 to 1e12")?;
+    }
+    Ok(())
 }
 
 /// Work with a law on lanes. Give `run` `#[inline(always)]`.
@@ -150,10 +176,10 @@ impl Matter {
         }
     }
 
-    /// Widest crack band that spends its energy, mm.
-    pub(crate) fn widest_mm(&self) -> f64 {
+    /// Widest bands of cracking and of crushing that dissipate their energy, mm.
+    pub(crate) fn widest_mm(&self) -> [f64; 2] {
         match &self.behaviour {
-            Behaviour::Elastic => f64::INFINITY,
+            Behaviour::Elastic => [f64::INFINITY; 2],
             Behaviour::Cdp(strength, plasticity) => self.cdp::<f64>(strength, plasticity).widest_mm(),
             Behaviour::Cdpm2(strength, biaxial) => self.cdpm2::<f64>(strength, *biaxial).widest_mm(),
         }

@@ -62,9 +62,9 @@ pub struct Cdp<R> {
     /// Fracture energy over strength, mm, and strength over crushing energy, per mm: widths of the softening curves.
     tensile_opening: R,
     per_crushing_opening: R,
-    /// Widest crack band, mm.
-    widest: R,
-    widest_mm: f64,
+    /// Widest bands of cracking and of crushing, mm.
+    widest: [R; 2],
+    widest_mm: [f64; 2],
 }
 
 const ELASTIC_LIMIT: f64 = Strength::ELASTIC_LIMIT;
@@ -117,7 +117,8 @@ impl<R: Real> Cdp<R> {
         let alpha = alpha(plasticity);
         let peak = strength.peak_strain - fc / e;
         let openings = [strength.fracture_energy_n_per_mm / ft, strength.crushing_energy_n_per_mm / fc];
-        let widest_mm = softening::SNAP_BACK * (openings[0] / (BRANCHES[0].1 * ft / e)).min(openings[1] / (fc / e));
+        let snapping = [openings[0] / (BRANCHES[0].1 * ft / e), openings[1] / (fc / e)];
+        let widest_mm = snapping.map(|width| softening::SNAP_BACK * width);
         let splat = R::splat;
         Self {
             elastic: Elastic::new(elastic),
@@ -141,7 +142,7 @@ impl<R: Real> Cdp<R> {
             compressive_strain: splat(fc / e),
             tensile_opening: splat(openings[0]),
             per_crushing_opening: splat(1.0 / openings[1]),
-            widest: splat(widest_mm),
+            widest: widest_mm.map(splat),
             widest_mm,
         }
     }
@@ -294,13 +295,13 @@ impl<R: Real> Cdp<R> {
     /// Integrities of tension and compression, on this width.
     #[inline(always)]
     fn integrity(&self, cracked: R, crushed: R, width: R) -> [R; 2] {
-        let width = width.min(self.widest);
-        let (from, steep, steep_run) = self.branch(BRANCHES[0], cracked, width);
-        let (to, flat, flat_run) = self.branch(BRANCHES[1], cracked, width);
+        let [cracking, crushing] = self.widest.map(|widest| width.min(widest));
+        let (from, steep, steep_run) = self.branch(BRANCHES[0], cracked, cracking);
+        let (to, flat, flat_run) = self.branch(BRANCHES[1], cracked, cracking);
         // Both quotients by one division.
         let over = R::splat(1.0) / (steep_run * flat_run);
         let crack = (from - steep * flat_run * over).max(to - flat * steep_run * over).between(LEAST_INTEGRITY, 1.0);
-        let per_scale = width * self.per_crushing_opening;
+        let per_scale = crushing * self.per_crushing_opening;
         let x = (crushed - self.peak).positive() * per_scale;
         let crush = softening::integrity(x, self.compressive_strain * per_scale).min(R::splat(1.0));
         [crack, R::select(self.peak.lt(crushed), crush, R::splat(1.0))]
@@ -375,12 +376,12 @@ impl<R: Real> Law<R> for Cdp<R> {
         State {
             tension: one - crack,
             compression: one - crush,
-            opening: width.min(self.widest) * (one - crack).mul_add(self.tensile_strain, history[CRACKED]),
+            opening: width.min(self.widest[0]) * (one - crack).mul_add(self.tensile_strain, history[CRACKED]),
             stored: energy(&stress, &elastic_part(strain, history)),
         }
     }
 
-    fn widest_mm(&self) -> f64 {
+    fn widest_mm(&self) -> [f64; 2] {
         self.widest_mm
     }
 }

@@ -132,8 +132,9 @@ pub struct Cdpm2<R> {
     /// 1 / (e_fc h), or 1 / e_fc where it is given.
     per_crushing: R,
     per_crushing_strain: R,
-    widest: R,
-    widest_mm: f64,
+    /// Widest bands of cracking and of crushing, mm.
+    widest: [R; 2],
+    widest_mm: [f64; 2],
 }
 
 /// r(theta) with c = cos theta: (a c^2 + b^2) / (a c / 2 + b sqrt(a c^2 + d)).
@@ -184,7 +185,8 @@ impl<R: Real> Cdpm2<R> {
         let crushing = strength.crushing_energy_n_per_mm * ft / (fc * fc * options.softening_ductility);
         let crushed_mm =
             options.crushing_strain.map_or(crushing * options.softening_ductility * e / ft, |_| f64::INFINITY);
-        let widest_mm = softening::SNAP_BACK * (KINK[0] / (1.0 - KINK[1]) * opening * e / ft).min(crushed_mm);
+        let cracked_mm = KINK[0] / (1.0 - KINK[1]) * opening * e / ft;
+        let widest_mm = [cracked_mm, crushed_mm].map(|width| softening::SNAP_BACK * width);
         let splat = R::splat;
         Self {
             elastic: Elastic::new(elastic),
@@ -210,7 +212,7 @@ impl<R: Real> Cdpm2<R> {
             per_opening: splat(1.0 / opening),
             per_crushing: splat(if options.crushing_strain.is_some() { 0.0 } else { 1.0 / crushing }),
             per_crushing_strain: splat(options.crushing_strain.map_or(0.0, |strain| 1.0 / strain)),
-            widest: splat(widest_mm),
+            widest: widest_mm.map(splat),
             widest_mm,
         }
     }
@@ -420,9 +422,9 @@ impl<R: Real> Cdpm2<R> {
     #[inline(always)]
     fn integrity(&self, history: &History<R>, width: R) -> [R; 2] {
         let (one, onset) = (R::splat(1.0), R::splat(ONSET));
-        let width = width.min(self.widest);
+        let [cracking, crushing] = self.widest.map(|widest| width.min(widest));
         let [pulled, first, second] = [history[PULLED], history[PULLED + 1], history[PULLED + 2]];
-        let scale = width * self.per_opening;
+        let scale = cracking * self.per_opening;
         let mut damage = one;
         for (from, slope) in PIECES {
             let slope = R::splat(slope) * scale;
@@ -431,7 +433,7 @@ impl<R: Real> Cdpm2<R> {
         }
         let crack = (one - damage).between(LEAST_INTEGRITY, 1.0);
         let [pressed, first, second] = [history[PRESSED], history[PRESSED + 1], history[PRESSED + 2]];
-        let per_crushing = self.per_crushing(width);
+        let per_crushing = self.per_crushing(crushing);
         let start = (one - (first + second) * per_crushing).exp() / pressed.max(one);
         let crush = softening::relaxed(start, second * per_crushing).between(LEAST_INTEGRITY, 1.0);
         [R::select(onset.lt(pulled), crack, one), R::select(onset.lt(pressed), crush, one)]
@@ -601,12 +603,12 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         State {
             tension: one - crack,
             compression: one - crush,
-            opening: width.min(self.widest) * opened,
+            opening: width.min(self.widest[0]) * opened,
             stored: self.stored(&self.elastic.of(&elastic_part(strain, history)), crack, crush),
         }
     }
 
-    fn widest_mm(&self) -> f64 {
+    fn widest_mm(&self) -> [f64; 2] {
         self.widest_mm
     }
 }

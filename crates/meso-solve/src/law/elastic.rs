@@ -83,7 +83,7 @@ impl<R: Real> Law<R> for Elastic<R> {
         State { tension: none, compression: none, opening: none, stored: energy(&self.of(strain), strain) }
     }
 
-    fn widest_mm(&self) -> f64 {
-        f64::INFINITY
+    fn widest_mm(&self) -> [f64; 2] {
+        [f64::INFINITY; 2]
     }
 }

@@ -29,15 +29,15 @@ pub trait Law<R: Real>: Send + Sync {
 
     /// Stress at the end of a step, MPa, from the whole `strain` at its end; `history` goes along.
     ///
-    /// `width` is that of the crack band in the element, mm. Beyond [`widest_mm`](Law::widest_mm) it is held there, so
-    /// that more energy is spent than was asked for; ask first.
+    /// `width` is the width of the band in the element, mm. A mechanism whose band is wider than its
+    /// [limit](Law::widest_mm) softens as at the limit, so that it dissipates more than its energy.
     fn stress(&self, strain: &Tensor<R>, history: &mut Self::History, width: R) -> Response<R>;
 
     /// Values of a point for pictures, from the strain that `history` belongs to.
     fn state(&self, strain: &Tensor<R>, history: &Self::History, width: R) -> State<R>;
 
-    /// Width of the widest crack band that softens without snapping back, mm; infinite where nothing softens.
-    fn widest_mm(&self) -> f64;
+    /// Widest bands of cracking and of crushing that soften without snapping back, mm; infinite where nothing softens.
+    fn widest_mm(&self) -> [f64; 2];
 }
 
 /// The response of a point.

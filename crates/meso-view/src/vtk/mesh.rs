@@ -72,7 +72,7 @@ pub fn declared(kind: CellKind) -> &'static [(&'static str, &'static str)] {
 fn bodies(mesh: &Mesh) -> impl Iterator<Item = Array<'_>> {
     let cells = mesh.cell_count();
     let phase = Array::new("UInt8", "phase", cells, || mesh.phase.iter().map(|phase| [*phase as u8]));
-    let ids = Array::new("Int32", "aggregate", cells, || mesh.aggregate.iter().map(|&id| signed(id).to_le_bytes()));
+    let ids = Array::new("Int32", "aggregate", cells, || mesh.ids().map(|id| signed(id).to_le_bytes()));
     [phase, ids].into_iter()
 }
 
@@ -102,5 +102,5 @@ fn grid<'a>(mesh: &'a Mesh, cell_data: Vec<Array<'a>>) -> Grid<'a> {
 }
 
 fn signed(aggregate: u32) -> i32 {
-    if aggregate == Mesh::NO_AGGREGATE { -1 } else { aggregate as i32 }
+    if aggregate == Mesh::NO_BODY { -1 } else { aggregate as i32 }
 }

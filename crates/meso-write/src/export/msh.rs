@@ -65,7 +65,7 @@ fn side(mesh: &Mesh, tag: i32, faces: &[(u32, usize)]) -> Block {
         mesh.kind.face_nodes()[face].iter().map(move |&i| mesh.cells[start + i])
     };
     let connectivity = faces.iter().flat_map(nodes_of).collect();
-    let aggregates = faces.iter().map(|&(cell, _)| mesh.aggregate[cell as usize]).collect();
+    let aggregates = faces.iter().map(|&(cell, _)| mesh.id(mesh.owner[cell as usize])).collect();
     Block { dimension: 2, tag, kind, nodes, connectivity, aggregates }
 }
 
@@ -76,16 +76,17 @@ fn volume(mesh: &Mesh, phase: Phase) -> Block {
         CellKind::QuadraticTetrahedron => (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
         CellKind::Hexahedron => (5, &[0, 1, 2, 3, 4, 5, 6, 7]),
     };
-    let cells = || mesh.cells().zip(&mesh.aggregate).zip(&mesh.phase).filter(|(_, of)| **of == phase);
+    let cells = || mesh.cells().zip(mesh.ids()).zip(&mesh.phase).filter(|(_, of)| **of == phase);
     let connectivity = cells().flat_map(|((cell, _), _)| order.iter().map(|&i| cell[i])).collect();
-    let aggregates = cells().map(|((_, id), _)| *id).collect();
+    let aggregates = cells().map(|((_, id), _)| id).collect();
     Block { dimension: 3, tag: phase as i32 + 1, kind, nodes: mesh.kind.nodes(), connectivity, aggregates }
 }
 
 /// A volume of its own (an entity may hold one type only by convention), in the same physical group as solid ITZ.
 fn cohesive(mesh: &Mesh) -> Block {
     let (kind, nodes) = if mesh.kind == CellKind::Hexahedron { (5, 8) } else { (6, 6) };
-    let (connectivity, aggregates) = (mesh.cohesive.clone(), mesh.cohesive_aggregate.clone());
+    let (connectivity, aggregates) =
+        (mesh.cohesive.clone(), mesh.cohesive_owner.iter().map(|&owner| mesh.id(owner)).collect());
     Block { dimension: 3, tag: COHESIVE, kind, nodes, connectivity, aggregates }
 }
 
@@ -170,7 +171,7 @@ fn grains(blocks: &[Block], out: &mut impl Write) -> io::Result<()> {
     write!(out, "$ElementData\n1\n\"aggregate\"\n1\n0\n3\n0\n1\n{}\n", aggregates().count())?;
     for (number, &id) in (1..).zip(aggregates()) {
         int(out, number)?;
-        let value = if id == Mesh::NO_AGGREGATE { -1.0 } else { f64::from(id) };
+        let value = if id == Mesh::NO_BODY { -1.0 } else { f64::from(id) };
         out.write_all(&value.to_le_bytes())?;
     }
     out.write_all(b"\n$EndElementData\n")

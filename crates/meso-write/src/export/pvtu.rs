@@ -33,8 +33,9 @@ fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
     nodes.dedup();
     let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
     let points = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
-    let (phase, aggregate) = (mesh.phase[range.clone()].to_vec(), mesh.aggregate[range].to_vec());
-    Mesh::of(mesh.kind, points, parallel::map_short(cells.len(), |k| number(&cells[k])), phase, aggregate)
+    let (phase, owner) = (mesh.phase[range.clone()].to_vec(), mesh.owner[range].to_vec());
+    let part = Mesh::of(mesh.kind, points, parallel::map_short(cells.len(), |k| number(&cells[k])), phase, owner);
+    Mesh { id_of: mesh.id_of.clone(), ..part }
 }
 
 /// Writes the index of the pieces of `mesh`, which are the files `names` beside it.

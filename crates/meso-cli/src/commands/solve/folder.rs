@@ -1,16 +1,18 @@
 //! The folder of a test's results: whole or not at all, and never over others' without `--force`.
 //!
-//! Frames wait for their names until the test is over. Where checkpoints are kept they get them at once, since a run that is
-//! killed must leave what the next one goes on from.
+//! Frames wait for their names until the test is over. With checkpoints they get them at once, since the next run goes on
+//! from the frames that a killed one left. A checkpoint has length and hash of each frame before it.
 
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::outputs::{Target, Unit};
 use meso_core::mesh::Mesh;
-use meso_solve::Run;
+use meso_files::lock::{self, Held};
 use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot};
+use meso_solve::{Run, checkpoint_note};
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufReader, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the state that a run is resumed from.
@@ -28,11 +30,52 @@ pub(super) struct Folder {
     staged: Unit,
     /// A file that keeps [`ROOM`] until the results are written, and never gets a name.
     reserve: Unit,
-    frames: Vec<Moment>,
+    frames: Vec<Written>,
     /// Number of frames that could not be written.
     lost: usize,
+    /// Keeps other processes out.
+    _own: Own,
     /// Whether it was made here; taken away again where nothing comes into it.
     made: Option<Made>,
+}
+
+/// A frame, and the file that it has in the folder.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Written {
+    moment: Moment,
+    /// Absent where the frame waits for its name.
+    file: Option<Contents>,
+}
+
+/// Length and hash of a file.
+#[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct Contents {
+    bytes: u64,
+    sha256: String,
+}
+
+impl Contents {
+    fn of(path: &Path) -> std::io::Result<Self> {
+        Ok(Self { bytes: std::fs::metadata(path)?.len(), sha256: meso_files::sha256(path)? })
+    }
+}
+
+/// The lock on a folder; a signal that ends the process removes its hidden file.
+struct Own(Held);
+
+impl Own {
+    fn of(folder: &Path) -> Result<Self, Failure> {
+        let mut hidden = interrupt::hold();
+        let held = lock::hold(folder).map_err(|error| Failure::Run(error.to_string()))?;
+        hidden.push(held.path().to_owned());
+        Ok(Self(held))
+    }
+}
+
+impl Drop for Own {
+    fn drop(&mut self) {
+        interrupt::hold().retain(|path| path != self.0.path());
+    }
 }
 
 /// A folder that was made here.
@@ -48,20 +91,15 @@ impl Drop for Made {
 /// Remains of a killed run: its frames, and the engine's state after them.
 pub(super) struct Kept {
     pub(super) path: PathBuf,
-    pub(super) frames: Vec<Moment>,
+    pub(super) frames: Vec<Written>,
     pub(super) state: BufReader<File>,
-}
-
-/// First line of a checkpoint.
-#[derive(Serialize, Deserialize)]
-struct Head {
-    frames: Vec<Moment>,
 }
 
 impl Folder {
     /// Looks at the folder before any work, and makes it where it is not there.
     pub(super) fn open(path: &Path, keeps: bool, resumes: bool, force: bool) -> Result<Self, Failure> {
         let made = make(path)?;
+        let own = Own::of(path)?;
         let mut folder = Self {
             path: path.to_owned(),
             force: force || resumes,
@@ -70,6 +108,7 @@ impl Folder {
             reserve: Unit::unforced(),
             frames: Vec::new(),
             lost: 0,
+            _own: own,
             made,
         };
         let checkpoint = path.join(CHECKPOINT);
@@ -101,32 +140,40 @@ impl Folder {
         Target::new(&self.path.join(name), self.force)
     }
 
-    /// The checkpoint of the run before this one.
+    /// The checkpoint of the run before this one, with the frames that it was written after.
     pub(super) fn kept(&self) -> Result<Kept, Failure> {
         let path = self.path.join(CHECKPOINT);
         let fail = |error| Failure::file(&path, &error);
-        let mut state = BufReader::new(File::open(&path).map_err(fail)?);
-        let mut head = Vec::new();
-        state.read_until(b'\n', &mut head).map_err(fail)?;
-        let Ok(Head { frames }) = serde_json::from_slice(&head) else {
-            return Err(Failure::Run(format!(
-                "{} is not a checkpoint, or it is damaged; --force starts the test anew",
-                path.display()
-            )));
-        };
-        match frames.iter().map(|frame| self.path.join(frame.file())).find(|file| !file.is_file()) {
-            Some(missing) => Err(Failure::Run(format!("{} is missing; the run cannot be resumed", missing.display()))),
-            None => Ok(Kept { path, frames, state }),
+        let damaged = |why: String| Failure::Run(format!("{}: {why}; --force starts the test anew", path.display()));
+        let open = || File::open(&path).map(BufReader::new).map_err(fail);
+        let note = checkpoint_note(&mut open()?).map_err(|error| damaged(error.to_string()))?;
+        let frames: Vec<Written> = serde_json::from_slice(&note).map_err(|error| damaged(error.to_string()))?;
+        for frame in &frames {
+            let file = self.path.join(frame.moment.file());
+            let there = Contents::of(&file).map_err(|error| Failure::file(&file, &error))?;
+            if frame.file.as_ref() != Some(&there) {
+                let file = file.display();
+                return Err(damaged(format!("{file} is not the frame that this checkpoint was written after")));
+            }
         }
+        Ok(Kept { state: open()?, path, frames })
     }
 
-    /// Goes on behind `frames`.
-    pub(super) fn go_on(&mut self, frames: Vec<Moment>) {
+    /// Goes on behind `frames` of a killed run; none where a new test starts. Then the checkpoint of another test goes,
+    /// and its frames with it.
+    pub(super) fn go_on(&mut self, frames: Vec<Written>, is_new: bool) -> Result<(), Failure> {
         self.frames = frames;
+        let checkpoint = self.path.join(CHECKPOINT);
+        if !is_new || !checkpoint.exists() {
+            return Ok(());
+        }
+        let frames = self.frames_there()?.into_iter().map(|name| self.path.join(name));
+        remove(std::iter::once(checkpoint).chain(frames))
     }
 
-    pub(super) fn frames(&self) -> &[Moment] {
-        &self.frames
+    /// When each frame was taken.
+    pub(super) fn frames(&self) -> Vec<Moment> {
+        self.frames.iter().map(|frame| frame.moment).collect()
     }
 
     /// What is said in the end of frames that could not be written.
@@ -139,25 +186,27 @@ impl Folder {
 
     /// Writes a frame. Where that fails, those before it stay.
     pub(super) fn add(&mut self, mesh: &Mesh, frame: &Snapshot) -> Result<(), Failure> {
-        let target = Target::new(&self.path.join(frame.moment.file()), self.force || self.keeps);
+        let path = self.path.join(frame.moment.file());
+        let target = Target::new(&path, self.force || self.keeps);
         let written = target.and_then(|target| self.write(&target, |out| frame.write(mesh, out)));
-        match written {
-            Ok(()) => self.frames.push(frame.moment),
-            Err(_) => self.lost += 1,
+        let contents = |()| self.keeps.then(|| Contents::of(&path)).transpose();
+        let file = written.and_then(|()| contents(()).map_err(|error| Failure::file(&path, &error)));
+        match file {
+            Ok(file) => self.frames.push(Written { moment: frame.moment, file }),
+            Err(failure) => {
+                self.lost += 1;
+                return Err(failure);
+            }
         }
-        written
+        Ok(())
     }
 
     /// Writes the checkpoint: whole, or the one before it stays.
     pub(super) fn keep(&mut self, run: &Run) -> Result<(), Failure> {
         let target = Target::new(&self.path.join(CHECKPOINT), true)?;
-        let head = Head { frames: self.frames.clone() };
+        let note = serde_json::to_vec(&self.frames).map_err(|error| Failure::Run(error.to_string()))?;
         let mut unit = Unit::default();
-        unit.fill(&target, true, |out| {
-            serde_json::to_writer(&mut *out, &head)?;
-            writeln!(out)?;
-            run.save(out)
-        })?;
+        unit.fill(&target, true, |out| run.save(&note, out))?;
         unit.commit()
     }
 
@@ -186,19 +235,24 @@ impl Folder {
 
     /// Gives everything its name, and takes away what other runs left; what there is.
     pub(super) fn commit(mut self, is_complete: bool) -> Result<Vec<PathBuf>, Failure> {
-        let own: Vec<String> = self.frames.iter().map(Moment::file).collect();
+        let own: Vec<String> = self.frames.iter().map(|frame| frame.moment.file()).collect();
         let stale = self.frames_there()?.into_iter().filter(|name| !own.contains(name));
         let stale: Vec<PathBuf> = stale.map(|name| self.path.join(name)).collect();
         std::mem::take(&mut self.staged).commit()?;
         let checkpoint = self.path.join(CHECKPOINT);
         let done = if is_complete && checkpoint.exists() { Some(checkpoint) } else { None };
-        for path in stale.iter().chain(&done) {
-            std::fs::remove_file(path).map_err(|error| Failure::file(path, &error))?;
-        }
+        remove(stale.into_iter().chain(done))?;
         drop(self.made.take());
         let names = ResultFile::ALL.map(|file| file.name().to_owned()).into_iter().chain(own);
         Ok(names.map(|name| self.path.join(name)).collect())
     }
+}
+
+fn remove(paths: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    for path in paths {
+        std::fs::remove_file(&path).map_err(|error| Failure::file(&path, &error))?;
+    }
+    Ok(())
 }
 
 /// Makes the folder, if it is not there; it must have a place.

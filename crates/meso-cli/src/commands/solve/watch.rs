@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::progress::{CLEAR, bar, fitting, show};
 use crate::stderr;
 use meso_core::mesh::Mesh;
-use meso_solve::results::{Moment, Snapshot};
+use meso_solve::results::Snapshot;
 use meso_solve::{Frame, Observer, Row, Run};
 use std::cell::{Cell, RefCell};
 use std::io::{self, IsTerminal};
@@ -43,14 +43,7 @@ pub(super) struct Watching<'a> {
 
 impl<'a> Watching<'a> {
     /// Starts the clock; `every` so many seconds the state is kept.
-    pub(super) fn new(
-        mesh: &'a Mesh,
-        mut folder: Folder,
-        frames: Vec<Moment>,
-        every: Option<f64>,
-        quiet: bool,
-    ) -> Self {
-        folder.go_on(frames);
+    pub(super) fn new(mesh: &'a Mesh, folder: Folder, every: Option<f64>, quiet: bool) -> Self {
         let seen = io::stderr().is_terminal();
         let now = Instant::now();
         Self {

@@ -127,6 +127,16 @@ impl TriangleMesh {
     /// # Errors
     /// See [`SurfaceError`].
     pub fn check_closed(&self) -> Result<(), SurfaceError> {
+        self.check_edges()?;
+        let volume = self.volume();
+        if volume > 0.0 { Ok(()) } else { Err(SurfaceError::NoVolume { volume }) }
+    }
+
+    /// Succeeds where every edge lies between two triangles that pass it in opposite directions.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Open`] and [`SurfaceError::NotManifold`].
+    pub fn check_edges(&self) -> Result<(), SurfaceError> {
         let of_triangle = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
         let mut edges: Vec<(u32, u32)> = self.triangles.iter().flat_map(of_triangle).collect();
         edges.sort_unstable();
@@ -141,8 +151,7 @@ impl TriangleMesh {
             let &(from, to) = open[0];
             return Err(SurfaceError::Open { edges: open.len(), from: self.position(from), to: self.position(to) });
         }
-        let volume = self.volume();
-        if volume > 0.0 { Ok(()) } else { Err(SurfaceError::NoVolume { volume }) }
+        Ok(())
     }
 
     fn position(&self, vertex: u32) -> [f64; 3] {

@@ -187,6 +187,9 @@ fn points(specimen: &Specimen, vertices: &[[f64; 3]], waiting: Waiting<'_>) -> C
     let key = if matches!(specimen, Specimen::Mesh { .. }) { "specimen.triangles" } else { KEY };
     let container = specimen.check_while(waiting).map_err(|error| match error {
         ContainerError::Late { .. } => SpecError { is_late: true, ..SpecError::value(TIME_LIMIT, error.to_string()) },
+        ContainerError::Crossing { .. } | ContainerError::Nested { .. } => {
+            SpecError::value(key, format!("are not the surface of a body: {error}"))
+        }
         _ => SpecError::value(key, format!("enclose nothing: {error}")),
     })?;
     container.aabb().size().iter().try_for_each(|edge| length(KEY, *edge))
@@ -212,8 +215,7 @@ fn shape(shape: &Shape) -> Checked {
 fn library(shape: &Shape) -> Checked {
     match (shape.kind, shape.grains.len()) {
         (ShapeKind::Library, 0) => {
-            let message =
-                "is missing; name a folder of STL files, an STL or a JSON file (or give the vertices as grains)";
+            let message = "is missing; name a folder of grains, or a file that ends in .stl, .ply, .obj, .off or .json (or give the vertices as grains)";
             Err(SpecError::value("shape.library", message))
         }
         (ShapeKind::Library, _) | (_, 0) => Ok(()),
@@ -312,13 +314,32 @@ fn largest_fits(spec: &Spec) -> Checked {
     }
     if spec.grading.d_max_mm > inner {
         let message = format!(
-            "is {} but the specimen has only {} mm of room; take smaller aggregates or a larger specimen",
+            "is {} but the specimen has only {} mm of room; take smaller aggregates or a larger specimen{}",
             number(spec.grading.d_max_mm),
-            at_most(inner)
+            at_most(inner),
+            unit_hint(&spec.specimen, container.aabb().size().max())
         );
         return Err(SpecError::value("grading.d_max_mm", message));
     }
     spec.meets_own_image(spec.grading.d_max_mm).map_or(Ok(()), Err)
+}
+
+/// Specimens of files that are longer than this, mm, are hardly in metres, or in inches.
+const LONGEST_IN_METRES: f64 = 3.0;
+const LONGEST_IN_INCHES: f64 = 40.0;
+
+/// The unit that a file of so small a specimen may have.
+fn unit_hint(specimen: &Specimen, longest: f64) -> String {
+    let (unit, scale) = match longest {
+        _ if !matches!(specimen, Specimen::Mesh { .. } | Specimen::Polyhedron { .. }) => return String::new(),
+        ..=LONGEST_IN_METRES => ("metres", "1000"),
+        ..=LONGEST_IN_INCHES => ("inches", "25.4"),
+        _ => return String::new(),
+    };
+    format!(
+        "; files have no units, and a longest edge of {} looks like {unit}: give specimen.scale = {scale} beside specimen.file",
+        at_most(longest)
+    )
 }
 
 fn count(spec: &Spec) -> Checked {

@@ -1,52 +1,79 @@
 //! The whole state of a test as bytes: a test that is resumed gives the same bytes as one that was never cut.
 //!
-//! Little-endian numbers: a mark and a version, a fingerprint of the test, then the state. The mesh is not in it; whoever
-//! resumes builds the same run anew.
+//! Little-endian numbers: a mark and a version, a note of the caller's, a fingerprint of the test, the state, and last the
+//! SHA-256 of all bytes before it. The mesh is not in it; whoever resumes builds the same run anew.
 
+use super::{Run, State};
 use crate::block::{Block, Group};
 use crate::error::SolveError;
 use crate::lanes::LANES;
 use crate::march::curve::Row;
-use crate::march::run::{Run, State};
 use crate::march::servo::Servo;
+use sha2::{Digest, Sha256};
 use std::io::{self, Read, Write};
 
 const MARK: [u8; 8] = *b"mesosolv";
-const VERSION: u64 = 7;
+const VERSION: u64 = 8;
+/// Bytes of a SHA-256.
+const SEAL: usize = 32;
+const DAMAGED: &str = "the file is cut off or damaged";
+
+/// Reads a whole checkpoint, and returns the note that [`Run::save`] was given.
+///
+/// # Errors
+/// A file that is no checkpoint of this version, one with a changed bit, one that is cut off or continued, and those of
+/// `from`.
+pub fn checkpoint_note(from: &mut dyn Read) -> Result<Vec<u8>, SolveError> {
+    let mut sealed = Sealed { from, hash: Sha256::new() };
+    let note = opening(&mut sealed)?;
+    let mut end = End { hash: sealed.hash, last: Vec::new() };
+    io::copy(sealed.from, &mut end).map_err(|error| SolveError::Resume(error.to_string()))?;
+    if end.last == end.hash.finalize().as_slice() { Ok(note) } else { Err(damaged()) }
+}
 
 impl Run<'_> {
-    /// Writes the state.
+    /// Writes the state, with a `note` that [`checkpoint_note`] returns.
     ///
     /// # Errors
     /// Those of `out`.
-    pub fn save(&self, out: &mut dyn Write) -> io::Result<()> {
-        let mut out = io::BufWriter::new(out);
+    pub fn save(&self, note: &[u8], out: &mut dyn Write) -> io::Result<()> {
+        let mut out = io::BufWriter::new(Sealing { out, hash: Sha256::new() });
+        self.write(note, &mut out)?;
+        let Sealing { out, hash } = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+        out.write_all(&hash.finalize())?;
+        out.flush()
+    }
+
+    fn write(&self, note: &[u8], out: &mut impl Write) -> io::Result<()> {
         out.write_all(&MARK)?;
+        words(out, &[VERSION, note.len() as u64])?;
+        out.write_all(note)?;
+        out.write_all(&self.fingerprint())?;
         let state = &self.state;
-        words(&mut out, &[VERSION, self.fingerprint(), state.step, state.rows.len() as u64])?;
+        words(out, &[state.step, state.rows.len() as u64])?;
         let [bottom, top, travel, count] = state.since_row;
         let State { time, progress, held, speed, travel: place, .. } = *state;
-        numbers(&mut out, &[time, progress, held, speed, place])?;
+        numbers(out, &[time, progress, held, speed, place])?;
         let State { external, internal, friction, kinetic, spent, .. } = *state;
-        numbers(&mut out, &[external, internal, friction, kinetic, spent, bottom, top, travel, count])?;
-        numbers(&mut out, &state.servo.values())?;
-        state.rows.iter().try_for_each(|row| numbers(&mut out, &row.values()))?;
-        numbers(&mut out, self.nodes.displacement.as_flattened())?;
-        numbers(&mut out, self.nodes.velocity.as_flattened())?;
+        numbers(out, &[external, internal, friction, kinetic, spent, bottom, top, travel, count])?;
+        numbers(out, &state.servo.values())?;
+        state.rows.iter().try_for_each(|row| numbers(out, &row.values()))?;
+        numbers(out, self.nodes.displacement.as_flattened())?;
+        numbers(out, self.nodes.velocity.as_flattened())?;
         for group in self.blocks.iter().flat_map(|block| &block.groups) {
-            numbers(&mut out, &[group.dissipated, group.hourglass[0], group.hourglass[1]])?;
+            numbers(out, &[group.dissipated, group.hourglass[0], group.hourglass[1]])?;
             for eight in &group.memory {
                 eight.0.iter().try_for_each(|x| out.write_all(&x.to_le_bytes()))?;
             }
         }
-        words(&mut out, &[self.fingerprint()])?;
-        out.flush()
+        Ok(())
     }
 
     /// Takes in a state that [`save`](Self::save) wrote for the same mesh, materials and test.
     ///
     /// # Errors
-    /// A state of another test, one that was cut short, and those of `from`. The run is then as it was before its first step.
+    /// A state of another test, one that is not whole to the bit, and those of `from`. The run is then as it was before its
+    /// first step.
     pub fn resume(&mut self, from: &mut dyn Read) -> Result<(), SolveError> {
         let resumed = self.take_in(&mut io::BufReader::new(from));
         if resumed.is_err() {
@@ -56,12 +83,11 @@ impl Run<'_> {
     }
 
     fn take_in(&mut self, from: &mut dyn Read) -> Result<(), SolveError> {
-        let mut mark = [0; 8];
-        read(from, &mut mark)?;
-        let [version, fingerprint] = [word(from)?, word(from)?];
-        if mark != MARK || version != VERSION {
-            return Err(SolveError::Resume("it is no checkpoint, or one of another version".to_owned()));
-        }
+        let mut sealed = Sealed { from, hash: Sha256::new() };
+        let from = &mut sealed;
+        opening(from)?;
+        let mut fingerprint = [0; SEAL];
+        read(from, &mut fingerprint)?;
         if fingerprint != self.fingerprint() {
             let why = "it belongs to another mesh, other materials or another test; resume with the same ones";
             return Err(SolveError::Resume(why.to_owned()));
@@ -90,7 +116,7 @@ impl Run<'_> {
             since_row,
             rows: rows_so_far,
         };
-        for _ in 0..rows.min(step) {
+        for _ in 0..rows {
             let mut values = [0.0; 11];
             fill(from, &mut values)?;
             self.state.rows.push(Row::from_values(values));
@@ -100,8 +126,7 @@ impl Run<'_> {
         for group in self.blocks.iter_mut().flat_map(|block| &mut block.groups) {
             group.take_in(from)?;
         }
-        let is_whole = word(from)? == self.fingerprint();
-        if is_whole { Ok(()) } else { Err(SolveError::Resume("the file is cut off or damaged".to_owned())) }
+        sealed.finish()
     }
 
     /// Back to the state before the first step.
@@ -114,17 +139,95 @@ impl Run<'_> {
         }
     }
 
-    /// A number that differs between tests with another state or another future: FNV-1a of all that determines them.
-    fn fingerprint(&self) -> u64 {
+    /// Differs between tests with another state or another future: the SHA-256 of all that determines them.
+    fn fingerprint(&self) -> [u8; SEAL] {
         let test = crate::test::Test { instruction_set: None, ..self.test.clone() };
-        let told = format!("{test:?} {:?} {:?}", self.outline, self.common);
-        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-        let mut take = |byte: u8| hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        told.bytes().for_each(&mut take);
-        self.nodes.mass.iter().for_each(|m| m.to_le_bytes().into_iter().for_each(&mut take));
-        self.blocks.iter().for_each(|block| size(block).to_le_bytes().into_iter().for_each(&mut take));
-        hash
+        let mut hash = Sha256::new();
+        hash.update(format!("{test:?} {:?} {:?}", self.outline, self.common));
+        self.nodes.mass.iter().for_each(|m| hash.update(m.to_le_bytes()));
+        self.blocks.iter().for_each(|block| hash.update(size(block).to_le_bytes()));
+        hash.finalize().into()
     }
+}
+
+/// Writes bytes and hashes them.
+struct Sealing<'a> {
+    out: &'a mut dyn Write,
+    hash: Sha256,
+}
+
+impl Write for Sealing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.hash.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+/// Reads bytes and hashes them.
+struct Sealed<'a> {
+    from: &'a mut dyn Read,
+    hash: Sha256,
+}
+
+impl Read for Sealed<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let count = self.from.read(bytes)?;
+        self.hash.update(&bytes[..count]);
+        Ok(count)
+    }
+}
+
+impl Sealed<'_> {
+    /// Compares the hash with the file's, which must be its last bytes.
+    fn finish(self) -> Result<(), SolveError> {
+        let mut rest = Vec::new();
+        // One byte more shows a file that goes on.
+        let read = self.from.take(SEAL as u64 + 1).read_to_end(&mut rest);
+        read.map_err(|error| SolveError::Resume(error.to_string()))?;
+        if rest == self.hash.finalize().as_slice() { Ok(()) } else { Err(damaged()) }
+    }
+}
+
+/// Hashes bytes up to the last 32, which it keeps.
+struct End {
+    hash: Sha256,
+    last: Vec<u8>,
+}
+
+impl Write for End {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.last.extend_from_slice(bytes);
+        let old = self.last.len().saturating_sub(SEAL);
+        self.hash.update(&self.last[..old]);
+        self.last.drain(..old);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Reads mark, version and note; the note is returned.
+fn opening(from: &mut dyn Read) -> Result<Vec<u8>, SolveError> {
+    let mut mark = [0; 8];
+    read(from, &mut mark)?;
+    if mark != MARK || word(from)? != VERSION {
+        return Err(SolveError::Resume("it is no checkpoint, or one of another version".to_owned()));
+    }
+    let (length, mut note) = (word(from)?, Vec::new());
+    // A damaged length asks for no memory: the file limits it.
+    from.take(length).read_to_end(&mut note).map_err(|error| SolveError::Resume(error.to_string()))?;
+    Ok(note)
+}
+
+fn damaged() -> SolveError {
+    SolveError::Resume(DAMAGED.to_owned())
 }
 
 fn size(block: &Block) -> u64 {
@@ -157,7 +260,10 @@ fn numbers(out: &mut impl Write, numbers: &[f64]) -> io::Result<()> {
 }
 
 fn read(from: &mut dyn Read, bytes: &mut [u8]) -> Result<(), SolveError> {
-    from.read_exact(bytes).map_err(|error| SolveError::Resume(error.to_string()))
+    from.read_exact(bytes).map_err(|error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => damaged(),
+        _ => SolveError::Resume(error.to_string()),
+    })
 }
 
 fn word(from: &mut dyn Read) -> Result<u64, SolveError> {

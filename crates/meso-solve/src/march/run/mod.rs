@@ -7,6 +7,8 @@
 mod checkpoint;
 mod drive;
 
+pub use checkpoint::checkpoint_note;
+
 use crate::assemble::parts::Parts;
 use crate::assemble::patches::Patches;
 use crate::assemble::{Assembly, assemble, box_shape};
@@ -114,6 +116,7 @@ impl<'a> Run<'a> {
         let mut number = vec![0; order.len()];
         (0..).zip(&order).for_each(|(new, &old)| number[old as usize] = new);
         let plates = Plates::new(mesh, &number, test, dt * steps as f64)?;
+        sample.validate_volume()?;
         let nodes = Nodes::new(mass, &blocks);
         let forces = vec![[0.0; 4]; nodes.places()];
         let spent = vec![0.0; blocks.len()];

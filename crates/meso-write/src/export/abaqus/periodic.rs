@@ -129,13 +129,13 @@ fn matched(mesh: &Mesh, sides: &Sides) -> Result<(), OutOfRange> {
 /// The box around each of the faces of cells.
 fn boxes(mesh: &Mesh, faces: &[(u32, usize)]) -> Vec<Aabb> {
     let corners =
-        |&(cell, face): &(u32, usize)| mesh.by_aggregate().face(cell, face).map(|node| &mesh.points[node as usize]);
+        |&(cell, face): &(u32, usize)| mesh.by_owner().face(cell, face).map(|node| &mesh.points[node as usize]);
     faces.iter().map(|face| Aabb::around(corners(face))).collect()
 }
 
 /// Whether a cell's face in a plane across `axis` has the point `at` of that plane, its edges included.
 fn covers(mesh: &Mesh, &(cell, face): &(u32, usize), axis: usize, at: &Vec3) -> bool {
-    let corners: Vec<Vec3> = mesh.by_aggregate().face(cell, face).map(|node| mesh.points[node as usize] - at).collect();
+    let corners: Vec<Vec3> = mesh.by_owner().face(cell, face).map(|node| mesh.points[node as usize] - at).collect();
     let [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
     let turn = |a: &Vec3, b: &Vec3| a[u] * b[v] - a[v] * b[u];
     let turns: Vec<f64> = (0..corners.len()).map(|i| turn(&corners[i], &corners[(i + 1) % corners.len()])).collect();
