@@ -1,0 +1,10 @@
+//! `mesocrete solve`: the test itself, from a model, a spec or nothing to the stress-strain curve.
+
+mod flags;
+mod folder;
+mod run;
+mod settings;
+mod watch;
+
+pub(crate) use flags::Args;
+pub(crate) use run::run;
