@@ -183,7 +183,7 @@ fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instr
         let (dice, bodies): (Vec<Dice>, Vec<Vec<Body>>) = begun.unzip();
         let asks: Vec<_> =
             dice.into_par_iter().zip(&bodies).map(|(mut dice, bodies)| varied(&mut dice, bodies)).collect();
-        // The search in double precision from the start, certified or exact, is what the other tests hold against
+        // The search in double precision from the start, certified or exact, is compared by the other tests with
         // references.
         let in_f64 = |q: &PairQuery<'_>| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a);
         let truth: Vec<Vec<bool>> = asks.par_iter().map(|asks| asks.iter().map(in_f64).collect()).collect();

@@ -1,4 +1,4 @@
-//! What must not change an answer, and what a verdict's witness must show.
+//! Changes that leave every answer as it is, and proofs that every witness must give.
 
 use super::dice::Dice;
 use super::families;

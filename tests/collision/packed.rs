@@ -140,7 +140,7 @@ fn numbers_of_any_magnitude_make_bodies() {
 }
 
 #[test]
-fn what_is_no_body_or_no_shift_is_named() {
+fn empty_bodies_and_infinite_shifts_are_named() {
     let point = [Vec3::zeros()];
     assert_eq!(Bodies::new([&point[..], &[]]).unwrap_err(), GjkError::Empty { body: Operand::Many(1) });
     let bodies = Bodies::new([&point[..]]).unwrap();

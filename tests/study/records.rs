@@ -1,7 +1,7 @@
-//! State of a case by its folder, whole, torn or damaged.
+//! CaseState of a case by its folder, whole, torn or damaged.
 
 use crate::plan;
-use meso_study::{Case, MODEL, Outcome, RECORD, Record, State, Status};
+use meso_study::{Case, CaseOutcome, CaseState, MODEL, RECORD, Record, Status};
 use serde_json::{Map, json};
 use std::path::Path;
 
@@ -16,13 +16,13 @@ fn done() -> (tempfile::TempDir, Case) {
 }
 
 fn is_over(case: &Case, then: &str, folder: &Path) -> bool {
-    matches!(State::of(case, then, folder), State::Over(_))
+    matches!(CaseState::of(case, then, folder), CaseState::Over(_))
 }
 
 #[test]
 fn a_case_with_its_record_is_over() {
     let (folder, case) = done();
-    let State::Over(record) = State::of(&case, "f", folder.path()) else { panic!("it is not over") };
+    let CaseState::Over(record) = CaseState::of(&case, "f", folder.path()) else { panic!("it is not over") };
     assert_eq!((record.status, record.files[MODEL]), (Status::Done, 5));
     assert_eq!(record.results["fraction"], 0.2);
 }
@@ -32,11 +32,11 @@ fn a_torn_case_is_open() {
     for torn in ["", "{\"mesocrete\": \"0.1.0\", \"ca"] {
         let (folder, case) = done();
         std::fs::write(folder.path().join(RECORD), torn).unwrap();
-        assert_eq!(State::of(&case, "f", folder.path()), State::Open);
+        assert_eq!(CaseState::of(&case, "f", folder.path()), CaseState::Open);
     }
     let (folder, case) = done();
     std::fs::write(folder.path().join(MODEL), "{").unwrap();
-    assert_eq!(State::of(&case, "f", folder.path()), State::Open);
+    assert_eq!(CaseState::of(&case, "f", folder.path()), CaseState::Open);
     std::fs::remove_file(folder.path().join(MODEL)).unwrap();
     assert!(!is_over(&case, "f", folder.path()));
 }
@@ -45,9 +45,9 @@ fn a_torn_case_is_open() {
 fn another_spec_is_open_and_another_function_keeps_the_packing() {
     let (folder, case) = done();
     let other = plan(&[("seed", json!([8]))]).unwrap().cases.remove(0);
-    assert_eq!(State::of(&other, "f", folder.path()), State::Open);
-    assert_eq!(State::of(&case, "g", folder.path()), State::Packed);
-    State::Packed.prepare(folder.path()).unwrap();
+    assert_eq!(CaseState::of(&other, "f", folder.path()), CaseState::Open);
+    assert_eq!(CaseState::of(&case, "g", folder.path()), CaseState::Packed);
+    CaseState::Packed.prepare(folder.path()).unwrap();
     assert!(folder.path().join(MODEL).exists() && !folder.path().join(RECORD).exists());
 }
 
@@ -57,17 +57,17 @@ fn remains_of_a_killed_run_are_removed() {
     let temporary = folder.path().join(".mesocrete-x1.tmp");
     std::fs::write(&temporary, "half").unwrap();
     std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();
-    State::Open.prepare(folder.path()).unwrap();
+    CaseState::Open.prepare(folder.path()).unwrap();
     assert!(!temporary.exists() && !folder.path().join(MODEL).exists());
     assert!(folder.path().join("notes.txt").exists());
-    assert_eq!(State::of(&case, "f", folder.path()), State::Open);
+    assert_eq!(CaseState::of(&case, "f", folder.path()), CaseState::Open);
 }
 
 #[test]
 fn a_failure_keeps_its_message() {
     let (folder, case) = done();
     Record::new(&case, "", Err("no room".to_owned()).into(), folder.path()).unwrap().save(folder.path(), ()).unwrap();
-    let State::Over(record) = State::of(&case, "", folder.path()) else { panic!("it is not over") };
+    let CaseState::Over(record) = CaseState::of(&case, "", folder.path()) else { panic!("it is not over") };
     assert_eq!((record.status, record.error.as_deref()), (Status::Failed, Some("no room")));
 }
 
@@ -76,15 +76,15 @@ fn a_record_with_a_flipped_bit_never_counts() {
     let (folder, case) = done();
     let path = folder.path().join(RECORD);
     let whole = std::fs::read(&path).unwrap();
-    let right = State::of(&case, "f", folder.path());
+    let right = CaseState::of(&case, "f", folder.path());
     let mut refused = 0;
     // Every third bit of some 5,000: a digit of the result, a key, a blank, the hash itself.
     for bit in (0..8 * whole.len()).step_by(3) {
         let mut damaged = whole.clone();
         damaged[bit / 8] ^= 1 << (bit % 8);
         std::fs::write(&path, &damaged).unwrap();
-        match State::of(&case, "f", folder.path()) {
-            State::Open => refused += 1,
+        match CaseState::of(&case, "f", folder.path()) {
+            CaseState::Open => refused += 1,
             // A blank that became another blank.
             other => assert_eq!(other, right, "bit {bit}"),
         }
@@ -96,7 +96,7 @@ fn a_record_with_a_flipped_bit_never_counts() {
 fn a_damaged_packing_of_the_right_length_is_packed_anew() {
     let (folder, case) = done();
     std::fs::write(folder.path().join(MODEL), "{..,}").unwrap();
-    assert_eq!(State::of(&case, "g", folder.path()), State::Open);
+    assert_eq!(CaseState::of(&case, "g", folder.path()), CaseState::Open);
 }
 
 /// The shared case then_results.py: one of the two values was lost.
@@ -117,7 +117,7 @@ fn a_record_has_the_warnings_of_its_spec_and_of_its_work() {
         .unwrap()
         .cases
         .remove(0);
-    let outcome = Outcome { results: Ok(Map::new()), warnings: vec!["coarse".to_owned()] };
+    let outcome = CaseOutcome { results: Ok(Map::new()), warnings: vec!["coarse".to_owned()] };
     let record = Record::new(&case, "", outcome, folder.path()).unwrap();
     assert!(record.warnings[0].starts_with("attempts count for"), "{:?}", record.warnings);
     assert_eq!(record.warnings[1], "coarse");

@@ -2,19 +2,19 @@
 
 use crate::plan;
 use meso_files::lock::{LockError, hold};
-use meso_study::{Again, Outcome, Run, RunError, Status};
+use meso_study::{Again, CaseOutcome, RunError, Status, StudyRun};
 use serde_json::{Map, json};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A run of the seeds 1 to 5.
-fn open(out: &Path, again: Again) -> Result<Run, RunError> {
-    Run::open(Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap()), "", out, again)
+fn open(out: &Path, again: Again) -> Result<StudyRun, RunError> {
+    StudyRun::open(Arc::new(plan(&[("seed", json!([1, 2, 3, 4, 5]))]).unwrap()), "", out, again)
 }
 
 /// Results of a case, of which the third fails.
-fn outcome(number: usize) -> Outcome {
+fn outcome(number: usize) -> CaseOutcome {
     let results = Map::from_iter([("n".to_owned(), json!(number))]);
     if number == 2 { Err("no room".to_owned()).into() } else { Ok(results).into() }
 }

@@ -77,7 +77,6 @@ impl Aabb {
 }
 
 /// The longest distance between two of the points, mm.
-#[doc(hidden)]
 pub fn longest_distance(points: &[Vec3]) -> f64 {
     let squares = points.iter().enumerate().flat_map(|(i, p)| points[i..].iter().map(move |q| (p - q).norm_squared()));
     squares.fold(0.0, f64::max).sqrt()

@@ -1,4 +1,4 @@
-//! What a finished mesh has to be: of cells with a positive volume, and of phases that have nearly theirs.
+//! Acceptance of a finished mesh: every cell has a positive volume, and every phase has nearly its exact one.
 //!
 //! Elements as large as the grains lose phases, shells and fibres first: [`PhaseOff`] names the one that is farthest off.
 
@@ -28,7 +28,7 @@ pub struct PhaseOff {
     pub phase: Phase,
     /// Its volume in the mesh over the specimen's.
     pub meshed: f64,
-    /// That of its bodies.
+    /// The exact volume of its bodies over the specimen's.
     pub exact: f64,
 }
 

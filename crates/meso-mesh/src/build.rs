@@ -45,7 +45,7 @@ pub fn build<'a>(parts: impl Into<Parts<'a>>, options: &MeshOptions, tools: &Too
     let Tools { gmsh, watch } = *tools;
     options.validate(specimen)?;
     report(watch, 0.02)?;
-    // Where the specimen repeats itself, what crosses a face comes in again on the other side.
+    // Where the specimen repeats itself, a body that crosses a face comes in again on the other side.
     let bodies = &BodyImages::of(&parts);
     report(watch, 0.05)?;
     let mut mesh = cells_of(&parts, bodies, options, gmsh)?;

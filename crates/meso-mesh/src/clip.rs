@@ -1,6 +1,6 @@
 //! Which cells of a grid lie in a specimen that does not fill its bounding box.
 //!
-//! Those with their centroids inside, as long as these have the specimen's volume. They do not always: of the squares of 2 mm
+//! Cells with their centroids inside stay, as long as these have the specimen's volume. They do not always: of the squares of 2 mm
 //! about a circle of 100 mm 0.6 % too many have their centres in it, which the mortar, half of the specimen, has to hold. Then
 //! every voxel is sampled, and the ones with the largest shares inside are kept, as many as come closest to the volume.
 
@@ -14,7 +14,7 @@ use meso_concrete::stop;
 const CLOSE: f64 = 0.002;
 /// Samples of a voxel along an axis: shares in steps of 1/216.
 const SAMPLES: usize = 6;
-/// Of a whole voxel.
+/// Sub-samples of a whole voxel.
 const ALL: u16 = (SAMPLES * SAMPLES * SAMPLES) as u16;
 
 /// For every cell of `mesh` whether it is kept: all of aggregates, and those of mortar in `container`.

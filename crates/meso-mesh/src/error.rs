@@ -12,7 +12,7 @@ const ADVISED_GAP_MM: f64 = 0.05;
 /// Name of the element size in this library.
 const SIZE: &str = "element_size_mm";
 
-/// Reason why there is no mesh: the fault, its place, and the remedy.
+/// Reason why there is no mesh: the fault, its place, and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
     /// An option is out of its range.
@@ -33,7 +33,7 @@ pub enum MeshError {
         phase: &'static str,
         /// Its volume in the mesh over the specimen's.
         meshed: f64,
-        /// That of its bodies.
+        /// The exact volume of its bodies over the specimen's.
         exact: f64,
         /// Remedies.
         ways: Ways,

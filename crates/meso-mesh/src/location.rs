@@ -14,7 +14,7 @@ use std::borrow::Cow;
 /// A convex body by its face planes.
 #[derive(Clone)]
 pub struct Facets {
-    /// Of its inside.
+    /// Phase of its inside.
     pub(crate) phase: Phase,
     pub(crate) aabb: Aabb,
     pub(crate) planes: Vec<Plane>,

@@ -9,7 +9,7 @@ use crate::tree::{self, plain};
 use meso_files::Beside;
 use meso_files::lock::LockError;
 use meso_study::{
-    Again, Axis, Case, Plan, PlanError, Planning, Record, Run, RunError, State, Table, ensemble, of_packing,
+    Again, Axis, Case, CaseState, Plan, PlanError, Planning, Record, RunError, StudyRun, Table, ensemble, of_packing,
     save_tables,
 };
 use pyo3::exceptions::{PyBlockingIOError, PyTypeError, PyValueError};
@@ -25,7 +25,7 @@ pub(crate) struct PyStudyPlan(Arc<Plan>);
 
 /// A study while it runs; its folder is locked.
 #[pyclass(name = "_StudyRun", module = "mesocrete._mesocrete", frozen)]
-pub(crate) struct PyStudyRun(Run);
+pub(crate) struct PyStudyRun(StudyRun);
 
 /// The axes of a dict from dotted keys to iterables.
 fn axes(over: &Bound<'_, PyDict>) -> PyResult<Vec<Axis>> {
@@ -161,7 +161,7 @@ impl PyStudyRun {
     #[new]
     fn new(plan: &PyStudyPlan, then: &str, out: PathBuf, retry_failed: bool) -> PyResult<Self> {
         let again = if retry_failed { Again::Failed } else { Again::None };
-        guard(|| Run::open(Arc::clone(&plan.0), then, &out, again).map(Self).map_err(run_error))
+        guard(|| StudyRun::open(Arc::clone(&plan.0), then, &out, again).map(Self).map_err(run_error))
     }
 
     /// Numbers of the cases that are not over.
@@ -212,9 +212,9 @@ impl PyStudyPlan {
     }
 
     fn records(&self, then: &str, out: &Path) -> Vec<Record> {
-        let state = |case: &Case| State::of(case, then, &out.join(&case.folder));
+        let state = |case: &Case| CaseState::of(case, then, &out.join(&case.folder));
         let states = self.0.cases.iter().map(state);
-        states.filter_map(|state| if let State::Over(record) = state { Some(*record) } else { None }).collect()
+        states.filter_map(|state| if let CaseState::Over(record) = state { Some(*record) } else { None }).collect()
     }
 }
 

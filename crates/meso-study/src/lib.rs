@@ -1,6 +1,6 @@
 //! Studies: every combination of some options, one folder each, and one table of all of them.
 //!
-//! [`Plan`] is the only source of combinations, hashes and folder names. [`Run`] does its cases in a locked folder, for the
+//! [`Plan`] is the only source of combinations, hashes and folder names. [`StudyRun`] does its cases in a locked folder, for the
 //! command and the Python package alike. A case leaves its [`Record`], written last: a case without one was killed and is
 //! done again. [`Table`] and [`ensemble`] put the records together. [`Names`] keeps the files of a case apart.
 #![forbid(unsafe_code)]
@@ -21,8 +21,8 @@ pub use ensemble::{REPLICATE, ensemble};
 pub use folder::{TABLES, save_tables};
 pub use names::{NameError, Names};
 pub use plan::{Axis, MOST_CASES, Plan, PlanError, Planning};
-pub use record::{Failed, MODEL, Outcome, RECORD, Record, State, Status};
+pub use record::{CaseOutcome, CaseState, Failed, MODEL, RECORD, Record, Status};
 pub use results::{of_packing, of_summary};
-pub use run::{Again, Run, RunError, Tally};
+pub use run::{Again, RunError, StudyRun, Tally};
 pub use student::quantile_975;
 pub use table::{Column, Table, Values, tabulate};

@@ -62,7 +62,7 @@ pub type Failed = String;
 
 /// Results or failure of a case, and its warnings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct CaseOutcome {
     /// The results, or the message of the failure.
     pub results: Result<Map<String, Value>, Failed>,
     /// Warnings on the way.
@@ -71,7 +71,7 @@ pub struct Outcome {
 
 /// State of a case according to its folder.
 #[derive(Clone, Debug, PartialEq)]
-pub enum State {
+pub enum CaseState {
     /// The folder is empty, or holds the remains of a killed run.
     Open,
     /// The packing is complete; the work on it has changed.
@@ -80,7 +80,7 @@ pub enum State {
     Over(Box<Record>),
 }
 
-impl From<Result<Map<String, Value>, Failed>> for Outcome {
+impl From<Result<Map<String, Value>, Failed>> for CaseOutcome {
     fn from(results: Result<Map<String, Value>, Failed>) -> Self {
         Self { results, warnings: Vec::new() }
     }
@@ -93,7 +93,7 @@ impl Record {
     ///
     /// # Errors
     /// Where the folder cannot be read.
-    pub fn new(case: &Case, then: &str, outcome: Outcome, folder: &Path) -> io::Result<Self> {
+    pub fn new(case: &Case, then: &str, outcome: CaseOutcome, folder: &Path) -> io::Result<Self> {
         let results = outcome.results.and_then(|results| match repeated(&results) {
             Some(name) => Err(format!("two results have the name {name:?} in the table; rename one of them")),
             None => Ok(results),
@@ -153,7 +153,7 @@ fn model_digest(folder: &Path) -> io::Result<String> {
     Ok(digest(&std::fs::read(folder.join(MODEL))?))
 }
 
-impl State {
+impl CaseState {
     /// Looks into a case's `folder`; `then` is the field of [`Record`]. Files that are shorter or longer than recorded count
     /// as absent: a power failure may leave such.
     pub fn of(case: &Case, then: &str, folder: &Path) -> Self {

@@ -1,11 +1,11 @@
 //! Runs a study in its folder: the cases that are left, the record of each, the tables at the end.
 //!
-//! A front gives the work on a case and shows the progress. [`Run::drive`] does the cases in threads of this process; a
-//! front with executors of its own calls [`Run::begin`] and [`Run::end`] around each case.
+//! A front gives the work on a case and shows the progress. [`StudyRun::drive`] does the cases in threads of this process; a
+//! front with executors of its own calls [`StudyRun::begin`] and [`StudyRun::end`] around each case.
 
 use crate::folder::save_tables;
 use crate::plan::Plan;
-use crate::record::{Outcome, Record, State, Status};
+use crate::record::{CaseOutcome, CaseState, Record, Status};
 use crate::table::Table;
 use meso_files::lock::{Held, LockError, hold};
 use meso_files::whole::Keeper;
@@ -68,7 +68,7 @@ enum Slot {
 }
 
 /// A study while it runs; its folder is locked until this is dropped.
-pub struct Run {
+pub struct StudyRun {
     plan: Arc<Plan>,
     then: String,
     out: PathBuf,
@@ -77,7 +77,7 @@ pub struct Run {
     held: Mutex<Option<Held>>,
 }
 
-impl Run {
+impl StudyRun {
     /// Makes and locks the folder `out`, and looks which cases of `plan` are over; `then` is the field of [`Record`].
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl Run {
                 if again == Again::All {
                     Slot::Left { is_packed: false }
                 } else {
-                    slot(State::of(case, then, &folder), again, &folder)
+                    slot(CaseState::of(case, then, &folder), again, &folder)
                 }
             })
             .collect();
@@ -150,7 +150,7 @@ impl Run {
     /// Errors of the file system.
     pub fn begin(&self, number: usize) -> Result<bool, RunError> {
         let is_packed = matches!(lock(&self.slots)[number], Slot::Left { is_packed: true });
-        let state = if is_packed { State::Packed } else { State::Open };
+        let state = if is_packed { CaseState::Packed } else { CaseState::Open };
         let path = self.folder(number);
         state.prepare(&path).map(|()| is_packed).map_err(|error| RunError::File { path, error })
     }
@@ -159,7 +159,7 @@ impl Run {
     ///
     /// # Errors
     /// Errors of the file system.
-    pub fn end(&self, number: usize, outcome: Outcome, keeper: impl Keeper) -> Result<(), RunError> {
+    pub fn end(&self, number: usize, outcome: CaseOutcome, keeper: impl Keeper) -> Result<(), RunError> {
         let path = self.folder(number);
         let made = Record::new(&self.plan.cases[number], &self.then, outcome, &path);
         let record = made.and_then(|record| record.save(&path, keeper).map(|()| record));
@@ -178,7 +178,7 @@ impl Run {
         jobs: u16,
         keeper: impl Keeper + Copy + Sync,
         starts: &(dyn Fn(usize) + Sync),
-        work: &(dyn Fn(usize) -> Option<Outcome> + Sync),
+        work: &(dyn Fn(usize) -> Option<CaseOutcome> + Sync),
     ) -> Result<(), RunError> {
         let left = Mutex::new(self.left().into_iter());
         let one = |number: usize| -> Result<bool, RunError> {
@@ -223,14 +223,14 @@ impl Run {
 }
 
 /// A case in `state`, where the cases `again` run once more. A failed case starts from its packing, if it has one.
-fn slot(state: State, again: Again, folder: &Path) -> Slot {
+fn slot(state: CaseState, again: Again, folder: &Path) -> Slot {
     match state {
-        State::Over(record) if record.status == Status::Failed && again == Again::Failed => {
+        CaseState::Over(record) if record.status == Status::Failed && again == Again::Failed => {
             Slot::Left { is_packed: record.has_model(folder) }
         }
-        State::Over(record) => Slot::Over(record),
-        State::Packed => Slot::Left { is_packed: true },
-        State::Open => Slot::Left { is_packed: false },
+        CaseState::Over(record) => Slot::Over(record),
+        CaseState::Packed => Slot::Left { is_packed: true },
+        CaseState::Open => Slot::Left { is_packed: false },
     }
 }
 

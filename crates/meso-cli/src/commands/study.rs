@@ -10,7 +10,7 @@ use crate::progress::{CLEAR, bar, show};
 use crate::{interrupt, stderr};
 use file::StudyFile;
 use meso_concrete::thousands;
-use meso_study::{Again, Case, Plan, Run, RunError, State, Status, TABLES, Tally};
+use meso_study::{Again, Case, CaseState, Plan, RunError, Status, StudyRun, TABLES, Tally};
 use std::io::{self, IsTerminal};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     if args.dry_run {
         return list(&plan, args);
     }
-    let study = Run::open(Arc::clone(&plan), "", &args.output, args.again()).map_err(failure)?;
+    let study = StudyRun::open(Arc::clone(&plan), "", &args.output, args.again()).map_err(failure)?;
     interrupt::hold().extend(study.lock_file());
     let work = |number: usize| {
         let case = &plan.cases[number];
@@ -126,11 +126,11 @@ fn failure(error: RunError) -> Failure {
 fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
     crate::outputs::Unit::default().fill(&crate::outputs::Target::Stdout, false, |out| {
         plan.cases.iter().try_for_each(|case| {
-            let word = match State::of(case, "", &args.output.join(&case.folder)) {
+            let word = match CaseState::of(case, "", &args.output.join(&case.folder)) {
                 _ if args.force => "open",
-                State::Over(record) if record.status == Status::Failed => "failed",
-                State::Over(_) => "done",
-                State::Open | State::Packed => "open",
+                CaseState::Over(record) if record.status == Status::Failed => "failed",
+                CaseState::Over(_) => "done",
+                CaseState::Open | CaseState::Packed => "open",
             };
             writeln!(out, "{word:6}  {}", case.folder)
         })
@@ -139,7 +139,7 @@ fn list(plan: &Plan, args: &Args) -> Result<u8, Failure> {
 }
 
 /// Writes the tables, reports the cases that failed, and returns the exit code.
-fn finish(study: &Run, args: &Args) -> Result<u8, Failure> {
+fn finish(study: &StudyRun, args: &Args) -> Result<u8, Failure> {
     study.save_tables(Signals).map_err(failure)?;
     let tally = study.tally();
     for record in study.records().iter().filter(|record| record.status == Status::Failed) {

@@ -11,7 +11,7 @@ pub struct CompactPolyhedron {
     /// zeros.
     lists: Box<[u32]>,
     vertices: u32,
-    /// Of all faces; with the number of vertices it determines the lists' layout.
+    /// Number of corners of all faces; with the number of vertices it determines the lists' layout.
     corners: u32,
     volume: f64,
 }
@@ -152,12 +152,12 @@ impl CompactPolyhedron {
         Aabb { min: low.into(), max: high.into() }
     }
 
-    /// The same body in double precision.
+    /// Returns the body in double precision.
     pub fn widened(&self) -> Polyhedron {
         Polyhedron::of_volume(self.vertices().collect(), self.faces(), self.volume)
     }
 
-    /// The same faces over as many other vertices (mm), which must be these moved as one body.
+    /// Keeps the faces over as many other vertices (mm), which must be these moved as one body.
     pub fn with_vertices(&self, vertices: Vec<Vec3>) -> Polyhedron {
         Polyhedron::with_faces(vertices.into_boxed_slice(), self.faces())
     }

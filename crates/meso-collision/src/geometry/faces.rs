@@ -34,7 +34,7 @@ enum Owned {
     U32(Box<[u32]>),
 }
 
-/// The same, borrowed.
+/// Borrowed indices in the narrowest type.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Indices<'a> {
     U8(&'a [u8]),

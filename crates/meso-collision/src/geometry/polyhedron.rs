@@ -14,7 +14,7 @@ const BYTE_INDICES: usize = 256;
 
 /// A closed convex polyhedron.
 ///
-/// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps what it is given:
+/// Vertices in mm; faces are convex polygons, counter-clockwise seen from outside. The type keeps its input as it is:
 /// [`convex_hull`](crate::geometry::convex_hull) makes one that is convex by construction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
@@ -45,7 +45,7 @@ impl Polyhedron {
         Self::from_lists(vertices.into_boxed_slice(), &corners, &ends)
     }
 
-    /// As [`Polyhedron::from_parts`], from the corners of all faces and where each face ends.
+    /// Makes a polyhedron as [`Polyhedron::from_parts`] does, from the corners of all faces and where each face ends.
     pub(crate) fn from_lists(vertices: Box<[Vec3]>, corners: &[u32], ends: &[u32]) -> Self {
         // The lists are read faster than the narrow indices they are stored as: a tenth of a grain's hull.
         let starts = std::iter::once(&0).chain(ends);
@@ -94,7 +94,7 @@ impl Polyhedron {
         self.faces.faces()
     }
 
-    /// The same faces over vertices mapped by `map`, with a volume known better than from the rounded vertices.
+    /// Maps the vertices by `map` and keeps the faces, with a volume known better than from the rounded vertices.
     pub(crate) fn mapped_to_volume(mut self, map: impl Fn(&Vec3) -> Vec3, volume: f64) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = map(vertex));
         Self { volume, ..self }
@@ -121,7 +121,6 @@ impl Polyhedron {
     }
 
     /// The faces with their planes, in face order.
-    #[doc(hidden)]
     pub fn facets(&self) -> Vec<Facet> {
         match self.face_lists().byte_triangles() {
             // Nearly all bodies: in a fifth of the time.
@@ -221,7 +220,7 @@ impl Polyhedron {
         self.mapped(|v| matrix * v)
     }
 
-    /// The same faces over vertices mapped by `map`, which must keep the orientation.
+    /// Maps the vertices by `map`, which must keep the orientation, and keeps the faces.
     pub fn mapped(&self, map: impl Fn(&Vec3) -> Vec3) -> Self {
         Self::with_faces(self.vertices.iter().map(map).collect(), self.faces.clone())
     }

@@ -1,4 +1,4 @@
-//! A body laid out for many queries: coordinates side by side, and what decides most pairs in one cache line.
+//! A body laid out for many queries: coordinates side by side, and the bounds that decide most pairs in one cache line.
 
 use crate::geometry::{CompactPolyhedron, Facet, Polyhedron};
 use crate::gjk::prove::ellipsoid::Ellipsoids;
@@ -50,8 +50,8 @@ pub struct Body {
 pub struct Bounds(pub(crate) Ellipsoids);
 
 impl Bounds {
-    /// Makes `body` the one that these are of: its memory is used again. Of a body of one group only the points in f32 are
-    /// laid out, which are exact: [`Body::widen`] makes the others of them.
+    /// Makes `body` the one that these are of: its memory is used again. In a body of one group only the points in f32
+    /// are laid out, which are exact: [`Body::widen`] makes the others of them.
     #[inline]
     pub(crate) fn lay_out(&self, shape: &CompactPolyhedron, body: &mut Body) {
         body.bounds = self.0;
@@ -78,7 +78,7 @@ impl Wide for LaidOut<'_> {
     fn run(self) {
         let (shape, len) = (self.shape, self.shape.vertex_count());
         for (axis, slots) in self.group.0.iter_mut().enumerate() {
-            // Where as much memory lies behind the vertices, whole registers are read and what is beyond is not used.
+            // Where as much memory lies behind the vertices, whole registers are read and the excess is not used.
             match shape.window::<GROUP>(axis) {
                 Some(window) => {
                     slots.copy_from_slice(window);
@@ -96,7 +96,7 @@ impl Wide for LaidOut<'_> {
     }
 }
 
-/// The same points in f64.
+/// The points in f64.
 struct Widened<'a>(&'a Group<f32>, &'a mut Group);
 
 impl Wide for Widened<'_> {
@@ -118,30 +118,54 @@ impl Body {
     ///
     /// # Panics
     /// Without points.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Body, math::Vec3};
+    /// let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    /// let body = Body::new(&corners);
+    /// assert!(body.overlaps(&body, &Vec3::new(2.0, 0.0, 0.0)));
+    /// ```
     pub fn new(points: &[Vec3]) -> Self {
         Self::bounded(points, Ellipsoids::around(points, &Ellipsoids::moments(points)))
     }
 
-    /// A body whose points lie on or near the ellipsoid `semi_axes` (mm), turned by `rotation`, about the frame's origin.
+    /// A body whose points lie on or near the ellipsoid `semi_axes` (mm), turned by `rotation`, about the frame's
+    /// origin.
     ///
     /// The ellipsoid is enlarged until it holds every point; it serves to tell pairs apart early.
     ///
     /// # Panics
     /// Without points.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Body, math::{Mat3, Vec3}};
+    /// let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    /// let body = Body::on_ellipsoid(&corners, &Vec3::repeat(1.0), &Mat3::identity());
+    /// assert!(!body.overlaps(&body, &Vec3::new(2.1, 0.0, 0.0)));
+    /// ```
     pub fn on_ellipsoid(points: &[Vec3], semi_axes: &Vec3, rotation: &Mat3) -> Self {
         let squares = Mat3::from_diagonal(&semi_axes.component_mul(semi_axes));
         Self::bounded(points, Ellipsoids::around(points, &(rotation * squares * rotation.transpose())))
     }
 
-    /// Adds what the faces of `solid`, whose vertices this body has, prove about its inside.
+    /// Adds the inner bounds that the faces of `solid` prove; this body has its vertices.
     ///
     /// Pairs that overlap deeply are then decided without looking at a vertex.
+    ///
+    /// ```
+    /// use meso_collision::{geometry::convex_hull, gjk::Body, math::Vec3};
+    /// let corners = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y(), Vec3::z(), -Vec3::z()];
+    /// let solid = convex_hull(&corners)?;
+    /// let body = Body::new(solid.vertices()).with_inside_of(&solid);
+    /// assert!(body.inradius() > 0.57 && body.circumradius() >= 1.0);
+    /// # Ok::<(), meso_collision::geometry::HullError>(())
+    /// ```
     #[must_use]
     pub fn with_inside_of(self, solid: &Polyhedron) -> Self {
         self.with_facets(solid.facets())
     }
 
-    /// As [`with_inside_of`](Self::with_inside_of), from the solid's facets.
+    /// Adds inner bounds like [`with_inside_of`](Self::with_inside_of), from the solid's facets.
     pub(crate) fn with_facets(mut self, facets: impl IntoIterator<Item = Facet>) -> Self {
         self.bounds.measure_inside(facets);
         self.note_narrow();
@@ -172,8 +196,8 @@ impl Body {
         }
     }
 
-    /// All points in f32, of a body that a search in single precision can work on: of one group, known to hold its frame's
-    /// origin, and of a size whose cube that precision holds.
+    /// All points in f32, of a body that a search in single precision can work on: of one group, known to hold its
+    /// frame's origin, and of a size whose cube that precision holds.
     #[inline(always)]
     pub(crate) fn narrow(&self) -> Option<&Group<f32>> {
         self.is_narrow.then_some(&self.narrow)

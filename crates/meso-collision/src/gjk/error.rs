@@ -1,4 +1,4 @@
-//! Why a question has no answer: what is wrong with the points.
+//! Reasons why a question has no answer: faults of the points.
 
 use crate::math::Vec3;
 
@@ -53,7 +53,7 @@ pub enum GjkError {
     },
 }
 
-/// Refuses what is no body.
+/// Refuses points that form no body.
 pub(crate) fn check(points: &[Vec3], body: Operand) -> Result<(), GjkError> {
     if points.is_empty() {
         return Err(GjkError::Empty { body });

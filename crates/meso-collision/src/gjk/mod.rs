@@ -1,9 +1,9 @@
 //! Do two convex bodies share a point, and how far apart are they: proved answers, on any input.
 //!
-//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any finite
-//! numbers, in any unit. Every answer is certified. A search in floating point ([`Method`]) proposes it; a separating
-//! direction or four points around the origin prove it, rounding included; what they leave open is decided in exact
-//! arithmetic.
+//! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any
+//! finite numbers, in any unit. Every answer is certified. A search in floating point ([`Method`]) proposes it; a
+//! separating direction or four points around the origin prove it, rounding included; pairs they leave open are decided
+//! in exact arithmetic.
 //!
 //! ```
 //! use meso_collision::{gjk, math::Vec3};
@@ -19,17 +19,18 @@
 //!
 //! For many queries about the same points, make [`Bodies`] of them. Where they are about bodies that hold their frames'
 //! origins and are displaced from each other, a [`Body`] of each is faster still: ask [`Body::overlaps`] or
-//! [`Body::separating_axis`], [`PairQuery::overlap_many`] for many pairs at once, and [`PairQuery::clear_many`] for many
-//! placement attempts.
+//! [`Body::separating_axis`], [`PairQuery::overlap_many`] for many pairs at once, and [`PairQuery::clear_many`] for
+//! many placement attempts.
 //!
 //! Rooms, from the question to its proof:
 //!
-//! 1. `ask` takes questions: plain `points`, prepared `bodies`, pairs of [`Body`]s (`cascade`), many pairs (`many`), and
-//!    attempts of placement (`attempts`). `scaled` brings points to a common scale.
-//! 2. `search` proposes an answer. `mpr` takes bodies that hold their frames' origins, in f32 and then in f64; `enhanced` and
-//!    `classical` take all others. `kernel` finds supports, and `lockstep` runs `mpr` on a register of pairs.
-//! 3. `prove` confirms it. `ellipsoid` and `gauge` decide most pairs without a search; `certificate` proves the result of
-//!    a search, and `exact` decides the rest in integers.
+//! 1. `ask` takes questions: plain `points`, prepared `bodies`, pairs of [`Body`]s (`cascade`), many pairs (`many`),
+//!    and attempts of placement (`attempts`). `scaled` brings points to a common scale.
+//! 2. `search` proposes an answer. `mpr` takes bodies that hold their frames' origins, in f32 and then in f64;
+//!    `enhanced` and `classical` take all others. `kernel` finds supports, and `lockstep` runs `mpr` on a register of
+//!    pairs.
+//! 3. `prove` confirms it. `ellipsoid` and `gauge` decide most pairs without a search; `certificate` proves the result
+//!    of a search, and `exact` decides the rest in integers.
 //! 4. `measure` bounds depths (`penetration`) and times (`impact`) with these searches and proofs.
 
 mod ask;
@@ -44,20 +45,15 @@ mod search;
 mod support;
 
 pub use ask::bodies::Bodies;
-#[doc(hidden)]
 pub use ask::cascade::{Counters, apart_from};
 pub use ask::pair_query::PairQuery;
-#[doc(hidden)]
 pub use ask::points::distance_exceeds;
 pub use ask::points::{Verdict, closest_points, distance, intersects};
 pub use body::Body;
-#[doc(hidden)]
 pub use body::Bounds;
 pub use error::{GjkError, Operand};
 pub use measure::impact::Impact;
 pub use measure::penetration::Penetration;
 pub use method::Method;
-#[doc(hidden)]
 pub use prove::gauge::Solid;
-#[doc(hidden)]
 pub use support::Support;

@@ -1,4 +1,4 @@
-//! A pair of bodies and a displacement: its supports, and what a search finds out about it.
+//! A pair of bodies and a displacement: its supports, and the result of a search.
 
 use crate::gjk::body::{Body, Group};
 use crate::gjk::prove::certificate::{self, Difference};
@@ -15,8 +15,8 @@ use num_traits::Signed;
 pub(crate) enum Found {
     /// Proved apart along this direction, from A to B.
     Apart(Vec3),
-    /// Proved to share a point: the origin lies in this tetrahedron. Where a gap was asked for: proved not that far apart.
-    /// Where the frames' origins or the ellipsoids prove it, corners are missing.
+    /// Proved to share a point: the origin lies in this tetrahedron. Where a gap was asked for: proved not that far
+    /// apart. Where the frames' origins or the ellipsoids prove it, corners are missing.
     Overlap(Corners),
     /// Not proved; this is where the search ended.
     Undecided(Corners),

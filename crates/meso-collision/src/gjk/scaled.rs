@@ -10,7 +10,8 @@ use crate::gjk::search::simplex::Corners;
 use crate::math::Vec3;
 use crate::simd::dispatch;
 
-/// Magnitudes of coordinates, other than 0, whose products neither over- nor underflow. Beyond, exact arithmetic answers.
+/// Magnitudes of coordinates, other than 0, whose products neither over- nor underflow. Beyond, exact arithmetic
+/// answers.
 const ORDINARY: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 
 /// True where no product of these coordinates over- or underflows.
@@ -18,7 +19,8 @@ pub(crate) fn is_ordinary(points: &[Vec3]) -> bool {
     points.iter().all(|point| point.iter().all(|&value| value == 0.0 || ORDINARY.contains(&value.abs())))
 }
 
-/// A pair near the origin and of a size near 1: each coordinate rounded once, by the shift; the scale is a power of two.
+/// A pair near the origin and of a size near 1: each coordinate rounded once, by the shift; the scale is a power of
+/// two.
 pub(crate) struct Scaled<'p> {
     pub(crate) a: Body,
     pub(crate) b: Body,
@@ -96,7 +98,7 @@ impl<'p> Scaled<'p> {
     }
 
     pub(crate) fn distance_exceeds(&self, gap: f64) -> bool {
-        // The scale is a power of two: nothing is rounded, but what is left of a gap must not be nothing.
+        // The scale is a power of two: nothing is rounded, but a gap must not become 0.
         let least = if gap > 0.0 { f64::MIN_POSITIVE } else { 0.0 };
         let scaled = (gap * self.originals.scale).max(least);
         match self.classical(Until::Apart(scaled)) {
@@ -120,8 +122,8 @@ fn power_of_two_near_inverse(size: f64) -> f64 {
     f64::from_bits(((1023 - exponent) as u64) << 52)
 }
 
-/// The exponent of the power of two that brings the largest coordinate to 1..2, where that is needed for products not to
-/// over- or underflow; else 0.
+/// The exponent of the power of two that brings the largest coordinate to 1..2, where that is needed for products not
+/// to over- or underflow; else 0.
 pub(crate) fn power_to_one<'p>(points: impl IntoIterator<Item = &'p Vec3>) -> i32 {
     let (mut largest, mut ordinary) = (0.0_f64, true);
     for point in points {
@@ -131,7 +133,7 @@ pub(crate) fn power_to_one<'p>(points: impl IntoIterator<Item = &'p Vec3>) -> i3
     if ordinary { 0 } else { -libm::ilogb(largest) }
 }
 
-/// p 2^exponent; what underflows is lost.
+/// p 2^exponent; underflow is lost.
 pub(crate) fn times_power(p: &Vec3, exponent: i32) -> Vec3 {
     p.map(|x| libm::scalbn(x, exponent))
 }

@@ -2,12 +2,12 @@
 //!
 //! [`widest`] runs plain loops, which the compiler vectorizes; `dispatch` runs code that is written with `Lanes`. The
 //! compiler never fuses or reorders floating-point operations, and fused multiply-adds are exact to define, so every
-//! instruction set finds the same bits. A value of a vector type is made from a token of its instruction set, and a token
-//! only by `dispatch`, after detection: so the operations on it are safe.
+//! instruction set finds the same bits. A value of a vector type is made from a token of its instruction set, and a
+//! token only by `dispatch`, after detection: so the operations on it are safe.
 //!
-//! pulp 0.22 was tried in its place. It finds the same bits, and a support of two bodies takes as long with it. But its portable
-//! trait has no compress, expand or transposed loads, which lockstep lives on, so those would stay intrinsics of ours; and
-//! building it takes 12 s of processor time, a twentieth of the whole release build.
+//! pulp 0.22 was tried in its place. It finds the same bits, and a support of two bodies takes as long with it. But its
+//! portable trait has no compress, expand or transposed loads, which lockstep lives on, so those would stay intrinsics
+//! of ours; and building it takes 12 s of processor time, a twentieth of the whole release build.
 #![allow(unsafe_code)]
 
 #[cfg(any(test, not(target_arch = "aarch64")))]
@@ -29,7 +29,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub enum Isa {
     /// Instructions of every machine of the target: SSE2 on x86-64, NEON on arm64.
     Scalar,
-    /// AVX2 and FMA, and what came with them: BMI, LZCNT and POPCNT.
+    /// AVX2 and FMA, and their companions: BMI, LZCNT and POPCNT.
     Avx2,
     /// AVX-512 F, BW, DQ and VL.
     Avx512,
@@ -45,7 +45,7 @@ impl Isa {
     }
 
     /// The widest set that the machine has.
-    fn best() -> Self {
+    pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
@@ -72,7 +72,8 @@ pub fn isa() -> Isa {
     }
 }
 
-/// Uses `isa`, or what the machine has where that is less, from now on and in all threads; returns what is used.
+/// Uses `isa`, or the machine's widest set where that is narrower, from now on and in all threads; returns the set in
+/// use.
 ///
 /// Results do not change, only their run time: for tests and benches.
 #[cold]
@@ -93,14 +94,14 @@ pub(crate) trait Vectorized {
 /// Runs `work` on the widest registers there are.
 #[inline]
 pub(crate) fn dispatch<V: Vectorized>(work: V) -> V::Output {
-    // SAFETY: `isa` is at most what was detected.
+    // SAFETY: `isa` is at most the detected set.
     unsafe { on(isa(), work) }
 }
 
-/// Runs `work` on `isa`, or what the machine has where that is less, whatever other threads choose.
+/// Runs `work` on `isa`, or the machine's widest set where that is narrower, whatever other threads choose.
 #[cfg(test)]
 pub(crate) fn dispatch_on<V: Vectorized>(isa: Isa, work: V) -> V::Output {
-    // SAFETY: what is more than was detected is not taken.
+    // SAFETY: no set beyond the detected one is taken.
     unsafe { on(isa.min(Isa::best()), work) }
 }
 
@@ -132,8 +133,8 @@ fn on_any<V: Vectorized>(work: V) -> V::Output {
     work.run(portable::Portable::new())
 }
 
-/// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one that must
-/// be inlined, and what is not inlined is compiled for narrow registers.
+/// Plain loops that gain from wide registers. A trait and not a closure: only a named function can be marked as one
+/// that must be inlined, and other functions are compiled for narrow registers.
 pub trait Wide {
     /// The result.
     type Output;
@@ -181,8 +182,8 @@ pub(crate) trait Simd: Copy {
         std::array::from_fn(|axis| Self::F64::of_lanes(self, |l| vectors[l][axis]))
     }
 
-    /// The rows of these columns, rounded: those of the lanes of the mask come first in `rows`, and what is behind them has
-    /// no meaning. The last number of each is the bits of `first` plus its lane. Returns how many there are.
+    /// The rows of these columns, rounded: those of the lanes of the mask come first in `rows`, and the rest has no
+    /// meaning. The last number of each is the bits of `first` plus its lane. Returns how many there are.
     #[inline(always)]
     fn store_rows(self, columns: [Self::F64; 7], first: u32, mask: u32, rows: &mut [Row]) -> usize {
         let (columns, mut taken) = (columns.map(Lanes::to_array), 0);
@@ -194,7 +195,7 @@ pub(crate) trait Simd: Copy {
         taken
     }
 
-    /// The same memory, of which the compiler knows nothing.
+    /// Returns the reference, opaque to the optimiser.
     ///
     /// Else it loads the points once for all supports of a search: into registers that it does not have, hence onto the
     /// stack, where a first support took twice its time.
@@ -204,7 +205,7 @@ pub(crate) trait Simd: Copy {
         #[cfg(all(target_arch = "x86_64", not(miri)))]
         {
             let mut at: *const T = there;
-            // SAFETY: nothing is done, so the pointer is what it was.
+            // SAFETY: nothing is done, so the pointer is unchanged.
             unsafe {
                 std::arch::asm!("/* {0} */", inout(reg) at, options(nomem, nostack, preserves_flags));
                 &*at
@@ -250,10 +251,10 @@ pub(crate) trait Lanes:
 
     /// To memory.
     fn to_array(self) -> Self::Array;
-    /// The same number in all lanes.
+    /// One number in all lanes.
     fn all(token: Self::Token, value: Self::T) -> Self;
-    /// The number that `lane` tells of each lane, straight into the register: a load of numbers that were just stored one by
-    /// one would wait for them.
+    /// The number that `lane` tells of each lane, straight into the register: a load of numbers that were just stored
+    /// one by one would wait for them.
     fn of_lanes(token: Self::Token, lane: impl Fn(usize) -> Self::T) -> Self;
     /// The numbers from `from[at]` on.
     fn load(token: Self::Token, from: &[Self::T], at: usize) -> Self;
@@ -275,7 +276,7 @@ pub(crate) trait Lanes:
     fn above(self, other: Self) -> Self::Mask;
     /// `other` in the lanes of the mask.
     fn or(self, mask: Self::Mask, other: Self) -> Self;
-    /// The lanes of these bits, moved to the front; what is behind them has no meaning.
+    /// The lanes of these bits, moved to the front; the rest has no meaning.
     fn front(self, mask: u32) -> Self;
     /// The numbers with their lowest five bits replaced by the slots `at`, `at` + 1, ...
     fn keyed(self, at: usize) -> Self;
@@ -287,13 +288,14 @@ pub(crate) trait Lanes:
 
 /// A register for each lane of another. A trait and not a closure, which would not inherit the instruction set.
 pub(crate) trait Each<L> {
-    /// That of lane `l`.
+    /// The register of lane `l`.
     fn register(&self, l: usize) -> L;
 }
 
-/// What only a search in lockstep needs.
+/// Operations that only a search in lockstep needs.
 pub(crate) trait Lockstep: Lanes<T = f32> {
-    /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are lanes.
+    /// The lanes of the mask filled, from the first on, with the numbers from `from[at]` on, as many as there are
+    /// lanes.
     fn refilled(self, mask: u32, from: &[f32], at: usize) -> Self;
 }
 

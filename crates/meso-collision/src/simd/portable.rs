@@ -1,4 +1,4 @@
-//! Vector types for machines without their own: arrays, which the compiler turns into what registers there are.
+//! Vector types for machines without their own: arrays, which the compiler turns into the registers it has.
 
 use super::bits::Bits;
 use super::{Each, Lanes, Lockstep, MOST_LANES, SLOTS, Simd};

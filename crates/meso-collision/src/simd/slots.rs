@@ -1,4 +1,4 @@
-//! The slots of points, as bits: what a key takes into its low ones.
+//! The slots of points, as the low bits of a key.
 
 use super::SLOTS;
 

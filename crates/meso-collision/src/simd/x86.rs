@@ -226,7 +226,7 @@ static TO_FRONT: [u64; 256] = permutations(true);
 /// The lane to take so that the first ones come to those of the mask.
 static FROM_FRONT: [u64; 256] = permutations(false);
 
-/// As [`TO_FRONT`], for each mask of four lanes of 64 bits: a lane is two of 32.
+/// Permutations like [`TO_FRONT`], for each mask of four lanes of 64 bits: a lane is two of 32.
 static PAIRS_TO_FRONT: [u64; 16] = pairs_to_front();
 
 const fn pairs_to_front() -> [u64; 16] {
@@ -478,7 +478,7 @@ impl F32x8 {
     }
 }
 
-/// The same register, of which the compiler knows nothing: else it makes a masked store of a blend that is stored, which takes
+/// Returns the register, opaque to the optimiser: else it makes a masked store of a blend that is stored, which takes
 /// AMD's machines some 20 cycles.
 #[inline]
 #[target_feature(enable = "avx2,fma")]

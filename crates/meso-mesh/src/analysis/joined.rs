@@ -6,7 +6,7 @@
 //!
 //! The second cuts tetrahedra first. A shared node stays with the aggregate whose surface is nearest; the others' cells
 //! there have reached across the gap. The edges that lead from the node into these are cut where they meet their surfaces,
-//! and what lies before the cut becomes mortar: little volume less, but cells of half the size. Hexahedra, and cells of a
+//! and the piece before the cut becomes mortar: little volume less, but cells of half the size. Hexahedra, and cells of a
 //! mesh whose opposite faces must match, become mortar whole.
 
 use crate::body_images::BodyImages;
@@ -101,7 +101,7 @@ pub(super) fn become_mortar(mesh: &mut Mesh, cells: &[usize]) {
 struct Shared {
     /// The bodies' cells at each, with the body and the cell's volume, mm3; a fibre's weighs more than all.
     cells: BTreeMap<u32, Vec<(usize, u32, f64)>>,
-    /// Of every cell of the mesh.
+    /// For every cell of the mesh whether it becomes mortar.
     gone: Vec<bool>,
 }
 
@@ -144,8 +144,8 @@ impl Shared {
     }
 }
 
-/// A cut through an edge whose two nodes different aggregates leave joins these anew. After so many rounds of cuts what is
-/// still joined becomes mortar whole.
+/// A cut through an edge whose two nodes different aggregates leave joins these anew. Cells that are still
+/// joined after so many rounds of cuts become mortar whole.
 const CUTS: usize = 2;
 
 /// The (node, aggregate) of which the aggregate leaves the node: all but the one whose surface is nearest to it.

@@ -1,4 +1,4 @@
-//! What an analysis needs of a mesh, whatever its method: aggregates that mortar parts, their exact volumes, gaps of two elements,
+//! Changes to a mesh for an analysis, whatever its method: aggregates that mortar parts, their exact volumes, gaps of two elements,
 //! time steps that mortar decides, and an ITZ that takes no layer.
 
 mod exact_volumes;

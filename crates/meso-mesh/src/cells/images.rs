@@ -122,7 +122,7 @@ pub struct NodeImages {
 }
 
 impl NodeImages {
-    /// Those of `points` on `sides` of a box across which it is `periodic`.
+    /// Finds the images of `points` on `sides` of a box across which it is `periodic`.
     pub(crate) fn of(points: &[Vec3], periodic: [bool; 3], sides: &Sides) -> Self {
         let images = images(points, periodic, sides, &vec![NO_BODY; points.len()]);
         let mut members: Vec<(u32, u32)> = images.iter().map(|image| (image.class, image.node)).collect();

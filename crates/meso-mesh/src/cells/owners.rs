@@ -27,7 +27,7 @@ impl Owners {
         Self::among(mesh, |_| true)
     }
 
-    /// The same where only the cells count whose numbers `counts` picks.
+    /// The owners of all nodes among the cells whose numbers `counts` picks.
     pub(crate) fn among(mesh: Cells, counts: impl Fn(usize) -> bool) -> Self {
         let corners = mesh.kind.corners();
         let owned = || {

@@ -1,6 +1,6 @@
 //! The sides of a mesh towards its bounding planes: their nodes, and the cells' faces on them.
 //!
-//! A side is what lies on its bounding plane. Where no face does (a cylinder's mantle), it is the part of the mesh's
+//! A side holds the faces on its bounding plane. Where no face does (a cylinder's mantle), it is the part of the mesh's
 //! surface that looks along that axis more than along the others, and at less than 45 degrees to it.
 
 use super::interface::{NO_NODE, by_nodes};
@@ -32,7 +32,7 @@ pub struct Sides {
 }
 
 impl Sides {
-    /// Those of `mesh`.
+    /// The sides of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
         let cells = mesh.by_owner();
         let mut sides = Self::in_planes(cells);
@@ -42,7 +42,7 @@ impl Sides {
         sides
     }
 
-    /// Those of cells that fill a box.
+    /// The sides of a mesh whose cells fill a box.
     pub(crate) fn in_planes(cells: Cells) -> Self {
         let sides = Self::of_points(cells.points);
         Self { faces: in_planes(cells, &sides.nodes), ..sides }

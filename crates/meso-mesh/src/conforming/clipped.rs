@@ -1,7 +1,7 @@
 //! Grains as they lie in a box: every image that reaches into it, cut at its periodic faces and between its slabs.
 //!
 //! Cut points lie on a lattice on which moving them by whole periods is exact, and both sides of a face take them from
-//! the same edges in the same direction. So what two pieces share across a face is the same, bit for bit.
+//! the same edges in the same direction. So the face that two pieces share is the same, bit for bit.
 
 use super::slabs::Slabs;
 use crate::cells::NO_BODY;
@@ -24,7 +24,7 @@ pub(super) struct BodyIndex {
 }
 
 impl BodyIndex {
-    /// That of `bodies`, which are images of the `placed` ones.
+    /// The index of `bodies`, which are images of the `placed` ones.
     pub(super) fn new(placed: &[Aggregate], bodies: &[Aggregate], period: &Period) -> Self {
         let corner = |body: &Aggregate| body.body.vertices()[0];
         let home: BTreeMap<u32, Vec3> = placed.iter().map(|body| (body.id, corner(body))).collect();
@@ -78,7 +78,7 @@ pub(super) struct Cuts<'a> {
     pub(super) period: &'a Period,
     pub(super) domain: &'a Aabb,
     pub(super) slabs: &'a Slabs,
-    /// Of the elements, mm.
+    /// Size of the elements, mm.
     pub(super) size: f64,
 }
 
@@ -116,7 +116,7 @@ pub(super) fn walls(surface: Surface, slabs: &Slabs, period: &Period) -> Vec<Pie
     parts.map(|(_, part)| part.piece(0, Vec3::zeros(), period)).collect()
 }
 
-/// Refuses what has edges without length.
+/// Refuses pieces that have edges without length.
 fn sound(piece: Piece, aggregate: &Aggregate) -> Result<Piece, MeshError> {
     let polygons = piece.facets.iter().chain(piece.caps.iter().map(|cap| &cap.2));
     let mut edges = polygons.flat_map(|face| (0..face.len()).map(|k| [face[k], face[(k + 1) % face.len()]]));
@@ -159,7 +159,7 @@ impl Shape {
         Some(self)
     }
 
-    /// The parts in slabs that are moved back by `shift`. What two of them share is cut from the same edges.
+    /// The parts in slabs that are moved back by `shift`. The face that two of them share is cut from the same edges.
     fn divided(self, slabs: &Slabs, shift: f64) -> Vec<(usize, Self)> {
         let (mut parts, mut rest) = (Vec::new(), self);
         for (slab, position) in slabs.positions.iter().enumerate() {
@@ -173,7 +173,7 @@ impl Shape {
         parts
     }
 
-    /// Leaves what lies below `position` where that is an upper face, above it otherwise.
+    /// Leaves the part below `position` where that is an upper face, above it otherwise.
     fn cut(&mut self, axis: usize, position: f64, upper: bool) {
         let mut new = Cut { axis, position, upper, points: &mut self.points, made: BTreeMap::new() };
         let mut rim = BTreeMap::new();

@@ -22,7 +22,7 @@ const STEPS: [f64; 3] = [0.3, 0.1, 0.03];
 const WORTH: f64 = 2.0;
 /// or by this one where that angle is below so many degrees.
 const WORTH_WHERE_SMALL: (f64, f64) = (1.2, 2.0);
-/// Share of what is to be reached that is reached by the first steps, or not at all.
+/// Share of the target that the first steps reach, or not at all.
 const NEAR: f64 = 0.5;
 
 /// Improves the poor cells of `mesh`.
@@ -258,7 +258,7 @@ fn sides(topology: &Topology, node: u32) -> Option<Vec<[u32; 2]>> {
     if star.is_empty() { None } else { between_materials(faces) }
 }
 
-/// Of the triangles of some cells, each with its cell's material, those between two materials; `None` where one has a cell on one
+/// The triangles between two materials, out of those of some cells, each with its cell's material; `None` where one has a cell on one
 /// side alone.
 fn between_materials<T: Copy + Ord>(mut triangles: Vec<(T, u32)>) -> Option<Vec<T>> {
     triangles.sort_unstable();
@@ -390,7 +390,7 @@ mod tests {
         }
     }
 
-    /// A flat cell under a blunt edge of a surface, 0-1, and what is below it down to node 4.
+    /// A flat cell under a blunt edge of a surface, 0-1, and the cells below it down to node 4.
     fn under_a_blunt_edge() -> TetMesh {
         let points = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, -0.02], [0.0, 1.0, -0.02], [0.0, 0.0, -2.0]];
         mesh(points.map(Vec3::from).to_vec(), &[[0, 1, 2, 3], [2, 3, 1, 4], [2, 3, 4, 0]], vec![5; 3])

@@ -3,7 +3,7 @@
 //! 1. Gaps too narrow for a mesh are refused (`slabs`).
 //! 2. Large specimens are divided into slabs; bodies are cut at the planes and at the faces of a box that repeats itself
 //!    (`clipped`).
-//! 3. All facets are cut into triangles (`triangulation`) and put together to what gmsh is given (`sections`,
+//! 3. All facets are cut into triangles (`triangulation`) and put together to the input of gmsh (`sections`,
 //!    `plc`, `msh`): discrete surfaces, without CAD and without booleans.
 //! 4. gmsh fills every slab. Where bodies are close it puts nodes of its own on the facets, which stay plane.
 //! 5. The slabs' meshes become one and flat cells on periodic faces are opened (`stitch`), and small angles are enlarged
@@ -40,7 +40,7 @@ use std::io::{self, Write};
 /// alone, leaves a cell without volume or breaks off: with other nodes on the surfaces it does none of these, mostly.
 const TRIES: [f64; 3] = [1.0, 0.97, 0.94];
 
-/// Fills closed surfaces with tetrahedra: gmsh, or what stands in for it.
+/// Fills closed surfaces with tetrahedra: gmsh, or a stand-in of tests.
 pub trait VolumeMesher: Sync {
     /// gmsh's output, MSH 4.1 in binary, for the input that [`Surfaces::write`] gives. The parts of a large specimen are asked
     /// for at the same time.
@@ -132,7 +132,7 @@ impl Division {
     /// The mesh of `aggregates` and mortar, slab by slab by `gmsh`, as many at once as there are threads.
     ///
     /// # Errors
-    /// Those of `gmsh`; says what is wrong with its output; a node on a periodic face that has none opposite to it.
+    /// Those of `gmsh`; names a fault of its output; a node on a periodic face that has none opposite to it.
     fn mesh(self, gmsh: &dyn VolumeMesher) -> Result<TetMesh, MeshError> {
         let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh.fill(surfaces)?));
         let mut mesh = stitch::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
@@ -181,7 +181,7 @@ impl Surfaces {
     /// gmsh's output, with the index of its body for every cell.
     ///
     /// # Errors
-    /// Says what is wrong with `output`.
+    /// Names the fault of `output`.
     fn filled(&self, output: &[u8]) -> Result<TetMesh, MeshError> {
         let read = msh::read(output).map_err(MeshError::Gmsh)?;
         let (filled, wanted) = (read.tags.iter().collect::<BTreeSet<_>>().len(), self.shells.volumes.len());

@@ -84,7 +84,7 @@ pub(super) struct Tagged {
 /// Reads the nodes and tetrahedra of a binary file.
 ///
 /// # Errors
-/// Says what is missing or out of order.
+/// Names the entry that is missing or out of order.
 pub(super) fn read(file: &[u8]) -> Result<Tagged, String> {
     let mut read = Tagged::default();
     let mut numbers = Vec::new();

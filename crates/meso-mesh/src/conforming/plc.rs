@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 /// The shells of `pieces` and of the sides that `add` puts around them; edges are at most `limit` mm long.
 ///
 /// # Errors
-/// Says what cannot be cut into triangles, or does not close.
+/// Names a face that cannot be cut into triangles, or a surface that does not close.
 pub(super) fn shells(
     pieces: &[Piece],
     aggregates: &[Aggregate],
@@ -42,7 +42,7 @@ pub(super) fn surface(piece: &Piece, limit: f64) -> Result<Triangles, Untriangul
     facets(&piece.points, piece.facets.iter().cloned(), limit)
 }
 
-/// The upper face of a slab: the lower one of what is above it, moved.
+/// The upper face of a slab: the lower one of the piece above it, moved.
 pub(super) struct Upper<'a> {
     pub(super) face: &'a Face,
     /// The pieces above it.
@@ -58,7 +58,7 @@ impl Upper<'_> {
         Vec3::from_fn(|i, _| if i == self.axis { self.position } else { point[i] })
     }
 
-    /// Body and image of what is below the piece `above`.
+    /// Body and image of the piece below the piece `above`.
     fn below(&self, above: usize) -> (usize, [i32; 3]) {
         let mut steps = self.pieces[above].steps;
         steps[self.axis] += self.step;
@@ -68,10 +68,10 @@ impl Upper<'_> {
 
 /// The triangles on common nodes.
 pub(super) struct Sheets {
-    /// Of every piece.
+    /// The caps of every piece.
     facets: Vec<Vec<[u32; 3]>>,
     caps: Vec<Vec<[u32; 3]>>,
-    /// Of the box's faces, between the caps.
+    /// The mortar of the box's faces, between the caps.
     rest: Vec<[u32; 3]>,
 }
 
@@ -224,7 +224,7 @@ impl Shells {
 /// A closed surface.
 #[derive(Default)]
 struct Part {
-    /// Its triangles by what they are part of.
+    /// Its triangles by the surface that they belong to.
     sheets: BTreeMap<Option<usize>, Vec<[u32; 3]>>,
 }
 

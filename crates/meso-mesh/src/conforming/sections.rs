@@ -95,7 +95,7 @@ pub(super) fn of_walls(cuts: Cuts, walls: Surface) -> Result<Vec<Shells>, MeshEr
     parallel::try_map(walls.len(), of_slab)
 }
 
-/// The plane at `position` across `axis` below what is in a slab: within the walls' outline, and in the caps of its `pieces`.
+/// The plane at `position` across `axis` below the pieces of a slab: within the walls' outline, and in the caps of its `pieces`.
 fn section(axis: usize, position: f64, walls: &Piece, pieces: &[Piece], limit: f64) -> Result<Face, MeshError> {
     let frame = Frame::across(axis, position);
     let upward = |loops: Vec<Vec3>| loops.into_iter().rev().collect::<Vec<Vec3>>();

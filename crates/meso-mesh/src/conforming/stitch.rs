@@ -296,7 +296,7 @@ impl Faces {
     }
 }
 
-/// The mesh, and what finds its nodes and cells at a pair of faces.
+/// The mesh, with an index of its nodes and cells at a pair of faces.
 struct Opened<'a> {
     mesh: &'a mut TetMesh,
     faces: Faces,
@@ -315,7 +315,7 @@ impl<'a> Opened<'a> {
         Self { mesh, faces, nodes, around }
     }
 
-    /// Opens the cells in `flat`, the last first, and what becomes flat by that.
+    /// Opens the cells in `flat`, the last first, and the cells that become flat by that.
     fn open(mut self, mut flat: Vec<u32>) {
         let mut left = MOST_SLIVERS;
         while let Some(cell) = flat.pop().filter(|_| left > 0) {
@@ -386,7 +386,7 @@ mod tests {
     use super::*;
     use meso_concrete::specimen::Periodic;
 
-    /// A part of one side of z = 1: a square or its halves and what is given beside it, with an apex.
+    /// A part of one side of z = 1: a square or its halves and the given cells beside it, with an apex.
     fn part(points: &[[f64; 2]], triangles: &[[u32; 3]], apex: f64) -> TetMesh {
         let on = points.iter().map(|[x, y]| Vec3::new(*x, *y, 1.0));
         let points: Vec<Vec3> = on.chain([Vec3::new(0.4, 0.45, apex)]).collect();

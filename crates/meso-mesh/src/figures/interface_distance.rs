@@ -16,7 +16,7 @@ use serde::Serialize;
 pub struct InterfaceDistance {
     /// Nodes where an aggregate meets something else.
     pub nodes: usize,
-    /// Those of them that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more
+    /// Interface nodes that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more
     /// than 1e-9 of the specimen.
     pub off: usize,
     /// Root mean square of all nodes' distances, mm: each to the nearest of these surfaces.
@@ -25,7 +25,7 @@ pub struct InterfaceDistance {
     pub max_mm: f64,
     /// Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen.
     pub joined: usize,
-    /// Root mean square of what the gaps were at them, mm: from the node to the farthest of the aggregates that meet there.
+    /// Root mean square of the gaps at these nodes, mm: from the node to the farthest of the aggregates that meet there.
     pub joined_rms_mm: f64,
     /// The largest of these distances, mm.
     pub joined_max_mm: f64,
@@ -35,7 +35,7 @@ pub struct InterfaceDistance {
 const ROUNDING: f64 = 1e-9;
 
 impl InterfaceDistance {
-    /// Of a mesh of `aggregates` in `specimen`; a solid ITZ is measured on its outside.
+    /// Measures a mesh of `aggregates` in `specimen`; a solid ITZ counts by its outside.
     pub fn of(mesh: &Mesh, aggregates: &[Aggregate], specimen: &Specimen) -> Self {
         let bodies = BodyImages::of(&(aggregates, specimen).into());
         let surfaces: Vec<_> = bodies.all.iter().map(|body| ConvexSurface::new(&body.body)).collect();

@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct MassScaling {
     /// The step, s.
     pub time_step_s: f64,
-    /// Mass of all elements with what is added, over their own.
+    /// Mass of all elements with the added mass, over their own.
     pub factor: f64,
     /// The phases that the mesh has; cohesive elements are the ITZ.
     pub phases: Vec<PhaseScaling>,
@@ -29,7 +29,7 @@ pub struct PhaseScaling {
     pub elements: usize,
     /// Share of them whose own step is shorter, 0 to 1.
     pub scaled: f64,
-    /// Their mass with what is added, over their own.
+    /// Mass of the elements with the added mass, over their own.
     pub factor: f64,
     /// Shortest step of its elements, s.
     pub shortest_step_s: f64,
@@ -38,7 +38,7 @@ pub struct PhaseScaling {
 }
 
 impl MassScaling {
-    /// Of `mesh` in steps of `time_step_s` seconds.
+    /// Adds up the elements of `mesh` in steps of `time_step_s` seconds.
     pub fn of(mesh: &Mesh, materials: &Materials, time_step_s: f64) -> Self {
         let materials = materials.in_mesh(mesh);
         let cells = Sums::of_cells(mesh, &materials, time_step_s);

@@ -1,4 +1,4 @@
-//! What is asked of a finished mesh: the shapes of its cells, what mass scaling costs, and how true it is to its bodies.
+//! Figures of a finished mesh: shapes of its cells, cost of mass scaling, distance from its bodies.
 
 mod closed_gaps;
 mod interface_distance;

@@ -44,7 +44,7 @@ impl PhaseVolumes {
         Self { aggregate, itz, mortar, fibre }
     }
 
-    /// That of one phase.
+    /// Volume of one phase, mm3.
     pub fn of(&self, phase: Phase) -> f64 {
         match phase {
             Phase::Mortar => self.mortar,

@@ -88,7 +88,7 @@ fn voxel(cell: &[u32], mesh: &Mesh) -> CellQuality {
         max_dihedral_deg: 90.0,
         radius_ratio: 1.0,
         shortest_altitude_mm: edges.into_iter().fold(f64::INFINITY, f64::min),
-        // The same bound with the gradients at the centre: 2 / (c sqrt(8 sum |grad N|^2)).
+        // The stable length with the gradients at the centre is 2 / (c sqrt(8 sum |grad N|^2)).
         stable_length_mm: 1.0 / edges.map(|edge| 1.0 / (edge * edge)).iter().sum::<f64>().sqrt(),
         volume_mm3: cell_volume(mesh.kind, cell, &mesh.points),
     }
@@ -119,11 +119,11 @@ pub struct QualityReport {
     /// Stable time step of explicit dynamics, s: 1 / (c sqrt(sum |grad N|^2)) of the worst cell, c the dilatational wave
     /// speed.
     pub stable_time_step_s: f64,
-    /// The same of cohesive elements, by their stiffness and mass per area; `None` where there are none.
+    /// Shortest stable time step of cohesive elements, by their stiffness and mass per area; `None` where there are none.
     pub cohesive_time_step_s: Option<f64>,
     /// Volume of every phase in the mesh, mm3.
     pub volumes_mm3: PhaseVolumes,
-    /// The same from the polyhedra themselves, with the shells of a solid ITZ where the mesh has one; `None` where a core
+    /// Volumes of the phases from the polyhedra themselves, with the shells of a solid ITZ where the mesh has one; `None` where a core
     /// has no trustworthy volume.
     pub exact_volumes_mm3: Option<PhaseVolumes>,
     /// How near the interfaces lie to the aggregates' surfaces.
@@ -134,7 +134,7 @@ impl QualityReport {
     /// Cells with a dihedral angle below this are called bad, degrees.
     pub const BAD_DEG: f64 = 8.0;
 
-    /// Of a mesh of `bodies` in `specimen`; time steps are those of `materials`.
+    /// Measures a mesh of `bodies` in `specimen`; time steps are those of `materials`.
     pub fn of(mesh: &Mesh, bodies: &[Aggregate], specimen: &Specimen, materials: &Materials) -> Self {
         let worst = Worst::of(mesh, materials);
         Self {

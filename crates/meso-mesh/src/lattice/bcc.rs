@@ -161,7 +161,7 @@ impl Bcc {
         }
     }
 
-    /// Those at the upper face of a cell across `axis`, and at the lower face where that is the box's.
+    /// The tetrahedra at the upper face of a cell across `axis`, and at the lower face where that is the box's.
     fn face_tetrahedra(&self, cell: [usize; 3], axis: usize, visit: &mut impl FnMut([u32; 4])) {
         let centre = self.centre(cell);
         let upper = self.square(moved(cell, axis, 1), axis);

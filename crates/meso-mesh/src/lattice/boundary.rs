@@ -29,12 +29,12 @@ pub(super) struct BoundarySurface<'a> {
 struct Edge {
     start: Vec3,
     along: Vec3,
-    /// 1 where the container has less than half of what is around, -1 where it has more.
+    /// 1 where the container has less than half of the space around, -1 where it has more.
     stands_out: f64,
 }
 
 impl<'a> BoundarySurface<'a> {
-    /// That of `container`, or `None` for a box.
+    /// The surface of `container`, or `None` for a box.
     pub(super) fn new(container: &'a dyn Container) -> Option<Self> {
         if container.is_box() {
             return None;
@@ -219,7 +219,7 @@ const RISE: f64 = 0.05;
 #[derive(Clone, Copy)]
 pub(super) struct BoundaryTrack {
     axes: [bool; 3],
-    /// Out of the specimen, without what the flat sides forbid; `None` for a node that has not to keep to the boundary.
+    /// Out of the specimen, without the directions that flat sides forbid; `None` for a node that has not to keep to the boundary.
     outwards: Option<Vec3>,
 }
 
@@ -250,7 +250,7 @@ impl BoundaryTrack {
         self.outwards.is_some_and(|outwards| outwards.dot(step).abs() > RISE * step.norm())
     }
 
-    /// Positions that bring the specimen's volume nearer, with what they bring: onto the boundary for a node off it, else
+    /// Positions that bring the specimen's volume nearer, with the volume they gain: onto the boundary for a node off it, else
     /// onto its edges.
     pub(super) fn positions(&self, boundary: &Boundary, star: &Star, size: f64) -> Vec<(f64, Vec3)> {
         let x = &star.centre;

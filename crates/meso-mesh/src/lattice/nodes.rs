@@ -1,4 +1,4 @@
-//! The nodes of a lattice: what they are fitted to, what each may do, and what moves with it.
+//! The nodes of a lattice: the surfaces they are fitted to, their freedom, and the nodes that move with them.
 //!
 //! Nodes on faces across which a box repeats itself are one with their images, and move with them. While all nodes move they stay
 //! where the cut put them ([`Role::Fixed`]). During the repair they slide within the face, along the bodies that they lie on, together
@@ -17,11 +17,11 @@ use meso_concrete::stop;
 
 /// Surfaces that the nodes are fitted to.
 pub(super) struct Exact<'a> {
-    /// Of the bodies.
+    /// Surfaces of the bodies.
     pub(super) surfaces: &'a [Surface],
-    /// Of the specimen.
+    /// Boundary of the specimen.
     pub(super) boundary: &'a Boundary<'a>,
-    /// Of the elements, mm.
+    /// Size of the elements, mm.
     pub(super) size: f64,
 }
 
@@ -88,12 +88,12 @@ impl Nodes<'_> {
 #[derive(Default)]
 pub(super) struct PeriodicPairs {
     images: NodeImages,
-    /// Of the box, mm.
+    /// Size of the box, mm.
     size: Vec3,
 }
 
 impl PeriodicPairs {
-    /// Those of the nodes that lie on faces of `domain`, which they fill, across which it `repeats` itself.
+    /// Finds the images of the nodes that lie on faces of `domain`, which they fill, across which it `repeats` itself.
     pub(super) fn of(points: &[Vec3], domain: &Aabb, repeats: [bool; 3]) -> Self {
         if repeats == [false; 3] {
             return Self::default();
@@ -128,7 +128,7 @@ impl PeriodicPairs {
 pub(super) enum Role {
     /// None: it lies on a side of a box that has to match the opposite one.
     Fixed,
-    /// The same at the end of the fit: slide in the sides across these axes, together with its images.
+    /// Freedom at the end of the fit: slide in the sides across these axes, together with its images.
     Paired([bool; 3]),
     /// Slide along a body it lies on, where a gap was closed between several bodies.
     Contact,
@@ -186,7 +186,7 @@ pub(super) fn near_surface(mesh: &TetMesh, roles: &[Role]) -> Vec<bool> {
         let free = cell.iter().filter(|&&node| matches!(roles[node as usize], Role::Free | Role::Boundary(_)));
         free.for_each(|&node| active[node as usize] = true);
     }
-    // Those that are moved at last, together with their images.
+    // Fixed nodes are moved at last, together with their images.
     active.iter_mut().zip(roles).filter(|(_, role)| **role == Role::Fixed).for_each(|(active, _)| *active = true);
     active
 }

@@ -84,7 +84,7 @@ impl Repair<'_> {
         self.off = reproject(&mut self.nodes(), off, GUARD_DEG);
     }
 
-    /// Brings back what it can of nodes with images, whose cells stay: others would have to match on both faces.
+    /// Brings back nodes with images where it can, whose cells stay: others would have to match on both faces.
     fn reproject_paired(&mut self) {
         let is_paired = |node: &u32| matches!(self.roles[*node as usize], Role::Paired(_));
         let (paired, others): (Vec<u32>, Vec<u32>) = self.off.iter().partition(|node| is_paired(node));
@@ -243,7 +243,7 @@ fn neighbours_on_body(nodes: &Nodes, node: u32) -> Vec<u32> {
     near
 }
 
-/// The same, the nearest first.
+/// The candidate nodes, the nearest first.
 fn nearest_on_body(nodes: &Nodes, node: u32) -> Vec<u32> {
     let away = |other: &u32| (nodes.position(*other) - nodes.position(node)).norm_squared();
     let mut near = neighbours_on_body(nodes, node);
@@ -251,7 +251,7 @@ fn nearest_on_body(nodes: &Nodes, node: u32) -> Vec<u32> {
     near
 }
 
-/// A copy of what is around a node, with numbers of its own.
+/// A copy of the cells around a node, with numbers of its own.
 #[derive(Clone)]
 struct Patch {
     /// The nodes by their numbers in the whole mesh, ascending.

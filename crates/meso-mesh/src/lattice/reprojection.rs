@@ -24,11 +24,11 @@ const REACHES: [f64; 4] = [0.15, 0.3, 0.5, 0.8];
 /// At so many positions other nodes are asked to make room, those with the best cells: more of them free hardly any
 /// node (24 in position of 4: 29 and 27 of 437 stay off in a 75 mm cube, at ten times the cost).
 const ASKED: usize = 4;
-/// The same for nodes with images, of which there are few, and which get no other cells.
+/// Number of candidate positions for nodes with images, of which there are few, and which get no other cells.
 const ASKED_WITH_IMAGES: usize = 24;
 /// They lie this far apart, in elements.
 const APART: f64 = 0.1;
-/// Turns of the nodes that make room, and the most of what is lacking that each may leave.
+/// Turns of the nodes that make room, and the largest share of the residual that each may leave.
 const PUSHES: usize = 8;
 const LEFT: f64 = 0.8;
 /// Parts of the way to the nearest position that are tried where no position on the body will do.

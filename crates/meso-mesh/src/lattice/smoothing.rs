@@ -70,7 +70,7 @@ fn worth(deficits: &[f64], own: u32, owner: u32) -> f64 {
     }
 }
 
-/// The positions on edges and corners that gain volume, with what they gain.
+/// The positions on edges and corners that gain volume, with the gain.
 fn gaining(exact: &Exact, surface: &Surface, x: &Vec3, gain: &Vec3, positions: &mut Vec<(f64, Vec3)>) {
     let reach = FEATURE_REACH * exact.size;
     surface.features_near(x, reach, |position| add_gain(exact, x, gain, position, positions));

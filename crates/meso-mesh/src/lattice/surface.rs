@@ -86,7 +86,7 @@ impl Surface {
         (self.holds(&position) && at.iter().all(|p| self.is_on(p, &position))).then_some(position)
     }
 
-    /// The same within the planes through `x` across `axes`, too.
+    /// Projects a point within the planes through `x` across `axes`, too.
     pub(super) fn along_face_within(&self, x: &Vec3, step: &Vec3, axes: [bool; 3]) -> Option<Vec3> {
         let at: Vec<&Plane> = self.planes.iter().filter(|p| self.is_on(p, x)).collect();
         let mut normals: Vec<Vec3> = (0..3).filter(|i| axes[*i]).map(|i| Vec3::ith(i, 1.0)).collect();

@@ -1,11 +1,11 @@
 //! After the cut: interface nodes slide along their body onto its edges and corners, where that brings back volume.
 //!
-//! The triangles between nodes on a convex surface lie inside it, so the cut loses what lies over them, most at edges
+//! The triangles between nodes on a convex surface lie inside it, so the cut loses the volume over them, most at edges
 //! and corners; nodes with small angles around them are smoothed; what is still too small after some rounds of both is left to
 //! the [`repair`](super::repair).
 //!
 //! Nodes go in patches, eight colours of them, such that patches of one colour share no tetrahedron. The patches of a colour are
-//! worked on at the same time, each with its own copy of what it moves; the driver puts the copies back once all are done. So
+//! worked on at the same time, each with its own copy of the nodes it moves; the driver puts the copies back once all are done. So
 //! the result does not depend on the number of threads.
 
 use super::boundary::Boundary;
@@ -58,7 +58,7 @@ pub(super) fn fit(
     repair(&exact, mesh, incidence, roles_now, &pairs)
 }
 
-/// The steps, as bits of what a node waits for.
+/// The steps that a node waits for, as bits.
 const SLIDE: u8 = 1;
 const SMOOTH: u8 = 2;
 const ALL: u8 = SLIDE | SMOOTH;
@@ -84,7 +84,7 @@ impl Sweeps {
         Self { patches, waiting: vec![ALL; nodes] }
     }
 
-    /// Takes one step at every node, colour by colour, and applies what comes of it.
+    /// Takes one step at every node, colour by colour, and applies the result.
     fn sweep(&mut self, mesh: &mut TetMesh, state: State, step: impl Fn(&mut Turn, u32) + Sync) {
         for colour in 0..self.patches.colours.len() {
             let done: Vec<Done> = {
@@ -110,7 +110,7 @@ impl Sweeps {
 
 /// The results of a patch's turn.
 struct Done {
-    /// Of the patch's own nodes.
+    /// Number of the patch's own nodes.
     points: Vec<Vec3>,
     waiting: Vec<u8>,
     /// Nodes of other patches around which something has changed.

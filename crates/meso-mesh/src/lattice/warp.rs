@@ -29,7 +29,7 @@ pub(super) fn alpha(kind: EdgeKind) -> f64 {
 /// Rounds of the second look at moved nodes; each one only follows the changes of the one before.
 const ROUNDS: usize = 6;
 
-/// Lattice nodes with what they lie in and on.
+/// Lattice nodes with the bodies they lie in and on.
 pub(super) struct Field<'a> {
     pub(super) bcc: &'a Bcc,
     pub(super) bodies: &'a [Facets],

@@ -30,13 +30,13 @@ use meso_concrete::stop;
 const ROUNDS: usize = 5;
 /// Rounds of collapsing rails in groups, and smoothing.
 const LAST_ROUNDS: usize = 3;
-/// Turns of smoothing in a round; each one looks only at what the one before left.
+/// Turns of smoothing in a round; each one looks only at the cells that the one before left.
 const TURNS: usize = 8;
 /// Lengths of the steps tried, in elements.
 const STEPS: [f64; 4] = [0.2, 0.07, 0.025, 0.008];
 /// Rounds; each one makes up for the nodes that could not go in the one before.
 const BALANCES: usize = 3;
-/// The share tried to see what it changes.
+/// The share tried to measure its effect.
 const TRIED: f64 = 0.1;
 /// The largest share that a node goes in a round.
 const MOST: f64 = 0.1;
@@ -320,7 +320,7 @@ struct Rail {
     node: u32,
     /// The outer end.
     end: u32,
-    /// Those that go with the rail first.
+    /// Cells that go with the rail come first.
     cells: Vec<u32>,
     gone: usize,
 }

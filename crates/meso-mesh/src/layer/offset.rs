@@ -12,7 +12,7 @@
 //!    then a triangle at an edge ends up across the offset's edge and cuts it off (0.036 mm rms over the layer's inner side in a
 //!    30 mm cube at 2 mm). The projection is the point nearest to the ray's that lies on the offsets of all the node's own faces:
 //!    on the plane of one, the line of two, the point of three. More have no common point in general, since there the offset has
-//!    small edges of its own; the squares of what is left are least then (0.006 mm rms in all).
+//!    small edges of its own; the squares of the residuals are least then (0.006 mm rms in all).
 
 use super::periodic::{Bodies, Flat, PeriodicConstraint};
 use crate::cells::{Copies, InterfaceFace, NO_BODY, side_bits};
@@ -108,7 +108,7 @@ impl RadialOffsets {
         offsets
     }
 
-    /// That of `body` for nodes on `flat`.
+    /// The map of `body` for nodes on `flat`.
     pub(super) fn get(&self, body: u32, flat: Flat) -> Option<&RadialOffset> {
         self.0.get(&(body, flat))
     }

@@ -2,7 +2,7 @@
 //! the same displacement.
 //!
 //! The nodes at all images of a position form an *image class*, which has a number. Interfaces duplicate nodes, so that a
-//! class may have several nodes at one image, one for each body there. Those of one body are *tied*: one of them leads, the
+//! class may have several nodes at one image, one for each body there. Images of one body are *tied*: one of them leads, the
 //! others follow it bit for bit. Where the images differ (one has an interface and the other none, or another body lies
 //! behind the face, as where an aggregate ends at the face itself), no node of the class moves: the layer has no thickness
 //! there.
@@ -24,7 +24,7 @@ pub(super) struct PeriodicConstraint {
 }
 
 impl PeriodicConstraint {
-    /// Those of `mesh`, whose cells carry indices of `bodies`; nodes from `copies` on are copies, each of its `owner`.
+    /// The constraint of `mesh`, whose cells carry indices of `bodies`; nodes from `copies` on are copies, each of its `owner`.
     pub(super) fn new(mesh: &TetMesh, periodic: [bool; 3], bodies: &Bodies, owner: &[u32], copies: u32) -> Self {
         let nodes = 0..mesh.points.len() as u32;
         let free = |faces, pinned| Self { faces, lead: nodes.clone().collect(), followers: Vec::new(), pinned };
@@ -107,7 +107,7 @@ impl PeriodicConstraint {
         }
     }
 
-    /// Gives the followers what their leads have.
+    /// Gives the followers the positions of their leads.
     pub(super) fn share<T: Copy>(&self, values: &mut [T]) {
         self.followers.iter().for_each(|&(node, lead)| values[node as usize] = values[lead as usize]);
     }
@@ -144,7 +144,7 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// Those of `mesh`.
+    /// The faces of `mesh`.
     pub(super) fn of(mesh: &TetMesh, periodic: [bool; 3]) -> Self {
         if periodic == [false; 3] {
             let walls = Aabb::around(&mesh.points);
@@ -153,7 +153,7 @@ impl Faces {
         Self::on(mesh, periodic, &Sides::in_planes(mesh.by_body()))
     }
 
-    /// Those of a mesh with these `sides`.
+    /// The faces of a mesh with these `sides`.
     pub(super) fn on(mesh: &TetMesh, periodic: [bool; 3], sides: &Sides) -> Self {
         let images = NodeImages::of(&mesh.points, periodic, sides);
         let flat = (0..mesh.points.len() as u32).map(|node| Flat::of(sides.on(node), periodic)).collect();
@@ -205,7 +205,7 @@ impl Flat {
     /// No face at all.
     pub(super) const SPACE: Self = Self(0);
 
-    /// Those of the `sides` across which the box repeats itself.
+    /// The `sides` across which the box repeats itself.
     pub(super) fn of(sides: u8, periodic: [bool; 3]) -> Self {
         Self(sides & repeating(periodic))
     }

@@ -82,7 +82,7 @@ pub(crate) struct Layer {
     pub(crate) thinned_aggregates: usize,
     /// Interface nodes that stopped short of their target.
     pub(crate) short_nodes: usize,
-    /// Of these, the ones that did not move: there the layer has no thickness.
+    /// Interface nodes that did not move: there the layer has no thickness.
     pub(crate) pinched_nodes: usize,
     /// Inner and outer ends.
     pub(super) rails: Vec<[u32; 2]>,

@@ -141,7 +141,7 @@ impl Default for Plasticity {
     }
 }
 
-/// Those elastic values of a phase that are given.
+/// The elastic values of a phase that are given.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Given {
@@ -248,12 +248,12 @@ impl Materials {
     }
 }
 
-/// More than 1, since what holds a soft layer's sides makes it stronger and tougher: 1.187 times as tough with the edge
+/// More than 1, since stiff neighbours at a soft layer's sides make it stronger and tougher: 1.187 times as tough with the edge
 /// itself, at 1.5, 2 and 3 mm.
 const BOX: f64 = 1.19;
 /// With the edge itself a band three elements wide spends 1.37 to 1.42 of its energy, and a single layer 0.98 to 1.01.
 const TETRAHEDRON: f64 = 1.4;
-/// Of gmsh's tetrahedra: a band of 1.4 edges spends 0.90, 0.90 and 0.89 of its energy at 1.5, 2 and 3 mm.
+/// For gmsh's tetrahedra: a band of 1.4 edges dissipates 0.90, 0.90 and 0.89 of its energy at 1.5, 2 and 3 mm.
 const CONFORMING: f64 = 1.25;
 
 /// Width of a crack band over [`regular_edge`] of a cell of `mesh`; second-order tetrahedra count as two in a row, as Abaqus

@@ -97,7 +97,7 @@ pub(crate) fn directions() -> impl Iterator<Item = Vec3> {
     (0..27).map(direction).filter_map(|direction| direction.try_normalize(0.5))
 }
 
-/// The position at which `worst(position, limit)` is least, and below `before`, with what it is there.
+/// The position at which `worst(position, limit)` is least, and below `before`, with its value there.
 pub(crate) fn best_position(
     before: f64,
     positions: impl IntoIterator<Item = Vec3>,
@@ -129,14 +129,14 @@ pub(crate) fn smoothed(
 
 /// Someone who improves a mesh.
 pub(crate) trait Improver: Sync {
-    /// Whether a cell falls short of what is wanted.
+    /// Whether a cell falls short of the target.
     fn is_poor(&self, cell: u32) -> bool;
 
     /// Works on `poor` cells, ascending; the cells that this may have changed.
     fn round(&mut self, poor: &[u32]) -> Vec<u32>;
 }
 
-/// Works on the poor ones of `suspects` and of what changes around them, until none is left or `rounds` are over; the cells
+/// Works on the poor ones of `suspects` and of the cells that change around them, until none is left or `rounds` are over; the cells
 /// that changed last.
 ///
 /// Cells are taken by their numbers, not by their quality: neighbours then follow each other, and the result does not hang on

@@ -1,4 +1,4 @@
-//! One tetrahedral mesh, for lattices, for gmsh's output and for the ITZ's layer, and what makes its angles larger.
+//! One tetrahedral mesh, for lattices, for gmsh's output and for the ITZ's layer, and the operators that make its angles larger.
 //!
 //! Operators propose and change nothing: [`Star`] where a node should go, [`operators`] other cells in the same volume. A driver
 //! applies: [`Topology`] keeps the cells around the nodes up to date, [`improve()`] works from the poor cells on within a budget.

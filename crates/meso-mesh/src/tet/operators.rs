@@ -8,7 +8,7 @@ use super::tetrahedra::shortest_altitude;
 use super::topology::{NEW, Replacement, Topology};
 use meso_collision::math::Vec3;
 
-/// Nodes this near to a plane or a line are on it, mm: what rounding leaves is a hundredth of it.
+/// Nodes this near to a plane or a line are on it, mm: rounding leaves a hundredth of it.
 pub(crate) const ON_MM: f64 = 1e-10;
 
 /// Longest ring that is looked at: longer ones seldom gain, and cost the cube of their length.

@@ -111,7 +111,7 @@ impl TetMesh {
     }
 }
 
-/// The same nodes in the order of positive volume.
+/// The nodes of a cell in the order of positive volume.
 pub(crate) fn oriented(cell: [u32; 4], points: &[Vec3]) -> [u32; 4] {
     let [a, b, c, d] = cell;
     let p = |node: u32| points[node as usize] - points[a as usize];

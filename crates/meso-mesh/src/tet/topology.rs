@@ -111,7 +111,7 @@ impl<'a> Topology<'a> {
         old.iter().skip(new.len()).for_each(|&cell| self.mesh.remove(cell));
     }
 
-    /// The same with a new node at `position` in place of [`NEW`].
+    /// The proposal with a new node at `position` in place of [`NEW`].
     pub(crate) fn insert_thicker(&mut self, position: Vec3, mut proposed: Replacement) -> bool {
         let node = self.mesh.points.len() as u32;
         self.mesh.points.push(position);
@@ -207,7 +207,7 @@ impl Incidence {
         }
     }
 
-    /// Gives what `node` has to `into`, before its own, and leaves it nothing.
+    /// Gives the cells of `node` to `into`, before its own, and leaves it nothing.
     pub(crate) fn join(&mut self, node: u32, into: u32) {
         let all = [self.cells(node), self.cells(into)].concat();
         self.length[node as usize] = 0;

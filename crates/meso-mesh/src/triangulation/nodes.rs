@@ -38,7 +38,7 @@ impl Nodes {
     }
 }
 
-/// A position as what can be looked up: -0 and 0 are one.
+/// A position as a key for look-ups: -0 and 0 are one.
 pub(crate) fn key(position: &Vec3) -> [u64; 3] {
     position.map(|x| (x + 0.0).to_bits()).into()
 }

@@ -102,7 +102,7 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// A region whose hull has no node but on rims, with what is between the `rims` in it, nodes in a row each; no edge is longer
+    /// A region whose hull has no node but on rims, with the space between the `rims` in it, nodes in a row each; no edge is longer
     /// than `limit` mm by much.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl Plane {
         Self::refined(frame, rims, refinement(limit))
     }
 
-    /// The same between rims that go around it and its holes: rounding puts some nodes of the outer ones off the hull.
+    /// Triangulates a region between rims that go around it and its holes: rounding puts some nodes of the outer ones off the hull.
     fn inside(frame: Frame, rims: &[Vec<Vec3>], limit: f64) -> Result<Self, Untriangulated> {
         Self::refined(frame, rims, refinement(limit).exclude_outer_faces(true))
     }
@@ -220,7 +220,7 @@ pub(crate) fn region(frame: Frame, loops: &[Vec<Vec3>], limit: f64) -> Result<Tr
 
 /// The parameters of the refinement; rims are kept.
 fn refinement(limit: f64) -> RefinementParameters<f64> {
-    // Of an equilateral triangle.
+    // Area of an equilateral triangle.
     let largest = 3.0_f64.sqrt() / 4.0 * limit * limit;
     RefinementParameters::new()
         .keep_constraint_edges()

@@ -20,7 +20,7 @@ pub(crate) fn walls(specimen: &Specimen, container: &dyn Container, size: f64) -
     }
 }
 
-/// The same as plane faces; boxes have a [`grid`] of their own, and spheres have none.
+/// The walls as plane faces; boxes have a [`grid`] of their own, and spheres have none.
 pub(crate) fn polygons(specimen: &Specimen, container: &dyn Container, size: f64) -> Option<Surface> {
     match *specimen {
         Specimen::Sphere { .. } => None,

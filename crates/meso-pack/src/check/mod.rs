@@ -309,7 +309,10 @@ fn size(model: &Model, aggregate: &Aggregate) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::pack;
+    use crate::spec::{Files, Spec};
     use meso_collision::geometry::convex_hull;
+    use std::io;
 
     #[test]
     fn a_shell_thinner_by_a_nanometre_and_more_is_found() {
@@ -319,5 +322,38 @@ mod tests {
         assert_eq!(too_thin(&body, &core, 0.5), None);
         assert_eq!(too_thin(&body, &core, 0.5 + 1e-10), None);
         assert!(too_thin(&body, &core, 0.5 + 2e-9).is_some());
+    }
+
+    /// A library of one grain.
+    struct Library(&'static str);
+
+    impl Files for Library {
+        fn read(&mut self, _: &str) -> io::Result<Vec<u8>> {
+            Ok(self.0.into())
+        }
+
+        fn list(&mut self, _: &str) -> io::Result<Vec<String>> {
+            Err(io::ErrorKind::NotADirectory.into())
+        }
+    }
+
+    /// The case `sieve_library.toml`: 48 cubes, 171 tetrahedra and 84 plates lay outside their classes.
+    #[test]
+    fn packings_of_regular_grains_by_sieve_size_are_sound() {
+        let grains = [
+            "[[[1,1,1], [1,1,-1], [1,-1,1], [1,-1,-1], [-1,1,1], [-1,1,-1], [-1,-1,1], [-1,-1,-1]]]",
+            "[[[4,4,1], [4,4,-1], [4,-4,1], [4,-4,-1], [-4,4,1], [-4,4,-1], [-4,-4,1], [-4,-4,-1]]]",
+            "[[[1,0,0], [-1,0,0], [0,1,0], [0,-1,0], [0,0,1], [0,0,-1]]]",
+            "[[[1,1,1], [1,-1,-1], [-1,1,-1], [-1,-1,1]]]",
+        ];
+        let text = "fraction = 0.2\nspecimen = { kind = 'cube', side_mm = 50 }\nshape = { library = 'grain.json' }\n\
+            itz = { thickness_mm = [0, 0] }\n\
+            grading = { d_min_mm = 8, d_max_mm = 16, classes_mm = [8, 11.2, 16], size = 'sieve' }\n";
+        for grain in grains {
+            for seed in 0..5 {
+                let spec = Spec::from_toml_with(&format!("seed = {seed}\n{text}"), &mut Library(grain)).unwrap();
+                assert_eq!(check(&pack(&spec, &Silent).unwrap()).findings, [], "{grain}, seed {seed}");
+            }
+        }
     }
 }

@@ -1,10 +1,11 @@
 //! Shape and orientation of the aggregates.
 //!
 //! The lengths a >= b >= c of an aggregate are its extents along the principal axes of its inertia tensor (the edges of
-//! its box along these axes).
+//! its box along these axes). Equal moments leave axes free, and rounding would choose them: cubes had lengths of 1 to 1.7
+//! edges. The narrowest of the free directions is taken first then, and a free longest axis counts for all its directions.
 
 use super::Distribution;
-use meso_collision::geometry::principal_axes;
+use meso_collision::geometry::{Polyhedron, principal_axes};
 use meso_collision::math::{Mat3, Vec3};
 use meso_concrete::aggregate::Aggregate;
 use meso_concrete::parallel;
@@ -77,15 +78,86 @@ impl Shapes {
 
 fn measure(aggregate: &Aggregate) -> Measured {
     let body = &aggregate.body;
-    let axes = principal_axes(&body.mass_properties().inertia);
-    let mut extents = [0, 1, 2].map(|k| {
-        let along = body.vertices().iter().map(|v| axes.column(k).dot(v));
-        along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
-    });
-    extents.sort_by(|x, y| y.total_cmp(x));
     let six_volumes = libm::cbrt(6.0 * body.volume());
     let wadell = libm::cbrt(std::f64::consts::PI) * six_volumes * six_volumes / body.area();
-    Measured { extents, wadell, sieve: body.sieve_size() }
+    Measured { extents: extents(body), wadell, sieve: body.sieve_size() }
+}
+
+/// Moments of inertia that differ by this share of the largest are equal: vertices are rounded to single precision.
+const EQUAL_MOMENTS: f64 = 5e-7;
+
+/// Principal axes of a body, the longest first.
+struct Principal {
+    axes: Mat3,
+    /// Whether the first two moments are equal, and the last two.
+    equal: [bool; 2],
+}
+
+impl Principal {
+    fn of(body: &Polyhedron) -> Self {
+        let inertia = body.mass_properties().inertia;
+        let axes = principal_axes(&inertia);
+        let moment = |k: usize| axes.column(k).dot(&(inertia * axes.column(k)));
+        let equal = |k: usize| moment(k + 1) - moment(k) <= EQUAL_MOMENTS * moment(2);
+        Self { axes, equal: [equal(0), equal(1)] }
+    }
+
+    fn axis(&self, k: usize) -> Vec3 {
+        self.axes.column(k).into_owned()
+    }
+
+    /// Mean of a a^T over the directions a that the longest axis may have.
+    fn longest(&self) -> Mat3 {
+        let [a, b] = [self.axis(0), self.axis(1)];
+        match self.equal {
+            [true, true] => Mat3::identity() / 3.0,
+            [true, false] => (a * a.transpose() + b * b.transpose()) / 2.0,
+            _ => a * a.transpose(),
+        }
+    }
+}
+
+/// Extents along the principal axes, descending.
+fn extents(body: &Polyhedron) -> [f64; 3] {
+    let principal = Principal::of(body);
+    let axes = match principal.equal {
+        [false, false] => [0, 1, 2].map(|k| principal.axis(k)),
+        [true, true] => {
+            let sides = sides(body);
+            let normals = sides.iter().enumerate().flat_map(|(i, p)| sides[..i].iter().map(move |q| p.cross(q)));
+            narrowest_around(body, &narrowest(body, normals))
+        }
+        [true, false] => narrowest_around(body, &principal.axis(2)),
+        [false, true] => narrowest_around(body, &principal.axis(0)),
+    };
+    let mut extents = axes.map(|axis| extent(body, &axis));
+    extents.sort_by(|x, y| y.total_cmp(x));
+    extents
+}
+
+fn extent(body: &Polyhedron, axis: &Vec3) -> f64 {
+    let along = body.vertices().iter().map(|v| axis.dot(v));
+    along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+}
+
+/// An axis, the narrowest direction orthogonal to it, and the third axis.
+fn narrowest_around(body: &Polyhedron, axis: &Vec3) -> [Vec3; 3] {
+    let second = narrowest(body, sides(body).iter().map(|side| axis.cross(side)));
+    [*axis, second, axis.cross(&second)]
+}
+
+/// The unit direction among `normals` along which the body is narrowest. Parallel sides leave normals without length.
+fn narrowest(body: &Polyhedron, normals: impl Iterator<Item = Vec3>) -> Vec3 {
+    let directions = normals.filter_map(|normal| normal.try_normalize(1e-6));
+    let widths = directions.map(|direction| (extent(body, &direction), direction));
+    widths.min_by(|p, q| p.0.total_cmp(&q.0)).map_or_else(Vec3::x, |(_, direction)| direction)
+}
+
+/// Unit vectors along the sides of all triangles.
+fn sides(body: &Polyhedron) -> Vec<Vec3> {
+    let side = |from: u32, to: u32| body.vertices()[to as usize] - body.vertices()[from as usize];
+    let triangles = body.triangles().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
+    triangles.filter(|(from, to)| from < to).map(|(from, to)| side(from, to).normalize()).collect()
 }
 
 fn zingg(all: &[Measured]) -> Zingg {
@@ -104,12 +176,47 @@ fn zingg(all: &[Measured]) -> Zingg {
 
 impl Orientation {
     pub(super) fn of(aggregates: &[Aggregate]) -> Self {
-        let longest =
-            |a: &Aggregate| -> Vec3 { principal_axes(&a.body.mass_properties().inertia).column(0).into_owned() };
-        let axes = parallel::map_each(aggregates, longest);
-        let mean = axes.iter().map(|a| a * a.transpose()).sum::<Mat3>() / axes.len().max(1) as f64;
+        let axes = parallel::map_each(aggregates, |aggregate| Principal::of(&aggregate.body).longest());
+        let mean = axes.iter().sum::<Mat3>() / axes.len().max(1) as f64;
         let basis = principal_axes(&mean);
         let eigenvalue = |k: usize| basis.column(k).dot(&(mean * basis.column(k)));
         Self { tensor: mean.into(), eigenvalues: [0, 1, 2].map(eigenvalue) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meso_collision::geometry::convex_hull;
+    use meso_collision::math::Rotation;
+
+    /// Corners of a block, turned and rounded to single precision.
+    fn turned(half: [f64; 3], seed: u32) -> Polyhedron {
+        let turn = Rotation::new(Vec3::new(1.0, 0.3, -0.7) * f64::from(seed));
+        let corner = |i: usize| Vec3::from_fn(|k, _| if i >> k & 1 == 1 { half[k] } else { -half[k] });
+        let corners: Vec<Vec3> = (0..8).map(|i| (turn * corner(i)).map(|x| f64::from(x as f32))).collect();
+        convex_hull(&corners).unwrap()
+    }
+
+    #[test]
+    fn extents_of_regular_blocks_do_not_depend_on_orientation() {
+        for seed in 0..30 {
+            for half in [[5.0, 5.0, 5.0], [5.0, 5.0, 1.25], [5.0, 2.5, 2.5], [5.0, 4.0, 3.0]] {
+                for (found, half) in extents(&turned(half, seed)).into_iter().zip(half) {
+                    assert!((found - 2.0 * half).abs() < 1e-5, "seed {seed}: {found}, not {}", 2.0 * half);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn longest_axes_that_are_free_have_no_direction() {
+        for seed in 0..30 {
+            assert!((Principal::of(&turned([5.0; 3], seed)).longest() - Mat3::identity() / 3.0).amax() < 1e-12);
+            let turn = Rotation::new(Vec3::new(1.0, 0.3, -0.7) * f64::from(seed));
+            let across = turn * Vec3::z();
+            let plate = (Mat3::identity() - across * across.transpose()) / 2.0;
+            assert!((Principal::of(&turned([5.0, 5.0, 1.25], seed)).longest() - plate).amax() < 1e-6);
+        }
     }
 }

@@ -44,7 +44,7 @@ pub struct Outcome<'a> {
 /// Where a tested mesh came from.
 #[derive(Clone, Debug, Serialize)]
 pub struct Source {
-    /// Of mesocrete.
+    /// Version of mesocrete.
     pub version: &'static str,
     /// Seed of the packing.
     pub seed: u64,
@@ -55,7 +55,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// That of a mesh of `model`.
+    /// Source of a mesh of `model`.
     pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
         let (seed, fraction) = (model.report.seed, model.report.fraction);
         Self { version: env!("CARGO_PKG_VERSION"), seed, fraction, mesh: mesh.clone() }

@@ -9,7 +9,7 @@ use crate::{interrupt, stderr, threads};
 use clap::Parser;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::{Model, Spec};
-use meso_study::{Case, MODEL, NameError, Names, Outcome, RECORD, of_packing, of_summary};
+use meso_study::{Case, CaseOutcome, MODEL, NameError, Names, RECORD, of_packing, of_summary};
 use serde_json::{Map, Value};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -98,7 +98,7 @@ impl Steps {
 
     /// Does the case: its results or the error that is kept, and its warnings. An interrupted case has none of them: see
     /// [`interrupt::asked`].
-    pub(super) fn run(&self, case: &Case, folder: &Path) -> Outcome {
+    pub(super) fn run(&self, case: &Case, folder: &Path) -> CaseOutcome {
         let work = || catch_unwind(AssertUnwindSafe(|| self.all(case, folder))).unwrap_or(Err(Failure::Bug));
         let (ended, said) = stderr::of(&case.folder, work);
         let ended = ended.map_err(|failure| failure.message().to_owned());
@@ -107,7 +107,7 @@ impl Steps {
             true => ended,
             false => Err(said.errors.join("; ")),
         };
-        Outcome { results, warnings: said.warnings }
+        CaseOutcome { results, warnings: said.warnings }
     }
 
     fn all(&self, case: &Case, folder: &Path) -> Result<Map<String, Value>, Failure> {

@@ -25,7 +25,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// Of at most [`MOST_POINTS`].
+    /// Points, at most [`MOST_POINTS`].
     #[inline(always)]
     pub(super) fn new(points: &[Vec3]) -> Self {
         let mut cloud = Self::default();

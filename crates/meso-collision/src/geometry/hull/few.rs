@@ -1,12 +1,12 @@
-//! The [`surface`](super::surface) around few points in general position: the same facets in the same order, in half the
-//! time.
+//! The [`surface`](super::surface) around few points in general position: the same facets in the same order, in half
+//! the time.
 //!
-//! When a facet is made, all waiting points are compared with its plane, several at a time. Those that see it are the bits of
-//! one word. Later steps only look at these bits: which facets a point sees, and which points to list. A sign that rounding
-//! could change ends the growth without an answer; then the exact surface is grown.
+//! When a facet is made, all waiting points are compared with its plane, several at a time. Facets that see a point are
+//! the bits of one word. Later steps only look at these bits: which facets a point sees, and which points to list. A
+//! sign that rounding could change ends the growth without an answer; then the exact surface is grown.
 //!
-//! No two facets of an answer lie in one plane. If they did, take the last added of their corners: the others were a facet
-//! before, and while it waited it was in the plane of that facet, with an uncertain sign.
+//! No two facets of an answer lie in one plane. If they did, take the last added of their corners: the others were a
+//! facet before, and while it waited it was in the plane of that facet, with an uncertain sign.
 
 use super::loops::Loops;
 use super::surface::{SHUFFLED_FROM, error_bound, far_basis};
@@ -39,20 +39,21 @@ pub(super) struct Few {
     fresh_at: Table<u8>,
 }
 
-/// The triangles of the surface. Each property has a list of its own: what was just stored in parts is slow to load as a
+/// The triangles of the surface. Each property has a list of its own: values just stored in parts are slow to load as a
 /// whole.
 #[derive(Clone, Debug, Default)]
 struct Triangles {
     /// Point indices, counter-clockwise from outside, and the first again.
     vertices: Table<[u8; 4]>,
-    /// What lies across the edge from `vertices[k]` to `vertices[k + 1]`.
+    /// The facet across the edge from `vertices[k]` to `vertices[k + 1]`.
     across: Table<[Edge; 3]>,
     is_removed: Table<bool>,
     /// The points that were waiting when the facet was made, and see it.
     seen_by: Table<u64>,
     /// The points that wait, each listed at one facet that it sees.
     listed: Table<u64>,
-    /// One more than the largest facet index; removed facets below it whose places are free, the last to be taken first.
+    /// One more than the largest facet index; removed facets below it whose places are free, the last to be taken
+    /// first.
     bound: u8,
     unused: List<u8>,
 }
@@ -73,8 +74,8 @@ impl Default for Axes {
 
 impl Few {
     /// The facets around `points`, counter-clockwise from outside, and the loops of facets around the points, as
-    /// [`Loops::around`] finds them; `None` where there are many points, facets that are no triangles, or signs that rounding
-    /// leaves undecided.
+    /// [`Loops::around`] finds them; `None` where there are many points, facets that are no triangles, or signs that
+    /// rounding leaves undecided.
     pub(super) fn facets_and_dual(&mut self, points: &[Vec3]) -> Option<[Loops; 2]> {
         if !(4..BITS).contains(&points.len()) {
             return None;
@@ -154,7 +155,8 @@ impl Few {
         is_certain
     }
 
-    /// Removes the facets that `point` sees, and collects them and the edges around them; returns the points listed there.
+    /// Removes the facets that `point` sees, and collects them and the edges around them; returns the points listed
+    /// there.
     #[inline(always)]
     fn find_visible(&mut self, point: u8) -> u64 {
         let Self { visible, horizon, facets: Triangles { across, is_removed, seen_by, listed, .. }, .. } = self;
@@ -342,7 +344,7 @@ impl Around {
     fn add(&mut self, triangle: u8, [a, b, c]: [u8; 3], [ab, bc, ca]: [Edge; 3]) {
         for (k, point, after, edge_before) in [(0, a, b, ca), (1, b, c, ab), (2, c, a, bc)] {
             let corner = Edge::new(triangle, k).0;
-            // What lies beyond the edge that ends here starts here.
+            // The facet beyond the edge that ends here starts here.
             self.next[usize::from(corner) % CORNERS] = edge_before;
             let first = &mut self.first[usize::from(point) % BITS];
             *first = u32::min(*first, u32::from(after) << 16 | u32::from(corner));
@@ -503,10 +505,10 @@ mod tests {
         for case in 0..100 {
             let size = stream.uniform(0.5, 2.0);
             let apex = Vec3::new(size / 2.0, 0.5, 2.0 + stream.uniform(0.0, 1.0));
-            // A box has faces of four corners; so has what is left of it under an apex.
+            // A box has faces of four corners; so has the rest of it under an apex.
             let flat: Vec<Vec3> = corners(size).chain([apex]).collect();
             assert_eq!(few.facets_and_dual(&flat), None, "case {case}");
-            // What was left behind does no harm.
+            // Entries left behind do no harm.
             let points: Vec<Vec3> = (0..40).map(|_| stream.direction()).collect();
             assert_eq!(few.facets_and_dual(&points), Some(by_surface(&points)), "case {case}");
         }

@@ -83,7 +83,7 @@ pub struct HullBuilder {
 }
 
 impl HullBuilder {
-    /// As [`convex_hull`].
+    /// Errors are those of [`convex_hull`].
     ///
     /// # Errors
     /// See [`HullError`].
@@ -122,8 +122,8 @@ impl HullBuilder {
         Polyhedron::from_lists(vertices, &self.polygons.corners, &self.polygons.ends)
     }
 
-    /// [`convex_hull`] of points that are the vertices of `like`, moved as one body and rounded: where they keep its faces, which
-    /// is found by looking, a tenth of the time.
+    /// [`convex_hull`] of points that are the vertices of `like`, moved as one body and rounded: where they keep its
+    /// faces, which is found by looking, a tenth of the time.
     ///
     /// # Errors
     /// See [`HullError`].
@@ -147,8 +147,8 @@ impl HullBuilder {
     }
 }
 
-/// The facets of the hull of `points` as loops of points, and the loops of facets around the points, for whoever wants the
-/// combinatorics alone. Coordinates must be within the range of [`convex_hull`].
+/// The facets of the hull of `points` as loops of points, and the loops of facets around the points, for whoever wants
+/// the combinatorics alone. Coordinates must be within the range of [`convex_hull`].
 pub(crate) fn facets_and_dual(points: &[Vec3]) -> Result<[Loops; 2], HullError> {
     check(points)?;
     with_builder(points.len(), |HullBuilder { few, surface, polygons, .. }| {

@@ -103,7 +103,7 @@ impl Surface {
         self.error_bound = error_bound(&aabb);
         self.seen_facet.clear();
         self.seen_facet.resize(n, NONE);
-        // Of these an entry is read only after it was written.
+        // An entry is read only after it was written.
         for list in [&mut self.next_waiting, &mut self.fresh_at] {
             list.resize(n.max(list.len()), NONE);
         }
@@ -248,8 +248,8 @@ impl Surface {
 
 /// Bound that |normal . p - offset| must exceed for its sign to be certain, for points about the middle of their box.
 ///
-/// In units of the box's edges X, Y, Z and of u = 2^-53: local coordinates err by u/2, their differences by 2u, a normal's
-/// component (at most 2) by 12u, `normal . p` and `offset` by 29u each, their difference by 64u.
+/// In units of the box's edges X, Y, Z and of u = 2^-53: local coordinates err by u/2, their differences by 2u, a
+/// normal's component (at most 2) by 12u, `normal . p` and `offset` by 29u each, their difference by 64u.
 pub(super) fn error_bound(aabb: &Aabb) -> f64 {
     80.0 * (f64::EPSILON / 2.0) * aabb.size().product()
 }

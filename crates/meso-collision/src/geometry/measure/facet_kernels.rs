@@ -26,7 +26,7 @@ struct Triangles {
 }
 
 impl Triangles {
-    /// Takes the corners of up to eight; the lanes of the others keep what they had.
+    /// Takes the corners of up to eight; the other lanes keep their values.
     #[inline(always)]
     fn take(&mut self, vertices: &[Vec3], triangles: &[[u8; 3]]) {
         for (lane, &[a, b, c]) in triangles.iter().enumerate() {

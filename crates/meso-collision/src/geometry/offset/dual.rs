@@ -50,7 +50,8 @@ impl Dual {
                 return Some(body);
             }
         }
-        // Faces narrower than rounding may close upon themselves when their corners are joined: then the corners decide.
+        // Faces narrower than rounding may close upon themselves when their corners are joined: then the corners
+        // decide.
         convex_hull(&self.vertices).ok().filter(|hull| is_accurate(hull, 0.0))
     }
 }
@@ -121,7 +122,7 @@ impl Wide for Vertices<'_> {
     }
 }
 
-/// Of the fan of a facet's triangles.
+/// Sums over the fan of a facet's triangles.
 #[inline(always)]
 fn widest_triangle(points: &[Vec3], facet: &[u32]) -> [u32; 3] {
     if let &[a, b, c] = facet {
@@ -153,7 +154,7 @@ fn float_vertices([a, b, c]: &[[[f64; LANES]; 3]; 3]) -> ([[f64; LANES]; 3], [u6
     (points, certain)
 }
 
-/// The same for one facet, to more digits.
+/// Finds the vertex of one facet, to more digits.
 #[cold]
 fn close_vertex(points: &[Vec3], facet: &[u32]) -> Option<Vec3> {
     let corners = widest_triangle(points, facet).map(|i| points[i as usize]);
@@ -171,7 +172,7 @@ fn double_double_vertex(a: &Vec3, b: &Vec3, c: &Vec3) -> Option<Vec3> {
     (!lost && height.value() > 0.0).then(|| Vec3::from(normal.map(|n| (n * inverse).value())))
 }
 
-/// The same in integers, for planes that are one but for rounding.
+/// Finds the vertex in integers, for planes that are one but for rounding.
 fn exact_vertex(corners: &[Vec3; 3]) -> Option<Vec3> {
     let unit = integer::unit_exponent(corners.iter().flat_map(|p| [p.x, p.y, p.z]));
     let [a, b, c] = corners.map(|p| integer::to_integers(&p, unit));

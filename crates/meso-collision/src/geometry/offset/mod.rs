@@ -44,11 +44,11 @@ pub enum OffsetError {
 impl Polyhedron {
     /// The half-space erosion { x : n_i . x <= d_i - thickness |n_i| } of the body, or `None` where it vanishes.
     ///
-    /// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to 1e-12
-    /// for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are rounded to f64.
-    /// There is no answer only where f64 vertices cannot show the shape: where what is left is thinner than about 1e-13 of its
-    /// distance from the origin.
-    /// A face that is not plane to the last bit counts as the plane of its widest triangle.
+    /// `thickness` in mm. Whether it vanishes (has no volume) is decided exactly. The volume of the result is right to
+    /// 1e-12 for well-shaped bodies and to 1e-9 for all; it is that of the exact erosion, where its vertices are
+    /// rounded to f64. There is no answer only where f64 vertices cannot show the shape: where the rest is thinner than
+    /// about 1e-13 of its distance from the origin. A face that is not plane to the last bit counts as the plane of its
+    /// widest triangle.
     ///
     /// # Errors
     /// See [`OffsetError`].
@@ -78,7 +78,7 @@ impl Polyhedron {
     }
 }
 
-/// Frames tried one after the other. Each divides what is left of the slenderness by up to 1e15.
+/// Frames tried one after the other. Each divides the remaining slenderness by up to 1e15.
 const FRAMES: usize = 4;
 
 /// The body within the planes whose dual points about `center` are `points`.
@@ -98,8 +98,8 @@ fn intersect(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64, points: &[Vec
     Err(lost())
 }
 
-/// The body about its centre in a frame, in the specimen's coordinates. It keeps its volume wherever it is; its vertices
-/// must still show its shape.
+/// The body about its centre in a frame, in the specimen's coordinates. It keeps its volume wherever it is; its
+/// vertices must still show its shape.
 fn placed(
     body: Polyhedron,
     dual: &Dual,
@@ -116,15 +116,15 @@ fn placed(
     Ok(body.mapped_to_volume(|v| center + arm(v), volume))
 }
 
-/// True where the volume between faces whose corners err by half an ulp of the largest coordinates is below a limit: along
-/// each axis, that times the faces seen along it. `arm` takes a vertex to its place about the centre: where coordinates are
-/// rounded, a small body may have lost its faces.
+/// True where the volume between faces whose corners err by half an ulp of the largest coordinates is below a limit:
+/// along each axis, that times the faces seen along it. `arm` takes a vertex to its place about the centre: where
+/// coordinates are rounded, a small body may have lost its faces.
 fn is_shown(body: &Polyhedron, arm: impl Fn(&Vec3) -> Vec3, center: &Vec3, limit: f64) -> bool {
     let mut aabb = Aabb::empty();
     body.vertices().iter().for_each(|v| aabb.include(&arm(v)));
     let (largest, size) = ((center + aabb.min).abs().sup(&(center + aabb.max).abs()), aabb.size());
-    // Along an axis one sees no more of a convex body than of its box, from either side: enough for most; rounding is given
-    // a half.
+    // Along an axis one sees no more of a convex body than of its box, from either side: enough for most; rounding is
+    // given a half.
     let sides = Vec3::new(size.y * size.z, size.z * size.x, size.x * size.y);
     if 1.5 * ROUNDING * largest.dot(&(sides * 2.0)) < limit {
         return true;

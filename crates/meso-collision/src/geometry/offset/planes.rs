@@ -15,7 +15,7 @@ pub(super) fn dual_points(corners: &[[Vec3; 3]], center: &Vec3, thickness: f64) 
     is_finite.then(|| widest(DualPoints { corners, center: *center, thickness })).flatten()
 }
 
-/// Those points, eight at a time in double-double, and in integers where that cannot promise every bit but the last.
+/// Polar points, eight at a time in double-double, and in integers where that cannot promise every bit but the last.
 struct DualPoints<'a> {
     corners: &'a [[Vec3; 3]],
     center: Vec3,
@@ -88,8 +88,8 @@ fn double_double_point([a, b, c]: [Vec3; 3], center: &Vec3, thickness: f64) -> (
     ([(x * inverse).value(), (y * inverse).value(), (z * inverse).value()], certain)
 }
 
-/// The same in integers; `None` where the height is not positive, or indistinguishable from 0 within 2^-128 of its
-/// unit.
+/// Finds the polar point in integers; `None` where the height is not positive, or indistinguishable from 0 within
+/// 2^-128 of its unit.
 fn exact_point(corners: &[Vec3; 3], center: &Vec3, thickness: f64) -> Option<Vec3> {
     exact_point_in(&[Vec3::x(), Vec3::y(), Vec3::z()], corners, center, thickness)
 }
@@ -120,7 +120,7 @@ pub(super) fn exact_point_in(axes: &[Vec3; 3], corners: &[Vec3; 3], center: &Vec
 mod tests {
     use super::*;
 
-    /// That of the plane y a + b + c = y^2 + 1, moved inwards by y, about the origin.
+    /// The polar point of the plane y a + b + c = y^2 + 1, moved inwards by y, about the origin.
     fn dual_point(y: u64) -> Option<Vec3> {
         let y = y as f64;
         let corners = [[y, 1.0, 0.0], [y + 1.0, 1.0 - y, 0.0], [y, 2.0, -1.0]].map(Vec3::from);
@@ -129,8 +129,8 @@ mod tests {
 
     #[test]
     fn a_dual_point_has_every_bit_but_the_last_or_there_is_none() {
-        // Pell's equation, (y^2 + 1)^2 - y^2 (y^2 + 2) = 1: y^2 + 1 - y sqrt(y^2 + 2) is left, which for y above 10^4 is
-        // 1 / (2 y^2 + 2) to every bit. From 2^34 on it lies below 2^-68 of the coordinates' unit.
+        // Pell's equation, (y^2 + 1)^2 - y^2 (y^2 + 2) = 1: y^2 + 1 - y sqrt(y^2 + 2) is left, which for y above 10^4
+        // is 1 / (2 y^2 + 2) to every bit. From 2^34 on it lies below 2^-68 of the coordinates' unit.
         let larger = |y: &u64| Some(y * 5 / 4);
         let ys: Vec<u64> = std::iter::successors(Some(10_000), larger).take_while(|y| *y < 1 << 42).collect();
         let mut found = 0;

@@ -29,13 +29,14 @@ impl ConvexSurface {
         self.distance_below(x, f64::INFINITY).unwrap_or(f64::INFINITY)
     }
 
-    /// The face plane that is farthest below `x`, or nearest above an inner one: an outer `x` is no nearer to the body than
-    /// to it.
+    /// The face plane that is farthest below `x`, or nearest above an inner one: an outer `x` is no nearer to the body
+    /// than to it.
     pub fn plane_under(&self, x: &Vec3) -> &Plane {
         &self.planes[self.highest(x).0]
     }
 
-    /// As [`ConvexSurface::distance`]; `None` where a face plane shows that an outer `x` is no nearer than `limit`.
+    /// Returns [`ConvexSurface::distance`], or `None` where a face plane shows that an outer `x` is no nearer than
+    /// `limit`.
     pub fn distance_below(&self, x: &Vec3, limit: f64) -> Option<f64> {
         let (highest, most) = self.highest(x);
         if most <= 0.0 {
@@ -50,7 +51,7 @@ impl ConvexSurface {
         if least <= most * (1.0 + ROUNDING_OF_A_HEIGHT) {
             return Some(least);
         }
-        // A ball beyond the nearest point so far costs a third of what its triangle does, and most are.
+        // A ball beyond the nearest point so far costs a third of its triangle, and most are.
         let reaches =
             |(middle, radius): &(Vec3, f64), least: f64| (middle - x).norm_squared() < (least + radius).powi(2);
         for (triangle, plane) in self.planes.iter().enumerate() {

@@ -28,7 +28,7 @@ struct Attempt {
 const OPEN: u64 = 1;
 const OVERLAP: u64 = 1 << 32;
 
-/// What a pair adds that is apart, that overlaps, that is open: by a table, since the compiler would branch.
+/// Counts added by a pair that is apart, that overlaps, that is open: by a table, since the compiler would branch.
 static COUNTS: [u64; 3] = [0, OVERLAP, OPEN];
 
 /// Entries that are compared without a branch: few attempts have more that are open.

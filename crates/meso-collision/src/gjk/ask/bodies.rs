@@ -1,7 +1,8 @@
 //! Bodies that are laid out once and asked often, wherever they lie.
 //!
-//! Each is laid out about a centre of its own, where bounds and searches work best: its points, and the displacement of two
-//! centres, are rounded once there, which all certificates allow for. What they leave open is asked of the points as given.
+//! Each is laid out about a centre of its own, where bounds and searches work best: its points, and the displacement of
+//! two centres, are rounded once there, which all certificates allow for. Pairs they leave open are decided from the
+//! points as given.
 
 use crate::geometry::convex_hull;
 use crate::gjk::ask::many::{Settle, clear_settled, overlap_settled};
@@ -88,14 +89,22 @@ impl Bodies {
         &self.0[body].points
     }
 
-    /// For each (i, j, shift): do our body i and the `others`' body j, displaced by `shift`, share a point? Exactly, for points
-    /// and shift as given.
+    /// For each (i, j, shift): do our body i and the `others`' body j, displaced by `shift`, share a point? Exactly,
+    /// for points and shift as given.
     ///
     /// # Errors
     /// A shift that is not finite.
     ///
     /// # Panics
     /// When there is no such body.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// let points = [0.0, 1.0, 3.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// let row = Bodies::new(points.iter().map(|body| &body[..]))?;
+    /// assert_eq!(row.overlap(&row, &[(0, 2, Vec3::new(-2.0, 0.0, 0.0)), (0, 2, Vec3::zeros())])?, [true, false]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn overlap(&self, others: &Self, pairs: &[(u32, u32, Vec3)]) -> Result<Vec<bool>, GjkError> {
         let shifts: Vec<Vec3> = pairs.iter().map(|pair| pair.2).collect();
         check_finite(&shifts, Operand::Shifts)?;
@@ -110,6 +119,14 @@ impl Bodies {
     }
 
     /// All pairs that share a point, each as ascending numbers, in ascending order.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// let points = [0.0, 1.0, 3.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// let row = Bodies::new(points.iter().map(|body| &body[..]))?;
+    /// assert_eq!(row.overlapping(), [[0, 1]]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn overlapping(&self) -> Vec<[u32; 2]> {
         let mut order: Vec<u32> = (0..self.0.len() as u32).collect();
         let aabb = |i: u32| &self.0[i as usize].aabb;
@@ -124,14 +141,23 @@ impl Bodies {
         pairs.into_iter().zip(answer(&asks)).filter_map(|(pair, overlap)| overlap.then_some(pair)).collect()
     }
 
-    /// At which of these shifts the `others`' body `body` is more than `gap` (at least 0) away from all bodies: placement
-    /// attempts.
+    /// At which of these shifts the `others`' body `body` is more than `gap` (at least 0) away from all bodies:
+    /// placement attempts.
     ///
     /// # Errors
     /// A shift that is not finite.
     ///
     /// # Panics
     /// When there is no such body, or the gap is negative or not finite.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Bodies, math::Vec3};
+    /// let points = [0.0, 1.0, 3.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// let row = Bodies::new(points.iter().map(|body| &body[..]))?;
+    /// let shifts = [5.0, 0.5].map(|x| Vec3::new(x, 0.0, 0.0));
+    /// assert_eq!(row.clear(&row, 0, &shifts, 0.25)?, [true, false]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn clear(&self, others: &Self, body: u32, shifts: &[Vec3], gap: f64) -> Result<Vec<bool>, GjkError> {
         assert!(gap >= 0.0 && gap.is_finite(), "the gap is {gap}; it must be finite and at least 0");
         check_finite(shifts, Operand::Shifts)?;
@@ -223,7 +249,7 @@ impl Ask<'_> {
     }
 }
 
-/// a + b, rounded, and what was rounded off (D. E. Knuth).
+/// a + b, rounded, and the rounding error (D. E. Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let of_b = sum - a;

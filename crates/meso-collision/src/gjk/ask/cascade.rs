@@ -36,7 +36,8 @@ pub struct Counters {
 }
 
 impl Body {
-    /// True when the bodies share a point; `b_from_a` is what to add to B's points to have them in this one's frame, mm.
+    /// True when the bodies share a point; `b_from_a` is the displacement that brings B's points into this one's frame,
+    /// mm.
     ///
     /// The answer is exact for the points and the displacement as given.
     ///
@@ -51,11 +52,12 @@ impl Body {
         Counters::default().overlap(self, b, b_from_a)
     }
 
-    /// A unit axis towards B along which the bodies are more than `gap` (mm, at least 0) apart, or `None` when they are not.
+    /// A unit axis towards B along which the bodies are more than `gap` (mm, at least 0) apart, or `None` when they are
+    /// not.
     ///
-    /// `Some` exactly when the distance of the bodies is more than `gap`, for the points and the displacement as given. The
-    /// support gap along the axis is then proved to be more than `gap`, unless the two differ by less than about 1e-14 of
-    /// the bodies' size: there, exact arithmetic decided, and the axis is the exact one rounded.
+    /// `Some` exactly when the distance of the bodies is more than `gap`, for the points and the displacement as given.
+    /// The support gap along the axis is then proved to be more than `gap`, unless the two differ by less than about
+    /// 1e-14 of the bodies' size: there, exact arithmetic decided, and the axis is the exact one rounded.
     ///
     /// `start` is a guess of the axis, such as the one found last time; a good one makes the answer cheap.
     ///
@@ -85,8 +87,8 @@ impl Method {
     }
 }
 
-/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`Body::separating_axis`], where B is laid out, in
-/// the memory of `made`, only if neither its bounds nor the faces of A tell; counts what it took.
+/// True when the bodies are more than `gap` (mm, at least 0) apart, as [`Body::separating_axis`], where B is laid out,
+/// in the memory of `made`, only if neither its bounds nor the faces of A tell; counts the stages.
 #[inline]
 pub fn apart_from(
     a: &Solid,
@@ -143,19 +145,19 @@ pub(crate) enum Stage {
 }
 
 impl Counters {
-    /// The answer of [`Body::overlaps`], counting what it took.
+    /// The answer of [`Body::overlaps`]; counts its stages.
     #[inline]
     pub fn overlap(&mut self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
         !Query { a, b, x: *b_from_a, gap: 0.0 }.apart(self)
     }
 
-    /// That of [`Body::separating_axis`].
+    /// The answer of [`Body::separating_axis`]; counts its stages.
     #[inline]
     pub fn apart(&mut self, a: &Body, b: &Body, b_from_a: &Vec3, gap: f64, start: Option<Vec3>) -> Option<Vec3> {
         Query { a, b, x: *b_from_a, gap }.axis(start, self).map(|v| v.normalize())
     }
 
-    /// Adds what others have counted.
+    /// Adds the counts of others.
     pub fn add(&mut self, other: &Self) {
         self.pairs += other.pairs;
         self.after_spheres += other.after_spheres;
@@ -190,15 +192,15 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the portal that the
-    /// search came to.
+    /// The answer of the bounds or of single precision; where they leave it open, that of `open`, from the portal that
+    /// the search came to.
     pub(crate) fn apart_or(&self, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
         let known = self.glance().1;
         let Known::Nothing(v) = known else { return matches!(known, Known::Apart(_)) };
         self.apart_from(&v, open)
     }
 
-    /// The same where the bounds left it open, with this direction to start from.
+    /// The answer of single precision, or of `open`, where the bounds left the pair open; `v` is the first direction.
     pub(crate) fn apart_from(&self, v: &Vec3, open: impl FnOnce(Option<Portal>) -> bool) -> bool {
         let narrow = self.search_narrow(v);
         narrow.answer().unwrap_or_else(|| open(narrow.portal()))
@@ -221,7 +223,7 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// The same for one of many pairs, of which the direction is not known any more.
+    /// Settles one of many pairs, whose direction is no longer known.
     #[cold]
     pub(crate) fn settle_again(&self, portal: Option<Portal>) -> bool {
         let v = if let Known::Nothing(v) = self.glance().1 { v } else { self.x };
@@ -276,8 +278,8 @@ impl<'a> Query<'a> {
 
     /// The search in double precision, from a portal where there is one, else from direction `v`.
     ///
-    /// This is the one place that chooses it: portals where both bodies hold their frames' origins, and what those leave
-    /// undecided to GJK, which is boolean where there is no gap.
+    /// This is the one place that chooses it: portals where both bodies hold their frames' origins, and pairs left
+    /// undecided go to GJK, which is boolean where there is no gap.
     fn search_wide(&self, v: &Vec3, portal: Option<Portal>) -> Found {
         let (pair, v, gap) = (self.pair(), or_x(v), self.gap);
         if self.a.holds_origin() && self.b.holds_origin() {
@@ -306,7 +308,7 @@ impl<'a> Query<'a> {
         })
     }
 
-    /// The same in double precision, of bodies of one group.
+    /// The search in double precision, of bodies of one group.
     #[inline(always)]
     fn group_pair(&self) -> GroupPair<'a, f64> {
         GroupPair { a: self.a.first_group(), b: self.b.first_group(), x: self.x, reach: self.reach() }
@@ -371,8 +373,8 @@ impl Vectorized for Narrow<'_> {
 
 /// A portal search in single precision, and where that leaves it open in double precision from the portal it came to.
 ///
-/// In one go, since the two answers make one that no branch has to foretell. Two pointers, which travel in registers: the
-/// pairs themselves were copied twice, with loads that had to wait for the stores of their parts.
+/// In one go, since the two answers make one that no branch has to foretell. Two pointers, which travel in registers:
+/// the pairs themselves were copied twice, with loads that had to wait for the stores of their parts.
 struct Both<'a> {
     query: &'a Query<'a>,
     v: &'a Vec3,

@@ -1,7 +1,7 @@
 //! Many questions at once: pairs in lockstep through the same stages as a single one.
 //!
-//! The answers are those of [`Body::overlaps`](crate::gjk::Body::overlaps), in any order and on any machine: both are exact.
-//! Where lockstep does not pay, on the instruction set or with few pairs, they are asked one by one.
+//! The answers are those of [`Body::overlaps`](crate::gjk::Body::overlaps), in any order and on any machine: both are
+//! exact. Where lockstep does not pay, on the instruction set or with few pairs, they are asked one by one.
 
 use crate::gjk::ask::attempts::Attempts;
 use crate::gjk::ask::pair_query::PairQuery;
@@ -29,11 +29,11 @@ impl PairQuery<'_> {
         overlap_settled(queries, &Own { queries, gap: 0.0 })
     }
 
-    /// Which of many attempts are clear: attempt i asks `queries[ends[i - 1]..ends[i]]`, and is clear if all of these are more
-    /// than `gap` (mm, at least 0) apart.
+    /// Which of many attempts are clear: attempt i asks `queries[ends[i - 1]..ends[i]]`, and is clear if all of these
+    /// are more than `gap` (mm, at least 0) apart.
     ///
-    /// Bounds first, for all; then, attempt by attempt, the pair that seems closest; then what is left. Most attempts of a
-    /// dense packing fail, most of them without a look at a vertex.
+    /// Bounds first, for all; then, attempt by attempt, the pair that seems closest; then all others. Most attempts of
+    /// a dense packing fail, most of them without a look at a vertex.
     ///
     /// ```
     /// use meso_collision::{gjk::{Body, PairQuery}, math::Vec3};
@@ -50,7 +50,7 @@ impl PairQuery<'_> {
     }
 }
 
-/// [`PairQuery::overlap_many`] where `open` answers what bounds and lockstep leave open.
+/// [`PairQuery::overlap_many`] where `open` answers pairs that bounds and lockstep leave open.
 pub(crate) fn overlap_settled(queries: &[PairQuery<'_>], open: &dyn Settle) -> Vec<bool> {
     if queries.len() < FEW || !dispatch(Pays) {
         return (0..queries.len()).map(|i| !is_apart(queries, i, 0.0, open)).collect();
@@ -98,7 +98,7 @@ impl Vectorized for Pays {
     }
 }
 
-/// [`PairQuery::clear_many`] where `open` answers what bounds and lockstep leave open.
+/// [`PairQuery::clear_many`] where `open` answers pairs that bounds and lockstep leave open.
 pub(crate) fn clear_settled(queries: &[PairQuery<'_>], ends: &[u32], gap: f64, open: &dyn Settle) -> Vec<bool> {
     assert_eq!(ends.last().map_or(0, |&end| end as usize), queries.len(), "the attempts must cover the questions");
     assert!(ends.is_sorted(), "the ends of the attempts must ascend");

@@ -57,6 +57,15 @@ impl Method {
     ///
     /// # Errors
     /// As [`intersects`].
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Method, math::Vec3};
+    /// let [a, b] = [0.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// for method in Method::ALL {
+    ///     assert!(!method.intersects(&a, &b)?);
+    /// }
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn intersects(self, a: &[Vec3], b: &[Vec3]) -> Result<bool, GjkError> {
         check(a, Operand::A)?;
         check(b, Operand::B)?;
@@ -69,6 +78,13 @@ impl Method {
     ///
     /// # Errors
     /// As [`intersects`]; the first offending body is named.
+    ///
+    /// ```
+    /// use meso_collision::{gjk::Method, math::Vec3};
+    /// let [a, b] = [0.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+    /// assert_eq!(Method::default().intersects_many(&a, [&a[..], &b])?, [true, false]);
+    /// # Ok::<(), meso_collision::gjk::GjkError>(())
+    /// ```
     pub fn intersects_many<'b>(
         self,
         a: &[Vec3],
@@ -138,7 +154,8 @@ pub fn distance(a: &[Vec3], b: &[Vec3]) -> Result<f64, GjkError> {
     Ok(Scaled::new(a, b).distance())
 }
 
-/// A point of A's hull and one of B's that are nearest each other; where the hulls share any point, one of these, twice.
+/// A point of A's hull and one of B's that are nearest each other; where the hulls share any point, one of these,
+/// twice.
 ///
 /// Each coordinate is the exact one, rounded once. Parallel faces and edges have many such pairs; which one is found
 /// depends on the points alone.
@@ -159,11 +176,18 @@ pub fn closest_points(a: &[Vec3], b: &[Vec3]) -> Result<[Vec3; 2], GjkError> {
     Ok(Scaled::new(a, b).closest_points())
 }
 
-/// True when the hulls of `a` and `b` are more than `gap` (finite, at least 0) apart: what [`distance`] says, mostly
-/// without it.
+/// True when the hulls of `a` and `b` are more than `gap` (finite, at least 0) apart: agrees with [`distance`], mostly
+/// without computing it.
 ///
 /// # Errors
 /// As [`intersects`].
+///
+/// ```
+/// use meso_collision::{gjk, math::Vec3};
+/// let [a, b] = [0.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+/// assert!(gjk::distance_exceeds(&a, &b, 0.5)? && !gjk::distance_exceeds(&a, &b, 1.0)?);
+/// # Ok::<(), meso_collision::gjk::GjkError>(())
+/// ```
 pub fn distance_exceeds(a: &[Vec3], b: &[Vec3], gap: f64) -> Result<bool, GjkError> {
     check(a, Operand::A)?;
     check(b, Operand::B)?;

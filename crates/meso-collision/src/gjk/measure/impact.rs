@@ -1,8 +1,8 @@
 //! When a body that moves along a line first meets another: between two certain bounds.
 //!
 //! Conservative advancement: of a direction v that separates the bodies at time t, it is known until when it does. The
-//! direction of their nearest points lasts longest, so it is the one to look at; a step later, the next one. Where no step
-//! leads on, the bodies are as near as rounding can show, and exact arithmetic says at which later time they meet.
+//! direction of their nearest points lasts longest, so it is the one to look at; a step later, the next one. Where no
+//! step leads on, the bodies are as near as rounding can show, and exact arithmetic says at which later time they meet.
 
 use crate::gjk::error::{GjkError, Operand, check, check_finite};
 use crate::gjk::pair::{Found, Originals, Pair};
@@ -30,13 +30,13 @@ pub struct Impact {
     /// At this share of the motion B shares a point with A, for certain; so the first time is not later. `None` where B
     /// passes A so closely that rounding hides whether they touch.
     pub by: Option<f64>,
-    /// Of unit length, from A to B: what separates them until then. 0 where they share a point at the start.
+    /// Unit vector from A to B that separates them until then. 0 where they share a point at the start.
     pub direction: Vec3,
 }
 
 impl Impact {
-    /// The first time in 0..=1 at which the hull of `a` and that of `b` + time `motion` share a point; `None` where they do not
-    /// meet, for certain.
+    /// The first time in 0..=1 at which the hull of `a` and that of `b` + time `motion` share a point; `None` where
+    /// they do not meet, for certain.
     ///
     /// The bounds differ by some 1e-14 of bodies and motion, over the speed at which the bodies approach each other.
     ///
@@ -60,7 +60,7 @@ impl Impact {
         if exponent == 0 {
             return Ok(Flight::new(&Scaled::beside(a, b, motion), motion).run());
         }
-        // The times are the same; what underflows moves the bodies by less than rounding does.
+        // The times are the same; underflow moves the bodies by less than rounding does.
         let brought = |points: &[Vec3]| points.iter().map(|p| times_power(p, exponent)).collect::<Vec<_>>();
         let (near_a, near_b, near_motion) = (brought(a), brought(b), times_power(motion, exponent));
         let found = Flight::new(&Scaled::beside(&near_a, &near_b, &near_motion), &near_motion).run();
@@ -138,8 +138,8 @@ impl<'a> Flight<'a> {
         Pair { x, reach: 4.0 + x.x.abs() + x.y.abs() + x.z.abs(), originals: Some(originals), ..self.scaled.pair() }
     }
 
-    /// Until when `v` separates the bodies, where it does at `time`: B's lowest point over A's highest at the start, over the
-    /// speed at which B comes down.
+    /// Until when `v` separates the bodies, where it does at `time`: B's lowest point over A's highest at the start,
+    /// over the speed at which B comes down.
     fn lasting(&self, v: Vec3, time: f64) -> Separation {
         let (a, b) = (&self.scaled.a, &self.scaled.b);
         let above = -top(a, &v) - top(b, &-v);
@@ -157,7 +157,8 @@ impl<'a> Flight<'a> {
     /// The first of some times from this one on at which the bodies share a point. The displacement is rounded in the
     /// search, and not in the proof: a rounded one can be beyond the true one.
     fn later(&self, time: f64) -> Option<f64> {
-        // The rounding of the bodies' own coordinates: of a motion far beyond their size that of the motion says nothing.
+        // The rounding of the bodies' own coordinates: of a motion far beyond their size that of the motion says
+        // nothing.
         let extent = extent(&self.scaled.a).max(extent(&self.scaled.b));
         let step = U * (time + 4.0 * extent / (self.motion.amax() * self.scaled.originals.scale));
         let later = (0..LATER).map(|k| (time + step * f64::from(1 << k)).min(1.0));

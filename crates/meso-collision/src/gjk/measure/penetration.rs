@@ -1,9 +1,9 @@
 //! How far two bodies overlap: the shortest move that parts them, between two certain bounds.
 //!
 //! The depth is the distance from the origin to the surface of A - B. As in the expanding polytope algorithm (van den
-//! Bergen, 2001), a polytope inside A - B grows by supports along the normals of its faces. Here each round adds those of
-//! all faces that may be nearest, and the hull of all is made anew, with exact predicates. Its nearest face bounds the
-//! depth from below, every support from above.
+//! Bergen, 2001), a polytope inside A - B grows by supports along the normals of its faces. Here each round adds those
+//! of all faces that may be nearest, and the hull of all is made anew, with exact predicates. Its nearest face bounds
+//! the depth from below, every support from above.
 
 use crate::geometry::convex_hull;
 use crate::gjk::error::{GjkError, Operand, check};
@@ -31,7 +31,7 @@ pub struct Penetration {
     pub depth: f64,
     /// No shorter move parts them.
     pub at_least: f64,
-    /// Of unit length, from A to B.
+    /// Unit vector from A to B.
     pub direction: Vec3,
 }
 
@@ -63,13 +63,13 @@ impl Penetration {
         }
         let brought = |points: &[Vec3]| points.iter().map(|p| times_power(p, exponent)).collect::<Vec<_>>();
         let Penetration { depth, at_least, direction } = scaled_penetration(&brought(a), &brought(b));
-        // Up and down past what rounds off among subnormal numbers.
+        // Up and down past the rounding of subnormal numbers.
         let back = |length: f64| libm::scalbn(length, -exponent);
         Ok(Some(Penetration { depth: back(depth).next_up(), at_least: back(at_least).next_down().max(0.0), direction }))
     }
 }
 
-/// The same for coordinates of ordinary magnitudes.
+/// The depth for coordinates of ordinary magnitudes.
 fn scaled_penetration(a: &[Vec3], b: &[Vec3]) -> Penetration {
     let whole = Aabb::around(a.iter().chain(b));
     if whole.size().amax() < LEAST_SIZE {
@@ -190,8 +190,8 @@ impl Vectorized for Along<'_> {
     }
 }
 
-/// A lower bound of a triangle's distance from the origin: its plane's, or where rounding hides the plane of a sliver, that
-/// of its longest edge less its width.
+/// A lower bound of a triangle's distance from the origin: its plane's, or where rounding hides the plane of a sliver,
+/// that of its longest edge less its width.
 fn certain_distance([a, b, c]: [Vec3; 3]) -> f64 {
     let (u, v) = (b - a, c - a);
     let (normal, sides) = (u.cross(&v), u.norm() * v.norm());

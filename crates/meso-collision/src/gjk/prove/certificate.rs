@@ -74,8 +74,8 @@ fn certain_determinant(a: &Difference, b: &Difference, c: &Difference) -> f64 {
     if determinant.abs() > 12.0 * U * permanent + UNDERFLOW { determinant } else { 0.0 }
 }
 
-/// The same for points whose coordinates are each wrong by at most 4 u `reach`, at a fraction of the cost: no determinant
-/// is then wrong by more than 128 u reach^3, in f64 1e-14 of the box the points lie in.
+/// The proof for points whose coordinates are each wrong by at most 4 u `reach`, at a fraction of the cost: no
+/// determinant is then wrong by more than 128 u reach^3, in f64 1e-14 of the box the points lie in.
 ///
 /// With vectors no longer than `reach`, nine entries of 4 u each with a minor of at most reach^2 make 36 u reach^3, the
 /// roundings of the products and sums another 10 u.
@@ -174,7 +174,8 @@ mod tests {
     fn differences_that_were_rounded_twice_enclose_nothing_by_it() {
         let (mut numbers, mut misled) = (Numbers(2), 0);
         for _ in 0..20_000 {
-            // Differences of 1 to 2 in steps of 2^-56, of which 2^-52 is left, and a shift that takes all but some steps away.
+            // Differences of 1 to 2 in steps of 2^-56, of which 2^-52 is left, and a shift that takes all but some
+            // steps away.
             let unit = 2f64.powi(-56);
             let exact: [[i128; 3]; 4] = [0; 4].map(|_| [0; 3].map(|_| i128::from(numbers.next() % 400) - 200));
             let points = exact.map(|w| {

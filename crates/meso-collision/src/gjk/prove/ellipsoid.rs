@@ -17,9 +17,10 @@ const SINGLE: std::ops::Range<f64> = 1e-37..1e37;
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct Ellipsoids {
-    /// In f32: six entries of S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz, larger by what that rounds
-    /// off; the inner ellipsoid over the outer one, squared, 0 where none is known; and the inradius, rounded down, NaN where
-    /// the frame's origin is not known to lie inside. Side by side, as many pairs in lockstep read them.
+    /// In f32: six entries of S of the ellipsoid around the body, mm2: xx, yy, zz, xy, xz, yz, enlarged by the
+    /// rounding; the inner ellipsoid over the outer one, squared, 0 where none is known; and the inradius, rounded
+    /// down, NaN where the frame's origin is not known to lie inside. Side by side, as many pairs in lockstep read
+    /// them.
     pub(crate) row: [f32; 8],
     pub(crate) circumradius: f64,
 }
@@ -48,7 +49,8 @@ impl Ellipsoids {
         points.iter().map(|p| p * p.transpose()).sum()
     }
 
-    /// The ellipsoid of the shape `s`, enlarged to hold all points; the sphere alone where `s` is too flat or too extreme.
+    /// The ellipsoid of the shape `s`, enlarged to hold all points; the sphere alone where `s` is too flat or too
+    /// extreme.
     pub(crate) fn around(points: &[Vec3], s: &Mat3) -> Self {
         let radius2 = points.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
         let circumradius = radius2.sqrt() * (1.0 + SLACK);
@@ -98,7 +100,8 @@ impl Ellipsoids {
         along * (f64::from(self.inner_squared()) / axis.dot(&along)).sqrt()
     }
 
-    /// Finds how far the outer ellipsoid must shrink to lie inside every face plane of the solid whose facets these are.
+    /// Finds how far the outer ellipsoid must shrink to lie inside every face plane of the solid whose facets these
+    /// are.
     pub(crate) fn measure_inside(&mut self, facets: impl IntoIterator<Item = Facet>) {
         let (s, size) = (self.matrix(), self.circumradius);
         let (mut inner_squared, mut inradius) = (f64::INFINITY, f64::INFINITY);
@@ -174,7 +177,7 @@ impl Facet {
     }
 }
 
-/// The same vector, by a call: else the compiler chooses by masks, whose making the search would wait for.
+/// Returns the vector, by a call: else the compiler chooses by masks, whose making the search would wait for.
 #[cold]
 #[inline(never)]
 fn seldom(x: &Vec3) -> Vec3 {

@@ -1,8 +1,8 @@
-//! The same questions in exact arithmetic, for what rounding leaves open: touching, degenerate bodies, tiny gaps.
+//! Exact arithmetic for questions that rounding leaves open: touching, degenerate bodies, tiny gaps.
 //!
-//! All coordinates become integers after a common scaling by a power of two. GJK then runs without rounding: the simplex
-//! is reduced to the smallest part that holds the point v of its hull nearest the origin, and a support point nearer
-//! along v makes |v| strictly smaller, so that no simplex comes twice and the search ends, without a cap.
+//! All coordinates become integers after a common scaling by a power of two. GJK then runs without rounding: the
+//! simplex is reduced to the smallest part that holds the point v of its hull nearest the origin, and a support point
+//! nearer along v makes |v| strictly smaller, so that no simplex comes twice and the search ends, without a cap.
 
 use crate::gjk::prove::integer::{Point, to_double};
 use crate::gjk::support::Support;
@@ -107,8 +107,8 @@ impl<'a, A: Support + ?Sized, B: Support + ?Sized> ExactPair<'a, A, B> {
         (self.fraction(&height * &height, v.dot(&v)), v.negated())
     }
 
-    /// A point of A and one of B (not displaced) that are nearest each other, one point where the bodies share any: each
-    /// coordinate is the exact one, rounded once.
+    /// A point of A and one of B (not displaced) that are nearest each other, one point where the bodies share any:
+    /// each coordinate is the exact one, rounded once.
     pub(crate) fn closest_points(&self, start: &[(u32, u32)]) -> [Vec3; 2] {
         let Nearest { corners, .. } = self.descend(start);
         let weights = weights(&corners);
@@ -204,8 +204,9 @@ impl Heights {
     }
 }
 
-/// Height of p + x - origin along `v` (largest component about 1), and a bound of its error: one rounding for what is
-/// `rounded` in x, one for each subtraction, one for each component of v, four for the dot product; and what v itself leaves out below 2^-900.
+/// Height of p + x - origin along `v` (largest component about 1), and a bound of its error: one rounding for the
+/// `rounded` part of x, one for each subtraction, one for each component of v, four for the dot product; and the
+/// components of v below 2^-900.
 fn height(p: &Vec3, [x, rounded]: [&Vec3; 2], origin: &Vec3, v: &Vec3) -> (f64, f64) {
     let moved = p + x;
     let shifted = moved - origin;

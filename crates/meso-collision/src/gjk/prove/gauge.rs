@@ -1,4 +1,5 @@
-//! A body's faces in single precision: for most overlapping pairs a point of one body inside the other proves the overlap.
+//! A body's faces in single precision: for most overlapping pairs a point of one body inside the other proves the
+//! overlap.
 
 use crate::geometry::{CompactPolyhedron, Facet};
 use crate::gjk::body::{Body, Bounds, GROUP};
@@ -7,11 +8,12 @@ use crate::lanes::{LANES, least};
 use crate::math::Vec3;
 use crate::simd::{Wide, widest};
 
-/// Rounding of the single-precision arithmetic on them, as a share of the lengths in it: ten times what a dozen operations
-/// lose.
+/// Rounding of the single-precision arithmetic on them, as a share of the lengths in it: ten times the loss of a dozen
+/// operations.
 const ROUNDING: f64 = 1e-5;
 
-/// The faces of a body around its frame's origin, each as normal over offset: the body is where all of these are at most 1.
+/// The faces of a body around its frame's origin, each as normal over offset: the body is where all of these are at
+/// most 1.
 #[derive(Clone, Debug)]
 struct Gauge {
     /// x, then y, then z of all faces, each padded with zeros to a multiple of [`LANES`], which changes no maximum.
@@ -20,7 +22,7 @@ struct Gauge {
 }
 
 impl Gauge {
-    /// Every face a little nearer than it is, by what its plane may be off; `None` where the origin is not clearly inside
+    /// Every face a little nearer than it is, by the error of its plane; `None` where the origin is not clearly inside
     /// of all. `radius` is that of the ball about the origin that holds the body, mm.
     fn new(facets: &[Facet], radius: f64) -> Option<Self> {
         let padded = facets.len().next_multiple_of(LANES);
@@ -45,7 +47,7 @@ impl Gauge {
         let padded = self.faces.len() / 3;
         let (nx, rest) = self.faces.split_at(padded);
         let (ny, nz) = rest.split_at(padded);
-        // Negated, since the least of eight is what `lanes` finds.
+        // Negated, since `lanes` finds the least of eight.
         let mut low = [0.0_f32; LANES];
         for ((nx, ny), nz) in nx.chunks_exact(LANES).zip(ny.chunks_exact(LANES)).zip(nz.chunks_exact(LANES)) {
             for lane in 0..LANES {
@@ -80,8 +82,9 @@ impl Solid {
         &self.body
     }
 
-    /// True only where a point of the other body is inside: of its inner ellipsoid the one that is farthest along `-axis`, or
-    /// the vertex that is, or the middle of these. `b_from_a` is what to add to the other's points to have them in this frame.
+    /// True only where a point of the other body is inside: of its inner ellipsoid the one that is farthest along
+    /// `-axis`, or the vertex that is, or the middle of these. `b_from_a` is the displacement that brings the other's
+    /// points into this frame.
     #[inline(always)]
     pub(crate) fn meets(&self, b: (&Bounds, &CompactPolyhedron), axis: &Vec3, b_from_a: &Vec3) -> bool {
         let Some(gauge) = &self.gauge else { return false };

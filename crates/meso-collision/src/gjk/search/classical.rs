@@ -19,7 +19,8 @@ const MAX_STEPS: usize = 128;
 pub(crate) enum Until {
     /// The bodies are proved to be more than this apart, or not more.
     Apart(f64),
-    /// The nearest point is found as well as rounding allows: the search ends in [`Found::Undecided`], or in an overlap.
+    /// The nearest point is found as well as rounding allows: the search ends in [`Found::Undecided`], or in an
+    /// overlap.
     Nearest,
 }
 
@@ -62,7 +63,7 @@ impl Vectorized for Classical<'_> {
             if let Some(found) = self.decided(&direction, separation, &v, simplex) {
                 return found;
             }
-            // |v|2 - v.w is what |v|2 can still fall by.
+            // |v|2 - v.w bounds the further fall of |v|2.
             let progress = v.norm_squared() - v.dot(&a.w);
             if simplex.contains(a.of) || until == Until::Nearest && progress <= 0.0 {
                 return Found::Undecided(pair.corners(&simplex));

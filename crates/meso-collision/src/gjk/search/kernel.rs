@@ -1,7 +1,7 @@
 //! The support of both bodies of a pair at once, on vector registers.
 //!
-//! Every instruction set does the same correctly rounded operations in the same order (fused multiply-adds, which are exact
-//! to define), so that all machines find the same vertices and the same answers.
+//! Every instruction set does the same correctly rounded operations in the same order (fused multiply-adds, which are
+//! exact to define), so that all machines find the same vertices and the same answers.
 
 use crate::gjk::body::{Body, GROUP, Group};
 use crate::math::Vec3;
@@ -16,16 +16,17 @@ const _: () = assert!(GROUP == SLOTS, "a key holds the slot of a point within it
 pub(crate) trait Real: RealField + Copy {
     /// The register of `S` for these numbers.
     type Lanes<S: Simd>: Lanes<T = Self, Token = S>;
-    /// Error of a height over |direction| times the size, 128 u: 62 u for the slot in the mantissa, 5 u for the points, where
-    /// they are rounded, and the dot product, and the rest for what is done with it.
+    /// Error of a height over |direction| times the size, 128 u: 62 u for the slot in the mantissa, 5 u for the points,
+    /// where they are rounded, and the dot product, and the rest for its further use.
     const HEIGHT_ERROR: Self;
-    /// Error of a determinant over the size cubed: see [`certificate`](crate::gjk::prove::certificate::encloses_origin_roughly).
+    /// Error of a determinant over the size cubed: see
+    /// [`certificate`](crate::gjk::prove::certificate::encloses_origin_roughly).
     const ENCLOSING: Self;
     /// More than all products of one determinant can lose by underflow.
     const UNDERFLOW: Self;
     /// More than all products of one height can lose by underflow.
     const TINY: Self;
-    /// The share of a height's error below which a step of a search is none: what f32 leaves open, f64 takes up.
+    /// The share of a height's error below which a step of a search is none: f64 takes up pairs that f32 leaves open.
     const PROGRESS: Self;
     /// The slot in the low bits.
     fn slot(self) -> u32;

@@ -1,12 +1,13 @@
 //! Minkowski portal refinement: a yes or no for bodies that are known to hold their frames' origins.
 //!
-//! Snethen, XenonCollide, Game Programming Gems 7 (2008), with certificates. The displacement of the frames gives a point
-//! v0 inside A - B for nothing. A portal is a triangle v1 v2 v3 of points of A - B that the ray from v0 through the
-//! origin passes; supports along its outward normal push it out until the origin is inside the tetrahedron v0 v1 v2 v3,
-//! or a support does not reach the origin. Per step this takes half the arithmetic of a simplex update, and no division.
+//! Snethen, XenonCollide, Game Programming Gems 7 (2008), with certificates. The displacement of the frames gives a
+//! point v0 inside A - B for nothing. A portal is a triangle v1 v2 v3 of points of A - B that the ray from v0 through
+//! the origin passes; supports along its outward normal push it out until the origin is inside the tetrahedron v0 v1 v2
+//! v3, or a support does not reach the origin. Per step this takes half the arithmetic of a simplex update, and no
+//! division.
 //!
-//! The search is the same in both precisions. In single precision it proves what it can, with bounds of that precision;
-//! what it leaves open goes on in double precision from the portal it came to.
+//! The search is the same in both precisions. In single precision it proves most pairs, with bounds of that precision;
+//! the others go on in double precision from the portal it came to.
 
 use crate::gjk::pair::View;
 use crate::gjk::prove::certificate;
@@ -17,8 +18,8 @@ use nalgebra::Vector3;
 /// Steps after which the search ends undecided; 4 is the average for bodies of 20 to 30 points.
 pub(crate) const MAX_STEPS: usize = 32;
 
-/// How far a direction is turned that failed: 1 makes it perpendicular to the point in its way, 2 reflects it (Chung and
-/// Wang, 1996). Between them lies what tells most pairs apart with the second support; from 1.1 to 2 it is all the same.
+/// How far a direction is turned that failed: 1 makes it perpendicular to the point in its way, 2 reflects it (Chung
+/// and Wang, 1996). Values in between separate most pairs with the second support; from 1.1 to 2 it is all the same.
 pub(crate) const TURN: f32 = 1.5;
 
 /// The slots of a portal's corners.
@@ -55,7 +56,7 @@ impl<T> Refined<T> {
 
 /// A point of A - B as seen from v0: a point of A less one of B, which is not displaced.
 ///
-/// There v0 is 0 and what the ray passes is the displacement x, so that no step of the search adds or subtracts it.
+/// There v0 is 0 and the ray runs to the displacement x, so that no step of the search adds or subtracts it.
 #[derive(Clone, Copy)]
 struct Corner<T> {
     p: Vector3<T>,
@@ -79,8 +80,8 @@ macro_rules! support {
     }};
 }
 
-/// The search from direction `v`; both bodies must hold the origins of their frames. Bodies that are not more than `gap`
-/// apart may be left undecided.
+/// The search from direction `v`; both bodies must hold the origins of their frames. Bodies that are not more than
+/// `gap` apart may be left undecided.
 #[inline(always)]
 pub(crate) fn search<V: View, S: Simd>(view: V, simd: S, v: Vector3<V::T>, gap: V::T) -> Refined<V::T> {
     let zero: V::T = num_traits::zero();
@@ -131,7 +132,8 @@ fn refine<V: View, S: Simd>(view: V, simd: S, [mut v1, mut v2, mut v3]: [Corner<
     Refined::Undecided(None)
 }
 
-/// The search in f64 from the portal that single precision came to; `None` where in f64 that is none, and tells nothing.
+/// The search in f64 from the portal that single precision came to; `None` where in f64 that is none, and tells
+/// nothing.
 #[inline(always)]
 pub(crate) fn resume<V: View<T = f64>, S: Simd>(view: V, simd: S, portal: Portal, gap: f64) -> Option<Refined<f64>> {
     let [p, q, r] = portal;

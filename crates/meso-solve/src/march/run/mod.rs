@@ -76,10 +76,10 @@ pub(crate) struct State {
     pub(crate) progress: f64,
     /// Steps that the servo has added.
     pub(crate) held: f64,
-    /// Of the upper plate against the lower one in the last step, upwards, mm/s.
+    /// Speed of the upper plate against the lower one in the last step, upwards, mm/s.
     pub(crate) speed: f64,
     pub(crate) servo: Servo,
-    /// Of the upper plate against the lower one, upwards, mm.
+    /// Travel of the upper plate against the lower one, upwards, mm.
     pub(crate) travel: f64,
     pub(crate) external: f64,
     pub(crate) internal: f64,

@@ -1,7 +1,6 @@
 //! One self-contained page about a test: the curve, its figures, energies, damage in three sections, and the cracks to turn.
 
 use super::cracks::Cracks;
-use super::png::base64;
 use super::section::{ACROSS, RAMP, picture};
 use super::{Outcome, Snapshot};
 use crate::march::Row;
@@ -10,7 +9,7 @@ use crate::test::Kind;
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
-use meso_view::embedded::TURNTABLE;
+use meso_view::embedded::{TURNTABLE, base64};
 use meso_view::plot::{Plot, Series, escape};
 use std::io::{self, BufWriter, Write};
 

@@ -1,4 +1,5 @@
-//! Many pairs at a time past their bounds: the steps of [`ellipsoid`](crate::gjk::prove::ellipsoid), lane by lane, in f64.
+//! Many pairs at a time past their bounds: the steps of [`ellipsoid`](crate::gjk::prove::ellipsoid), lane by lane, in
+//! f64.
 
 use super::pending::Pending;
 use super::vectors::{Vectors, first_lanes};
@@ -6,7 +7,8 @@ use crate::gjk::ask::pair_query::PairQuery;
 use crate::gjk::prove::ellipsoid::SLACK;
 use crate::simd::{Lanes, MOST_LANES, Mask, Simd, Vectorized};
 
-/// Answers what the bounds tell: true where a pair is not more than `gap` apart; the rest goes to `pending`, which is empty.
+/// Stores the answers of the bounds: true where a pair is not more than `gap` apart; the rest goes to `pending`, which
+/// is empty.
 ///
 /// Returns how many pairs the inscribed spheres decided.
 pub(crate) struct Glance<'a, 'q> {

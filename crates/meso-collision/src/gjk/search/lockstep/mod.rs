@@ -1,7 +1,8 @@
 //! Many pairs side by side: a lane of a register for each.
 //!
-//! The same steps as [`ellipsoid`](crate::gjk::prove::ellipsoid) in f64 and [`mpr`](crate::gjk::search::mpr) in f32, lane by lane; what f32 leaves
-//! open is proved in f64 from the portal it came to. The modules are generic over the instruction set.
+//! Runs the steps of [`ellipsoid`](crate::gjk::prove::ellipsoid) in f64 and [`mpr`](crate::gjk::search::mpr) in f32,
+//! lane by lane; pairs that f32 leaves open are proved in f64 from the portal it came to. The modules are generic over
+//! the instruction set.
 
 mod bounds;
 mod open;

@@ -1,8 +1,9 @@
-//! What single precision left open, proved in f64: a register of pairs at a time, from the portals they came to.
+//! Proves in f64 the pairs that single precision left open: a register of pairs at a time, from the portals they came
+//! to.
 //!
-//! A portal that lies beyond the origin encloses it with v0: four determinants tell. Of one that lies before it the outward
-//! normal is the direction that separates the bodies best: one support tells. Corners, normal and support are all of f64, so
-//! that a portal that is none in f64 only fails to prove anything.
+//! A portal that lies beyond the origin encloses it with v0: four determinants tell. For an origin before the portal
+//! the outward normal is the direction that separates the bodies best: one support tells. Corners, normal and support
+//! are all of f64, so that a portal that is none in f64 only fails to prove anything.
 
 use super::supports::{Groups, Supports, corners, enclosing, unpacked};
 use super::task::{List, Undecided};
@@ -28,7 +29,7 @@ struct Pairs<'q, L> {
 }
 
 impl<'q> Open<'_, 'q> {
-    /// Those of the list that share a point; the others are added to the second list.
+    /// Pairs of the list that share a point; the others are added to the second list.
     #[inline(always)]
     pub(super) fn enclose<S: Simd>(&mut self, simd: S, list: &List<4>, others: &mut List<4>) {
         for at in (0..list.len()).step_by(S::F64::LANES) {
@@ -44,7 +45,7 @@ impl<'q> Open<'_, 'q> {
         }
     }
 
-    /// Those of the list that are more than the gap apart, or share a point after all.
+    /// Pairs of the list that are more than the gap apart, or share a point after all.
     #[inline(always)]
     pub(super) fn separate<S: Simd>(&mut self, simd: S, list: &List<4>) {
         for at in (0..list.len()).step_by(S::F64::LANES) {

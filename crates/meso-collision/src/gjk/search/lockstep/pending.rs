@@ -1,4 +1,4 @@
-//! The pairs that their bounds leave open, with what was found out about them.
+//! The pairs that their bounds leave open, with their first directions and closeness.
 
 use crate::math::Vec3;
 use crate::simd::{Lanes, Row, Simd};
@@ -6,9 +6,9 @@ use crate::simd::{Lanes, Row, Simd};
 /// A list of pairs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pending {
-    /// The direction to start from; the displacement of A seen from B; the closeness, 2 or less where the ellipsoids overlap,
-    /// the less the deeper, of which only ratios count; the index of the question, as bits. They have room for more than the
-    /// list.
+    /// The direction to start from; the displacement of A seen from B; the closeness, 2 or less where the ellipsoids
+    /// overlap, the less the deeper, of which only ratios count; the index of the question, as bits. They have room for
+    /// more than the list.
     rows: Vec<Row>,
     len: usize,
 }

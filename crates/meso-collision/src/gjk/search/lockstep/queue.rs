@@ -18,7 +18,7 @@ pub(super) const REACH: usize = 9;
 pub(super) const SLOTS_1: usize = 10;
 pub(super) const QUESTION: usize = 11;
 const COLUMNS: usize = 12;
-/// Lanes to fill, a register's more that are admitted together, and what a store of a register overshoots.
+/// Lanes to fill, a register's more that are admitted together, and the overshoot of a register's store.
 const ROOM: usize = (RANKS + 2) * MOST_LANES;
 
 /// Pairs with their first support, waiting for a lane.
@@ -117,7 +117,7 @@ impl Queue {
     }
 }
 
-/// As in [`mpr`](crate::gjk::search::mpr).
+/// Value as in [`mpr`](crate::gjk::search::mpr).
 #[inline(always)]
 fn turned_away<S: Simd>(simd: S, v: Vectors<S::F32>, w: Vectors<S::F32>) -> Vectors<S::F32> {
     let share = v.dot(w) / w.dot(w) * S::F32::all(simd, TURN);

@@ -8,8 +8,8 @@ use crate::gjk::ask::pair_query::PairQuery;
 use crate::gjk::search::mpr::MAX_STEPS;
 use crate::simd::{Lanes, Lockstep, MOST_LANES, Mask as _, Simd, for_each_lane};
 
-/// The share of a height's error within which a portal is as near the origin as single precision sees: f64 takes it up. With
-/// a share of 1, nine times as many of these would not be the last portal of their search.
+/// The share of a height's error within which a portal is as near the origin as single precision sees: f64 takes it up.
+/// With a share of 1, nine times as many of these would not be the last portal of their search.
 const NEAR: f32 = 0.125;
 
 /// A register of pairs on their way.
@@ -17,9 +17,9 @@ pub(super) struct Rank<'q, S: Simd> {
     groups: Groups<'q, f32>,
     /// The lanes that have a pair, as bits.
     live: u32,
-    /// Those that have a first point of the portal only.
+    /// Lanes that have only the first point of the portal.
     second: Mask<S>,
-    /// Those whose ray passes the portal.
+    /// Lanes whose ray passes the portal.
     found: Mask<S>,
     /// The question, as bits.
     question: S::F32,
@@ -91,7 +91,7 @@ impl<'q, S: Simd> Rank<'q, S> {
         });
     }
 
-    /// One support for everybody, and what follows from it.
+    /// One support for everybody, and its consequences.
     #[inline(always)]
     pub(super) fn step(&mut self, simd: S, search: &mut Search<'_, '_>) {
         let supports = Supports::new(simd, &self.groups, self.live, self.direction, self.v0);
@@ -134,8 +134,8 @@ impl<'q, S: Simd> Rank<'q, S> {
 
     /// Puts the new points where they belong; returns the lanes that make no progress beyond `doubt`.
     ///
-    /// The second point so that v0, v1, v2 face the origin; then discovery in the lanes without a portal and refinement in
-    /// the others: see [`mpr`](crate::gjk::search::mpr).
+    /// The second point so that v0, v1, v2 face the origin; then discovery in the lanes without a portal and refinement
+    /// in the others: see [`mpr`](crate::gjk::search::mpr).
     #[inline(always)]
     fn take(&mut self, simd: S, w: Vectors<S::F32>, slots: S::F32, doubt: S::F32) -> Mask<S> {
         let (zero, found, second) = (S::F32::all(simd, 0.0), self.found, self.second);

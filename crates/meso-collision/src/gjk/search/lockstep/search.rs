@@ -1,9 +1,9 @@
 //! Many pairs at a time through the portal search, in f32.
 //!
-//! The same steps as [`mpr`](crate::gjk::search::mpr), lane by lane. The first support decides most pairs that are apart: it is
-//! taken of a register of fresh pairs at a time. The others queue; whenever a lane's pair is decided, the next one takes its
-//! place, so that no lane idles. Single precision proves what it can; most of what it cannot is proved in f64 from the portal
-//! it came to, again a register at a time; the rest is left to the single query.
+//! Runs the steps of [`mpr`](crate::gjk::search::mpr), lane by lane. The first support decides most pairs that are
+//! apart: it is taken of a register of fresh pairs at a time. The others queue; whenever a lane's pair is decided, the
+//! next one takes its place, so that no lane idles. Single precision proves most pairs; most others are proved in f64
+//! from the portal it came to, again a register at a time; the rest is left to the single query.
 
 use super::open::Open;
 use super::queue::Queue;

@@ -122,7 +122,7 @@ pub(super) fn doubt<T: Real<Lanes<S> = L>, S: Simd, L: Lanes<T = T, Token = S>>(
 
 /// The lanes whose tetrahedron of v0 and three points is proved to hold the origin; they face away from v0.
 ///
-/// As [`encloses_origin_roughly`](crate::gjk::prove::certificate::encloses_origin_roughly).
+/// Lane by lane the test [`encloses_origin_roughly`](crate::gjk::prove::certificate::encloses_origin_roughly).
 #[inline(always)]
 pub(super) fn enclosing<T: Real<Lanes<S> = L>, S: Simd, L: Lanes<T = T, Token = S>>(
     simd: S,

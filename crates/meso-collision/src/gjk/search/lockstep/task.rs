@@ -5,7 +5,7 @@ use crate::gjk::ask::pair_query::PairQuery;
 use crate::gjk::search::mpr::Portal;
 use crate::simd::{Lanes, MOST_LANES};
 
-/// Registers of pairs in flight: what one waits for, another fills.
+/// Registers of pairs in flight: one fills the waiting time of another.
 pub(super) const RANKS: usize = 2;
 
 /// A pair that the search left open.

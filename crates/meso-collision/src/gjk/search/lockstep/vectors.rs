@@ -27,7 +27,7 @@ impl<L: Lanes> std::ops::Add for Vectors<L> {
 }
 
 impl<L: Lanes> Vectors<L> {
-    /// The same number everywhere.
+    /// One number in all lanes.
     #[inline(always)]
     pub(super) fn all(token: L::Token, value: L::T) -> Self {
         let all = L::all(token, value);
