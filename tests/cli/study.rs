@@ -370,3 +370,13 @@ fn a_changed_file_of_materials_changes_the_cases_that_use_it() {
     assert_eq!(before[0], after[0]);
     assert_ne!(before[1], after[1]);
 }
+
+#[test]
+fn a_study_on_standard_output_is_refused_and_makes_no_folder() {
+    let folder = Folder::new();
+    folder.write("study.toml", "spec = { fraction = 0.1 }\n");
+    let run = folder.run(&["study", "study.toml", "-o", "-"]);
+    let said = "error: --output - is standard output, but a study writes many files; name a folder\n";
+    assert_eq!((run.code, run.stderr.as_str()), (2, said));
+    assert_eq!(folder.names(), ["study.toml"]);
+}

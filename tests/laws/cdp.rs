@@ -2,10 +2,10 @@
 
 use crate::subject::{Number, WIDTH, along, cdp, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_core::materials::Materials;
-use meso_solve::law::point::{Reading, Sides, curve, ramp};
+use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
 use meso_solve::law::{Law, cdp as law};
 
-const UNIAXIAL: Sides = Sides::Lateral(0.0);
+const UNIAXIAL: HeldStress = HeldStress::Lateral(0.0);
 const E: f64 = 26_000.0;
 
 fn strengths<R: Number>() {
@@ -14,11 +14,11 @@ fn strengths<R: Number>() {
     close(crushed.stress, -40.0, 1e-3);
     close(crushed.strain, -0.0022, 1e-3);
     close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
-    close(peak(&along(&of, Sides::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
+    close(peak(&along(&of, HeldStress::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
     // Both stresses s, the third 0: s (alpha + (1 - alpha) c / f_t) = (1 - alpha) c where hardening begins, c = 0.4 f_c.
     let (alpha, c) = (0.16 / 1.32, 16.0);
     let pulled = (1.0 - alpha) * c / (alpha + (1.0 - alpha) * c / 3.0);
-    close(peak(&along(&of, Sides::Third(0.0), &[0.0004], 1e-7)).stress, pulled, 1e-3);
+    close(peak(&along(&of, HeldStress::Third(0.0), &[0.0004], 1e-7)).stress, pulled, 1e-3);
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn confined<R: Number>(meridian: f64) {
     let (alpha, gamma) = (0.16 / 1.32, 3.0 * (1.0 - meridian) / (2.0 * meridian - 1.0));
     for pressure in [5.0, 10.0, 20.0] {
         let strength = 40.0 + pressure * (1.0 + 2.0 * alpha + gamma) / (1.0 - alpha);
-        let found = peak(&along(&cdp::<R>(&materials), Sides::Lateral(-pressure), &[-0.02], 1e-5));
+        let found = peak(&along(&cdp::<R>(&materials), HeldStress::Lateral(-pressure), &[-0.02], 1e-5));
         close(found.stress, -strength, 1e-3);
     }
 }

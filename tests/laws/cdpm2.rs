@@ -1,17 +1,17 @@
 //! CDPM2 against what its equations give in closed form, in f64 and in the f32 of the solver.
 
 use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
-use meso_solve::law::point::{Reading, Sides, curve, ramp};
+use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
 use meso_solve::law::{Law, cdpm2 as law};
 
-const UNIAXIAL: Sides = Sides::Lateral(0.0);
+const UNIAXIAL: HeldStress = HeldStress::Lateral(0.0);
 const E: f64 = 26_000.0;
 
 fn strengths<R: Number>() {
     let of = cdpm2::<R>(&mortar(), &law::Options::default());
     close(peak(&along(&of, UNIAXIAL, &[-0.004], 2e-6)).stress, -40.0, 1e-3);
     close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
-    close(peak(&along(&of, Sides::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
+    close(peak(&along(&of, HeldStress::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn confined<R: Number>() {
         let strength = pressure + fc * (1.0 + m0 * pressure / fc).sqrt();
         // H_p raises it further as plastic strain grows.
         let of = cdpm2::<R>(&mortar(), &law::Options { hardening_modulus: 0.0, ..Default::default() });
-        close(peak(&along(&of, Sides::Lateral(-pressure), &[-0.04], 1e-5)).stress, -strength, 1e-3);
+        close(peak(&along(&of, HeldStress::Lateral(-pressure), &[-0.04], 1e-5)).stress, -strength, 1e-3);
     }
 }
 

@@ -4,7 +4,7 @@ use crate::subject::{Number, cdp, from_peak, mortar, peak};
 use meso_core::export::abaqus::{Analysis, DeckOptions, write};
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
-use meso_solve::law::point::{Reading, Sides, curve, ramp};
+use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
 
 const E: f64 = 26_000.0;
 
@@ -49,7 +49,7 @@ fn twins<R: Number>(method: Method, edges: f64) {
     let (of, deck) = (cdp::<R>(&mortar()), deck(&mesh));
     let across = (EDGE.powi(3) / mesh.cell_count() as f64).cbrt();
     let width = edges * across;
-    let held = Sides::Lateral(0.0);
+    let held = HeldStress::Lateral(0.0);
     let crushed = curve(&of, width, held, &ramp(0.0, -0.05, 10_000).collect::<Vec<_>>());
     let table = rows(&deck, "*CONCRETE COMPRESSION HARDENING");
     let top = table.iter().position(|row| row[0] == 40.0).unwrap();

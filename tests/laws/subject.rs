@@ -1,7 +1,7 @@
 //! The mortar that the tests strain, and what they ask of its curves.
 
 use meso_core::materials::{Materials, Strength};
-use meso_solve::law::point::{Reading, Sides, curve, ramp};
+use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
 use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
 use meso_solve::real::Real;
 
@@ -37,7 +37,7 @@ pub(crate) fn cdpm2<R: Real>(materials: &Materials, options: &cdpm2::Options) ->
 }
 
 /// Curve along a polygon of strains, in steps of at most `step`.
-pub(crate) fn along<R: Number, L: Law<R>>(law: &L, held: Sides, corners: &[f64], step: f64) -> Vec<Reading> {
+pub(crate) fn along<R: Number, L: Law<R>>(law: &L, held: HeldStress, corners: &[f64], step: f64) -> Vec<Reading> {
     let mut strains = Vec::new();
     let mut from = 0.0;
     for &to in corners {

@@ -126,7 +126,7 @@ class Spec:
         """Everything as the text of a SPEC.toml."""
 
     def describe(self) -> str:
-        """The text of a SPEC.toml with what each key means above it: `print(spec.describe())`."""
+        """The text of a SPEC.toml with the meaning of each key above it: `print(spec.describe())`."""
 
     def replace(self, **changes: Unpack[SpecOptions]) -> Spec:
         """A spec with `changes` laid over this one; sections are merged key by key."""
@@ -173,7 +173,7 @@ class Polyhedron:
         ValueError
             For a thickness that is negative or not finite.
         ArithmeticError
-            Where what is left is too thin, or too small, for float64 vertices to show its shape.
+            Where the rest is too thin, or too small, for float64 vertices to show its shape.
         """
 
     def __eq__(self, other: object, /) -> bool: ...
@@ -395,7 +395,7 @@ class Packing:
         Raises
         ------
         ValueError, TypeError
-            Names the option, its value and what is accepted. Images of more than 2^33 voxels are left to
+            Names the option, its value and the accepted range. Images of more than 2^33 voxels are left to
             `mesocrete image`, which streams them.
         """
 
@@ -450,7 +450,7 @@ class Packing:
         Raises
         ------
         ValueError, TypeError
-            Names the option, its value and what is accepted.
+            Names the option, its value and the accepted range.
         """
 
     @overload
@@ -535,7 +535,7 @@ class Packing:
         -------
         dict
             `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed), `findings`, a list of what is wrong, and
-            `not_checked`, what a check of the model alone cannot tell.
+            `not_checked`, properties that a check of the model alone cannot prove.
         """
 
     def statistics(self, *, progress: bool | Callable[..., object] | None = None, **options: Unpack[StatisticsOptions]) -> _results.Statistics:
@@ -566,8 +566,9 @@ class Packing:
         element_size : float, optional
             Edge length of the elements, mm; default 2.
         for_test : bool, optional
-            Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="smeared",
-            joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
+            Whether options that are not given are those of `mesocrete solve` with a model: a lattice with a smeared ITZ,
+            aggregates of exact volume that mortar separates, and split narrow gaps. `Mesh.solve` then gives the command's
+            curve.
         accept_phase_error : bool, optional
             Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
         progress : bool or callable, optional
@@ -581,6 +582,8 @@ class Packing:
         ------
         ValueError, TypeError
             Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
+        MemoryError
+            Where the mesh would take more memory than is free.
         """
 
     def to_pyvista(self, **options: Unpack[_Images]) -> PolyData:
@@ -669,13 +672,13 @@ class Mesh:
 
         Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other
         materials how many there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how
-        far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond
-        it as `joined_rms_mm` and `joined_max_mm` say.
+        far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and their distances from the surface
+        beyond it are `joined_rms_mm` and `joined_max_mm`.
         """
 
     def mass_scaling(self, time_step_s: float = 5e-7) -> _results.MassScaling:
         """The mass that explicit dynamics in steps of `time_step_s` seconds takes, with the default materials: a dict of
-        `time_step_s`, `factor` (mass with what scaling adds over the mesh's own) and `phases`, a list of dicts of `phase`,
+        `time_step_s`, `factor` (scaled mass over the mesh's own) and `phases`, a list of dicts of `phase`,
         `elements`, `scaled` (share of them whose own step is shorter), `factor`, `shortest_step_s` and `mass_t`.
         """
 
@@ -692,16 +695,16 @@ class Mesh:
         overwrite : bool
             Whether a file that is there already is replaced.
         compress : bool
-            Whether what a `.vtu` holds is compressed.
+            Whether the data of a `.vtu` are compressed.
         **deck
-            What an `.inp` holds beside the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+            Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
             `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-            `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; what it leaves out keeps its illustrative default).
+            `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
 
         Raises
         ------
         ValueError
-            For an extension that names no mesh format, and for what a deck cannot hold; the message lists what is accepted.
+            For an extension that names no mesh format, and for options that a deck cannot have; the message lists the accepted ones.
         OSError
             Where the file cannot be written.
         """
@@ -728,7 +731,7 @@ class Mesh:
         law : str, optional
             The law of mortar and ITZ; aggregates and fibres are elastic.
         materials : dict, optional
-            The `[materials]` of a deck; what it leaves out keeps its illustrative default.
+            The `[materials]` of a deck; absent values keep their illustrative defaults.
         frames : int
             Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
         threads : int, optional
@@ -933,7 +936,7 @@ def pack(
     Parameters
     ----------
     spec : None, dict, path or Spec
-        What to pack; None is the paper's specimen.
+        The spec; None is the paper's specimen.
     seed : int, optional
         Replaces the spec's seed; 0 to 2^64 - 1.
     fraction : float, optional
@@ -942,6 +945,14 @@ def pack(
         All cores when absent. It changes the time, never the result.
     time_limit : float, optional
         Stop after so many seconds with the best packing found; replaces the spec's.
+    for_test : bool, optional
+        Whether the packing is for a test: aggregates keep gaps of half an element, or less in dense packings, where the
+        spec leaves `min_gap_mm` at 0. `mesocrete pack --analysis compression` packs in the same way.
+    method : str, optional
+        Method of the mesh that follows. "conforming" needs gaps of 0.05 mm, which are left where the spec has none. It
+        is "lattice" by default with `for_test`.
+    element_size : float, optional
+        Edge length of the elements of the mesh that follows, mm; default 2.
     progress : bool or callable, optional
         True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
         `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
@@ -987,7 +998,7 @@ def load(path: _Path, *, progress: bool | Callable[..., object] | None = None) -
     OSError
         Where the file cannot be read.
     ValueError
-        Where it is no model; the message says what is wrong and where.
+        Where it is no model; the message names the fault and its place.
     """
 
 def convex_hull(points: ArrayLike) -> Polyhedron:
@@ -1095,8 +1106,8 @@ class Bodies:
     bodies : iterable of array_like, shape (n, 3), or Aggregate, or Polyhedron
         Hulls of any dimension, closed, in one frame and any unit. Any finite numbers.
 
-    All answers are exact for the points and shifts as given, as those of `intersects` are. Of a solid the corners of its
-    hull are kept, and points inside are dropped.
+    All answers are exact for the points and shifts as given, as those of `intersects` are. A solid keeps the corners of its
+    hull; points inside are dropped.
 
     Raises
     ------
@@ -1169,7 +1180,7 @@ class Bodies:
     def placed(self, positions: ArrayLike, rotations: ArrayLike | None = None) -> Bodies:
         """The bodies turned about the origin, if at all, and then displaced.
 
-        Each coordinate is rounded, so that answers are exact for what `points` then returns.
+        Each coordinate is rounded, so that answers are exact for the points that `points` then returns.
 
         Parameters
         ----------
@@ -1184,7 +1195,7 @@ class Bodies:
         """
 
 def recipes() -> dict[str, str]:
-    """The specimens that `Spec.recipe` knows, by name, and what each of them is."""
+    """The specimens that `Spec.recipe` knows: a dict of names and titles."""
 
 @final
 class _StudyPlan:

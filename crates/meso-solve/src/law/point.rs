@@ -7,7 +7,7 @@ use crate::real::Real;
 
 /// The directions that are held while the strain along x is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sides {
+pub enum HeldStress {
     /// Both lateral stresses, at this value, MPa (tension positive): 0 is the uniaxial test.
     Lateral(f64),
     /// The stress along z, at this value, MPa, while y is strained as x: 0 is the equibiaxial test.
@@ -33,7 +33,12 @@ pub struct Reading {
 ///
 /// The held stress is first raised from 0 while x is strained to the first of `strains`, in as many steps as there are
 /// samples in twenty.
-pub fn curve<R: Real + Into<f64>, L: Law<R>>(law: &L, width_mm: f64, held: Sides, strains: &[f64]) -> Vec<Reading> {
+pub fn curve<R: Real + Into<f64>, L: Law<R>>(
+    law: &L,
+    width_mm: f64,
+    held: HeldStress,
+    strains: &[f64],
+) -> Vec<Reading> {
     let Some(&first) = strains.first() else { return Vec::new() };
     let mut point = Point { law, width: R::splat(width_mm), history: L::virgin(), lateral: 0.0, held };
     let steps = strains.len().div_ceil(20);
@@ -59,7 +64,7 @@ struct Point<'a, R: Real, L: Law<R>> {
     width: R,
     history: L::History,
     lateral: f64,
-    held: Sides,
+    held: HeldStress,
 }
 
 /// Halvings of the bracket about the free strain: of 1e-7, down to the last digit of a strain of 1e-3 in f64.
@@ -67,7 +72,7 @@ const HALVINGS: usize = 40;
 
 impl<R: Real + Into<f64>, L: Law<R>> Point<'_, R, L> {
     fn strains(&self, axial: f64, free: f64) -> Tensor<R> {
-        let second = if let Sides::Lateral(_) = self.held { free } else { axial };
+        let second = if let HeldStress::Lateral(_) = self.held { free } else { axial };
         [axial, second, free, 0.0, 0.0, 0.0].map(R::splat)
     }
 
@@ -79,7 +84,7 @@ impl<R: Real + Into<f64>, L: Law<R>> Point<'_, R, L> {
     }
 
     fn go_to(&mut self, axial: f64, share: f64) -> Reading {
-        let (Sides::Lateral(held) | Sides::Third(held)) = self.held;
+        let (HeldStress::Lateral(held) | HeldStress::Third(held)) = self.held;
         self.lateral = self.free_strain(axial, share * held);
         let strains = self.strains(axial, self.lateral);
         let stress = self.law.stress(&strains, &mut self.history, self.width).stress;

@@ -54,6 +54,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    if args.output == Path::new("-") {
+        let message = "--output - is standard output, but a study writes many files; name a folder";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let file = StudyFile::read(&args.study)?;
     let shown = Shown::new(args.quiet);
     let plan = Arc::new(file.plan(&mut |planned, cases| shown.count("planning", planned, cases))?);

@@ -1,0 +1,78 @@
+//! Flags of `mesocrete solve`.
+
+use crate::commands::meshing::MeshFlags;
+use crate::commands::shared::{Threads, Writing};
+use crate::commands::{names, values};
+use meso_solve::{Control, LawName, Smoothing, Test, TestKind};
+use std::path::PathBuf;
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// A saved model (.json or .json.gz; `-` is standard input), or what to pack (SPEC.toml); absent: a 150 mm cube, Fuller 5 to 20 mm,
+    /// 40 %, gaps of 1 mm, in elements of 4 mm
+    pub(super) model: Option<PathBuf>,
+    /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    pub(super) output: PathBuf,
+    #[arg(long, default_value = "compression", value_parser = names::parse::<TestKind>)]
+    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<TestKind>()))]
+    pub(super) test: TestKind,
+    /// Friction between plates and specimen; in tension the plates are glued on
+    #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
+    #[arg(allow_negative_numbers = true)]
+    pub(super) friction: f64,
+    /// Mean axial strain at the end [default: 0.005 in compression, 0.0005 in tension]
+    #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) strain: Option<f64>,
+    #[arg(long, default_value_t = LawText(Test::default().law), value_parser = law)]
+    #[arg(help = format!("The law of mortar and ITZ: {}", names::list::<LawName>()))]
+    pub(super) law: LawText,
+    #[arg(long, value_name = "OVER", value_parser = names::parse::<Smoothing>)]
+    #[arg(help = format!("Smooth the strains of tetrahedra, so that peaks hardly depend on their size: {} [default: edges; none for voxels]", names::list::<Smoothing>()))]
+    pub(super) smoothing: Option<Smoothing>,
+    #[arg(long, value_name = "HOW", default_value = "servo", value_parser = names::parse::<Control>)]
+    #[arg(help = format!("Plates that slow down while the specimen breaks, or keep their speed as in a deck: {}", names::list::<Control>()))]
+    pub(super) control: Control,
+    /// Frames of all fields, evenly over the test, 0 for none; more while a servo holds the plates back
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = values::whole_number)]
+    #[arg(allow_negative_numbers = true)]
+    pub(super) frames: u32,
+    /// Time of the test at the plates' full speed, s; short ones are not quasi-static [default: by the height and the strain]
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) duration: Option<f64>,
+    /// Time step that mass scaling keeps, s [default: by the element size]
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) time_step: Option<f64>,
+    /// Write checkpoint.bin every S seconds, for --resume
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) checkpoint: Option<f64>,
+    /// Resume from the checkpoint.bin in DIR; give the same flags as before
+    #[arg(long)]
+    pub(super) resume: bool,
+    /// Seed of the packing, where one is made
+    #[arg(long, value_name = "N", value_parser = values::seed, allow_negative_numbers = true)]
+    pub(super) seed: Option<u64>,
+    /// Volume of the aggregates over the specimen's, 0 to 1, where a packing is made
+    #[arg(long, value_name = "F", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) fraction: Option<f64>,
+    #[command(flatten)]
+    pub(super) threads: Threads,
+    #[command(flatten)]
+    pub(super) writing: Writing,
+    #[command(flatten)]
+    pub(super) mesh: MeshFlags,
+}
+
+/// A law by its name, as clap shows it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LawText(pub(super) LawName);
+
+impl std::fmt::Display for LawText {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&names::of(&self.0))
+    }
+}
+
+fn law(text: &str) -> Result<LawText, String> {
+    names::parse(text).map(LawText)
+}

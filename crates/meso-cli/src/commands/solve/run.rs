@@ -1,0 +1,189 @@
+//! The work of `mesocrete solve`: from a model, a spec or nothing to the stress-strain curve.
+
+use super::flags::Args;
+use super::folder::{Folder, Kept, Written};
+use super::settings::wrong;
+use super::watch::Watching;
+use crate::commands::meshing::MeshSettings;
+use crate::commands::names;
+use crate::failure::{Failure, INTERRUPTED, RUN};
+use crate::interrupt::Polling;
+use crate::progress::{PACK, Watch};
+use crate::{inputs, interrupt, stderr};
+use meso_concrete::thousands;
+use meso_core::Model;
+use meso_core::mesh::Mesh;
+use meso_core::watch::Stage;
+use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
+use meso_solve::{Control, Ended, Response, Run};
+use std::time::Instant;
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    args.threads.run(|| on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    let started = Instant::now();
+    let (test, materials) = (args.test(), args.mesh.materials()?);
+    meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
+    args.validate()?;
+    let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
+    let kept = if args.resume { Some(folder.kept()?) } else { None };
+    let mut seconds = TestSeconds::default();
+    let Some((model, settings)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
+    let mesh = args.divide(&model, &settings, &mut seconds)?;
+    let source = Source::of(&model, &settings.options);
+    let sample = sample_of(&mesh, &model, &settings.options);
+    drop(model);
+    let begun = Instant::now();
+    let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
+    let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
+    folder.go_on(frames, !args.resume)?;
+    args.announce(&run, &mesh);
+    let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
+    let response = run.to_end(&Polling::begin(), &watch);
+    (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
+    finish(args, &Finished { mesh: &mesh, run: &run, response, source, started, seconds }, folder)
+}
+
+impl Args {
+    /// The specimen, and how it is meshed; none where the user stopped the packing.
+    fn model(&self, seconds: &mut TestSeconds) -> Result<Option<(Model, MeshSettings)>, Failure> {
+        if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
+            let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
+            let model = inputs::model(path, &watch)?;
+            watch.finish();
+            let options = self.settings(&model.spec)?;
+            return Ok(Some((model, options)));
+        }
+        let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
+        let spec = self.spec(&watch)?;
+        let options = self.settings(&spec)?;
+        if !self.writing.quiet {
+            let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
+            let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
+            let line = format!(
+                "packing a {kind} of {:.0} mm3: {percent} %, {} to {} mm, gaps of {gap} mm, seed {}",
+                spec.specimen.volume(),
+                sizes.0,
+                sizes.1,
+                spec.seed
+            );
+            watch.aside(|| stderr::line(line));
+        }
+        watch.keeps_the_best();
+        let begun = watch.elapsed();
+        let model = meso_core::pack(&spec, &watch);
+        watch.finish();
+        seconds.pack = watch.elapsed() - begun;
+        let model = model.map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok((!interrupt::asked()).then_some((model, options)))
+    }
+
+    fn divide(&self, model: &Model, settings: &MeshSettings, seconds: &mut TestSeconds) -> Result<Mesh, Failure> {
+        let begun = Instant::now();
+        if !self.writing.quiet {
+            let (method, size) = (names::of(&settings.options.method.name()), settings.options.element_size_mm);
+            stderr::line(format!("meshing {} aggregates: {method}, {size} mm", thousands(model.aggregates.len())));
+        }
+        let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Mesh, 1.0)]);
+        let mesh = settings.build(model, self.writing.quiet, &watch);
+        watch.finish();
+        let (mesh, _) = mesh?;
+        seconds.mesh = begun.elapsed().as_secs_f64();
+        Ok(mesh)
+    }
+
+    fn announce(&self, run: &Run, mesh: &Mesh) {
+        if self.writing.quiet {
+            return;
+        }
+        let (elements, steps) = (thousands(mesh.cell_count()), thousands(run.steps() as usize));
+        // A servo adds steps while the specimen breaks.
+        let at_least = if self.control == Control::Servo { "at least " } else { "" };
+        let (test, law, strain) = (names::of(&self.test), self.law, self.test().strain());
+        stderr::line(format!(
+            "{test} to a strain of {strain}, friction {}, law {law}: {elements} elements, {at_least}{steps} steps of {:.2e} s with {:.0} % of mass added, {:.0} MB",
+            self.friction,
+            run.time_step_s(),
+            run.added_mass_percent(),
+            run.bytes() as f64 / 1e6
+        ));
+    }
+}
+
+/// Restores the state that an earlier run kept.
+fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<Written>, Failure> {
+    run.resume(&mut kept.state).map_err(|error| Failure::Run(format!("{}: {error}", kept.path.display())))?;
+    Ok(kept.frames)
+}
+
+/// A run that came to its end.
+struct Finished<'a> {
+    mesh: &'a Mesh,
+    run: &'a Run<'a>,
+    response: Response,
+    source: Source,
+    started: Instant,
+    seconds: TestSeconds,
+}
+
+/// Writes the results and says the most of them; the exit code.
+fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Failure> {
+    let Finished { mesh, run, response, source, started, seconds } = finished;
+    let ended = &response.result.ended;
+    let keeps = *ended == Ended::Stopped && args.checkpoint.is_some();
+    let kept = if keeps { folder.keep(run) } else { Ok(()) };
+    // A run that diverged holds no numbers now.
+    let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
+    let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
+    let frames = folder.frames();
+    let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
+    // Before a disk without room can hide them.
+    tell(response, args.test().strain(), args.writing.quiet);
+    folder.fill(&outcome)?;
+    let lost = folder.lost();
+    let written = folder.commit(*ended == Ended::Completed)?;
+    if !args.writing.quiet {
+        written.iter().for_each(|path| stderr::line(format!("wrote {}", path.display())));
+    }
+    kept?;
+    match ended {
+        Ended::Completed => lost.map(|()| 0),
+        Ended::Stopped => Ok(INTERRUPTED),
+        Ended::Diverged(_) => Ok(RUN),
+    }
+}
+
+/// Prints the curve's figures, then warnings and errors.
+fn tell(response: &Response, strain: f64, quiet: bool) {
+    let (result, figures) = (&response.result, &response.result.figures);
+    if !quiet {
+        stderr::line(format!(
+            "peak {:.2} MPa at a strain of {:.5}, modulus {:.0} MPa, {:.2} MPa at the end",
+            figures.peak_mpa, figures.peak_strain, figures.modulus_mpa, figures.stress_at_end_mpa
+        ));
+        stderr::line(format!(
+            "kinetic over internal energy {:.2} %, {:.2} % to half the peak; energy balance off by {:.4} % of the work, {:.1} % of mass added",
+            100.0 * result.kinetic_over_internal_max,
+            100.0 * result.kinetic_over_internal_to_half_peak,
+            100.0 * result.energy_balance_error,
+            result.added_mass_percent
+        ));
+    }
+    result.warnings.iter().for_each(|warning| stderr::line(format!("warning: {}", with_flags(warning))));
+    result.errors.iter().for_each(|error| stderr::line(format!("error: {}", with_flags(error))));
+    if result.ended == Ended::Stopped {
+        let share = 100.0 * response.curve.last().map_or(0.0, |row| row.strain) / strain;
+        stderr::line(format!("stopped after {share:.0} % of the strain; the curve is valid until there"));
+    }
+}
+
+/// The engine speaks of `test.time_step_s`, the user typed `--time-step`.
+fn with_flags(text: &str) -> String {
+    let flags = ["duration_s", "time_step_s", "friction", "strain", "frames"];
+    flags.iter().fold(text.to_owned(), |text, key| {
+        let flag = key.trim_end_matches("_s").replace('_', "-");
+        text.replace(&format!("test.{key}"), &format!("--{flag}"))
+    })
+}

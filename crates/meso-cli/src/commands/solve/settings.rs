@@ -1,0 +1,130 @@
+//! The test, the mesh and the spec that the flags of `mesocrete solve` ask for.
+
+use super::flags::Args;
+use super::folder::CHECKPOINT;
+use crate::commands::meshing::{MeshSettings, wrong_option};
+use crate::failure::Failure;
+use crate::progress::Watch;
+use crate::{inputs, room};
+use meso_core::Spec;
+use meso_core::aggregate::Itz as Shells;
+use meso_core::mesh::{ItzForm, MethodName, Order, Purpose};
+use meso_solve::results::{Moment, ResultFile};
+use meso_solve::{Smoothing, SolveError, Test};
+use meso_study::{NameError, Names};
+use std::path::Path;
+
+impl Args {
+    pub(super) fn test(&self) -> Test {
+        Test {
+            kind: self.test,
+            friction: self.friction,
+            strain: self.strain,
+            duration_s: self.duration,
+            time_step_s: self.time_step,
+            frames: self.frames,
+            control: self.control,
+            law: self.law.0,
+            smoothing: self.smoothing,
+            ..Test::default()
+        }
+    }
+
+    /// Refuses flags that do not suit packings of `spec`, before one is packed.
+    pub(crate) fn check(&self, spec: &Spec) -> Result<(), Failure> {
+        meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        self.validate()?;
+        self.settings(spec).map(drop)
+    }
+
+    /// Claims the name of every file of the results.
+    pub(crate) fn claim(owner: &str, names: &mut Names) -> Result<(), NameError> {
+        let [prefix, suffix] = Moment::FILES;
+        names.claim_series(owner, prefix, suffix)?;
+        ResultFile::ALL
+            .map(ResultFile::name)
+            .into_iter()
+            .chain([CHECKPOINT])
+            .try_for_each(|name| names.claim(owner, name))
+    }
+
+    /// Refuses flags that are wrong with any file.
+    pub(crate) fn validate_alone(&self) -> Result<(), Failure> {
+        self.validate()?;
+        if self.mesh.has_materials() {
+            return Ok(());
+        }
+        meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        self.mesh.options(self.purpose(), &Shells::default()).map(drop)
+    }
+
+    /// Refuses flags that cannot be meant, before any work.
+    pub(super) fn validate(&self) -> Result<(), Failure> {
+        if self.output == Path::new("-") {
+            let message = "--output - is standard output, but a test writes several files; name a folder";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
+            return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
+        }
+        let options = self.mesh.options(self.purpose(), &Shells::default())?;
+        if self.smoothing == Some(Smoothing::Edges) && options.method.name() == MethodName::Voxel {
+            let message = "--smoothing edges needs tetrahedra; take --method lattice or conforming, or leave it out";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if options.method.order() == Order::Quadratic {
+            return Err(Failure::Usage("--order is 2; a test takes 1".to_owned()));
+        }
+        if self.packs() {
+            return Ok(());
+        }
+        for (flag, given) in [("--seed", self.seed.is_some()), ("--fraction", self.fraction.is_some())] {
+            if given {
+                let message = format!("{flag} has no effect on a saved model; leave it out, or give a SPEC.toml");
+                return Err(Failure::Usage(message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether there is no saved model yet.
+    pub(super) fn packs(&self) -> bool {
+        self.model.as_deref().is_none_or(is_spec)
+    }
+
+    /// Use of the mesh: a user who names no specimen makes a first test.
+    pub(super) fn purpose(&self) -> Purpose {
+        if self.model.is_none() { Purpose::FirstTest } else { Purpose::Test }
+    }
+
+    /// The mesh of a specimen, if its test would have a number of steps that can be taken.
+    pub(super) fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
+        let settings = self.mesh.settings(self.purpose(), spec)?;
+        let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.options);
+        room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), options.element_size_mm)?;
+        let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);
+        steps.map(|_| settings).map_err(|error| wrong(&error))
+    }
+
+    /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.
+    pub(super) fn spec(&self, watch: &Watch) -> Result<Spec, Failure> {
+        let read = |path| inputs::spec(path, watch, None);
+        let mut spec = self.model.as_deref().map_or_else(|| Ok(Spec::of_first_test()), read)?;
+        spec.seed = self.seed.unwrap_or(spec.seed);
+        spec.fraction = self.fraction.unwrap_or(spec.fraction);
+        spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok(spec)
+    }
+}
+
+fn is_spec(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+}
+
+/// Turns an error of the engine into wrong usage; a value of the test has a flag.
+pub(super) fn wrong(error: &SolveError) -> Failure {
+    Failure::Usage(match error {
+        SolveError::Value(wrong) if wrong.table == "test" => return wrong_option(wrong),
+        _ => error.to_string(),
+    })
+}
