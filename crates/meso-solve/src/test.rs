@@ -128,7 +128,7 @@ impl Default for Interface {
 /// 34.9, 34.7 and 34.6 MPa at 10, 16, 24, 48 and 80e-6, and kinetic over internal energies of 1.2, 0.49, 0.25, 0.06 and
 /// 0.02 % after the ramp.
 const COMPRESSION_PACE: f64 = 24e-6;
-/// The same in tension, where strength and strain at the peak are less by an order of magnitude.
+/// Time to 0.5 % of strain per height in tension, s/mm, where strength and strain at the peak are less by an order of magnitude.
 const TENSION_PACE: f64 = 160e-6;
 /// Least time per height, s/mm: 30 times a sound wave's way. A cylinder of 40 mm that is pressed by 0.02, 0.05, 0.1 and
 /// 0.2 % had kinetic energies of 54, 5.8, 1.4 and 0.4 % of the internal one without it
@@ -192,7 +192,7 @@ impl Test {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// Names the value and what is accepted.
+    /// The first value out of its range, with the accepted range.
     pub fn validate(&self) -> Result<(), OutOfRange> {
         let strain = self.strain();
         TEST.require(

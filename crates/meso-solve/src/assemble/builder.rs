@@ -26,7 +26,7 @@ pub(crate) struct Builder<'a> {
 
 /// The patches of a block.
 pub(crate) struct OwnPatches<'a> {
-    /// Those of the mesh.
+    /// All patches of the mesh.
     all: &'a Patches,
     /// Which of them.
     numbers: &'a [u32],
@@ -34,7 +34,7 @@ pub(crate) struct OwnPatches<'a> {
 }
 
 impl<'a> OwnPatches<'a> {
-    /// Those with some `numbers` among `all`.
+    /// Takes the patches with these `numbers` from `all`.
     pub(crate) fn new(mesh: &Mesh, all: &'a Patches, numbers: &'a [u32]) -> Self {
         let shapes = numbers.iter().map(|&number| all.patch(mesh, number)).collect();
         Self { all, numbers, shapes }

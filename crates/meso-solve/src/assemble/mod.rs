@@ -30,7 +30,7 @@ pub(crate) struct Assembly {
     pub(crate) nodes: Vec<u32>,
     /// Lumped mass, tonne, by the engine's numbers.
     pub(crate) mass: Vec<f64>,
-    /// Without and with what was added, tonne.
+    /// Mass without and with scaling, tonne.
     pub(crate) masses: [f64; 2],
     /// Longest step that needs no mass, s.
     pub(crate) stable_s: f64,
@@ -56,7 +56,7 @@ pub(crate) fn assemble(parts: &Parts) -> Result<Assembly, SolveError> {
     Ok(Assembly { blocks, patches, nodes, mass, masses: weight.total, stable_s: weight.stable_s, widest_mm })
 }
 
-/// Those of a mesh of tetrahedra whose strains are to be smoothed.
+/// Makes the patches of a tetrahedral mesh with smoothed strains; `None` for other meshes.
 fn patches(parts: &Parts, nodes: &[u32], number: &[u32]) -> Option<Patches> {
     let (mesh, matter) = (parts.sample.mesh, &parts.common.matter);
     let is_smoothed = parts.smoothing == Smoothing::Edges;

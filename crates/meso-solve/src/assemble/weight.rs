@@ -1,4 +1,4 @@
-//! Mass of the nodes: the elements' own, and what mass scaling adds.
+//! Mass of the nodes: the elements' own, and the mass that scaling adds.
 
 use crate::assemble::mass::{Need, box_metric, tet_metric};
 use crate::assemble::parts::Parts;
@@ -17,16 +17,16 @@ const WINDOW: usize = 1 << 16;
 pub(crate) struct Weight {
     /// Lumped, by the mesh's numbers, tonne.
     pub(crate) mass: Vec<f64>,
-    /// Of it, what solid elements do not need for the step.
+    /// Share of the mass that solid elements do not need for the step, tonne.
     spare: Vec<f64>,
-    /// Without and with what was added, tonne.
+    /// Mass without and with scaling, tonne.
     pub(crate) total: [f64; 2],
     /// Longest step that needs no mass, s.
     pub(crate) stable_s: f64,
 }
 
 impl Weight {
-    /// That of all elements.
+    /// Sums the mass of all elements.
     ///
     /// # Errors
     /// Cells of no positive volume.
@@ -82,7 +82,7 @@ impl Weight {
         Ok(())
     }
 
-    /// Adds what cohesive faces need beyond what the nodes can spare.
+    /// Adds the mass that cohesive faces need beyond the spare mass of their nodes.
     fn add_faces(&mut self, parts: &Parts) {
         let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
         let mut needed = vec![0.0; mesh.points.len()];

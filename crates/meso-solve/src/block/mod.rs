@@ -138,9 +138,9 @@ impl Scratch {
 pub(crate) struct Common {
     /// By phase, as a number.
     pub(crate) matter: [Matter; 5],
-    /// Of all hexahedra.
+    /// Shape of all hexahedra.
     pub(crate) shape: BoxShape,
-    /// Of cohesive faces.
+    /// Values of cohesive faces.
     pub(crate) cohesion: Option<CohesionValues>,
     /// Share of the stiffness that hourglass modes meet.
     pub(crate) hourglass: f64,
@@ -219,7 +219,7 @@ fn cohesive<L: Lanes, const N: usize>(
 /// Every law's history begins with the plastic strain.
 const PLASTIC: usize = 6;
 
-/// The law's history in what an element remembers.
+/// Loads the law's history from an element's memory.
 #[inline(always)]
 pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     let mut history = W::virgin();
@@ -232,14 +232,14 @@ pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     history
 }
 
-/// Stress of a strain, and the energy per volume that it spends, N/mm2. What is remembered goes along: the law's history,
+/// Stress of a strain, and the energy per volume that it spends, N/mm2. The element's memory is updated: the law's history,
 /// then the integrity, less 1, so that zeros are a sound element.
 #[inline(always)]
 fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight], width: L) -> Answer<L> {
     let one = L::splat(1.0);
     let mut history = history::<L, W>(memory);
     let states = history.as_ref().len();
-    // Of known length, so that no loop over it becomes a call.
+    // The length is known, so that no loop over it becomes a call.
     let memory = &mut memory[..if states == 0 { 0 } else { states + 1 }];
     let response = law.stress(strain, &mut history, width);
     let stress = response.stress;
@@ -263,7 +263,7 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     for i in 0..PLASTIC {
         stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
     }
-    // Of the energy stored, the share by which the integrity fell is lost.
+    // The stored energy is lost by the share by which the integrity fell.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
     #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
     for i in 0..states {

@@ -18,16 +18,16 @@ pub(crate) const REMEMBERED: usize = 5;
 /// damping of a pair whose nodes have just the mass that its step needs. `benches/results/cohesive_damping.csv` has runs with
 /// 0, 0.03, 0.05 and this: those with 0 diverge, and those with 0.05 and this have the same peaks within 0.1 %.
 const DAMPING: f64 = 0.1;
-/// What a step needs to be stable with it, over what K alone needs: (w dt)^2 (1 + 2 b) <= 4 in u'' = -w^2 (u + b du).
+/// Mass for a stable damped step over the mass for K alone: (w dt)^2 (1 + 2 b) <= 4 in u'' = -w^2 (u + b du).
 pub(crate) const DAMPED: f64 = 1.0 + 2.0 * DAMPING;
 
 /// Parameters of a cohesive face, as registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cohesion<R> {
     stiffness: R,
-    /// 1 / onset^2 in opening, and what sliding adds to it, 1/mm2.
+    /// 1 / onset^2 in opening, and the amount that sliding adds to it, 1/mm2.
     per_square: [R; 2],
-    /// Onset times end in opening, and what sliding adds to it, mm2.
+    /// Onset times end in opening, and the amount that sliding adds to it, mm2.
     product: [R; 2],
     exponent: R,
     friction: R,
@@ -44,7 +44,7 @@ pub(crate) struct CohesionValues {
     pub(crate) shear: f64,
     /// Fracture energies in opening and in sliding, N/mm.
     pub(crate) energies: [f64; 2],
-    /// Of Benzeggagh and Kenane.
+    /// Exponent of the mode mix by Benzeggagh and Kenane.
     pub(crate) exponent: f64,
     /// Coulomb's coefficient.
     pub(crate) friction: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Faces<const N: usize> {
     pub(crate) at: [[[u16; LANES]; N]; 2],
     /// Out of the aggregate.
     pub(crate) normal: [Eight; 3],
-    /// Of a pair of nodes, mm2; 0 in lanes that are empty.
+    /// Area that a pair of nodes stands for, mm2; 0 in lanes that are empty.
     pub(crate) area: Eight,
 }
 

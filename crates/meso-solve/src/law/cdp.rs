@@ -13,7 +13,7 @@
 //!
 //! The decks' damage is d = 1 - stress / strength. So effective strength rises to the peak and stays there, and damage does
 //! all the softening: plasticity and damage part just so in Abaqus on these decks. dt follows the decks' bilinear crack
-//! law, dc their exponential one, both over inelastic strain, which is plastic strain and what damage gave up of elastic.
+//! law, dc their exponential one, both over inelastic strain, plastic strain plus the elastic strain that damage gave up.
 //!
 //! Differences to Abaqus with the same deck:
 //! - The rising branch is one polynomial through the deck's polygon, within 2.6 % of the strength (peak and its strain agree).
@@ -282,7 +282,7 @@ impl<R: Real> Cdp<R> {
         (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
-    /// Of a piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
+    /// Line of a piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
     /// f_t / E): where it begins, and numerator and denominator of its fall.
     #[inline(always)]
     fn branch(&self, (from, slope): (f64, f64), cracked: R, width: R) -> (R, R, R) {

@@ -306,7 +306,8 @@ impl Summary {
     /// Bands that are too wide for the energy of what happens in them.
     fn warn_of_the_laws(&mut self, run: &Run) {
         for phase in Phase::ALL {
-            let (width, limits) = (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
+            let (width, limits) =
+                (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
             let name = phase.name().to_ascii_lowercase();
             for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
                 if width > limit {

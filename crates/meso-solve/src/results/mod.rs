@@ -24,7 +24,7 @@ pub fn sample_of<'a>(mesh: &'a Mesh, model: &Model, options: &MeshOptions) -> Sa
     Sample { exact, ..Sample::of(mesh, &model.spec.specimen, options) }
 }
 
-/// A test that came to its end, and what belongs to it.
+/// A test that came to its end, with its mesh, source and times.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome<'a> {
     /// The mesh that was tested.
@@ -44,7 +44,7 @@ pub struct Outcome<'a> {
 /// Where a tested mesh came from.
 #[derive(Clone, Debug, Serialize)]
 pub struct Source {
-    /// Of mesocrete.
+    /// Version of mesocrete.
     pub version: &'static str,
     /// Seed of the packing.
     pub seed: u64,
@@ -55,7 +55,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// That of a mesh of `model`.
+    /// Describes a mesh of `model`.
     pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
         let (seed, fraction) = (model.report.seed, model.report.fraction);
         Self { version: env!("CARGO_PKG_VERSION"), seed, fraction, mesh: mesh.clone() }
@@ -148,7 +148,7 @@ struct FrameFigures<'a> {
     moment: &'a Moment,
 }
 
-/// The figures of an outcome as a tree: what `result.json` holds.
+/// The figures of an outcome as a tree, the content of `result.json`.
 ///
 /// # Errors
 /// None that is known.
