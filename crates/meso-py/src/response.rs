@@ -1,7 +1,7 @@
-//! `Mesh.solve` and what it returns: the curve, figures and fields of a test.
+//! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_value};
 use crate::files;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
@@ -14,7 +14,7 @@ use meso_core::{Model, Watch as _};
 use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
 use meso_solve::{Ended, Frame, Kind, Observer, Response, Row, Run, SolveError, Test};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
@@ -88,7 +88,7 @@ impl Asked {
 
 /// A keyword has the name of the test's value.
 fn wrong(error: &SolveError) -> PyErr {
-    PyValueError::new_err(match error {
+    wrong_value(match error {
         SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", wrong.key, wrong.fault()),
         _ => error.to_string(),
     })
@@ -191,7 +191,7 @@ impl PyResponse {
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let figures = self.0.with_outcome(results::figures);
-        tree::to_python(py, &figures.map_err(|error| PyValueError::new_err(error.to_string()))?)
+        tree::to_python(py, &figures.map_err(|error| wrong_value(error.to_string()))?)
     }
 
     /// The frames that were asked for, in their order: a list.

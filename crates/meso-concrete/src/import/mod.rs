@@ -1,6 +1,6 @@
 //! Surfaces from files that other programs wrote: STL, PLY, OBJ and OFF.
 //!
-//! These formats have no units: a number is a millimetre. Each reader turns bytes into triangles; [`mend`] then joins
+//! These formats have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
 mod mend;
