@@ -19,7 +19,7 @@ pub enum Ended {
     Diverged(String),
 }
 
-/// The curve and what is told of it.
+/// The curve and its figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Response {
     /// The curve, row by row.
@@ -62,7 +62,7 @@ pub struct Summary {
     pub figures: Figures,
     /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
-    /// The same until the stress has fallen to half its peak.
+    /// Largest kinetic over internal energy until the stress has fallen to half its peak.
     pub kinetic_over_internal_to_half_peak: f64,
     /// Largest difference of work and energies over the work.
     pub energy_balance_error: f64,
@@ -106,9 +106,9 @@ pub struct Energies {
 pub struct PhaseResult {
     /// Lower case.
     pub name: String,
-    /// Of its cells in the test, over the specimen's gross volume.
+    /// Volume of its cells in the test, over the specimen's gross volume.
     pub volume_fraction: f64,
-    /// Of the exact bodies, where known.
+    /// Volume of the exact bodies over the specimen's gross volume, where known.
     pub exact_fraction: Option<f64>,
     /// Spent in its cells, mJ; in cohesive faces, too, for the ITZ.
     pub dissipated_mj: f64,
@@ -303,7 +303,7 @@ impl Summary {
         }
     }
 
-    /// Bands that are too wide for the energy of what happens in them.
+    /// Warns of bands that are too wide for the energy of cracking or crushing.
     fn warn_of_the_laws(&mut self, run: &Run) {
         for phase in Phase::ALL {
             let (width, limits) =
