@@ -416,11 +416,11 @@ class PhaseResult(TypedDict):
     """A phase of a test."""
 
     name: str
-    """Lower case."""
+    """Name in lower case."""
     volume_fraction: float
-    """Volume of its cells in the test, over the specimen's gross volume."""
+    """Volume of its cells in the test over the specimen's gross volume."""
     exact_fraction: float | None
-    """Volume of the exact bodies over the specimen's gross volume, where known."""
+    """Volume of the exact bodies over the specimen's, where known."""
     dissipated_mj: float
     """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
 

@@ -28,13 +28,13 @@ pub(crate) struct Builder<'a> {
 pub(crate) struct OwnPatches<'a> {
     /// All patches of the mesh.
     all: &'a Patches,
-    /// Which of them.
+    /// Numbers of the block's patches among all.
     numbers: &'a [u32],
     shapes: Vec<Patch>,
 }
 
 impl<'a> OwnPatches<'a> {
-    /// Takes the patches with these `numbers` from `all`.
+    /// Takes the patches with some `numbers` among `all`.
     pub(crate) fn new(mesh: &Mesh, all: &'a Patches, numbers: &'a [u32]) -> Self {
         let shapes = numbers.iter().map(|&number| all.patch(mesh, number)).collect();
         Self { all, numbers, shapes }

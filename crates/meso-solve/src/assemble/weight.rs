@@ -17,9 +17,9 @@ const WINDOW: usize = 1 << 16;
 pub(crate) struct Weight {
     /// Lumped, by the mesh's numbers, tonne.
     pub(crate) mass: Vec<f64>,
-    /// Share of the mass that solid elements do not need for the step, tonne.
+    /// Mass that solid elements do not need for the step, tonne.
     spare: Vec<f64>,
-    /// Mass without and with scaling, tonne.
+    /// Total without and with mass scaling, tonne.
     pub(crate) total: [f64; 2],
     /// Longest step that needs no mass, s.
     pub(crate) stable_s: f64,

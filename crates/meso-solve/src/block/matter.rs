@@ -126,7 +126,7 @@ pub(crate) trait LawTask {
 }
 
 impl Matter {
-    /// Takes the material of `phase`; mortar and ITZ follow the law `name`.
+    /// Material of `phase`; mortar and ITZ follow the law `name`.
     pub(crate) fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
         let behaviour = match (name, materials.strength(phase)) {
             (LawName::Elastic, _) | (_, None) => Behaviour::Elastic,

@@ -263,7 +263,7 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     for i in 0..PLASTIC {
         stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
     }
-    // The stored energy is lost by the share by which the integrity fell.
+    // The stored energy falls by the share by which the integrity fell.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
     #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
     for i in 0..states {

@@ -81,7 +81,7 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
-    /// Those of this machine, slowest first.
+    /// Instruction sets of this machine, slowest first.
     pub fn available() -> Vec<Self> {
         let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2), (Self::Avx512, Isa::Avx512)];
         let best = Isa::best();

@@ -282,7 +282,7 @@ impl<R: Real> Cdp<R> {
         (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
-    /// Line of a piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
+    /// A piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
     /// f_t / E): where it begins, and numerator and denominator of its fall.
     #[inline(always)]
     fn branch(&self, (from, slope): (f64, f64), cracked: R, width: R) -> (R, R, R) {

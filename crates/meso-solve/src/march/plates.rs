@@ -59,7 +59,7 @@ pub(crate) struct Impact {
 }
 
 impl Plates {
-    /// Prepares the plates of a test that lasts `duration_s`; `number` gives the engine's numbers of the mesh's nodes.
+    /// Plates of a test that lasts `duration_s`; `number` gives the engine's numbers of the mesh's nodes.
     ///
     /// # Errors
     /// Where no face of the specimen looks up or down.

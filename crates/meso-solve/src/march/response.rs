@@ -104,11 +104,11 @@ pub struct Energies {
 /// A phase of a test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseResult {
-    /// Lower case.
+    /// Name in lower case.
     pub name: String,
-    /// Volume of its cells in the test, over the specimen's gross volume.
+    /// Volume of its cells in the test over the specimen's gross volume.
     pub volume_fraction: f64,
-    /// Volume of the exact bodies over the specimen's gross volume, where known.
+    /// Volume of the exact bodies over the specimen's, where known.
     pub exact_fraction: Option<f64>,
     /// Spent in its cells, mJ; in cohesive faces, too, for the ITZ.
     pub dissipated_mj: f64,

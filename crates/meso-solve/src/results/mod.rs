@@ -55,7 +55,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// Describes a mesh of `model`.
+    /// Source of a mesh of `model`.
     pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
         let (seed, fraction) = (model.report.seed, model.report.fraction);
         Self { version: env!("CARGO_PKG_VERSION"), seed, fraction, mesh: mesh.clone() }

@@ -57,7 +57,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Computes all fields of `frame`.
+    /// Fields of `frame`.
     pub fn of(frame: &Frame) -> Self {
         let (number, strain) = (frame.number(), frame.strain());
         Self {
@@ -72,7 +72,7 @@ impl Snapshot {
         }
     }
 
-    /// Computes all fields of `run` as it stands, with the number 0.
+    /// Fields of `run` as it stands, with the number 0.
     pub fn now(run: &Run) -> Self {
         Self::of(&Frame::new(run, 0))
     }

@@ -79,7 +79,7 @@ pub(crate) struct State {
     /// Speed of the upper plate against the lower one in the last step, upwards, mm/s.
     pub(crate) speed: f64,
     pub(crate) servo: Servo,
-    /// Way of the upper plate against the lower one, upwards, mm.
+    /// Travel of the upper plate against the lower one, upwards, mm.
     pub(crate) travel: f64,
     pub(crate) external: f64,
     pub(crate) internal: f64,
