@@ -73,7 +73,7 @@ fn energies<R: Number>(width: f64) {
     let end = 0.1 / width + 3.0 / E;
     let pulled = curve(&of, width, UNIAXIAL, &ramp(0.0, 1.02 * end, 5000).collect::<Vec<_>>());
     close(inelastic_energy(&pulled, E, width), 0.06, 1e-3);
-    // Exponential: what lies beyond 12 widths of it is 6e-6.
+    // Exponential: the share beyond 12 widths is 6e-6.
     let end = 0.0022 + 12.0 * 0.5 / 40.0 / width;
     let crushed: Vec<f64> = ramp(0.0, -0.0022, 500).chain(ramp(-0.0022, -end, 8000)).collect();
     let crushed = curve(&of, width, UNIAXIAL, &crushed);
@@ -105,7 +105,7 @@ fn unloading_is_as_stiff_as_damage_leaves_it() {
     stiffness::<f32>();
 }
 
-/// w_c = 1: a closed crack is as stiff as before; w_t = 0: what was crushed is not mended by tension.
+/// w_c = 1: a closed crack is as stiff as before; w_t = 0: tension mends no crushing.
 fn recovery<R: Number>() {
     let of = cdp::<R>(&mortar());
     let between = |curve: &[Reading], low: f64, high: f64| {

@@ -1,4 +1,4 @@
-//! CDPM2 against what its equations give in closed form, in f64 and in the f32 of the solver.
+//! CDPM2 against closed forms of its equations, in f64 and in the f32 of the solver.
 
 use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_solve::law::point::{HeldStress, Reading, curve, ramp};
@@ -42,7 +42,7 @@ fn confined_strength_is_the_surfaces_closed_form() {
 }
 
 /// Both laws begin at the peak: hardening before it is plastic strain beside them, in tension 3e-4 of G_f per mm of width.
-/// The crack law ends at w_f; what is left beyond is the least integrity's. The exponential one has 6e-6 beyond 12 widths.
+/// The crack law ends at w_f; the stress beyond is the least integrity's. The exponential one has 6e-6 beyond 12 widths.
 fn energies<R: Number>(width: f64, options: &law::Options) {
     let of = cdpm2::<R>(&mortar(), options);
     let spent = |peak_within: f64, end: f64, step: f64| {
@@ -89,7 +89,7 @@ fn between(curve: &[Reading], low: f64, high: f64) -> f64 {
     slope([within[0], within[within.len() - 1]])
 }
 
-/// A closed crack is sound in compression; what was crushed keeps in tension the damage that it has there.
+/// A closed crack is sound in compression; crushed mortar keeps its tensile damage in tension.
 fn recovery<R: Number>() {
     let of = cdpm2::<R>(&mortar(), &law::Options::default());
     let closed = along(&of, UNIAXIAL, &[0.001, -0.004], 1e-6);

@@ -1,4 +1,4 @@
-//! A point's bits do not hang on what lies beside it in a register.
+//! A point's bits do not depend on its neighbours in a register.
 
 use crate::safety::Dice;
 use crate::subject::{WIDTH, cdp, cdpm2, mortar};

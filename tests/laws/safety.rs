@@ -1,4 +1,4 @@
-//! What no strain may do to a law.
+//! A law survives every strain: its stress is finite, and its integrity a share.
 
 use crate::subject::{Number, WIDTH, cdp, cdpm2, mortar};
 use meso_solve::law::{Law, Tensor, cdpm2 as options};

@@ -1,4 +1,4 @@
-//! The mortar that the tests strain, and what they ask of its curves.
+//! The mortar that the tests strain, and figures of its curves.
 
 use meso_core::materials::{Materials, Strength};
 use meso_solve::law::point::{HeldStress, Reading, curve, ramp};

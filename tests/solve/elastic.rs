@@ -80,7 +80,7 @@ fn rough_plates_hold_the_ends_and_smooth_ones_let_them_go() {
 
 #[test]
 fn a_bar_glued_to_its_plates_keeps_its_energy_balance_to_rounding() {
-    // Nothing strikes: the work of a step is exactly what it adds to the energies.
+    // Nothing strikes: the work of a step equals the energy that it adds.
     for method in [Method::VOXEL, Method::FITTED] {
         let meshed = Meshed::mortar([6.0, 6.0, 12.0], method, 3.0);
         let test = Test { kind: TestKind::Tension, strain: Some(1e-3), duration_s: Some(2e-4), ..elastic() };

@@ -1,7 +1,7 @@
 //! The engine driven by the cards of a deck alone: nodes, elements, sets, materials, friction, amplitude, displacement,
-//! duration. What the deck's writer knows beside its text is not used.
+//! duration. Knowledge of the deck's writer beside its text is not used.
 //!
-//! Each table is turned into parameters, and must be what these parameters give by the formulas of the codes. A deck of
+//! Each table is turned into parameters, and must follow from these parameters by the formulas of the codes. A deck of
 //! concrete must peak between 0.15 and 0.3 % and have less than half of its peak left at 0.6 %.
 
 use crate::deck_reader::{Card, Deck};
@@ -18,7 +18,7 @@ use meso_solve::results::sample_of;
 use meso_solve::{Control, Figures, Run, Sample, Smoothing, Test, TestKind};
 use std::collections::BTreeMap;
 
-/// What the cards describe, as the engine takes it.
+/// Sample, materials and test that the cards describe.
 struct Model {
     mesh: Mesh,
     materials: Materials,
@@ -56,7 +56,7 @@ impl Model {
 
 /// The lengths over which a deck's table of mortar is read.
 struct Band {
-    /// Of the engine's crack band in a cell of mean volume, mm.
+    /// Width of the engine's crack band in a cell of mean volume, mm.
     width: f64,
     /// Abaqus' characteristic length of the same cell, mm.
     characteristic: f64,
@@ -78,7 +78,7 @@ fn volumes(mesh: &Mesh) -> Vec<f64> {
     mesh.cells().map(volume).collect()
 }
 
-/// Aggregates are what hangs together by nodes in the set of that name: joined ones are one.
+/// An aggregate is a component of cells that share nodes, in the set of that name: joined ones are one.
 fn mesh_of(deck: &Deck, is_smeared: bool) -> Mesh {
     let sets = [("AGGREGATE", Phase::Aggregate), ("ITZ", Phase::Itz), ("MORTAR", Phase::Mortar)];
     let of_set = |(name, phase): (&str, Phase)| {
@@ -198,7 +198,7 @@ fn assert_same(a: &Strength, b: &Strength) {
     assert!(values(a).iter().zip(values(b)).all(|(a, b)| (a / b - 1.0).abs() < 1e-5), "{a:?} {b:?}");
 }
 
-/// Strengths and energies from a material's tables, which must be what they give.
+/// Strengths and energies from a material's tables, which must follow from them.
 fn strength(deck: &Deck, material: &str, band: &Band) -> Strength {
     let e = elastic(deck, material).youngs_modulus_mpa;
     let (hardening, stiffening) = ["CONCRETE COMPRESSION HARDENING", "CONCRETE TENSION STIFFENING"]
@@ -254,7 +254,7 @@ fn assert_crushing(rows: &[[f64; 2]], top: usize, e: f64, peak_strain: f64, stre
     }
 }
 
-/// What `mesocrete pack --analysis compression` takes by itself.
+/// Defaults of `mesocrete pack --analysis compression`.
 fn defaults() -> MeshOptions {
     MeshTable::default().resolve(Purpose::Test, &meso_core::aggregate::Itz::default()).unwrap()
 }
@@ -302,7 +302,7 @@ fn the_defaults_of_before_fail_the_same_test() {
     assert!(!is_of_concrete(&skeleton), "{skeleton:?}");
     let (text, error) = deck(0.0, &MeshOptions::default(), Some(6.0));
     let all = Model::read(&text).crush();
-    // What is left is mortar, and as stiff as that.
+    // The rest is mortar, and as stiff.
     assert!(all.modulus_mpa < 0.8 * tough.modulus_mpa && error < -0.5, "{all:?} {tough:?} {error}");
 }
 

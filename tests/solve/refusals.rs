@@ -1,4 +1,4 @@
-//! What cannot be tested is refused before the first step, by name and with the way out.
+//! Samples and values that cannot be tested are refused before the first step, by name and with a remedy.
 
 use crate::samples::{Meshed, options};
 use meso_core::materials::Materials;

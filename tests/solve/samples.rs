@@ -8,7 +8,7 @@ use meso_core::{Model, Silent, Spec, Watch};
 use meso_gmsh::Gmsh;
 use meso_solve::{Observer, Response, Run, Sample, Test};
 
-/// A mesh and what it was built of.
+/// A mesh, its specimen and its options.
 pub(crate) struct Meshed {
     pub(crate) mesh: Mesh,
     pub(crate) specimen: Specimen,
@@ -16,7 +16,7 @@ pub(crate) struct Meshed {
 }
 
 impl Meshed {
-    /// Of bodies in a specimen.
+    /// Meshes bodies in a specimen.
     pub(crate) fn of(bodies: &[Aggregate], specimen: Specimen, options: MeshOptions) -> Self {
         let mesh = mesh::build((bodies, &specimen), &options, &Tools::default()).unwrap();
         Self { mesh, specimen, options }

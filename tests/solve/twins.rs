@@ -29,7 +29,7 @@ fn changed(key: &str) -> Materials {
     serde_json::from_value(all).unwrap()
 }
 
-/// The small cube with cohesive elements, and with a solid ITZ and fibres: what one lacks, the other has.
+/// The small cube with cohesive elements, and with a solid ITZ and fibres: together they have every kind of element.
 fn meshes() -> [Meshed; 2] {
     let mut spec: Spec = small_cube(1.0).spec;
     spec.fibres = Some(serde_json::from_str(r#"{"fraction": 0.02, "diameter_mm": 2.0, "length_mm": 10.0}"#).unwrap());
@@ -81,7 +81,7 @@ fn every_key_of_materials_changes_deck_and_engine() {
     }
 }
 
-/// What the engine has beyond a deck: rubbing of faces that have parted.
+/// The engine alone, not a deck, has friction between separated faces.
 #[test]
 fn friction_in_cracks_is_the_engine_s_alone() {
     let meshes = meshes();

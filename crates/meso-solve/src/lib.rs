@@ -30,10 +30,10 @@ pub use test::{Control, Interface, LawName, Smoothing, Test, TestKind};
 use meso_concrete::watch::Watch;
 use meso_mesh::materials::Materials;
 
-/// Checks what is known before there is a mesh: the test's values, and the materials that its law takes.
+/// Checks the test's values, and the materials that its law takes, before there is a mesh.
 ///
 /// # Errors
-/// Names the value and what is accepted.
+/// The first value out of its range, with the accepted range.
 pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
     test.validate()?;
     Ok(block::matter::validate(materials, test.law)?)
@@ -42,7 +42,7 @@ pub fn validate(materials: &Materials, test: &Test) -> Result<(), SolveError> {
 /// Tests `sample`.
 ///
 /// # Errors
-/// As [`Run::new`]: whatever cannot be tested is refused before the first step.
+/// See [`Run::new`]: a sample that cannot be tested is refused before the first step.
 pub fn solve(
     sample: Sample,
     materials: &Materials,

@@ -192,7 +192,7 @@ impl Test {
     /// Checks every value against its range.
     ///
     /// # Errors
-    /// Names the value and what is accepted.
+    /// The first value out of its range, with the accepted range.
     pub fn validate(&self) -> Result<(), OutOfRange> {
         let strain = self.strain();
         TEST.require(

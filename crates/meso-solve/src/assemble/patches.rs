@@ -11,8 +11,8 @@ use meso_collision::math::{Mat3, Vec3};
 use meso_mesh::{Mesh, Phase};
 use rayon::prelude::*;
 
-/// Patches that a tetrahedron has, at least. The displacement for which patches are softest meets 1/25 of what irregular
-/// tetrahedra would oppose; with one it would be 1/246, with three 1/6, with a patch for every edge 1/4.
+/// Patches that a tetrahedron has, at least. The displacement for which patches are softest meets 1/25 of the
+/// stiffness of irregular tetrahedra; with one it would be 1/246, with three 1/6, with a patch for every edge 1/4.
 const LEAST: u8 = 2;
 /// Width of a crack band of patches over that of their tetrahedra, in a lattice and in a conforming mesh: weak bands of
 /// one, three and six elements then spend 0.90 to 1.09 of their energy, at 1.5, 2 and 3 mm.
@@ -122,7 +122,7 @@ impl Patches {
         self.lists.cells(patch as usize)
     }
 
-    /// What each patch that has `cell` gets of it.
+    /// Share of `cell` that each of its patches takes.
     pub(crate) fn part(&self, cell: u32) -> f64 {
         1.0 / f64::from(self.count[cell as usize])
     }

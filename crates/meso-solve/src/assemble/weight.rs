@@ -1,4 +1,4 @@
-//! Mass of the nodes: the elements' own, and what mass scaling adds.
+//! Mass of the nodes: the elements' own, and the mass that scaling adds.
 
 use crate::assemble::mass::{Need, box_metric, tet_metric};
 use crate::assemble::parts::Parts;
@@ -82,7 +82,7 @@ impl Weight {
         Ok(())
     }
 
-    /// Adds what cohesive faces need beyond what the nodes can spare.
+    /// Adds the mass that cohesive faces need beyond the spare mass of their nodes.
     fn add_faces(&mut self, parts: &Parts) {
         let (mesh, Some(cohesion)) = (parts.sample.mesh, &parts.common.cohesion) else { return };
         let mut needed = vec![0.0; mesh.points.len()];

@@ -219,7 +219,7 @@ fn cohesive<L: Lanes, const N: usize>(
 /// Every law's history begins with the plastic strain.
 const PLASTIC: usize = 6;
 
-/// The law's history in what an element remembers.
+/// Loads the law's history from an element's memory.
 #[inline(always)]
 pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     let mut history = W::virgin();
@@ -232,7 +232,7 @@ pub(crate) fn history<L: Lanes, W: Law<L>>(memory: &[Eight]) -> W::History {
     history
 }
 
-/// Stress of a strain, and the energy per volume that it spends, N/mm2. What is remembered goes along: the law's history,
+/// Stress of a strain, and the energy per volume that it spends, N/mm2. The element's memory is updated: the law's history,
 /// then the integrity, less 1, so that zeros are a sound element.
 #[inline(always)]
 fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight], width: L) -> Answer<L> {

@@ -18,16 +18,16 @@ pub(crate) const REMEMBERED: usize = 5;
 /// damping of a pair whose nodes have just the mass that its step needs. `benches/results/cohesive_damping.csv` has runs with
 /// 0, 0.03, 0.05 and this: those with 0 diverge, and those with 0.05 and this have the same peaks within 0.1 %.
 const DAMPING: f64 = 0.1;
-/// What a step needs to be stable with it, over what K alone needs: (w dt)^2 (1 + 2 b) <= 4 in u'' = -w^2 (u + b du).
+/// Mass for a stable damped step over the mass for K alone: (w dt)^2 (1 + 2 b) <= 4 in u'' = -w^2 (u + b du).
 pub(crate) const DAMPED: f64 = 1.0 + 2.0 * DAMPING;
 
 /// Parameters of a cohesive face, as registers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cohesion<R> {
     stiffness: R,
-    /// 1 / onset^2 in opening, and what sliding adds to it, 1/mm2.
+    /// 1 / onset^2 in opening, and the amount that sliding adds to it, 1/mm2.
     per_square: [R; 2],
-    /// Onset times end in opening, and what sliding adds to it, mm2.
+    /// Onset times end in opening, and the amount that sliding adds to it, mm2.
     product: [R; 2],
     exponent: R,
     friction: R,

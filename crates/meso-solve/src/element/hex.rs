@@ -2,7 +2,7 @@
 //!
 //! The eight displacements along an axis are a mean, three gradients and four hourglass modes, orthogonal and with
 //! entries of 1 and -1 (Flanagan and Belytschko 1981): a Walsh-Hadamard transform takes one to the other in 24 sums. An
-//! hourglass mode m resists with k m, k = c (4/3) E h / 64 times what is left of the stiffness: h the edge of the cube of
+//! hourglass mode m resists with k m, k = c (4/3) E h / 64 times the remaining share of the stiffness: h the edge of the cube of
 //! equal volume, c the hourglass factor.
 //!
 //! So it is for mortar and ITZ; boxes that never break bend instead (see `bending`).
@@ -56,7 +56,7 @@ pub(crate) type Hourglass<L> = [[L; 4]; 3];
 const PAIRS: [[(usize, usize); 4]; 3] =
     [[(0, 1), (2, 3), (4, 5), (6, 7)], [(0, 2), (1, 3), (4, 6), (5, 7)], [(0, 4), (1, 5), (2, 6), (3, 7)]];
 
-// Loops with fixed ends in place of closures: what is not inlined here costs ten times the time.
+// Loops with fixed ends instead of closures: a call that is not inlined here costs ten times the time.
 
 /// From values at the corners to modes.
 #[inline(always)]
@@ -159,7 +159,7 @@ impl Hexes {
     }
 }
 
-/// Amplitude beyond which the hourglass modes of what softens hardly gain force, over the edge: a strain of 2.5e-4 at the
+/// Amplitude beyond which the hourglass modes of softening elements hardly gain force, over the edge: a strain of 2.5e-4 at the
 /// corners, twice that of the tensile strength. A cube of 24 mm of concrete in boxes of 1.5 mm held 4.9 % of its internal
 /// energy in hourglass modes without a bound, 0.57 % with 0.002 and 0.30 % with 0.001, with peaks of 35.7, 34.9 and 34.7 MPa.
 const BOUND: f64 = 0.001;

@@ -13,7 +13,7 @@
 //!
 //! The decks' damage is d = 1 - stress / strength. So effective strength rises to the peak and stays there, and damage does
 //! all the softening: plasticity and damage part just so in Abaqus on these decks. dt follows the decks' bilinear crack
-//! law, dc their exponential one, both over inelastic strain, which is plastic strain and what damage gave up of elastic.
+//! law, dc their exponential one, both over inelastic strain, plastic strain plus the elastic strain that damage gave up.
 //!
 //! Differences to Abaqus with the same deck:
 //! - The rising branch is one polynomial through the deck's polygon, within 2.6 % of the strength (peak and its strain agree).

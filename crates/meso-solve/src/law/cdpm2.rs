@@ -124,7 +124,7 @@ pub struct Cdpm2<R> {
     ductility: Ductility<R>,
     /// A_s - 1
     brittle: R,
-    /// f_t / E, and what turns plastic strain into that of crushing: f_t / (3 f_c sqrt(1 + 2 Df^2)).
+    /// f_t / E, and the factor from plastic strain to crushing strain: f_t / (3 f_c sqrt(1 + 2 Df^2)).
     onset: R,
     crushing_share: R,
     /// 1 / w_f
@@ -440,7 +440,7 @@ impl<R: Real> Cdpm2<R> {
     }
 
     /// Elastic energy, N/mm2: that of sqrt(1 - wt) s+ + sqrt(1 - wc) s-, which is never below 0 and is exact where principal
-    /// stresses have one sign. (Stress times elastic strain is not: what is cracked adds to it by Poisson's ratio.)
+    /// stresses have one sign. (Stress times elastic strain is not: a cracked direction adds to it by Poisson's ratio.)
     fn stored(&self, effective: &Tensor<R>, crack: R, crush: R) -> R {
         let of = Invariants::of(&effective.map(|x| x * self.per_strength));
         let deviators = of.shape().map(|y| R::splat(2.0 / 3.0) * of.mises * y);

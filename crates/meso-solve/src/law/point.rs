@@ -76,7 +76,7 @@ impl<R: Real + Into<f64>, L: Law<R>> Point<'_, R, L> {
         [axial, second, free, 0.0, 0.0, 0.0].map(R::splat)
     }
 
-    /// The free direction's stress less what is held there.
+    /// Stress in the free direction less the held one, MPa.
     fn excess(&self, axial: f64, free: f64, target: f64) -> f64 {
         let mut history = self.history;
         let stress = self.law.stress(&self.strains(axial, free), &mut history, self.width).stress;

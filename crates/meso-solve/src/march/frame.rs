@@ -130,7 +130,7 @@ impl Mean for Point {
     }
 }
 
-/// What a point belongs to, by its number.
+/// The cell or patch of a point, by its number.
 #[derive(Clone, Copy, Debug)]
 enum Element {
     Cell(u32),

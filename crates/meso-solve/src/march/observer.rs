@@ -5,7 +5,7 @@ use crate::march::frame::Frame;
 use crate::march::run::Run;
 use meso_concrete::watch::Silent;
 
-/// Receives what a test yields on its way. Every method has a default that does nothing.
+/// Receives rows, frames and states of a test on its way. Every method has a default that does nothing.
 pub trait Observer {
     /// Receives every row of the curve, and the share of the test that is done, 0 to 1, in time at the plates' full speed.
     fn row(&self, _: &Row, _done: f64) {}

@@ -1,6 +1,6 @@
 //! Two rigid plates: they press and rub, or they are glued on.
 //!
-//! Each does half of the way, so the specimen's middle rests: its kinetic energy is then a quarter of what it is beside a
+//! Each does half of the way, so the specimen's middle rests: its kinetic energy is then a quarter of that beside a
 //! plate at rest, and no wave runs from one plate alone.
 //!
 //! No penalty: a node is first moved as if free; where it would pass into a plate, it is put onto it, and the impulse
@@ -93,7 +93,7 @@ impl Plates {
         self.speed * s * s * (3.0 - 2.0 * s)
     }
 
-    /// What each plate does of a way or a speed between the two.
+    /// Share that each plate takes of the way or speed between the two.
     pub(crate) fn share(between: f64) -> f64 {
         0.5 * between
     }

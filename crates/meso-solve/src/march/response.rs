@@ -19,7 +19,7 @@ pub enum Ended {
     Diverged(String),
 }
 
-/// The curve and what is told of it.
+/// The curve and its figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Response {
     /// The curve, row by row.

@@ -42,7 +42,7 @@ impl Servo {
         Self { pace, most, supply }
     }
 
-    /// What a checkpoint holds.
+    /// The numbers that a checkpoint stores.
     pub(crate) const fn values(&self) -> [f64; 3] {
         [self.pace, self.most, self.supply]
     }
@@ -55,7 +55,7 @@ impl Servo {
         self.most = self.most.max(stored);
         let within = |share: f64| (1.0 / (share * steps)).min(1.0);
         self.supply += (supplied - self.supply) * within(MEAN);
-        // What comes back to the plates without a crack is vibration.
+        // Energy that returns to the plates without a crack is vibration.
         let released = (spent - self.supply.max(0.0)) * steps;
         let share = if self.most > 0.0 { stored / self.most } else { 1.0 };
         let softens = passed(share, SLOWING) * (1.0 - passed(share, RECOVERING));
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_plates_follow_within_the_lag() {
-        // Three steps are the lag: what is left of the way is 2/3 after one step, and 8/27 after three.
+        // Three steps are the lag: the remaining way is 2/3 after one step, and 8/27 after three.
         let way = |count| (pace(1.0, 1e9, count) - SLOWEST) / (1.0 - SLOWEST);
         assert!((way(1) - 2.0 / 3.0).abs() < 1e-12 && (way(3) - 8.0 / 27.0).abs() < 1e-12, "{} {}", way(1), way(3));
     }

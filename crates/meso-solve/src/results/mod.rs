@@ -24,7 +24,7 @@ pub fn sample_of<'a>(mesh: &'a Mesh, model: &Model, options: &MeshOptions) -> Sa
     Sample { exact, ..Sample::of(mesh, &model.spec.specimen, options) }
 }
 
-/// A test that came to its end, and what belongs to it.
+/// A test that came to its end, with its mesh, source and times.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome<'a> {
     /// The mesh that was tested.
@@ -148,7 +148,7 @@ struct FrameFigures<'a> {
     moment: &'a Moment,
 }
 
-/// The figures of an outcome as a tree: what `result.json` holds.
+/// The figures of an outcome as a tree, the content of `result.json`.
 ///
 /// # Errors
 /// None that is known.

@@ -59,7 +59,7 @@ pub(crate) struct Outline {
     pub(crate) steps: u64,
     /// Steps between rows.
     pub(crate) stride: u64,
-    /// Mass without and with what was added, tonne.
+    /// Mass without and with scaling, tonne.
     pub(crate) masses: [f64; 2],
     /// Longest step that would need no mass, s.
     pub(crate) stable_s: f64,
@@ -197,7 +197,7 @@ impl<'a> Run<'a> {
         });
     }
 
-    /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
+    /// Adds a row of the curve from the steps since the last one, unless a value is NaN or infinite.
     pub(crate) fn add_row(&mut self) -> bool {
         let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
         let sign = if self.test.kind == TestKind::Compression { -1.0 } else { 1.0 };

@@ -66,7 +66,7 @@ fn word(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).ok().and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-/// How the test ended, where not as asked; what was wrong.
+/// How the test ended, unless it was completed, and its errors and warnings.
 fn remarks(result: &Summary, out: &mut impl Write) -> io::Result<()> {
     let stopped = (result.ended == Ended::Stopped).then(|| {
         format!(

@@ -72,7 +72,7 @@ impl Run<'_> {
         self.due(self.test.frames.into(), self.outline.steps) as u32
     }
 
-    /// How often something was due that comes `times` in `steps` at full speed, and as often in what the servo adds.
+    /// How often an event was due that comes `times` in `steps` at full speed, and at that rate in the steps of the servo.
     fn due(&self, times: u64, steps: u64) -> u64 {
         let due = |taken: f64| (taken * times as f64 / steps as f64) as u64;
         due(self.state.progress) + due(self.state.held)

@@ -46,7 +46,7 @@ impl Body {
         [Self::cuboid(Method::FITTED), smoothed, Self::cuboid(Method::VOXEL)]
     }
 
-    /// In words, for what fails.
+    /// The case in words, for messages of failures.
     fn name(&self) -> String {
         format!("{:?}, smoothing {:?}", self.options.method, self.smoothing)
     }
