@@ -14,7 +14,7 @@ use collision::literal::{self, Outcome};
 use collision::plot::{Line, Plot};
 use collision::table::{count, save};
 use collision::{Measured, machine};
-use meso_collision::gjk::{self, Method};
+use meso_collision::gjk::{self, Algorithm};
 use meso_collision::math::Vec3;
 use nalgebra::Isometry3;
 use parry3d_f64::math::Point;
@@ -41,7 +41,7 @@ struct Case {
 
 impl Case {
     fn new(a: Vec<Vec3>, b: Vec<Vec3>) -> Self {
-        let overlap = Method::Exact.intersects(&a, &b).expect("in range");
+        let overlap = Algorithm::Exact.intersects(&a, &b).expect("in range");
         let distance = gjk::distance(&a, &b).expect("in range");
         let size = a.iter().chain(&b).map(|p| (p - a[0]).norm()).fold(0.0, f64::max);
         let shape =
@@ -56,11 +56,11 @@ impl Case {
 type Ask<'a> = Box<dyn Fn(&Case) -> Option<bool> + 'a>;
 
 fn contestants(ccd: Option<&Ccd>) -> Vec<(&'static str, Ask<'_>)> {
-    let own = |method: Method| -> Ask<'_> { Box::new(move |c| method.intersects(&c.a, &c.b).ok()) };
+    let own = |method: Algorithm| -> Ask<'_> { Box::new(move |c| method.intersects(&c.a, &c.b).ok()) };
     let mut all: Vec<(&str, Ask<'_>)> = vec![
-        ("enhanced", own(Method::Enhanced)),
-        ("classical (Johnson)", own(Method::Classical)),
-        ("signed volumes", own(Method::SignedVolumes)),
+        ("enhanced", own(Algorithm::Enhanced)),
+        ("classical (Johnson)", own(Algorithm::Classical)),
+        ("signed volumes", own(Algorithm::SignedVolumes)),
         (
             "as printed",
             Box::new(|c| match literal::gjk_intersect(&c.a, &c.b, &Vec3::zeros()) {

@@ -11,7 +11,7 @@ mod clock;
 #[path = "collision/table.rs"]
 mod table;
 
-use meso_concrete::aggregate::random::{Purpose, Stream};
+use meso_concrete::aggregate::random::{Draw, Stream};
 use meso_core::geometry::HullBuilder;
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::Vec3;
@@ -27,7 +27,7 @@ type Contestant<'a> = (&'static str, Box<dyn FnMut() + 'a>);
 /// Points on turned ellipsoids, 20 to 30 to a grain, 5 to 20 mm long.
 fn grains() -> Vec<Vec<Vec3>> {
     let grain = |index: usize| {
-        let mut stream = Stream::new(1, Purpose::Sample, 2, index as u64);
+        let mut stream = Stream::new(1, Draw::Sample, 2, index as u64);
         let a = stream.uniform(2.5, 10.0);
         let b = a * stream.uniform(0.5, 1.0);
         let axes = Vec3::new(a, b, b * stream.uniform(0.5, 1.0));

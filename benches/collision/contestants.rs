@@ -5,7 +5,7 @@ use super::ccd::Ccd;
 use super::clock::Contestant;
 use super::literal::{self, Outcome};
 use super::pairs::Query;
-use meso_collision::gjk::{Method, PairQuery};
+use meso_collision::gjk::{Algorithm, PairQuery};
 use nalgebra::Isometry3;
 use parry3d_f64::query;
 
@@ -16,7 +16,7 @@ fn mesocrete<'a>() -> AskOne<'a> {
     Box::new(|q, a, b| a.body.overlaps(&b.body, &q.x))
 }
 
-fn method<'a>(method: Method) -> AskOne<'a> {
+fn method<'a>(method: Algorithm) -> AskOne<'a> {
     Box::new(move |q, a, b| method.overlap(&a.body, &b.body, &q.x))
 }
 
@@ -35,9 +35,9 @@ fn as_printed<'a>() -> AskOne<'a> {
 pub fn everybody<'a>(ccd: Option<&'a Ccd>) -> Vec<(String, AskOne<'a>)> {
     let mut all: Vec<(String, AskOne<'a>)> = vec![
         ("mesocrete".into(), mesocrete()),
-        ("enhanced".into(), method(Method::Enhanced)),
-        ("classical, Johnson".into(), method(Method::Classical)),
-        ("classical, signed volumes".into(), method(Method::SignedVolumes)),
+        ("enhanced".into(), method(Algorithm::Enhanced)),
+        ("classical, Johnson".into(), method(Algorithm::Classical)),
+        ("classical, signed volumes".into(), method(Algorithm::SignedVolumes)),
         ("as printed".into(), as_printed()),
         ("parry".into(), parry()),
     ];

@@ -191,17 +191,17 @@ fn values_that_no_deck_can_hold_are_named() {
 }
 
 #[test]
-fn flags_of_decks_are_missed_aloud_where_no_deck_is_written() {
+fn flags_of_decks_are_refused_if_no_deck_is_written() {
     let folder = Folder::with_model();
-    let flags = ["--element-size-mm", "8", "--analysis", "elastic", "--geometry-only", "--accept-phase-error"];
-    let run = folder.run(&[&["mesh", "small.json", "-qo", "m.vtu"][..], &flags].concat());
-    let said: Vec<&str> = run.stderr.lines().collect();
-    assert_eq!(run.code, 0, "{}", run.stderr);
-    assert_eq!(said.len(), 2, "{}", run.stderr);
-    assert_eq!(said[0], "warning: --analysis has no effect: no .inp is written");
-    let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp"][..], &flags].concat());
-    let said = "warning: --analysis is only for decks that hold more than geometry, and has no effect here\n";
-    assert_eq!((run.code, run.stderr.as_str()), (0, said));
+    let mesh = ["--element-size-mm", "8", "--accept-phase-error", "--geometry-only"];
+    let run = folder.run(&[&["mesh", "small.json", "-qo", "m.vtu"][..], &mesh].concat());
+    let said = "error: --geometry-only has no effect: no .inp is written; leave it out\n";
+    assert_eq!((run.code, run.stderr.as_str()), (2, said));
+    let run = folder.run(&[&["mesh", "small.json", "-qo", "m.inp", "--analysis", "elastic"][..], &mesh].concat());
+    assert_eq!((run.code, run.stderr.as_str()), (2, "error: --analysis is elastic; geometry_only leaves it out\n"));
+    // An analysis decides the mesh, too: its method, and the treatment of joined aggregates.
+    let run = folder.run(&["mesh", "small.json", "-qo", "m.vtu", "--analysis", "elastic", "--accept-phase-error"]);
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
 }
 
 #[test]
@@ -230,21 +230,30 @@ fn the_time_step_of_cohesive_elements_is_told_beside_that_of_the_others() {
 }
 
 #[test]
-fn flags_of_other_methods_and_analyses_are_missed_aloud() {
+fn flags_of_other_methods_and_analyses_are_refused() {
     let folder = Folder::with_model();
     let mesh = ["mesh", "small.json", "-fqo", "m.inp", "--element-size-mm", "8", "--accept-phase-error"];
     for (flags, said) in [
-        (&["--fit", "plain"][..], "--fit is only for the method lattice"),
-        (&["--slabs", "2"], "--slabs is only for the method conforming"),
-        (&["--thin-itz", "--method", "lattice"], "--thin-itz is only for the method voxel"),
-        (&["--subsamples", "2", "--method", "lattice"], "--subsamples is only for the method voxel"),
-        (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is only for the method voxel"),
-        (&["--strain", "0.002"], "--strain is only for an --analysis"),
-        (&["--friction", "0.6", "--analysis", "tension"], "--friction is only for --analysis compression"),
-        (&["--frames", "9", "--analysis", "elastic"], "--frames is only for --analysis compression and tension"),
+        (&["--fit", "plain"][..], "--fit is plain; only the method lattice takes it"),
+        (&["--slabs", "2"], "--slabs is 2; only the method conforming takes it"),
+        (&["--thin-itz", "--method", "lattice"], "--thin-itz is true; only the method voxel takes it"),
+        (&["--thin-itz", "--itz", "none"], "--thin-itz is true; only the itz solid takes it"),
+        (&["--subsamples", "2", "--method", "lattice"], "--subsamples is 2; only the method voxel takes it"),
+        (&["--narrow-gaps", "split"], "--narrow-gaps is split; only the methods lattice and conforming take it"),
+        (
+            &["--volumes", "exact", "--method", "lattice"],
+            "--volumes is exact; only the method conforming and a fitted lattice take it, without a solid itz",
+        ),
+        (&["--reduced-integration", "--method", "lattice"], "--reduced-integration is true; only voxels take it"),
+        (&["--strain", "0.002"], "--strain is 0.002; only an analysis takes it"),
+        (&["--friction", "0.6", "--analysis", "tension"], "--friction is 0.6; only the analysis compression takes it"),
+        (
+            &["--frames", "9", "--analysis", "elastic"],
+            "--frames is 9; only the analyses compression and tension take it",
+        ),
     ] {
         let run = folder.run(&[&mesh[..], flags].concat());
-        assert_eq!((run.code, run.stderr), (0, format!("warning: {said}, and has no effect here\n")), "{flags:?}");
+        assert_eq!((run.code, run.stderr), (2, format!("error: {said}\n")), "{flags:?}");
     }
     let all = ["--subsamples", "2", "--reduced-integration", "--strain", "0.002", "--friction", "0.6", "--frames", "9"];
     let mesh =
@@ -339,4 +348,35 @@ fn elements_too_coarse_for_fibres_and_voids_are_told() {
         }
         assert!(run.stderr.contains("\n         void  "), "{}", run.stderr);
     }
+}
+
+#[test]
+fn a_mesh_beyond_the_memory_is_refused_before_it_is_taken() {
+    // 150 mm at 0.1 mm ended in an abort: "memory allocation of 13500000000 bytes failed". This takes 3 TB.
+    let folder = Folder::new();
+    folder.write("big.toml", "fraction = 0.05\n[specimen]\nkind = \"cube\"\nside_mm = 1500.0\n[grading]\nd_min_mm = 100.0\nd_max_mm = 200.0\n");
+    let size = ["--element-size-mm", "1.0"];
+    for command in
+        [&["pack", "big.toml", "-qo", "big.inp", "--method", "lattice"][..], &["solve", "big.toml", "-qo", "out"]]
+    {
+        let run = folder.run(&[command, &size].concat());
+        assert_eq!(run.code, 1, "{}", run.stderr);
+        assert!(run.stderr.contains(" GB are free; take --element-size-mm "), "{}", run.stderr);
+    }
+    assert_eq!(folder.names(), ["big.toml"]);
+}
+
+#[test]
+fn control_characters_of_keys_are_escaped_on_stderr() {
+    // The case trust/escape.toml.
+    let folder = Folder::new();
+    folder.write("escape.toml", "\"\\u001b[2J\\u001b]0;title\\u0007\" = 1\n");
+    for name in ["escape.toml", "\u{1b}[31m.toml"] {
+        let run = folder.run(&["pack", name]);
+        assert_ne!(run.code, 0);
+        let is_plain = |line: &str| !line.contains(char::is_control);
+        assert!(run.stderr.lines().all(is_plain) && run.stderr.contains("\\u{1b}["), "{:?}", run.stderr);
+    }
+    let run = folder.run(&["pack", "--no-\u{1b}[31m"]);
+    assert!(run.code == 2 && run.stderr.lines().all(|line| !line.contains(char::is_control)), "{:?}", run.stderr);
 }

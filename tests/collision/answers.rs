@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use super::families;
 use super::reference;
-use meso_collision::gjk::{self, Method, Verdict};
+use meso_collision::gjk::{self, Algorithm, Verdict};
 use meso_collision::math::Vec3;
 
 #[test]
@@ -13,7 +13,7 @@ fn every_answer_is_the_exact_one_in_every_family() {
         for seed in 0..count {
             let (a, b) = family(&mut Dice::new(seed));
             let truth = reference::intersects(&a, &b);
-            for method in Method::ALL {
+            for method in Algorithm::ALL {
                 let answer = method.intersects(&a, &b).unwrap();
                 assert_eq!(answer, truth, "{name}, seed {seed}, {method:?}\na = {a:?}\nb = {b:?}");
             }
@@ -23,7 +23,7 @@ fn every_answer_is_the_exact_one_in_every_family() {
 
 #[test]
 fn every_search_proves_its_answers_about_ordinary_pairs_itself() {
-    for method in [Method::Enhanced, Method::Classical, Method::SignedVolumes] {
+    for method in [Algorithm::Enhanced, Algorithm::Classical, Algorithm::SignedVolumes] {
         let is_left_open = |seed: &u64| {
             let (a, b) = families::random_bodies(&mut Dice::new(*seed));
             let (Verdict::Separated { is_exact, .. } | Verdict::Intersecting { is_exact, .. }) =

@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use super::isa;
 use meso_collision::geometry::convex_hull;
-use meso_collision::gjk::{Body, Method, PairQuery};
+use meso_collision::gjk::{Algorithm, Body, PairQuery};
 use meso_collision::math::{Mat3, Rotation, Vec3};
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ fn many_answers_are_the_single_ones() {
         assert_eq!(PairQuery::overlap_many(&asks), single, "{isa:?}");
         assert!(asks.iter().map(|q| q.a.overlaps(q.b, &q.b_from_a)).eq(single.iter().copied()), "{isa:?}");
     });
-    let searched = asks.iter().map(|q| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a));
+    let searched = asks.iter().map(|q| Algorithm::Enhanced.overlap(q.a, q.b, &q.b_from_a));
     assert!(searched.eq(single.iter().copied()), "the headers tell otherwise than the search");
     let hits = single.iter().filter(|&&hit| hit).count();
     assert!((6_000..14_000).contains(&hits), "{hits} of 20011 overlap");
@@ -75,7 +75,7 @@ fn assert_every_form_is_exact(seed: u64, n: usize) {
     let mut dice = Dice::new(seed);
     let bodies = bodies(&mut dice);
     let asks = near_touch(&mut dice, &bodies, n);
-    let exact: Vec<bool> = asks.iter().map(|q| Method::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
+    let exact: Vec<bool> = asks.iter().map(|q| Algorithm::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
     isa::on_every_one(|isa| {
         assert_eq!(PairQuery::overlap_many(&asks), exact, "many at a time, seed {seed}, {isa:?}");
         for (i, (q, exact)) in asks.iter().zip(&exact).enumerate() {
@@ -93,7 +93,7 @@ fn near_touching_bodies_get_the_exact_answer_in_every_form() {
 
 /// The answers of many at a time against exact arithmetic, on every instruction set.
 fn assert_many_are_exact(asks: &[PairQuery<'_>]) {
-    let exact: Vec<bool> = asks.iter().map(|q| Method::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
+    let exact: Vec<bool> = asks.iter().map(|q| Algorithm::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
     isa::on_every_one(|isa| assert_eq!(PairQuery::overlap_many(asks), exact, "{isa:?}"));
     let (hits, n) = (exact.iter().filter(|&&hit| hit).count(), asks.len());
     assert!((3 * n / 10..7 * n / 10).contains(&hits), "{hits} of {n} overlap");
@@ -183,9 +183,9 @@ fn ten_million_pairs_of_bodies_get_the_answer_of_double_precision_at_every_instr
         let (dice, bodies): (Vec<Dice>, Vec<Vec<Body>>) = begun.unzip();
         let asks: Vec<_> =
             dice.into_par_iter().zip(&bodies).map(|(mut dice, bodies)| varied(&mut dice, bodies)).collect();
-        // The search in double precision from the start, certified or exact, is what the other tests hold against
+        // The search in double precision from the start, certified or exact, is compared by the other tests with
         // references.
-        let in_f64 = |q: &PairQuery<'_>| Method::Enhanced.overlap(q.a, q.b, &q.b_from_a);
+        let in_f64 = |q: &PairQuery<'_>| Algorithm::Enhanced.overlap(q.a, q.b, &q.b_from_a);
         let truth: Vec<Vec<bool>> = asks.par_iter().map(|asks| asks.iter().map(in_f64).collect()).collect();
         isa::on_every_one(|isa| {
             asks.par_iter().zip(&truth).zip(seeds).for_each(|((asks, truth), seed)| {

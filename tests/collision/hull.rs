@@ -291,7 +291,7 @@ fn centroids_of_thin_and_far_bodies_are_inside_them() {
 }
 
 #[test]
-fn what_is_no_coordinate_is_named() {
+fn empty_clouds_and_coordinates_out_of_range_are_named() {
     let with = |x: f64| [block([1.0; 3]), vec![Vec3::new(0.0, x, 0.0)]].concat();
     assert_eq!(convex_hull(&[]), Err(HullError::Empty));
     for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -1,9 +1,9 @@
-//! What must not change an answer, and what a verdict's witness must show.
+//! Changes that leave every answer as it is, and proofs that every witness must give.
 
 use super::dice::Dice;
 use super::families;
 use super::reference;
-use meso_collision::gjk::{self, GjkError, Method, Operand, Verdict};
+use meso_collision::gjk::{self, Algorithm, GjkError, Operand, Verdict};
 use meso_collision::math::Vec3;
 
 type Map = fn(&[Vec3]) -> Vec<Vec3>;
@@ -51,7 +51,7 @@ fn a_separating_direction_separates_and_overlap_points_belong_to_the_bodies() {
     for (name, family) in families::ALL.iter().filter(|(name, _)| !name.contains("magnitudes")) {
         for seed in 0..40 {
             let (a, b) = family(&mut Dice::new(3000 + seed));
-            match Method::default().verdict(&a, &b).unwrap() {
+            match Algorithm::default().verdict(&a, &b).unwrap() {
                 Verdict::Separated { direction, is_exact: false } => {
                     let height = |p: &Vec3| (p - a[0]).dot(&direction);
                     let top = a.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
@@ -73,7 +73,7 @@ fn a_body_without_points_is_named() {
     let point = [Vec3::zeros()];
     assert_eq!(gjk::intersects(&[], &point), Err(GjkError::Empty { body: Operand::A }));
     assert_eq!(gjk::distance(&point, &[]), Err(GjkError::Empty { body: Operand::B }));
-    let many = Method::Enhanced.intersects_many(&point, [&point[..], &[]]);
+    let many = Algorithm::Enhanced.intersects_many(&point, [&point[..], &[]]);
     assert_eq!(many.unwrap_err().to_string(), "bodies[1] has no points; a body needs at least one");
 }
 
@@ -98,7 +98,7 @@ fn every_finite_number_gets_the_exact_answer() {
                 // One far point: magnitudes side by side that no scale brings together.
                 b.push(Vec3::new(0.5, f64::MAX, libm::scalbn(1.0, power)));
                 let far = reference::intersects(&a, &b);
-                for method in Method::ALL {
+                for method in Algorithm::ALL {
                     assert_eq!(method.intersects(&a, &b), Ok(far), "power {i}, seed {seed}");
                 }
             }
@@ -127,8 +127,8 @@ fn coordinates_that_are_not_finite_are_named() {
 
 #[test]
 fn methods_are_known_by_their_names() {
-    for method in Method::ALL {
+    for method in Algorithm::ALL {
         assert_eq!(method.name().parse(), Ok(method));
     }
-    assert!("gjk".parse::<Method>().unwrap_err().to_string().contains("\"enhanced\""));
+    assert!("gjk".parse::<Algorithm>().unwrap_err().to_string().contains("\"enhanced\""));
 }

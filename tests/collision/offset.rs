@@ -71,7 +71,7 @@ fn many_well_shaped_bodies_keep_twelve_digits() {
     keep_twelve_digits(6);
 }
 
-/// Of `many` times the least number of bodies.
+/// Asserts twelve digits, on `many` times the least number of bodies.
 fn keep_twelve_digits(many: usize) {
     let mut dice = Dice::new(30);
     let few = |clouds: Vec<Cloud>| clouds.into_iter().filter(|c| c.points.len() < 16).collect::<Vec<_>>();
@@ -94,7 +94,7 @@ fn keep_twelve_digits(many: usize) {
 struct Regular {
     name: String,
     points: Vec<Vec3>,
-    /// Of that ball, mm.
+    /// Radius of that ball, mm.
     radius: f64,
 }
 
@@ -308,7 +308,7 @@ fn an_octahedron_keeps_its_six_vertices() {
 
 #[test]
 fn an_octahedron_is_right_when_1e30ths_of_it_are_left() {
-    // |x| + |y| + |z| <= p, moved inwards by q. By Pell's equation, p^2 - 3 q^2 = 1, what is left of p is
+    // |x| + |y| + |z| <= p, moved inwards by q. By Pell's equation, p^2 - 3 q^2 = 1, the rest of p is
     // p - sqrt(3) q = 1 / (p + sqrt(3) q).
     let (mut p, mut q) = (2_u64, 1_u64);
     while p < 1 << 51 {
@@ -323,7 +323,7 @@ fn an_octahedron_is_right_when_1e30ths_of_it_are_left() {
 }
 
 #[test]
-fn what_is_left_far_from_the_origin_is_shown_by_its_vertices_or_refused() {
+fn thin_cores_far_from_the_origin_are_right_or_refused() {
     let turn = Dice::new(37).rotation();
     let corners = (0..3).flat_map(|i| [1.0, -1.0].map(|x| turn * Vec3::ith(i, x) + Vec3::repeat(1e6)));
     let body = convex_hull(&corners.collect::<Vec<_>>()).unwrap();

@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use super::families;
 use super::isa;
-use meso_collision::gjk::{self, Bodies, GjkError, Method, Operand};
+use meso_collision::gjk::{self, Algorithm, Bodies, GjkError, Operand};
 use meso_collision::math::Vec3;
 
 type Points = Vec<Vec3>;
@@ -16,7 +16,7 @@ fn slices(bodies: &[Points]) -> impl Iterator<Item = &[Vec3]> {
 fn bodies_of_every_family_answer_as_their_points_do() {
     for (name, family) in families::ALL.iter().filter(|(name, _)| *name != "fine spheres") {
         let (a, b): (Vec<Points>, Vec<Points>) = (0..60).map(|seed| family(&mut Dice::new(6000 + seed))).unzip();
-        let truth: Vec<bool> = a.iter().zip(&b).map(|(a, b)| Method::Exact.intersects(a, b).unwrap()).collect();
+        let truth: Vec<bool> = a.iter().zip(&b).map(|(a, b)| Algorithm::Exact.intersects(a, b).unwrap()).collect();
         let (own, others) = (Bodies::new(slices(&a)).unwrap(), Bodies::new(slices(&b)).unwrap());
         let pairs: Vec<_> = (0..60).map(|i| (i, i, Vec3::zeros())).collect();
         isa::on_every_one(|isa| assert_eq!(own.overlap(&others, &pairs).unwrap(), truth, "{name}, {isa:?}"));
@@ -55,7 +55,7 @@ fn near_touch(dice: &mut Dice, away: f64, n: usize) -> (Vec<Points>, Vec<(u32, u
 fn exactly(a: &Points, b: &Points, shift: &Vec3) -> bool {
     let whole = |p: &Vec3| p.map(|x| libm::rint(libm::scalbn(x, 40)));
     let (a, b): (Points, Points) = (a.iter().map(whole).collect(), b.iter().map(|p| whole(p) + whole(shift)).collect());
-    Method::Exact.intersects(&a, &b).unwrap()
+    Algorithm::Exact.intersects(&a, &b).unwrap()
 }
 
 #[test]
@@ -140,7 +140,7 @@ fn numbers_of_any_magnitude_make_bodies() {
 }
 
 #[test]
-fn what_is_no_body_or_no_shift_is_named() {
+fn empty_bodies_and_infinite_shifts_are_named() {
     let point = [Vec3::zeros()];
     assert_eq!(Bodies::new([&point[..], &[]]).unwrap_err(), GjkError::Empty { body: Operand::Many(1) });
     let bodies = Bodies::new([&point[..]]).unwrap();

@@ -4,7 +4,7 @@ use super::erosion::Planes;
 use super::property::{Share, holds};
 use super::reference;
 use meso_collision::geometry::{Polyhedron, convex_hull};
-use meso_collision::gjk::{self, Method};
+use meso_collision::gjk::{self, Algorithm};
 use meso_collision::math::Vec3;
 use proptest::array::uniform3;
 use proptest::collection::vec;
@@ -58,7 +58,7 @@ fn every_search_gives_the_exact_answer_whichever_body_comes_first() {
     let overlaps = Share::default();
     holds(3000, &pair(8), |(a, b)| {
         let truth = reference::intersects(&a, &b);
-        for method in Method::ALL {
+        for method in Algorithm::ALL {
             prop_assert_eq!(method.intersects(&a, &b), Ok(truth), "{:?}", method);
             prop_assert_eq!(method.intersects(&b, &a), Ok(truth), "{:?}, swapped", method);
         }

@@ -4,7 +4,7 @@
 use super::dice::Dice;
 use super::families;
 use super::reference;
-use meso_collision::gjk::{self, Method};
+use meso_collision::gjk::{self, Algorithm};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -21,7 +21,7 @@ fn floating_point_and_exact_arithmetic_agree_on_a_million_pairs() {
         .into_par_iter()
         .filter(|&seed| {
             let (a, b) = families[seed as usize % families.len()].1(&mut Dice::new(1 << 40 | seed));
-            gjk::intersects(&a, &b) != Method::Exact.intersects(&a, &b)
+            gjk::intersects(&a, &b) != Algorithm::Exact.intersects(&a, &b)
         })
         .collect();
     assert_eq!(wrong, [0; 0], "seeds of pairs with different answers");

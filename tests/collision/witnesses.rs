@@ -127,7 +127,7 @@ fn numbers_that_no_scale_brings_together_have_a_depth_too() {
 fn first_meeting(faces: &[Plane], motion: &Vec3) -> f64 {
     let (mut enters, mut leaves) = (0.0_f64, f64::INFINITY);
     for Plane { normal, offset } in faces {
-        // Bodies of whole numbers: what is no more than rounding is nothing.
+        // Bodies of whole numbers: speeds within rounding are 0.
         let speed = normal.dot(motion);
         if speed.abs() < 1e-12 {
             leaves = if *offset < -1e-12 { f64::NEG_INFINITY } else { leaves };

@@ -2,13 +2,14 @@
 
 use crate::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
 use crate::mesh::{by_hand, deck, turned_blocks};
+use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::cells::Sides;
 use meso_core::mesh::{
     self, CellKind, Fit, ItzForm, Mesh, MeshOptions, MeshTable, Method, MethodName, Notes, Order, Phase, PhaseVolumes,
-    Tools,
+    Purpose, Tools,
 };
 
 /// Two tetrahedra that share a face, the first of them aggregate.
@@ -88,29 +89,7 @@ fn the_sides_hold_their_middle_nodes() {
 }
 
 #[test]
-fn an_option_of_another_method_is_refused_and_every_table_is_its_options_again() {
-    let table = |method| MeshTable { method, ..Default::default() };
-    for (wrong, said) in [
-        (
-            MeshTable { fit: Fit::Plain, ..table(MethodName::Voxel) },
-            "mesh.fit is plain; only the method lattice takes it",
-        ),
-        (
-            MeshTable { thin_itz: true, ..table(MethodName::Lattice) },
-            "mesh.thin_itz is true; only the method voxel takes it",
-        ),
-        (
-            MeshTable { subsamples: 3, ..table(MethodName::Conforming) },
-            "mesh.subsamples is 3; only the method voxel takes it",
-        ),
-        (
-            MeshTable { slabs: Some(2), ..table(MethodName::Lattice) },
-            "mesh.slabs is 2; only the method conforming takes it",
-        ),
-    ] {
-        assert_eq!(MeshOptions::try_from(wrong.clone()).unwrap_err().to_string(), said);
-        assert_eq!(wrong.clone().without_foreign(), table(wrong.method));
-    }
+fn the_names_of_options_of_one_method_give_them_again() {
     let quadratic = Order::Quadratic;
     for method in [
         Method::Voxel { thin_itz: true, subsamples: 3 },
@@ -118,7 +97,8 @@ fn an_option_of_another_method_is_refused_and_every_table_is_its_options_again()
         Method::Conforming { order: quadratic, slabs: Some(2) },
     ] {
         let options = MeshOptions { method, ..Default::default() };
-        assert_eq!(MeshOptions::try_from(MeshTable::from(options.clone())).unwrap(), options);
+        let table = MeshTable::from(options.clone());
+        assert_eq!(table.resolve(Purpose::Test, &Itz::default()).unwrap(), options);
     }
 }
 
@@ -127,12 +107,15 @@ fn orders_that_no_element_has_are_named() {
     let (grains, specimen) = turned_blocks();
     let error =
         |options: MeshOptions| mesh::build((&grains, &specimen), &options, &Tools::default()).unwrap_err().to_string();
-    let table = |method, order| MeshTable { method, order, ..Default::default() };
-    let refused = |table: MeshTable| MeshOptions::try_from(table).unwrap_err().to_string();
-    assert_eq!(refused(table(MethodName::Lattice, 3)), "mesh.order is 3; it must be 1 or 2");
-    let voxels = refused(table(MethodName::Voxel, 2));
+    let resolve = |method, order| {
+        let table = MeshTable { method: Some(method), order: Some(order), ..Default::default() };
+        table.resolve(Purpose::Mesh, &Itz::default())
+    };
+    let refused = |method, order| resolve(method, order).unwrap_err().to_string();
+    assert_eq!(refused(MethodName::Lattice, 3), "mesh.order is 3; it must be 1 or 2");
+    let voxels = refused(MethodName::Voxel, 2);
     assert_eq!(voxels, "mesh.order is 2; voxels take 1; the methods lattice and conforming take 2");
-    let quadratic = MeshOptions::try_from(table(MethodName::Lattice, 2)).unwrap();
+    let quadratic = resolve(MethodName::Lattice, 2).unwrap();
     let cohesive = error(MeshOptions { itz: ItzForm::Cohesive, ..quadratic });
     assert_eq!(cohesive, "mesh.order is 2; with a cohesive itz it must be 1; itz solid or none take 2");
 }

@@ -5,7 +5,7 @@
 
 use meso_core::check::check;
 use meso_core::geometry::convex_hull;
-use meso_core::gjk::{self, Method};
+use meso_core::gjk::{self, Algorithm};
 use meso_core::materials::Materials;
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, MeshOptions, Tools};
@@ -110,7 +110,7 @@ pub(crate) fn hull(bytes: &[u8]) {
     let Ok(hull) = convex_hull(&points) else { return };
     assert!(hull.volume() > 0.0);
     for point in &points {
-        let inside = Method::Exact.intersects(hull.vertices(), &[*point]).expect("finite numbers");
+        let inside = Algorithm::Exact.intersects(hull.vertices(), &[*point]).expect("finite numbers");
         assert!(inside, "{point} of {points:?}");
     }
 }
@@ -137,8 +137,8 @@ pub(crate) fn collision(bytes: &[u8]) {
         return;
     }
     let (a, b) = points.split_at(points.len() / 2);
-    let exact = Method::Exact.intersects(a, b).expect("finite numbers");
-    for method in Method::ALL {
+    let exact = Algorithm::Exact.intersects(a, b).expect("finite numbers");
+    for method in Algorithm::ALL {
         assert_eq!(method.intersects(a, b).expect("finite numbers"), exact, "{method:?}: {a:?} {b:?}");
         assert_eq!(method.intersects(b, a).expect("finite numbers"), exact, "{method:?} swapped");
     }

@@ -2,10 +2,10 @@
 
 use crate::subject::{Number, WIDTH, along, cdp, close, from_peak, inelastic_energy, mortar, peak, slope};
 use meso_core::materials::Materials;
-use meso_solve::law::point::{Held, Sample, curve, ramp};
+use meso_solve::law::point::{Reading, Sides, curve, ramp};
 use meso_solve::law::{Law, cdp as law};
 
-const UNIAXIAL: Held = Held::Lateral(0.0);
+const UNIAXIAL: Sides = Sides::Lateral(0.0);
 const E: f64 = 26_000.0;
 
 fn strengths<R: Number>() {
@@ -14,11 +14,11 @@ fn strengths<R: Number>() {
     close(crushed.stress, -40.0, 1e-3);
     close(crushed.strain, -0.0022, 1e-3);
     close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
-    close(peak(&along(&of, Held::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
+    close(peak(&along(&of, Sides::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
     // Both stresses s, the third 0: s (alpha + (1 - alpha) c / f_t) = (1 - alpha) c where hardening begins, c = 0.4 f_c.
     let (alpha, c) = (0.16 / 1.32, 16.0);
     let pulled = (1.0 - alpha) * c / (alpha + (1.0 - alpha) * c / 3.0);
-    close(peak(&along(&of, Held::Third(0.0), &[0.0004], 1e-7)).stress, pulled, 1e-3);
+    close(peak(&along(&of, Sides::Third(0.0), &[0.0004], 1e-7)).stress, pulled, 1e-3);
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn confined<R: Number>(meridian: f64) {
     let (alpha, gamma) = (0.16 / 1.32, 3.0 * (1.0 - meridian) / (2.0 * meridian - 1.0));
     for pressure in [5.0, 10.0, 20.0] {
         let strength = 40.0 + pressure * (1.0 + 2.0 * alpha + gamma) / (1.0 - alpha);
-        let found = peak(&along(&cdp::<R>(&materials), Held::Lateral(-pressure), &[-0.02], 1e-5));
+        let found = peak(&along(&cdp::<R>(&materials), Sides::Lateral(-pressure), &[-0.02], 1e-5));
         close(found.stress, -strength, 1e-3);
     }
 }
@@ -108,8 +108,8 @@ fn unloading_is_as_stiff_as_damage_leaves_it() {
 /// w_c = 1: a closed crack is as stiff as before; w_t = 0: what was crushed is not mended by tension.
 fn recovery<R: Number>() {
     let of = cdp::<R>(&mortar());
-    let between = |curve: &[Sample], low: f64, high: f64| {
-        let within: Vec<Sample> = curve.iter().copied().filter(|s| (low..high).contains(&s.stress)).collect();
+    let between = |curve: &[Reading], low: f64, high: f64| {
+        let within: Vec<Reading> = curve.iter().copied().filter(|s| (low..high).contains(&s.stress)).collect();
         slope([within[0], within[within.len() - 1]])
     };
     let closed = along(&of, UNIAXIAL, &[0.01, 0.0094], 4e-6);

@@ -1,17 +1,17 @@
 //! CDPM2 against what its equations give in closed form, in f64 and in the f32 of the solver.
 
 use crate::subject::{Number, along, cdpm2, close, from_peak, inelastic_energy, mortar, peak, slope};
-use meso_solve::law::point::{Held, Sample, curve, ramp};
+use meso_solve::law::point::{Reading, Sides, curve, ramp};
 use meso_solve::law::{Law, cdpm2 as law};
 
-const UNIAXIAL: Held = Held::Lateral(0.0);
+const UNIAXIAL: Sides = Sides::Lateral(0.0);
 const E: f64 = 26_000.0;
 
 fn strengths<R: Number>() {
     let of = cdpm2::<R>(&mortar(), &law::Options::default());
     close(peak(&along(&of, UNIAXIAL, &[-0.004], 2e-6)).stress, -40.0, 1e-3);
     close(peak(&along(&of, UNIAXIAL, &[0.0004], 1e-7)).stress, 3.0, 1e-3);
-    close(peak(&along(&of, Held::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
+    close(peak(&along(&of, Sides::Third(0.0), &[-0.004], 2e-6)).stress, -1.16 * 40.0, 1e-3);
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn confined<R: Number>() {
         let strength = pressure + fc * (1.0 + m0 * pressure / fc).sqrt();
         // H_p raises it further as plastic strain grows.
         let of = cdpm2::<R>(&mortar(), &law::Options { hardening_modulus: 0.0, ..Default::default() });
-        close(peak(&along(&of, Held::Lateral(-pressure), &[-0.04], 1e-5)).stress, -strength, 1e-3);
+        close(peak(&along(&of, Sides::Lateral(-pressure), &[-0.04], 1e-5)).stress, -strength, 1e-3);
     }
 }
 
@@ -84,8 +84,8 @@ fn unloading_is_as_stiff_as_damage_leaves_it() {
 }
 
 /// Slope from the first to the last sample with a stress between `low` and `high`.
-fn between(curve: &[Sample], low: f64, high: f64) -> f64 {
-    let within: Vec<Sample> = curve.iter().copied().filter(|s| (low..high).contains(&s.stress)).collect();
+fn between(curve: &[Reading], low: f64, high: f64) -> f64 {
+    let within: Vec<Reading> = curve.iter().copied().filter(|s| (low..high).contains(&s.stress)).collect();
     slope([within[0], within[within.len() - 1]])
 }
 

@@ -1,7 +1,7 @@
 //! CDPM2 against OOFEM's own implementation, from the curves that `tests/oracles/con2dpm.py` keeps.
 
 use crate::subject::{Number, WIDTH, cdpm2, mortar};
-use meso_solve::law::point::{Held, curve};
+use meso_solve::law::point::{Sides, curve};
 use meso_solve::law::{Cdpm2, Law, cdpm2 as law};
 use std::path::Path;
 
@@ -26,7 +26,7 @@ fn subject<R: Number>() -> Cdpm2<R> {
 const STEPS: usize = 100;
 
 /// Largest error of stress along x over the curve, as a share of its largest stress; and of the largest stress itself.
-fn error_with_free_sides<R: Number>(name: &str, held: Held) -> [f64; 2] {
+fn error_with_free_sides<R: Number>(name: &str, held: Sides) -> [f64; 2] {
     let rows = rows(name);
     let mut strains = Vec::new();
     let mut from = 0.0;
@@ -45,14 +45,14 @@ fn error_with_free_sides<R: Number>(name: &str, held: Held) -> [f64; 2] {
 
 #[test]
 fn curves_with_free_sides_are_within_a_percent() {
-    let free = Held::Lateral(0.0);
+    let free = Sides::Lateral(0.0);
     for (name, held) in [
         ("tension", free),
         ("compression", free),
-        ("biaxial", Held::Third(0.0)),
-        ("confined_5", Held::Lateral(-5.0)),
-        ("confined_10", Held::Lateral(-10.0)),
-        ("confined_20", Held::Lateral(-20.0)),
+        ("biaxial", Sides::Third(0.0)),
+        ("confined_5", Sides::Lateral(-5.0)),
+        ("confined_10", Sides::Lateral(-10.0)),
+        ("confined_20", Sides::Lateral(-20.0)),
         ("reversal", free),
         ("reload", free),
     ] {

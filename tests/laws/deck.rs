@@ -4,7 +4,7 @@ use crate::subject::{Number, cdp, from_peak, mortar, peak};
 use meso_core::export::abaqus::{Analysis, DeckOptions, write};
 use meso_core::mesh::{ItzForm, Mesh, MeshOptions, Method, Tools, build};
 use meso_core::specimen::Specimen;
-use meso_solve::law::point::{Held, Sample, curve, ramp};
+use meso_solve::law::point::{Reading, Sides, curve, ramp};
 
 const E: f64 = 26_000.0;
 
@@ -35,8 +35,8 @@ fn deck(mesh: &Mesh) -> String {
 }
 
 /// Size of the stress at an inelastic strain, between samples.
-fn at(curve: &[Sample], inelastic: f64) -> f64 {
-    let of = |s: &Sample| s.strain.abs() - s.stress.abs() / E;
+fn at(curve: &[Reading], inelastic: f64) -> f64 {
+    let of = |s: &Reading| s.strain.abs() - s.stress.abs() / E;
     let after = curve.iter().position(|s| of(s) >= inelastic).unwrap().max(1);
     let [a, b] = [&curve[after - 1], &curve[after]];
     let share = (inelastic - of(a)) / (of(b) - of(a));
@@ -49,7 +49,7 @@ fn twins<R: Number>(method: Method, edges: f64) {
     let (of, deck) = (cdp::<R>(&mortar()), deck(&mesh));
     let across = (EDGE.powi(3) / mesh.cell_count() as f64).cbrt();
     let width = edges * across;
-    let held = Held::Lateral(0.0);
+    let held = Sides::Lateral(0.0);
     let crushed = curve(&of, width, held, &ramp(0.0, -0.05, 10_000).collect::<Vec<_>>());
     let table = rows(&deck, "*CONCRETE COMPRESSION HARDENING");
     let top = table.iter().position(|row| row[0] == 40.0).unwrap();

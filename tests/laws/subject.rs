@@ -1,7 +1,7 @@
 //! The mortar that the tests strain, and what they ask of its curves.
 
 use meso_core::materials::{Materials, Strength};
-use meso_solve::law::point::{Held, Sample, curve, ramp};
+use meso_solve::law::point::{Reading, Sides, curve, ramp};
 use meso_solve::law::{Cdp, Cdpm2, Law, cdpm2};
 use meso_solve::real::Real;
 
@@ -37,7 +37,7 @@ pub(crate) fn cdpm2<R: Real>(materials: &Materials, options: &cdpm2::Options) ->
 }
 
 /// Curve along a polygon of strains, in steps of at most `step`.
-pub(crate) fn along<R: Number, L: Law<R>>(law: &L, held: Held, corners: &[f64], step: f64) -> Vec<Sample> {
+pub(crate) fn along<R: Number, L: Law<R>>(law: &L, held: Sides, corners: &[f64], step: f64) -> Vec<Reading> {
     let mut strains = Vec::new();
     let mut from = 0.0;
     for &to in corners {
@@ -48,12 +48,12 @@ pub(crate) fn along<R: Number, L: Law<R>>(law: &L, held: Held, corners: &[f64], 
 }
 
 /// The sample of largest stress along x, whatever its sign.
-pub(crate) fn peak(curve: &[Sample]) -> Sample {
+pub(crate) fn peak(curve: &[Reading]) -> Reading {
     *curve.iter().max_by(|a, b| a.stress.abs().total_cmp(&b.stress.abs())).unwrap()
 }
 
 /// The curve from there on.
-pub(crate) fn from_peak(curve: &[Sample]) -> &[Sample] {
+pub(crate) fn from_peak(curve: &[Reading]) -> &[Reading] {
     let top = peak(curve);
     &curve[curve.iter().position(|sample| *sample == top).unwrap()..]
 }
@@ -65,13 +65,13 @@ pub(crate) fn close(what: f64, expected: f64, within: f64) {
 }
 
 /// Slope between two neighbours.
-pub(crate) fn slope([a, b]: [Sample; 2]) -> f64 {
+pub(crate) fn slope([a, b]: [Reading; 2]) -> f64 {
     (b.stress - a.stress) / (b.strain - a.strain)
 }
 
 /// Area under stress over inelastic strain, times the crack band's width, N/mm.
-pub(crate) fn inelastic_energy(curve: &[Sample], modulus: f64, width: f64) -> f64 {
-    let inelastic = |s: &Sample| s.strain - s.stress / modulus;
-    let area = |w: &[Sample]| (w[0].stress + w[1].stress) / 2.0 * (inelastic(&w[1]) - inelastic(&w[0]));
+pub(crate) fn inelastic_energy(curve: &[Reading], modulus: f64, width: f64) -> f64 {
+    let inelastic = |s: &Reading| s.strain - s.stress / modulus;
+    let area = |w: &[Reading]| (w[0].stress + w[1].stress) / 2.0 * (inelastic(&w[1]) - inelastic(&w[0]));
     width * curve.windows(2).map(area).sum::<f64>()
 }

@@ -188,3 +188,48 @@ def test_a_mesh_that_lost_a_phase_is_an_error_unless_it_is_accepted(packing):
     with pytest.raises(ValueError, match=r"the ITZ takes .* where 10 % are accepted; take .*; accept_phase_error=True accepts it"):
         packing.mesh(**coarse)
     assert packing.mesh(**coarse, accept_phase_error=True).volumes()["itz"] > 0
+
+
+def test_a_packing_for_a_test_is_that_of_the_command(run, tmp_path):
+    (tmp_path / "s.toml").write_text('fraction = 0.3\nseed = 5\n[specimen]\nkind = "cube"\nside_mm = 30.0\n')
+    for name, flags, keywords in [
+        ("test", ["--analysis", "compression", "--element-size-mm", "2.5"], {"for_test": True, "element_size": 2.5}),
+        ("facets", ["--method", "conforming"], {"method": "conforming"}),
+        ("plain", [], {}),
+    ]:
+        done = run("pack", "s.toml", "-qo", f"{name}.json", *flags)
+        assert done.returncode == 0, done.stderr
+        mc.pack(tmp_path / "s.toml", **keywords).write(tmp_path / "own.json")
+        assert (tmp_path / "own.json").read_bytes() == (tmp_path / f"{name}.json").read_bytes(), name
+    gap = mc.load(tmp_path / "test.json").spec.placement["min_gap_mm"]
+    assert gap == 1.25
+
+
+def test_a_progress_that_returns_false_stops_meshing(packing):
+    shares = []
+
+    def stop(done, total):
+        shares.append(done)
+        return False
+
+    with pytest.raises(RuntimeError, match="meshing was stopped"):
+        packing.mesh(method="lattice", element_size=1.0, itz="none", progress=stop)
+    assert shares[-1] < 1.0
+
+
+def test_control_characters_of_names_are_escaped_in_messages(tmp_path):
+    # shared/cases/trust/escape.toml
+    path = tmp_path / "escape.toml"
+    path.write_text('"\\u001b[2J\\u001b]0;title\\u0007" = 1\n')
+    with pytest.raises(ValueError, match="is not a known key") as caught:
+        mc.pack(path)
+    assert r"\u{1b}[2J\u{1b}]0;title\u{7}" in str(caught.value)
+    with pytest.raises(ValueError, match="is not a known key") as caught:
+        mc.Spec(**{"\x1b[2J": 1})
+    assert str(caught.value).isprintable()
+
+
+def test_a_mesh_beyond_the_memory_is_refused_before_it_is_taken(packing, monkeypatch):
+    big = mc.pack({"specimen": {"kind": "cube", "side_mm": 1400.0}, "grading": {"d_min_mm": 100.0, "d_max_mm": 200.0}}, fraction=0.05)
+    with pytest.raises(MemoryError, match="GB are free; take a larger element_size"):
+        big.mesh(method="lattice", element_size=1.0, itz="none")

@@ -6,7 +6,7 @@ use meso_core::aggregate::{Fibres, Voids};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Phase, Tools};
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Ended, Frame, Interface, Kind, Observer, Run, Smoothing, Test};
+use meso_solve::{Control, Ended, Frame, Interface, Observer, Run, Smoothing, Test, TestKind};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -33,7 +33,7 @@ fn concrete_softens_and_its_energies_balance() {
 #[test]
 fn hourglass_modes_hold_less_than_2_percent_of_the_internal_energy() {
     let rough = Test { friction: 0.6, ..Test::default() };
-    let pulled = Test { kind: Kind::Tension, ..Test::default() };
+    let pulled = Test { kind: TestKind::Tension, ..Test::default() };
     for (meshed, test) in [
         (voxels(24.0, 4, 1.5), Test::default()),
         (voxels(24.0, 3, 1.5), rough),
@@ -114,7 +114,7 @@ fn voxels_with_a_cohesive_itz_soften_where_mortar_parts_the_aggregates() {
 
 #[test]
 fn a_smeared_itz_is_mortar_at_the_aggregates_with_less_strength() {
-    let test = Test { kind: Kind::Tension, ..Test::default() };
+    let test = Test { kind: TestKind::Tension, ..Test::default() };
     let peak = |itz| solve(&concrete(1.0, Method::FITTED, 2.5, itz), &test).result.figures.peak_mpa;
     let (smeared, none) = (peak(ItzForm::Smeared), peak(ItzForm::None));
     assert!(smeared < 0.98 * none && smeared > 0.6 * none, "{smeared} {none}");
@@ -151,7 +151,7 @@ fn frames_come_evenly_and_damage_grows_in_mortar_alone() {
     let damage = Damage::default();
     // A servo adds frames.
     let control = Control::Steady;
-    let test = Test { frames: 4, kind: Kind::Tension, control, ..Test::default() };
+    let test = Test { frames: 4, kind: TestKind::Tension, control, ..Test::default() };
     meshed.watched(&brittle(), &test, &Silent, &damage);
     let frames = damage.0.into_inner();
     assert_eq!(frames.len(), 4);

@@ -10,10 +10,12 @@ use meso_core::aggregate::Fibres;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
 use meso_core::math::{Aabb, Vec3};
-use meso_core::mesh::{self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Phase, PhaseVolumes, Tools};
+use meso_core::mesh::{
+    self, CellKind, ItzForm, Joined, Mesh, MeshOptions, MeshTable, Phase, PhaseVolumes, Purpose, Tools,
+};
 use meso_core::{Silent, Spec};
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Figures, Kind, Run, Sample, Smoothing, Test};
+use meso_solve::{Control, Figures, Run, Sample, Smoothing, Test, TestKind};
 use std::collections::BTreeMap;
 
 /// What the cards describe, as the engine takes it.
@@ -137,7 +139,7 @@ fn test(deck: &Deck) -> Test {
     );
     let strain = -real(&moved.data[0][3]) / (z("REF_TOP") - z("REF_BOTTOM"));
     Test {
-        kind: if strain > 0.0 { Kind::Compression } else { Kind::Tension },
+        kind: if strain > 0.0 { TestKind::Compression } else { TestKind::Tension },
         friction: deck.friction.unwrap(),
         strain: Some(strain.abs()),
         duration_s: Some(duration),
@@ -254,7 +256,7 @@ fn assert_crushing(rows: &[[f64; 2]], top: usize, e: f64, peak_strain: f64, stre
 
 /// What `mesocrete pack --analysis compression` takes by itself.
 fn defaults() -> MeshOptions {
-    MeshTable { itz: Some(ItzForm::Smeared), ..MeshTable::of_a_test() }.try_into().unwrap()
+    MeshTable::default().resolve(Purpose::Test, &meso_core::aggregate::Itz::default()).unwrap()
 }
 
 /// A deck of the 24 mm cube, with a step that is as fast as our engine's own, and the error of the aggregates' volume.
@@ -311,7 +313,7 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
     let fibres = Some(Fibres { fraction: 0.01, length_mm: 8.0, diameter_mm: 1.5, orientation: None });
     for spec in [Spec { fibres, ..plain.clone() }, plain] {
         let model = meso_core::pack(&spec, &Silent).unwrap();
-        let options = MeshOptions::try_from(MeshTable { element_size_mm: 1.5, ..MeshTable::of_a_test() }).unwrap();
+        let options = MeshOptions { element_size_mm: 1.5, ..defaults() };
         let mesh = mesh::build(&model, &options, &Tools::default()).unwrap();
         let mut deck = Vec::new();
         abaqus::write(&mesh, &DeckOptions { analysis: Analysis::Compression, ..Default::default() }, &mut deck)
@@ -341,7 +343,7 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
 fn a_smeared_itz_lies_at_aggregates_and_not_at_fibres() {
     let fibres = Some(Fibres { fraction: 0.01, length_mm: 8.0, diameter_mm: 1.5, orientation: None });
     let model = meso_core::pack(&Spec { fibres, ..small_cube(0.3).spec }, &Silent).unwrap();
-    let options = MeshOptions::try_from(MeshTable { element_size_mm: 1.5, ..MeshTable::of_a_test() }).unwrap();
+    let options = MeshOptions { element_size_mm: 1.5, ..defaults() };
     let mesh = mesh::build((&model.inclusions, &model.spec.specimen), &options, &Tools::default()).unwrap();
     assert!(mesh.phase.contains(&Phase::Fibre) && !mesh.phase.contains(&Phase::Itz));
 }

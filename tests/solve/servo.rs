@@ -60,7 +60,7 @@ fn a_specimen_that_does_not_break_is_not_held() {
     for test in [
         Test { law: LawName::Elastic, ..Test::default() },
         Test { strain: Some(0.0005), ..Test::default() },
-        Test { law: LawName::Elastic, kind: meso_solve::Kind::Tension, ..Test::default() },
+        Test { law: LawName::Elastic, kind: meso_solve::TestKind::Tension, ..Test::default() },
     ] {
         let result = specimen.solve(&brittle(), &test).result;
         assert_eq!(result.steps, result.steps_planned, "{test:?}");

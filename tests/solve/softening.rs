@@ -3,7 +3,7 @@
 use crate::samples::{Meshed, brittle};
 use meso_core::materials::Materials;
 use meso_core::mesh::{Method, Phase};
-use meso_solve::{Control, Kind, Response, Smoothing, Test};
+use meso_solve::{Control, Response, Smoothing, Test, TestKind};
 
 #[test]
 fn a_homogeneous_cube_between_smooth_plates_bears_its_strength() {
@@ -44,7 +44,8 @@ fn torn(mut meshed: Meshed, half_width: f64, smoothing: Smoothing) -> (Materials
     // The crack law ends at five times energy over strength: 0.1 mm.
     let (strain, duration_s) = (Some(0.12 / height), Some(1e-3));
     let control = Control::Steady;
-    let test = Test { kind: Kind::Tension, strain, duration_s, control, smoothing: Some(smoothing), ..Test::default() };
+    let test =
+        Test { kind: TestKind::Tension, strain, duration_s, control, smoothing: Some(smoothing), ..Test::default() };
     let response = meshed.solve(&materials, &test);
     (materials, response)
 }

@@ -13,7 +13,7 @@ pub(crate) const SHORT: u8 = 3;
 /// Exit code after Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// Why a command failed; each message names the fault and the way out.
+/// Why a command failed; each message names the fault and the remedy.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Wrong usage or a wrong spec.
@@ -32,7 +32,7 @@ impl Failure {
         Self::Run(format!("{}: {}", path.display(), reason(error)))
     }
 
-    /// The fault, and the way out.
+    /// The fault and the remedy.
     pub(crate) fn message(&self) -> &str {
         match self {
             Self::Usage(message) | Self::Run(message) | Self::Late(message) => message,
@@ -47,7 +47,7 @@ impl Failure {
     }
 }
 
-/// A panic prints one line; [`Failure::Bug`] adds what to do about it.
+/// A panic prints one line; [`Failure::Bug`] adds the remedy.
 pub(crate) fn hush_panics() {
     std::panic::set_hook(Box::new(|panic| stderr::line(format!("internal error: {panic}").replace('\n', " "))));
 }

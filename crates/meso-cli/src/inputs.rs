@@ -62,8 +62,8 @@ pub(crate) fn toml<T>(path: &Path, parse: impl FnOnce(&str) -> Result<T, SpecErr
     })
 }
 
-/// Reads a saved model, `-` for standard input, and reports to `watch` how far the proof of its specimen's surface is. What does
-/// not begin like a model is not read to its end.
+/// Reads a saved model, `-` for standard input, and reports to `watch` how far the proof of its specimen's surface is. A file
+/// that does not begin like a model is not read to its end.
 pub(crate) fn model(path: &Path, watch: &dyn Watch) -> Result<Model, Failure> {
     let fail = |error: io::Error| Failure::file(path, &error);
     let mut source = source(path)?;
@@ -85,7 +85,7 @@ fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// Appends what is left of `source`, up to a limit of all bytes; a longer one is refused as too long for its `kind`.
+/// Appends the rest of `source`, up to a limit of all bytes; a longer one is refused as too long for its `kind`.
 fn read_rest(path: &Path, source: impl Read, bytes: &mut Vec<u8>, limit: u64, kind: &str) -> Result<(), Failure> {
     let left = limit.saturating_sub(bytes.len() as u64).saturating_add(1);
     source.take(left).read_to_end(bytes).map_err(|error| Failure::file(path, &error))?;

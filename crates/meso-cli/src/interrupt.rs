@@ -105,7 +105,7 @@ pub(crate) fn step() -> io::Result<()> {
     Ok(())
 }
 
-/// Nothing, in what users run.
+/// Does nothing in released builds.
 #[cfg(not(debug_assertions))]
 #[expect(clippy::unnecessary_wraps, reason = "steps fail in tests")]
 pub(crate) fn step() -> io::Result<()> {

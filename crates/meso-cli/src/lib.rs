@@ -9,12 +9,14 @@ mod inputs;
 mod interrupt;
 mod outputs;
 mod progress;
+mod room;
 mod stderr;
 mod threads;
 
 use clap::Parser;
 use commands::{Cli, Command};
 use failure::Failure;
+use meso_concrete::printable;
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -32,7 +34,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         .unwrap_or_else(|failure| failure.print())
 }
 
-/// Reads `args` and refuses what no file can make right, as every command does before its work: it opens no file, runs no
+/// Reads `args` and refuses flags that are wrong with any file, as every command does before its work. It opens no file, runs no
 /// program and prints no error.
 ///
 /// # Errors
@@ -77,8 +79,14 @@ fn dispatch(command: Command) -> Result<u8, Failure> {
 
 /// Help and version go to stdout and are no failure, unless they cannot be written; any other error is wrong usage.
 fn usage(error: &clap::Error) -> u8 {
-    let told = error.print().and_then(|()| std::io::stdout().flush());
-    match told {
+    let text = error.render().to_string();
+    if error.use_stderr() && text.lines().any(|line| printable(line) != line) {
+        // Words of the command line may be names of strangers' files.
+        text.lines().for_each(stderr::line);
+        return failure::USAGE;
+    }
+    let printed = error.print().and_then(|()| std::io::stdout().flush());
+    match printed {
         _ if error.use_stderr() => failure::USAGE,
         Err(unwritten) if unwritten.kind() != ErrorKind::BrokenPipe => {
             Failure::file(Path::new("standard output"), &unwritten).print()

@@ -164,7 +164,7 @@ impl Unit {
         }
     }
 
-    /// As [`Unit::fill`], for formats that seek: streams are refused.
+    /// Fills a file in a format that seeks; streams are refused. See [`Unit::fill`].
     pub(crate) fn fill_file(
         &mut self,
         target: &Target,
@@ -177,7 +177,7 @@ impl Unit {
         self.0.fill(path, force, write).map_err(|error| Failure::file(shown, &error))
     }
 
-    /// Gives every file its name. Where one fails, those before it become what they were.
+    /// Gives every file its name. If one fails, those before it get their old contents back.
     pub(crate) fn commit(self) -> Result<(), Failure> {
         self.0.commit().map_err(|(path, error)| Failure::file(&path, &error))?;
         interrupt::end_if_told();

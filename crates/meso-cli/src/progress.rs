@@ -13,14 +13,14 @@ pub(crate) const CLEAR: &str = "\r\x1b[2K";
 const BAR: usize = 16;
 /// Steps of a full bar on a terminal.
 const STEPS: u64 = 1000;
-/// From this width on there is space for the clock and for what Ctrl-C leaves.
+/// From this width on there is space for the clock and for the effect of Ctrl-C.
 const WIDE: u16 = 72;
 /// A run without a terminal reports no more often.
 const LINE: Duration = Duration::from_secs(10);
 
 /// The stages of a packing that is meshed and written, with their weights in the default run.
 pub(crate) const PACK: [(Stage, f64); 7] = [
-    // Of a surface; other specimens have no such stage.
+    // Only the specimen of a surface has this stage.
     (Stage::Read, 8.0),
     (Stage::Take, 2.0),
     (Stage::Place, 4.0),

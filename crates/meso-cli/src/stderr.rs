@@ -1,5 +1,6 @@
 //! Messages on stderr. It may be closed: a message that nobody reads is no failure.
 
+use meso_concrete::printable;
 use std::cell::RefCell;
 use std::fmt::Display;
 use std::io::Write;
@@ -23,11 +24,11 @@ pub(crate) struct Said {
     pub(crate) errors: Vec<String>,
 }
 
-/// Writes a line to stderr; within [`of`] it names the subject.
+/// Writes a line to stderr, with the control characters of names, keys and paths escaped. Within [`of`] it names the subject.
 pub(crate) fn line(message: impl Display) {
     let message = message.to_string();
     let text = SUBJECT.with_borrow(|subject| subject.as_ref().map(|subject| subject.keep(&message)));
-    let _ = writeln!(std::io::stderr(), "{}", text.unwrap_or(message));
+    let _ = writeln!(std::io::stderr(), "{}", printable(&text.unwrap_or(message)));
 }
 
 /// Runs `work`; its warnings and errors name `name` and are returned.

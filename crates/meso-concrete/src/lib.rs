@@ -12,6 +12,8 @@ pub mod import;
 mod out_of_range;
 pub mod parallel;
 mod parts;
+mod printable;
+mod room;
 pub mod specimen;
 pub mod stop;
 mod thousands;
@@ -19,4 +21,6 @@ pub mod watch;
 
 pub use out_of_range::{OutOfRange, Ranges};
 pub use parts::Parts;
+pub use printable::printable;
+pub use room::Room;
 pub use thousands::thousands;

@@ -2,6 +2,7 @@
 //! [`lock`] keeps a second process out of a folder.
 #![forbid(unsafe_code)]
 
+pub mod free;
 pub mod lock;
 pub mod whole;
 

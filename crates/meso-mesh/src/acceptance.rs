@@ -2,7 +2,7 @@
 //!
 //! Elements as large as the grains lose phases, shells and fibres first: [`PhaseOff`] names the one that is farthest off.
 
-use super::error::MeshError;
+use super::error::{MeshError, Ways};
 use super::options::{ItzForm, MeshOptions, MethodName};
 use crate::cells::{Cells, Mesh, Phase, cell_volume};
 use crate::figures::PhaseVolumes;
@@ -87,19 +87,20 @@ fn comparable(mesh: &Mesh, itz: ItzForm) -> PhaseVolumes {
     }
 }
 
-/// The ways to keep the phase, by the options' names.
-fn ways_out(phase: Phase, options: &MeshOptions) -> String {
-    let size = match phase {
-        Phase::Fibre => "an element_size_mm of at most half the fibres' diameter",
-        Phase::Aggregate | Phase::Itz | Phase::Mortar => "a smaller element_size_mm",
+/// Remedies that keep the phase.
+fn ways_out(phase: Phase, options: &MeshOptions) -> Ways {
+    let (before, after) = match phase {
+        Phase::Fibre => ("an ", " of at most half the fibres' diameter"),
+        Phase::Aggregate | Phase::Itz | Phase::Mortar => ("a smaller ", ""),
     };
     let method = match options.method.name() {
         MethodName::Voxel => "the method lattice or conforming",
         MethodName::Lattice => "the method conforming",
         MethodName::Conforming => "another method",
     };
-    match options.itz {
-        ItzForm::Solid => format!("{size}, {method}, or itz none"),
-        ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => format!("{size}, or {method}"),
-    }
+    let others = match options.itz {
+        ItzForm::Solid => format!(", {method}, or itz none"),
+        ItzForm::Cohesive | ItzForm::Smeared | ItzForm::None => format!(", or {method}"),
+    };
+    Ways { before, after: format!("{after}{others}") }
 }

@@ -1,4 +1,4 @@
-//! Why a mesh cannot be made.
+//! Reasons why a mesh cannot be built.
 
 use crate::triangulation::Untriangulated;
 use meso_concrete::{OutOfRange, Ranges, thousands};
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Gaps that leave gmsh room, mm: seven packings of 30 mm and those of 60 and 150 mm at 0.50 were meshed with them.
 const ADVISED_GAP_MM: f64 = 0.05;
 
-/// The option that ways out speak of.
+/// Name of the element size in this library.
 const SIZE: &str = "element_size_mm";
 
 /// Reason why there is no mesh: the fault, its place, and a remedy.
@@ -19,11 +19,7 @@ pub enum MeshError {
     #[error(transparent)]
     Option(#[from] OutOfRange),
     /// Cells came out flat or turned over: there the aggregates' gaps and corners are too fine for the elements.
-    #[error(
-        "the mesh would have {} cells without a positive volume, the first at {:.3}, {:.3}, {:.3} mm; choose another \
-         element_size_mm or method",
-        thousands(*cells), at[0], at[1], at[2]
-    )]
+    #[error("{}", flat(*cells, *at, SIZE))]
     Flat {
         /// How many.
         cells: usize,
@@ -31,11 +27,7 @@ pub enum MeshError {
         at: [f64; 3],
     },
     /// A phase has far from its own volume.
-    #[error(
-        "the {phase} takes {meshed:.4} of the specimen in the mesh and {exact:.4} in the packing: {:+.0} %, where 10 % are accepted; \
-         take {ways}",
-        100.0 * (meshed / exact - 1.0)
-    )]
+    #[error("{}", phase_error(phase, *meshed, *exact, &ways.with(SIZE)))]
     PhaseError {
         /// The phase that is farthest off, in words.
         phase: &'static str,
@@ -43,8 +35,8 @@ pub enum MeshError {
         meshed: f64,
         /// The exact volume of its bodies over the specimen's.
         exact: f64,
-        /// The body or surface in the way.
-        ways: String,
+        /// Remedies.
+        ways: Ways,
     },
     /// A conforming mesh was asked for where gmsh cannot run.
     #[error("the method conforming needs gmsh, which the command and the Python package run; take lattice or voxel")]
@@ -83,10 +75,7 @@ pub enum MeshError {
         at: [f64; 3],
     },
     /// gmsh's meshes of two slabs have different triangles on the plane between them.
-    #[error(
-        "gmsh's meshes of two slabs do not meet at {:.6}, {:.6}, {:.6} mm; choose another element_size_mm or fewer slabs",
-        at[0], at[1], at[2]
-    )]
+    #[error("{}", seam(*at, SIZE))]
     Seam {
         /// Where, mm.
         at: [f64; 3],
@@ -106,12 +95,7 @@ pub enum MeshError {
         other: Option<u32>,
     },
     /// gmsh put a node on a face of a periodic box that the opposite face does not have.
-    #[error(
-        "gmsh put a node at {:.6}, {:.6}, {:.6} mm on a face of the periodic box without one on the opposite face, also with \
-         slightly smaller elements; choose another element_size_mm, pack with a larger min_gap_mm under [placement], or mesh by the \
-         method lattice",
-        at[0], at[1], at[2]
-    )]
+    #[error("{}", unmatched(*at, SIZE))]
     Unmatched {
         /// Where, mm.
         at: [f64; 3],
@@ -138,15 +122,15 @@ impl MeshError {
         Self::Option(Ranges("mesh").error(key, value, accepted))
     }
 
-    /// The message, with an option by the name that a front has for it. Only sentences of our own are searched for one: a
-    /// folder may be called what it likes.
+    /// The message, in which the element size has the name that a front gives to `element_size_mm`.
     pub fn message(&self, name: impl Fn(&str) -> String) -> String {
-        let text = self.to_string();
+        let size = name(SIZE);
         match self {
-            Self::Flat { .. } | Self::PhaseError { .. } | Self::Seam { .. } | Self::Unmatched { .. } => {
-                text.replace(SIZE, &name(SIZE))
-            }
-            _ => text,
+            Self::Flat { cells, at } => flat(*cells, *at, &size),
+            Self::PhaseError { phase, meshed, exact, ways } => phase_error(phase, *meshed, *exact, &ways.with(&size)),
+            Self::Seam { at } => seam(*at, &size),
+            Self::Unmatched { at } => unmatched(*at, &size),
+            _ => self.to_string(),
         }
     }
 
@@ -154,6 +138,49 @@ impl MeshError {
     pub(super) fn is_worth_another_try(&self) -> bool {
         matches!(self, Self::Unmatched { .. } | Self::Flat { .. } | Self::Seam { .. } | Self::Gmsh(_))
     }
+}
+
+/// Remedies for a phase that is far off its volume.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ways {
+    /// The remedy before the name of the element size: `a smaller `.
+    pub(crate) before: &'static str,
+    /// The remedies after it.
+    pub(crate) after: String,
+}
+
+impl Ways {
+    fn with(&self, size: &str) -> String {
+        format!("{}{size}{}", self.before, self.after)
+    }
+}
+
+fn flat(cells: usize, [x, y, z]: [f64; 3], size: &str) -> String {
+    let cells = thousands(cells);
+    format!(
+        "the mesh would have {cells} cells without a positive volume, the first at {x:.3}, {y:.3}, {z:.3} mm; choose another \
+         {size} or method"
+    )
+}
+
+fn phase_error(phase: &str, meshed: f64, exact: f64, ways: &str) -> String {
+    let percent = 100.0 * (meshed / exact - 1.0);
+    format!(
+        "the {phase} takes {meshed:.4} of the specimen in the mesh and {exact:.4} in the packing: {percent:+.0} %, where 10 % are \
+         accepted; take {ways}"
+    )
+}
+
+fn seam([x, y, z]: [f64; 3], size: &str) -> String {
+    format!("gmsh's meshes of two slabs do not meet at {x:.6}, {y:.6}, {z:.6} mm; choose another {size} or fewer slabs")
+}
+
+fn unmatched([x, y, z]: [f64; 3], size: &str) -> String {
+    format!(
+        "gmsh put a node at {x:.6}, {y:.6}, {z:.6} mm on a face of the periodic box without one on the opposite face, also with \
+         slightly smaller elements; choose another {size}, pack with a larger min_gap_mm under [placement], or mesh by the method \
+         lattice"
+    )
 }
 
 impl From<Untriangulated> for MeshError {

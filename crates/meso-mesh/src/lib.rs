@@ -50,6 +50,9 @@ pub use acceptance::PhaseOff;
 pub use build::{Tools, build};
 pub use cells::{CellKind, Mesh, Notes, Phase};
 pub use conforming::VolumeMesher;
-pub use error::MeshError;
+pub use error::{MeshError, Ways};
 pub use figures::{InterfaceDistance, PhaseVolumes};
-pub use options::{Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, NarrowGaps, Order, Volumes};
+pub use meso_concrete::Room;
+pub use options::{
+    Fit, ItzForm, Joined, MeshOptions, MeshTable, Method, MethodName, NarrowGaps, Order, Purpose, Volumes,
+};

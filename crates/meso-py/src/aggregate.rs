@@ -1,14 +1,13 @@
 //! `Aggregate`: one body of a packing.
 
 use crate::arrays;
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_value};
 use crate::polyhedron::{PyPolyhedron, offset_error};
 use meso_core::Model;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::Face;
 use meso_core::math::longest_distance;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -141,8 +140,7 @@ pub(crate) fn restore_aggregate(
     phase: &str,
 ) -> PyResult<PyAggregate> {
     let kind = [Kind::Aggregate, Kind::Void, Kind::Fibre].into_iter().find(|kind| kind.name() == phase);
-    let kind =
-        kind.ok_or_else(|| PyValueError::new_err(format!("the pickle is damaged: there is no phase {phase:?}")))?;
+    let kind = kind.ok_or_else(|| wrong_value(format!("the pickle is damaged: there is no phase {phase:?}")))?;
     let body = body.0.as_ref().clone();
     Ok(PyAggregate(Aggregate { id, kind, class: size_class, itz_thickness_mm: itz_thickness, body }))
 }

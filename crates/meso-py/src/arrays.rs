@@ -1,9 +1,10 @@
 //! Points from Python and back: accepted (n, 3) arrays, and the errors for the rest.
 
+use crate::boundary::{wrong_type, wrong_value};
 use meso_core::math::Vec3;
 use meso_core::mesh::Mesh;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::type_object::PyTypeInfo;
 use pyo3::types::PyDict;
@@ -32,25 +33,21 @@ pub(crate) fn points(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3
         return Err(wrong_shape(name, "(0, 3)"));
     }
     match points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-        Some(row) => Err(PyValueError::new_err(format!(
-            "{name}[{row}] is {}; every coordinate must be finite",
-            triple(&points[row])
-        ))),
+        Some(row) => {
+            Err(wrong_value(format!("{name}[{row}] is {}; every coordinate must be finite", triple(&points[row]))))
+        }
         None => Ok(points),
     }
 }
 
 /// Loads numpy's function tables before the first array. Loaded lazily, any error there, even Ctrl-C, would be a
-/// panic. The package imports numpy before it hands out a name; what pickle calls without the package does it here.
+/// panic. The package imports numpy before it hands out a name; functions that pickle calls without the package do it here.
 ///
 /// # Errors
 /// Where numpy cannot be imported.
 pub(crate) fn load_numpy(py: Python<'_>) -> PyResult<()> {
     numpy::get_array_module(py)?;
-    PyArray1::<u8>::from_slice(py, &[])
-        .try_readonly()
-        .map(drop)
-        .map_err(|error| PyValueError::new_err(error.to_string()))
+    PyArray1::<u8>::from_slice(py, &[]).try_readonly().map(drop).map_err(|error| wrong_value(error.to_string()))
 }
 
 /// The fast path: a plain, aligned, C-ordered float64 array of three columns.
@@ -74,7 +71,7 @@ fn converted(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
     let numpy = object.py().import("numpy")?;
     let array = numpy.call_method1("asanyarray", (object,)).map_err(|error| not_an_array(name, object, error))?;
     if numpy.getattr("ma")?.call_method1("is_masked", (&array,))?.is_truthy()? {
-        return Err(PyValueError::new_err(format!("{name} has masked entries; fill or drop them first")));
+        return Err(wrong_value(format!("{name} has masked entries; fill or drop them first")));
     }
     check_kind(name, &array)?;
     let shape: Vec<usize> = array.getattr("shape")?.extract()?;
@@ -102,7 +99,7 @@ fn check_kind(name: &str, array: &Bound<'_, PyAny>) -> PyResult<()> {
         return Ok(());
     }
     // numpy types an empty list float64, so any other dtype here holds something that is no number.
-    Err(PyTypeError::new_err(format!("{name} has dtype {dtype}; it must hold real numbers (float or int)")))
+    Err(wrong_type(format!("{name} has dtype {dtype}; it must hold real numbers (float or int)")))
 }
 
 /// Integers f64 cannot hold are refused, not rounded.
@@ -110,7 +107,7 @@ fn check_integers(name: &str, array: &Bound<'_, PyAny>, points: &[Vec3]) -> PyRe
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     let beyond = |p: &Vec3| p.iter().any(|x| x.abs() >= FIRST_DOUBTFUL_INTEGER);
     match points.iter().position(beyond) {
-        Some(row) if kind != "f" => Err(PyValueError::new_err(format!(
+        Some(row) if kind != "f" => Err(wrong_value(format!(
             "{name}[{row}] holds an integer of 2^53 or more, which float64 cannot represent exactly"
         ))),
         _ => Ok(()),
@@ -120,13 +117,13 @@ fn check_integers(name: &str, array: &Bound<'_, PyAny>, points: &[Vec3]) -> PyRe
 /// A ragged list is a wrong value; objects that numpy cannot convert keep numpy's own exception.
 fn not_an_array(name: &str, object: &Bound<'_, PyAny>, error: PyErr) -> PyErr {
     if error.is_instance_of::<PyValueError>(object.py()) {
-        return PyValueError::new_err(format!("{name} is not an (n, 3) array: {}", error.value(object.py())));
+        return wrong_value(format!("{name} is not an (n, 3) array: {}", error.value(object.py())));
     }
     error
 }
 
 fn wrong_shape(name: &str, shape: &str) -> PyErr {
-    PyValueError::new_err(format!("{name} has shape {shape}; it must be (n, 3) with n >= 1"))
+    wrong_value(format!("{name} has shape {shape}; it must be (n, 3) with n >= 1"))
 }
 
 fn triple(p: &Vec3) -> String {

@@ -1,7 +1,8 @@
 //! The boundary of Rust and Python: only exceptions that `except Exception` catches cross it.
 
+use meso_concrete::printable;
 use meso_core::mesh::MeshError;
-use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyMemoryError, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use std::any::Any;
 use std::io;
@@ -21,12 +22,38 @@ pub(crate) fn bug(payload: &(dyn Any + Send)) -> PyErr {
     PyRuntimeError::new_err(format!("bug: {text} (please report it with the input that led here)"))
 }
 
+/// The exception of a wrong value, with the control characters of names, keys and paths escaped.
+pub(crate) fn wrong_value(message: impl AsRef<str>) -> PyErr {
+    PyValueError::new_err(printable(message.as_ref()).into_owned())
+}
+
+/// The exception of a wrong type; see [`wrong_value`].
+pub(crate) fn wrong_type(message: impl AsRef<str>) -> PyErr {
+    PyTypeError::new_err(printable(message.as_ref()).into_owned())
+}
+
+/// Refuses work that takes more memory than is free, before any of it is taken.
+///
+/// # Errors
+/// `MemoryError`.
+pub(crate) fn accept_in_memory(work: &str, bytes: f64) -> PyResult<()> {
+    match meso_files::free::memory() {
+        Some(free) if bytes > free as f64 => {
+            let (needed, free) = (bytes / 1e9, free as f64 / 1e9);
+            let text =
+                format!("{work} takes about {needed:.1} GB, and {free:.1} GB are free; take a larger element_size");
+            Err(PyMemoryError::new_err(text))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// `error` as the `OSError` subclass of its kind, with the file's name in front.
 pub(crate) fn file_error(path: &std::path::Path, error: io::Error) -> PyErr {
     match error.raw_os_error() {
         // With (errno, text, filename) Python picks FileNotFoundError, PermissionError, ... by itself.
         Some(errno) => PyOSError::new_err((errno, reason(&error), path.as_os_str().to_owned())),
-        None => PyOSError::new_err(format!("{}: {error}", path.display())),
+        None => PyOSError::new_err(printable(&format!("{}: {error}", path.display())).into_owned()),
     }
 }
 
@@ -50,14 +77,14 @@ pub(crate) fn mesh_error(error: MeshError) -> PyErr {
     let text = error.message(keyword);
     match error {
         MeshError::Files { folder, error } => file_error(&folder, error),
-        MeshError::Option(wrong) => PyValueError::new_err(format!("{} {}", keyword(&wrong.key), wrong.fault())),
+        MeshError::Option(wrong) => wrong_value(format!("{} {}", keyword(&wrong.key), wrong.fault())),
         MeshError::MissingGmsh { .. } => {
             PyRuntimeError::new_err(format!("{text} for this Python or on the PATH, or mesh with method=\"lattice\""))
         }
-        MeshError::PhaseError { .. } => PyValueError::new_err(format!("{text}; accept_phase_error=True accepts it")),
+        MeshError::PhaseError { .. } => wrong_value(format!("{text}; accept_phase_error=True accepts it")),
         MeshError::Gmsh(_) | MeshError::Seam { .. } | MeshError::Stopped | MeshError::Flat { .. } => {
-            PyRuntimeError::new_err(text)
+            PyRuntimeError::new_err(printable(&text).into_owned())
         }
-        _ => PyValueError::new_err(text),
+        _ => wrong_value(text),
     }
 }

@@ -1,15 +1,15 @@
 //! Files for the core's readers and writers, which open none: by extension, and whole or not at all.
 
-use crate::boundary::{file_error, mesh_error};
+use crate::boundary::{file_error, mesh_error, wrong_value};
 use crate::run::Watch;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::formats::{Format, ImageFormat, MeshFormat, SurfaceOptions};
-use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, Tools};
+use meso_core::mesh::{self, CellKind, Mesh, MeshTable, PhaseOff, Purpose, Tools};
 use meso_core::statistics::{Statistics, StatisticsOptions};
 use meso_core::{Model, page, saved};
 use meso_files::whole::{self, Keeper, Unit};
 use meso_solve::results::{Outcome, ResultFile, Snapshot};
-use pyo3::exceptions::{PyFileExistsError, PyValueError};
+use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// `OSError` where the file cannot be read, `ValueError` with its name where it is no model.
 pub(crate) fn load(path: &Path, watch: &Watch) -> PyResult<Model> {
     let bytes = read(path, watch).map_err(|error| file_error(path, error))?;
-    saved::read_while(&bytes, watch).map_err(|error| PyValueError::new_err(format!("{}: {error}", path.display())))
+    saved::read_while(&bytes, watch).map_err(|error| wrong_value(format!("{}: {error}", path.display())))
 }
 
 /// Bytes that are read at a time: about a millisecond's worth.
@@ -65,7 +65,7 @@ pub(crate) fn write_model(
         return write_together(&[path], overwrite, watch, |_, out| format.write(model, surfaces, out));
     }
     if MeshFormat::from_path(path) == Some(MeshFormat::Inp) {
-        let options = MeshOptions::try_from(MeshTable::default().with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
+        let options = MeshTable::default().resolve(Purpose::Mesh, &model.spec.itz).map_err(mesh_error)?;
         let mesh = mesh::build(model, &options, &Tools::default()).map_err(mesh_error)?;
         PhaseOff::accept(&mesh, model, &options, PhaseOff::ACCEPTED).map_err(mesh_error)?;
         return write_mesh(&mesh, &DeckOptions::default(), path, overwrite, surfaces.compress, watch);
@@ -76,7 +76,7 @@ pub(crate) fn write_model(
     Err(unknown_format(path, &[Format::ALL.map(Format::extension).as_slice(), &["inp", "html"]].concat()))
 }
 
-/// Writes the saved model of a study's case; what is there is replaced.
+/// Writes the saved model of a study's case, and replaces an older one.
 ///
 /// # Errors
 /// `OSError`.
@@ -93,15 +93,33 @@ fn is_page(path: &Path) -> bool {
 
 /// Writes the page that `mesocrete report` writes.
 fn write_page(model: &Model, path: &Path, overwrite: bool, watch: &Watch) -> PyResult<()> {
-    let figures = Statistics::of(model, &StatisticsOptions::default())
-        .map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let figures =
+        Statistics::of(model, &StatisticsOptions::default()).map_err(|error| wrong_value(error.to_string()))?;
     write_together(&[path], overwrite, watch, |_, out| page::write(model, &figures, None, out))
+}
+
+/// Refuses keywords of a deck without effect: on this mesh, or in another format.
+///
+/// # Errors
+/// `ValueError`.
+pub(crate) fn check_deck(mesh: &Mesh, deck: &DeckOptions, path: &Path, is_given: bool) -> PyResult<()> {
+    match MeshFormat::from_path(path) {
+        Some(MeshFormat::Inp) => {
+            let effects = deck.validate_effects(mesh.kind == CellKind::Hexahedron);
+            effects.map_err(|error| wrong_value(error.to_string()))
+        }
+        Some(_) if is_given => {
+            let path = path.display();
+            Err(wrong_value(format!("{path}: only an .inp takes keywords of a deck; leave them out")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes a mesh in the format that the extension of `path` names; `deck` counts for decks.
 ///
 /// # Errors
-/// `ValueError` for an extension that names none and for what a deck cannot hold, `OSError` where the file cannot be
+/// `ValueError` for an extension that names none and for options that a deck cannot have, `OSError` where the file cannot be
 /// written.
 pub(crate) fn write_mesh(
     mesh: &Mesh,
@@ -113,7 +131,7 @@ pub(crate) fn write_mesh(
 ) -> PyResult<()> {
     let format = MeshFormat::from_path(path);
     if format == Some(MeshFormat::Inp) {
-        deck.validate(mesh).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        deck.validate(mesh).map_err(|error| wrong_value(error.to_string()))?;
     }
     let mut files = format.map(|format| format.files(path, mesh, deck));
     // Nothing lies beside a stream.
@@ -130,7 +148,7 @@ pub(crate) fn write_mesh(
 fn unknown_format(path: &Path, known: &[&str]) -> PyErr {
     let known = known.iter().map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ");
     let image = ImageFormat::from_path(path).map_or("", |_| " (an image: voxelize, section, or mesocrete image)");
-    PyValueError::new_err(format!("{}: unknown format; the extension must be one of {known}{image}", path.display()))
+    wrong_value(format!("{}: unknown format; the extension must be one of {known}{image}", path.display()))
 }
 
 /// Writes the files of a test's results into `folder`, which is made where it is not there.

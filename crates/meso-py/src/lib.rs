@@ -10,16 +10,13 @@ mod boundary;
 mod command;
 mod files;
 mod gjk;
-mod image;
 mod mesh;
-mod pack;
 mod packing;
 mod polyhedron;
 mod response;
 mod run;
 mod spec;
 mod study;
-mod table;
 mod tree;
 mod views;
 
@@ -37,9 +34,7 @@ mod _mesocrete {
     #[pymodule_export]
     use super::mesh::PyMesh;
     #[pymodule_export]
-    use super::pack::pack;
-    #[pymodule_export]
-    use super::packing::{PyAggregates, PyPacking, load, restore_packing};
+    use super::packing::{PyAggregates, PyPacking, load, pack, restore_packing};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! `Mesh`: points, cells and the phase of every cell.
 
 use crate::arrays;
-use crate::boundary::{guard, mesh_error};
+use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_value};
 use crate::files;
 use crate::response::{self, Asked, Meshed, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
@@ -14,11 +14,11 @@ use meso_core::export::abaqus::DeckOptions;
 use meso_core::materials::Materials;
 use meso_core::mesh::conforming::Surfaces;
 use meso_core::mesh::figures::{MassScaling, QualityReport};
-use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Tools, figures};
+use meso_core::mesh::{self, Mesh, MeshOptions, MeshTable, PhaseOff, PhaseVolumes, Purpose, Tools, figures};
 use meso_core::watch::Stage;
 use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ffi::CString;
@@ -37,29 +37,42 @@ impl PartialEq for PyMesh {
     }
 }
 
-/// Keywords of the mesh that `mesocrete solve` makes of a model.
-pub(crate) fn keywords_of_a_test(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    Ok(plain(py, &MeshTable::of_a_test())?.cast_into()?)
+/// The options that Python's keywords name; `itz=None` means no ITZ.
+pub(crate) fn table(
+    method: Option<&Bound<'_, PyAny>>,
+    element_size: Option<&Bound<'_, PyAny>>,
+    keywords: &Bound<'_, PyDict>,
+) -> PyResult<MeshTable> {
+    for (key, value) in [("method", method), ("element_size_mm", element_size)] {
+        value.map_or(Ok(()), |value| keywords.set_item(key, value))?;
+    }
+    if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
+        keywords.set_item("itz", "none")?;
+    }
+    options(Some(keywords))
 }
 
-/// Meshes `model` with the options that Python's keywords name.
+/// Use of a mesh by Python's `for_test`.
+pub(crate) fn purpose(for_test: bool) -> Purpose {
+    if for_test { Purpose::Test } else { Purpose::Mesh }
+}
+
+/// Meshes `model` with the options that are asked for.
 ///
 /// # Errors
-/// A phase far off its volume is one, too, where that is not accepted.
+/// A phase far off its volume is an error unless it is accepted.
 pub(crate) fn build(
     py: Python<'_>,
     model: Arc<Model>,
     progress: Option<&Bound<'_, PyAny>>,
-    keywords: &Bound<'_, PyDict>,
+    asked: &MeshTable,
+    purpose: Purpose,
     accept_phase_error: bool,
 ) -> PyResult<PyMesh> {
     let progress = listener(py, progress)?;
-    // `itz=None` means what it says.
-    if keywords.get_item("itz")?.is_some_and(|itz| itz.is_none()) {
-        keywords.set_item("itz", "none")?;
-    }
-    let table: MeshTable = options(Some(keywords))?;
-    let options = MeshOptions::try_from(table.with_itz_for(&model.spec.itz)).map_err(mesh_error)?;
+    let options = asked.resolve(purpose, &model.spec.itz).map_err(mesh_error)?;
+    options.validate(&model.spec.specimen).map_err(mesh_error)?;
+    accept_in_memory("the mesh", options.bytes(&model.spec.specimen))?;
     let gmsh = gmsh(py)?;
     let (of, with) = (Arc::clone(&model), options.clone());
     let built = in_stages(py, progress.as_ref(), Plan::new(&[(Stage::Mesh, 1.0)], Some(1.0)), move |watch| {
@@ -145,8 +158,8 @@ impl PyMesh {
     ///
     /// Pairs are (value, index of the cell); `interface_distance` has of the nodes where aggregates meet other
     /// materials how many there are (`nodes`), how many lie on none of the surfaces that meet there (`off`) and how
-    /// far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and are as far from what is beyond
-    /// it as `joined_rms_mm` and `joined_max_mm` say.
+    /// far from the nearest one (`rms_mm`, `max_mm`); `joined` of them close a gap, and their distances from the surface
+    /// beyond it are `joined_rms_mm` and `joined_max_mm`.
     fn quality<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             let (mesh, model) = (Arc::clone(&self.0), Arc::clone(&self.1));
@@ -157,15 +170,13 @@ impl PyMesh {
     }
 
     /// The mass that explicit dynamics in steps of `time_step_s` seconds takes, with the default materials: a dict of
-    /// `time_step_s`, `factor` (mass with what scaling adds over the mesh's own) and `phases`, a list of dicts of `phase`,
+    /// `time_step_s`, `factor` (scaled mass over the mesh's own) and `phases`, a list of dicts of `phase`,
     /// `elements`, `scaled` (share of them whose own step is shorter), `factor`, `shortest_step_s` and `mass_t`.
     #[pyo3(signature = (time_step_s=5e-7))]
     fn mass_scaling<'py>(&self, py: Python<'py>, time_step_s: f64) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
             if !(time_step_s > 0.0 && time_step_s.is_finite()) {
-                return Err(PyValueError::new_err(format!(
-                    "time_step_s is {time_step_s}; it must be a positive number"
-                )));
+                return Err(wrong_value(format!("time_step_s is {time_step_s}; it must be a positive number")));
             }
             let mesh = Arc::clone(&self.0);
             let of = move |_: &Watch| MassScaling::of(&mesh, &Materials::default(), time_step_s);
@@ -193,16 +204,16 @@ impl PyMesh {
     /// overwrite : bool
     ///     Whether a file that is there already is replaced.
     /// compress : bool
-    ///     Whether what a `.vtu` holds is compressed.
+    ///     Whether the data of a `.vtu` are compressed.
     /// **deck
-    ///     What an `.inp` holds beside the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+    ///     Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
     ///     `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; what it leaves out keeps its illustrative default).
+    ///     `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     For an extension that names no mesh format, and for what a deck cannot hold; the message lists what is accepted.
+    ///     For an extension that names no mesh format, and for options that a deck cannot have; the message lists the accepted ones.
     /// OSError
     ///     Where the file cannot be written.
     #[pyo3(signature = (path, *, overwrite=true, compress=false, **deck))]
@@ -220,7 +231,9 @@ impl PyMesh {
             return call_view("write_xdmf", slf, Some(&options)).map(drop);
         }
         guard(|| {
+            let keys = deck.map_or(0, |deck| deck.len());
             let (mesh, mut deck) = (Arc::clone(&slf.get().0), options::<DeckOptions>(deck)?);
+            files::check_deck(&mesh, &deck, &path, keys > 0)?;
             let spec = &slf.get().1.spec;
             deck.section_mm2 = deck.section_mm2.or(Some(spec.specimen.volume() / spec.specimen.aabb().size().z));
             if deck.heading.is_empty() {
@@ -251,7 +264,7 @@ impl PyMesh {
     /// law : str, optional
     ///     The law of mortar and ITZ; aggregates and fibres are elastic.
     /// materials : dict, optional
-    ///     The `[materials]` of a deck; what it leaves out keeps its illustrative default.
+    ///     The `[materials]` of a deck; absent values keep their illustrative defaults.
     /// frames : int
     ///     Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
     /// threads : int, optional

@@ -1,11 +1,11 @@
 //! `Polyhedron` and `convex_hull`.
 
 use crate::arrays;
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_value};
 use meso_concrete::thousands;
 use meso_core::geometry::{Face, HullError, OffsetError, Polyhedron, convex_hull as hull};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::exceptions::PyArithmeticError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::Arc;
@@ -45,13 +45,13 @@ pub(crate) fn convex_hull(py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult
 }
 
 fn hull_error(error: &HullError) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    wrong_value(error.to_string())
 }
 
 /// A thickness out of range is a wrong value; an answer that cannot be trusted is an arithmetic failure.
 pub(crate) fn offset_error(error: &OffsetError) -> PyErr {
     match error {
-        OffsetError::Thickness { .. } => PyValueError::new_err(error.to_string()),
+        OffsetError::Thickness { .. } => wrong_value(error.to_string()),
         OffsetError::IllConditioned { .. } => PyArithmeticError::new_err(error.to_string()),
     }
 }
@@ -101,7 +101,7 @@ impl PyPolyhedron {
     /// ValueError
     ///     For a thickness that is negative or not finite.
     /// ArithmeticError
-    ///     Where what is left is too thin, or too small, for float64 vertices to show its shape.
+    ///     Where the rest is too thin, or too small, for float64 vertices to show its shape.
     fn offset(&self, py: Python<'_>, thickness: f64) -> PyResult<Option<Self>> {
         guard(|| {
             let inner = py.detach(|| self.0.inward_offset(thickness)).map_err(|error| offset_error(&error))?;
@@ -138,7 +138,7 @@ pub(crate) fn restore_polyhedron(vertices: &Bound<'_, PyAny>, faces: Vec<Vec<u32
     let vertices = arrays::points("vertices", vertices)?;
     // A pickle is a stranger's data: indices that lead nowhere must not reach the geometry.
     if faces.iter().any(|face| face.len() < 3 || face.iter().any(|&i| i as usize >= vertices.len())) {
-        return Err(PyValueError::new_err("the pickle is damaged: a face names a vertex that is not there"));
+        return Err(wrong_value("the pickle is damaged: a face names a vertex that is not there"));
     }
     Ok(Polyhedron::from_parts(vertices, faces).into())
 }

@@ -1,7 +1,7 @@
-//! `Mesh.solve` and what it returns: the curve, figures and fields of a test.
+//! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_value};
 use crate::files;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
@@ -11,10 +11,10 @@ use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
-use meso_solve::results::{self, Outcome, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Ended, Frame, Kind, Observer, Response, Row, Run, SolveError, Test};
+use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
+use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Deserialize;
@@ -30,7 +30,7 @@ struct Tested {
     frames: Vec<Arc<Snapshot>>,
     /// The end; none of a run that diverged.
     last: Option<Arc<Snapshot>>,
-    seconds: Seconds,
+    seconds: TestSeconds,
 }
 
 impl Tested {
@@ -65,7 +65,7 @@ pub(crate) struct Asked {
 /// The kind of a test by the keyword's name, which errors then have.
 #[derive(Deserialize)]
 struct Asking {
-    test: Kind,
+    test: TestKind,
 }
 
 impl Asked {
@@ -88,7 +88,7 @@ impl Asked {
 
 /// A keyword has the name of the test's value.
 fn wrong(error: &SolveError) -> PyErr {
-    PyValueError::new_err(match error {
+    wrong_value(match error {
         SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", wrong.key, wrong.fault()),
         _ => error.to_string(),
     })
@@ -137,7 +137,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let diverged = matches!(response.result.ended, Ended::Diverged(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;
-    let seconds = Seconds { solve, total: solve, ..Seconds::default() };
+    let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };
     let frames = watching.frames.into_inner();
     Ok(Tested { mesh: Arc::clone(mesh), response, source: Source::of(model, options), frames, last, seconds })
 }
@@ -191,7 +191,7 @@ impl PyResponse {
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let figures = self.0.with_outcome(results::figures);
-        tree::to_python(py, &figures.map_err(|error| PyValueError::new_err(error.to_string()))?)
+        tree::to_python(py, &figures.map_err(|error| wrong_value(error.to_string()))?)
     }
 
     /// The frames that were asked for, in their order: a list.

@@ -1,14 +1,14 @@
 //! Long work beside Python: the GIL is free, Ctrl-C is heard, and a panic is an exception.
 
-use crate::boundary::bug;
+use crate::boundary::{bug, wrong_value};
 use meso_concrete::stop;
 use meso_core::watch::{self, Measure, Stage};
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -16,9 +16,9 @@ use std::time::{Duration, Instant};
 const POLL: Duration = Duration::from_millis(40);
 /// How long a cancelled worker is waited for, ms; after that it ends by itself at its next look at the flag.
 const GRACE: u64 = 80;
-/// The same where the worker checks the flag often: its threads have ended when the caller goes on.
+/// Wait for a worker that checks the flag often, ms: its threads have ended when the caller goes on.
 const SOON_GRACE: u64 = 400;
-/// The same where files are being written, which the work removes itself: the caller may be about to end the process.
+/// Wait for a worker that writes files, ms. It removes them itself, and the caller may be about to end the process.
 const FILES_GRACE: u64 = 3000;
 
 /// State that the worker and the waiting thread share.
@@ -30,11 +30,11 @@ pub(crate) struct Watch {
     target: AtomicU64,
     /// How long to wait for the end once it is asked for, ms.
     grace: AtomicU64,
-    /// What the work has when it is asked to stop is kept.
+    /// Whether the result so far is kept when the work is asked to stop.
     keeps: AtomicBool,
     /// When clock and time limit began to count.
     start: Instant,
-    /// Of work in stages.
+    /// Plan of work in stages.
     staged: Option<Plan>,
 }
 
@@ -45,24 +45,38 @@ pub(crate) struct Plan {
     go_on: Arc<AtomicBool>,
     /// Clock and time limit count from here.
     began: Instant,
-    /// What the whole of it counts when it is told; none: the fraction asked for, once that is known.
+    /// Value of the whole in reports; `None` takes the fraction asked for, once that is known.
     whole: Option<f64>,
 }
 
 impl Plan {
-    /// Of stages with their weights.
+    /// A plan of stages with their weights.
     pub(crate) fn new(stages: &[(Stage, f64)], whole: Option<f64>) -> Self {
         let (measure, go_on) = (Arc::new(Measure::new(stages)), Arc::new(AtomicBool::new(true)));
         Self { measure, go_on, began: Instant::now(), whole }
     }
 
-    /// The same, whose whole counts so much.
+    /// This plan, with a new value of the whole.
     pub(crate) fn of_whole(self, whole: f64) -> Self {
         Self { whole: Some(whole), ..self }
     }
 }
 
 impl Watch {
+    /// The state of work that begins; a plan may have begun before.
+    fn of(plan: Option<Plan>) -> Self {
+        Self {
+            go_on: plan.as_ref().map_or_else(|| Arc::new(AtomicBool::new(true)), |plan| Arc::clone(&plan.go_on)),
+            start: plan.as_ref().map_or_else(Instant::now, |plan| plan.began),
+            staged: plan,
+            abandoned: Arc::new(AtomicBool::new(false)),
+            fraction: AtomicU64::new(0),
+            target: AtomicU64::new(0),
+            grace: AtomicU64::new(GRACE),
+            keeps: AtomicBool::new(false),
+        }
+    }
+
     /// Whether nobody asked to stop.
     pub(crate) fn goes_on(&self) -> bool {
         self.go_on.load(Relaxed)
@@ -131,7 +145,7 @@ pub(crate) fn beside_python<T: Send + 'static>(
     beside_python_on(py, None, progress, None, work)
 }
 
-/// The same in stages.
+/// Runs `work` in stages; see [`beside_python`].
 pub(crate) fn in_stages<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -141,7 +155,7 @@ pub(crate) fn in_stages<T: Send + 'static>(
     beside_python_on(py, None, progress, Some(plan), work)
 }
 
-/// The same on so many threads, or on all cores.
+/// Runs `work` on a number of threads, or on all cores; see [`beside_python`].
 pub(crate) fn beside_python_on<T: Send + 'static>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -152,7 +166,7 @@ pub(crate) fn beside_python_on<T: Send + 'static>(
     beside_python_keeping(py, threads, progress, plan, work).map_err(|broken| broken.error)
 }
 
-/// What ended the wait for some work, and what the work gave nevertheless.
+/// End of the wait for some work: the error, and the partial result.
 pub(crate) struct Broken<T> {
     pub(crate) error: PyErr,
     pub(crate) kept: Option<T>,
@@ -164,7 +178,7 @@ impl<T, E: Into<PyErr>> From<E> for Broken<T> {
     }
 }
 
-/// The same; what the work has on Ctrl-C comes with the error, if it [keeps](Watch::keeps_what_it_has) it.
+/// Runs `work`, whose partial result on Ctrl-C comes with the error if it [keeps](Watch::keeps_what_it_has) it.
 pub(crate) fn beside_python_keeping<T: Send + 'static>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -172,60 +186,75 @@ pub(crate) fn beside_python_keeping<T: Send + 'static>(
     plan: Option<Plan>,
     work: impl FnOnce(&Watch) -> T + Send + 'static,
 ) -> Result<T, Broken<T>> {
-    let watch = Arc::new(Watch {
-        go_on: plan.as_ref().map_or_else(|| Arc::new(AtomicBool::new(true)), |plan| Arc::clone(&plan.go_on)),
-        start: plan.as_ref().map_or_else(Instant::now, |plan| plan.began),
-        staged: plan,
-        abandoned: Arc::new(AtomicBool::new(false)),
-        fraction: AtomicU64::new(0),
-        target: AtomicU64::new(0),
-        grace: AtomicU64::new(GRACE),
-        keeps: AtomicBool::new(false),
-    });
+    let watch = Arc::new(Watch::of(plan));
     let heard = Arc::clone(&watch);
-    // Of none, as many as there are cores.
+    // For rayon 0 means all cores.
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads.unwrap_or(0))
         .start_handler(move |_| stop::listen(&*heard))
         .build()
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    let (sender, mut receiver) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let shared = Arc::clone(&watch);
     thread::Builder::new().name("mesocrete".into()).spawn(move || {
         let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| work(&shared))));
         // Nobody waits any more after Ctrl-C.
         let _ = sender.send(result);
     })?;
-    let mut wait = |limit| {
-        let receiver = &mut receiver;
-        py.detach(move || receiver.recv_timeout(limit))
-    };
-    loop {
-        match wait(POLL) {
-            Ok(Ok(value)) => {
-                tell(progress, &watch).and_then(|()| close(progress))?;
-                return Ok(value);
-            }
-            Ok(Err(payload)) => return Err(bug(&*payload).into()),
-            Err(RecvTimeoutError::Disconnected) => {
-                return Err(PyRuntimeError::new_err("bug: the worker is gone").into());
-            }
-            Err(RecvTimeoutError::Timeout) => {
-                if let Err(error) = py.check_signals().and_then(|()| tell(progress, &watch)) {
-                    watch.go_on.store(false, Relaxed);
-                    let mut last = Err(RecvTimeoutError::Timeout);
-                    let runs_on = |last: &Result<_, _>| matches!(last, Err(RecvTimeoutError::Timeout));
-                    while watch.keeps.load(Relaxed) && runs_on(&last) && py.check_signals().is_ok() {
-                        last = wait(POLL);
+    Waiting { py, receiver, watch: &watch, progress }.for_the_end()
+}
+
+/// Result of the worker, or the payload of its panic.
+type Worked<T> = thread::Result<T>;
+
+/// The calling thread while it waits for the worker.
+struct Waiting<'a, 'py, T> {
+    py: Python<'py>,
+    receiver: Receiver<Worked<T>>,
+    watch: &'a Watch,
+    progress: Option<&'a Bound<'py, PyAny>>,
+}
+
+impl<T: Send> Waiting<'_, '_, T> {
+    /// Waits for the end; a signal or an exception of the listener ends it early.
+    fn for_the_end(mut self) -> Result<T, Broken<T>> {
+        loop {
+            match self.wait(POLL) {
+                Ok(Ok(value)) => {
+                    tell(self.progress, self.watch).and_then(|()| close(self.progress))?;
+                    return Ok(value);
+                }
+                Ok(Err(payload)) => return Err(bug(&*payload).into()),
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(PyRuntimeError::new_err("bug: the worker is gone").into());
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    if let Err(error) = self.py.check_signals().and_then(|()| tell(self.progress, self.watch)) {
+                        return Err(self.broken(error));
                     }
-                    watch.abandoned.store(true, Relaxed);
-                    if runs_on(&last) {
-                        last = wait(Duration::from_millis(watch.grace.load(Relaxed)));
-                    }
-                    return Err(Broken { error, kept: last.ok().and_then(Result::ok) });
                 }
             }
         }
+    }
+
+    fn wait(&mut self, limit: Duration) -> Result<Worked<T>, RecvTimeoutError> {
+        let receiver = &mut self.receiver;
+        self.py.detach(move || receiver.recv_timeout(limit))
+    }
+
+    /// Asks the worker to stop, and waits for the result that it keeps, or a moment for its end.
+    fn broken(mut self, error: PyErr) -> Broken<T> {
+        self.watch.go_on.store(false, Relaxed);
+        let mut last = Err(RecvTimeoutError::Timeout);
+        let runs_on = |last: &Result<_, _>| matches!(last, Err(RecvTimeoutError::Timeout));
+        while self.watch.keeps.load(Relaxed) && runs_on(&last) && self.py.check_signals().is_ok() {
+            last = self.wait(POLL);
+        }
+        self.watch.abandoned.store(true, Relaxed);
+        if runs_on(&last) {
+            last = self.wait(Duration::from_millis(self.watch.grace.load(Relaxed)));
+        }
+        Broken { error, kept: last.ok().and_then(Result::ok) }
     }
 }
 
@@ -274,5 +303,5 @@ pub(crate) fn listener<'py>(
 /// `ValueError`.
 pub(crate) fn checked_threads(threads: &Bound<'_, PyAny>) -> PyResult<usize> {
     let number: Option<usize> = threads.extract().ok().filter(|number| (1..=1024).contains(number));
-    number.ok_or_else(|| PyValueError::new_err(format!("threads is {threads}; it must be an int from 1 to 1024")))
+    number.ok_or_else(|| wrong_value(format!("threads is {threads}; it must be an int from 1 to 1024")))
 }

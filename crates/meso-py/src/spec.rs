@@ -1,13 +1,13 @@
 //! `Spec`: everything that decides a model.
 
-use crate::boundary::{file_error, guard, keyword};
+use crate::boundary::{file_error, guard, keyword, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::tree;
 use meso_core::recipes;
 use meso_core::spec::{self, Spec, SpecError};
 use meso_core::{Silent, Watch};
 use meso_files::Beside;
-use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError, PyTypeError, PyValueError};
+use pyo3::exceptions::{PyFileNotFoundError, PyTimeoutError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde::de::DeserializeOwned;
@@ -44,8 +44,8 @@ pub(crate) fn spec_error(error: &SpecError) -> PyErr {
     let text = SpecError { key: keyword(&error.key), message, ..error.clone() }.to_string();
     match (error.is_late, error.is_wrong_type) {
         (true, _) => PyTimeoutError::new_err(text),
-        (false, true) => PyTypeError::new_err(text),
-        (false, false) => PyValueError::new_err(text),
+        (false, true) => wrong_type(text),
+        (false, false) => wrong_value(text),
     }
 }
 
@@ -61,18 +61,18 @@ fn read(path: &Path, watch: &dyn Watch, time_limit_s: Option<f64>) -> PyResult<S
     }
     let bytes = std::fs::read(path).map_err(|error| file_error(path, error))?;
     let name = path.display();
-    let not_text = |_| PyValueError::new_err(format!("{name}: the file is not UTF-8 text"));
+    let not_text = |_| wrong_value(format!("{name}: the file is not UTF-8 text"));
     let text = String::from_utf8(bytes).map_err(not_text)?;
     // Files that a spec names lie beside it.
     let folder = path.parent().unwrap_or(Path::new(""));
     Spec::from_toml_while(&text, &mut Beside(folder), watch, time_limit_s).map_err(|error| {
         let error = error.of_limit(time_limit_s, "time_limit");
         let text = format!("{name}: {error}");
-        if error.is_late { PyTimeoutError::new_err(text) } else { PyValueError::new_err(text) }
+        if error.is_late { PyTimeoutError::new_err(text) } else { wrong_value(text) }
     })
 }
 
-/// The unresolved tree of what `pack` accepts as its spec, and the folder of the files that it names. Values that follow from
+/// The unresolved tree of a spec as `pack` accepts it, and the folder of the files that it names. Values that follow from
 /// others, the classes of usual limits, are left out, so that changes may be laid over it.
 pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, PathBuf)> {
     let here = PathBuf::new();
@@ -91,7 +91,7 @@ pub(crate) fn tree_of(object: Option<&Bound<'_, PyAny>>) -> PyResult<(Value, Pat
     Ok((tree, path.parent().unwrap_or(Path::new("")).to_owned()))
 }
 
-/// What `pack` accepts as its spec, read as far as that takes Python.
+/// A spec as `pack` accepts it, read as far as that takes Python.
 pub(crate) enum Given {
     Spec(Box<Spec>),
     Tree(Value),
@@ -121,7 +121,7 @@ impl Given {
     }
 }
 
-/// Reads what `pack` accepts as its spec; Ctrl-C is heard meanwhile.
+/// Reads a spec as `pack` accepts it; Ctrl-C is heard meanwhile.
 pub(crate) fn from_any(object: Option<&Bound<'_, PyAny>>) -> PyResult<Spec> {
     let given = given(object)?;
     match object.filter(|_| given.may_take_long()) {
@@ -147,7 +147,7 @@ pub(crate) fn given(object: Option<&Bound<'_, PyAny>>) -> PyResult<Given> {
         return Ok(Given::File(path));
     }
     let given = tree::type_name(object);
-    Err(PyTypeError::new_err(format!("spec is of type {given}; it must be None, a dict, a path or a mesocrete.Spec")))
+    Err(wrong_type(format!("spec is of type {given}; it must be None, a dict, a path or a mesocrete.Spec")))
 }
 
 /// `str` and `os.PathLike`; a number is not a path.
@@ -157,10 +157,10 @@ fn as_path(object: &Bound<'_, PyAny>) -> Option<PathBuf> {
 
 impl PySpec {
     fn value(&self) -> PyResult<Value> {
-        serde_json::to_value(&self.0).map_err(|error| PyValueError::new_err(error.to_string()))
+        serde_json::to_value(&self.0).map_err(|error| wrong_value(error.to_string()))
     }
 
-    /// Its tree without what follows from the rest of it.
+    /// Its tree without values that follow from the rest.
     fn unresolved(&self) -> PyResult<Value> {
         let (mut value, spec) = (self.value()?, &self.0);
         let follows = [
@@ -209,7 +209,7 @@ impl PySpec {
     #[staticmethod]
     fn recipe(name: &str) -> PyResult<Self> {
         guard(|| {
-            let recipe = recipes::Recipe::named(name).map_err(PyValueError::new_err)?;
+            let recipe = recipes::Recipe::named(name).map_err(wrong_value)?;
             Spec::from_toml(recipe.text).map(Self).map_err(|error| spec_error(&error))
         })
     }
@@ -275,12 +275,12 @@ impl PySpec {
 
     /// Everything as the text of a SPEC.toml.
     fn to_toml(&self) -> PyResult<String> {
-        toml::to_string(&self.0).map_err(|error| PyValueError::new_err(error.to_string()))
+        toml::to_string(&self.0).map_err(|error| wrong_value(error.to_string()))
     }
 
-    /// The text of a SPEC.toml with what each key means above it: `print(spec.describe())`.
+    /// The text of a SPEC.toml with the meaning of each key above it: `print(spec.describe())`.
     fn describe(&self) -> PyResult<String> {
-        self.0.describe().map_err(|error| PyValueError::new_err(error.to_string()))
+        self.0.describe().map_err(|error| wrong_value(error.to_string()))
     }
 
     /// A spec with `changes` laid over this one; sections are merged key by key.
@@ -320,7 +320,7 @@ pub(crate) fn restore_spec(options: &Bound<'_, PyDict>) -> PyResult<PySpec> {
     guard(|| from_any(Some(options.as_any())).map(PySpec))
 }
 
-/// The specimens that `Spec.recipe` knows, by name, and what each of them is.
+/// The specimens that `Spec.recipe` knows: a dict of names and titles.
 #[pyfunction(name = "recipes")]
 pub(crate) fn all_recipes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);

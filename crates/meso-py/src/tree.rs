@@ -1,8 +1,7 @@
 //! Python's dicts, lists and scalars as a JSON tree, and back.
 
-use crate::boundary::keyword;
+use crate::boundary::{keyword, wrong_type, wrong_value};
 use pyo3::IntoPyObjectExt;
-use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::Serialize;
@@ -21,7 +20,7 @@ pub(crate) fn from_python(key: &str, object: &Bound<'_, PyAny>) -> PyResult<Valu
 
 fn from_level(key: &str, object: &Bound<'_, PyAny>, level: usize) -> PyResult<Value> {
     if level > DEEPEST {
-        return Err(PyValueError::new_err(format!("{key} is nested more than {DEEPEST} levels deep")));
+        return Err(wrong_value(format!("{key} is nested more than {DEEPEST} levels deep")));
     }
     if let Ok(dict) = object.cast::<PyDict>() {
         return from_dict(key, dict, level);
@@ -42,7 +41,7 @@ fn from_dict(key: &str, dict: &Bound<'_, PyDict>, level: usize) -> PyResult<Valu
     let mut map = Map::new();
     for (name, item) in dict {
         let name = name.cast::<PyString>().map_err(|_| {
-            PyTypeError::new_err(format!("{}: the names in a spec are str, not {}", place(key), type_name(&name)))
+            wrong_type(format!("{}: the names in a spec are str, not {}", place(key), type_name(&name)))
         })?;
         let name = name.to_str()?.to_owned();
         let path = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };
@@ -59,7 +58,7 @@ fn from_scalar(key: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
         return Ok(Value::Bool(object.extract()?));
     }
     if object.is_instance_of::<PyInt>() {
-        let wide = || PyValueError::new_err(format!("{} is {object}; it does not fit 64 bits", keyword(key)));
+        let wide = || wrong_value(format!("{} is {object}; it does not fit 64 bits", keyword(key)));
         let number = object.extract::<u64>().map(Number::from).or_else(|_| object.extract::<i64>().map(Number::from));
         return number.map(Value::Number).map_err(|_| wide());
     }
@@ -68,12 +67,12 @@ fn from_scalar(key: &str, object: &Bound<'_, PyAny>) -> PyResult<Value> {
         let number = Number::from_f64(value);
         return number
             .map(Value::Number)
-            .ok_or_else(|| PyValueError::new_err(format!("{} is {value}; it must be finite", keyword(key))));
+            .ok_or_else(|| wrong_value(format!("{} is {value}; it must be finite", keyword(key))));
     }
     if let Ok(text) = object.cast::<PyString>() {
         return Ok(Value::String(text.to_str()?.to_owned()));
     }
-    Err(PyTypeError::new_err(format!("{} is of type {}, which has no place in a spec", place(key), type_name(object))))
+    Err(wrong_type(format!("{} is of type {}, which has no place in a spec", place(key), type_name(object))))
 }
 
 fn place(key: &str) -> &str {
@@ -111,6 +110,6 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
 
 /// A serialisable value as Python's own types.
 pub(crate) fn plain<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let tree = serde_json::to_value(value).map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let tree = serde_json::to_value(value).map_err(|error| wrong_value(error.to_string()))?;
     to_python(py, &tree)
 }

@@ -14,7 +14,7 @@ pub(crate) fn call_view<'py, T>(
     subject.py().import("mesocrete._views")?.getattr(function)?.call((subject.as_any(),), options)
 }
 
-/// What makes a table of columns: a dict as it is, or a frame of the library that `frame` names, which is imported now.
+/// A function that makes a table of columns: a dict as it is, or a frame of the library that `frame` names, which is imported now.
 pub(crate) fn framing<'py>(py: Python<'py>, frame: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     py.import("mesocrete._frames")?.getattr("framing")?.call1((frame,))
 }

@@ -25,7 +25,7 @@ pub use march::{
     Ended, Energies, Figures, Frame, Mean, Observer, PhaseResult, Point, Response, Row, Run, Summary, checkpoint_note,
 };
 pub use sample::{Sample, gross_section_mm2};
-pub use test::{Control, Interface, Kind, LawName, Smoothing, Test};
+pub use test::{Control, Interface, LawName, Smoothing, Test, TestKind};
 
 use meso_concrete::watch::Watch;
 use meso_mesh::materials::Materials;

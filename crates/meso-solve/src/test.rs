@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct Test {
     /// Compression or tension.
-    pub kind: Kind,
+    pub kind: TestKind,
     /// Coulomb's coefficient between plates and specimen; in tension the plates are glued on.
     pub friction: f64,
     /// Mean axial strain at the end; 0.005 in compression, 0.0005 in tension.
@@ -45,7 +45,7 @@ pub struct Test {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum TestKind {
     /// Towards each other, between plates that press and rub.
     Compression,
     /// Apart, glued on.
@@ -99,7 +99,7 @@ pub struct Interface {
 impl Default for Test {
     fn default() -> Self {
         Self {
-            kind: Kind::Compression,
+            kind: TestKind::Compression,
             friction: 0.1,
             strain: None,
             duration_s: None,
@@ -128,7 +128,7 @@ impl Default for Interface {
 /// 34.9, 34.7 and 34.6 MPa at 10, 16, 24, 48 and 80e-6, and kinetic over internal energies of 1.2, 0.49, 0.25, 0.06 and
 /// 0.02 % after the ramp.
 const COMPRESSION_PACE: f64 = 24e-6;
-/// The same in tension, where strength and strain at the peak are less by an order of magnitude.
+/// Time to 0.5 % of strain per height in tension, s/mm, where strength and strain at the peak are less by an order of magnitude.
 const TENSION_PACE: f64 = 160e-6;
 /// Least time per height, s/mm: 30 times a sound wave's way. A cylinder of 40 mm that is pressed by 0.02, 0.05, 0.1 and
 /// 0.2 % had kinetic energies of 54, 5.8, 1.4 and 0.4 % of the internal one without it
@@ -144,16 +144,16 @@ impl Test {
     /// Strain at the end.
     pub fn strain(&self) -> f64 {
         self.strain.unwrap_or(match self.kind {
-            Kind::Compression => 0.005,
-            Kind::Tension => 0.0005,
+            TestKind::Compression => 0.005,
+            TestKind::Tension => 0.0005,
         })
     }
 
     /// Time of the whole test on a specimen of this height, s.
     pub fn duration_s(&self, height_mm: f64) -> f64 {
         let pace = match self.kind {
-            Kind::Compression => COMPRESSION_PACE,
-            Kind::Tension => TENSION_PACE,
+            TestKind::Compression => COMPRESSION_PACE,
+            TestKind::Tension => TENSION_PACE,
         };
         self.duration_s.unwrap_or_else(|| (pace * height_mm * self.strain() / 0.005).max(LEAST_PACE * height_mm))
     }

@@ -1,4 +1,4 @@
-//! `mesocrete completions` and `mesocrete man`: what a shell and `man` know of the command.
+//! `mesocrete completions` and `mesocrete man`: completions for shells, and manual pages.
 
 use super::Cli;
 use crate::failure::Failure;

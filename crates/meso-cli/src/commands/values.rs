@@ -1,4 +1,4 @@
-//! Parsers of numbers on the command line; each names what it accepts.
+//! Parsers of numbers on the command line; each names the accepted range.
 
 use std::fmt::Display;
 use std::str::FromStr;

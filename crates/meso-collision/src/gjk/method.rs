@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 /// The search that proposes an answer. The answer does not depend on it: all are certified.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
+pub enum Algorithm {
     /// The paper's boolean GJK, mended (Sec. 2.3.2).
     #[default]
     Enhanced,
@@ -24,7 +24,7 @@ pub enum Method {
     Exact,
 }
 
-impl Method {
+impl Algorithm {
     /// All methods, the default first.
     pub const ALL: [Self; 4] = [Self::Enhanced, Self::Classical, Self::SignedVolumes, Self::Exact];
 
@@ -39,7 +39,7 @@ impl Method {
     }
 }
 
-impl Method {
+impl Algorithm {
     /// The search in floating point from direction `v`.
     pub(crate) fn search(self, pair: Pair<'_>, v: Vec3) -> Found {
         let until = Until::Apart(0.0);
@@ -53,7 +53,7 @@ impl Method {
     }
 }
 
-impl FromStr for Method {
+impl FromStr for Algorithm {
     type Err = GjkError;
 
     fn from_str(name: &str) -> Result<Self, GjkError> {

@@ -1,7 +1,7 @@
 //! Do two convex bodies share a point, and how far apart are they: proved answers, on any input.
 //!
 //! A body is the convex hull of points, closed, of any dimension: one shared point is an overlap. Coordinates are any
-//! finite numbers, in any unit. Every answer is certified. A search in floating point ([`Method`]) proposes it; a
+//! finite numbers, in any unit. Every answer is certified. A search in floating point ([`Algorithm`]) proposes it; a
 //! separating direction or four points around the origin prove it, rounding included; pairs they leave open are decided
 //! in exact arithmetic.
 //!
@@ -54,6 +54,6 @@ pub use body::Bounds;
 pub use error::{GjkError, Operand};
 pub use measure::impact::Impact;
 pub use measure::penetration::Penetration;
-pub use method::Method;
+pub use method::Algorithm;
 pub use prove::gauge::Solid;
 pub use support::Support;

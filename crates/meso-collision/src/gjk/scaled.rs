@@ -1,7 +1,7 @@
 //! A pair of plain points, brought near the origin and to a size near 1, where searches in floating point work.
 
 use crate::gjk::body::Body;
-use crate::gjk::method::Method;
+use crate::gjk::method::Algorithm;
 use crate::gjk::pair::{Found, Originals, Pair};
 use crate::gjk::prove::exact::{Decision, ExactPair};
 use crate::gjk::search::classical::{Classical, Until};
@@ -62,7 +62,7 @@ impl<'p> Scaled<'p> {
         if self.towards_b == Vec3::zeros() { Vec3::x() } else { self.towards_b }
     }
 
-    pub(crate) fn search(&self, method: Method) -> Found {
+    pub(crate) fn search(&self, method: Algorithm) -> Found {
         if self.ordinary { method.search(self.pair(), self.start()) } else { Found::Undecided(Corners::NONE) }
     }
 
@@ -74,7 +74,7 @@ impl<'p> Scaled<'p> {
         dispatch(Classical { pair: self.pair(), v: self.start(), sub_algorithm: SubAlgorithm::SignedVolumes, until })
     }
 
-    pub(crate) fn overlap(&self, method: Method) -> bool {
+    pub(crate) fn overlap(&self, method: Algorithm) -> bool {
         match self.search(method) {
             Found::Apart(_) => false,
             Found::Overlap(_) => true,

@@ -45,7 +45,7 @@ impl Isa {
     }
 
     /// The widest set that the machine has.
-    fn best() -> Self {
+    pub fn best() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;

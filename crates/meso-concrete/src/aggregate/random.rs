@@ -13,10 +13,10 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
-/// Purpose of a stream; streams of different purposes never share numbers.
+/// Draw of a stream; streams of different purposes never share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
-pub enum Purpose {
+pub enum Draw {
     /// Size, shape, orientation and ITZ of a grain.
     Take = 0,
     /// Positions tried for a grain.
@@ -29,7 +29,7 @@ pub enum Purpose {
 
 impl Stream {
     /// The stream of `seed` for item `index` of `group` (a class, say).
-    pub fn new(seed: u64, purpose: Purpose, group: u16, index: u64) -> Self {
+    pub fn new(seed: u64, purpose: Draw, group: u16, index: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream((purpose as u64) << 60 | u64::from(group) << 44 | index);
         Self(rng)
@@ -86,7 +86,7 @@ mod tests {
     fn rotations_are_uniform_over_all_orientations() {
         // For a uniform rotation every image of a fixed vector is uniform on the sphere (first two moments: 0 and 1/3),
         // and the rotation angle has density (1 - cos t) / pi, whose mean is pi/2 + 2/pi.
-        let mut stream = Stream::new(7, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(7, Draw::Sample, 0, 0);
         let n = 40_000;
         let (mut mean, mut square, mut angle) = (Vec3::zeros(), Vec3::zeros(), 0.0);
         for _ in 0..n {
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn streams_do_not_depend_on_each_other() {
         let numbers = |index| {
-            let mut stream = Stream::new(1, Purpose::Take, 3, index);
+            let mut stream = Stream::new(1, Draw::Take, 3, index);
             [stream.unit(), stream.unit()]
         };
         assert_eq!(numbers(5), numbers(5));

@@ -2,7 +2,7 @@
 
 use super::grain::{Grain, Kind};
 use super::inclusions::{self, Inclusions};
-use super::random::{Purpose, Stream};
+use super::random::{Draw, Stream};
 use super::{Grading, Itz, Shape, SizeClass, SizeDefinition};
 use crate::parallel;
 use crate::stop;
@@ -89,7 +89,7 @@ fn fill(
 
 fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result<Grain, HullError> {
     stop::point();
-    let stream = &mut Stream::new(mixture.seed, Purpose::Take, class, u64::from(index));
+    let stream = &mut Stream::new(mixture.seed, Draw::Take, class, u64::from(index));
     let size = mixture.grading.size_law.size(limits.d_min_mm, limits.d_max_mm, stream.unit());
     let mut vertices = mixture.shape.outline(size, limits.d_min_mm, stream);
     if mixture.grading.size == SizeDefinition::Sieve {
@@ -105,7 +105,7 @@ fn make(mixture: &Mixture, class: u16, limits: &SizeClass, index: u32) -> Result
 /// Adds voids and fibres for a specimen of `volume` mm3 to the `grains`; their classes begin at `first_class`.
 fn take_inclusions(grains: &mut Vec<Grain>, mixture: &Mixture, first_class: u16, volume: f64) -> Result<(), HullError> {
     let Inclusions { voids, fibres } = mixture.inclusions;
-    let stream = |class, index: u32| Stream::new(mixture.seed, Purpose::Take, class, u64::from(index));
+    let stream = |class, index: u32| Stream::new(mixture.seed, Draw::Take, class, u64::from(index));
     if let Some(voids) = voids {
         let (ball, class) = (inclusions::ball(), first_class);
         let make = |index| voids.grain(&ball, (class, index), &mut stream(class, index));

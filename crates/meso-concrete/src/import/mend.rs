@@ -3,7 +3,7 @@
 //! A surface whose edges all lie between two triangles is left alone, so that its packing keeps its bytes. Nothing is
 //! closed that has a real hole: only ends of open edges are joined, and only within [`SHARE`] of the size.
 
-use super::Surface;
+use super::Imported;
 use meso_collision::geometry::{SurfaceError, TriangleMesh};
 use meso_collision::math::{Aabb, Vec3};
 use std::collections::{BTreeMap, HashMap};
@@ -14,10 +14,10 @@ const SHARE: f64 = 1e-6;
 const SINGLE: f64 = 4.0 / (1 << 23) as f64;
 
 /// Joins corners and drops doubled facets where edges are open or have too many triangles.
-pub(super) fn mended(mesh: TriangleMesh) -> Surface {
+pub(super) fn mended(mesh: TriangleMesh) -> Imported {
     let edges = mesh.check_edges();
     if edges.is_ok() {
-        return Surface { mesh, edges, notes: Vec::new() };
+        return Imported { mesh, edges, notes: Vec::new() };
     }
     let mut tried = mesh.clone();
     let joined = join_corners(&mut tried);
@@ -26,7 +26,7 @@ pub(super) fn mended(mesh: TriangleMesh) -> Surface {
     let is_worse =
         matches!((&edges, &outcome), (Err(SurfaceError::Open { .. }), Err(SurfaceError::NotManifold { .. })));
     if tried.triangles.is_empty() || is_worse {
-        return Surface { mesh, edges, notes: Vec::new() };
+        return Imported { mesh, edges, notes: Vec::new() };
     }
     let corners = (joined > 0).then(|| {
         format!(
@@ -35,7 +35,7 @@ pub(super) fn mended(mesh: TriangleMesh) -> Surface {
         )
     });
     let twins = (dropped > 0).then(|| format!("{dropped} triangle(s) that stood there twice were dropped"));
-    Surface { mesh: tried, edges: outcome, notes: corners.into_iter().chain(twins).collect() }
+    Imported { mesh: tried, edges: outcome, notes: corners.into_iter().chain(twins).collect() }
 }
 
 /// Distance within which corners are one, mm.

@@ -1,6 +1,6 @@
 //! Surfaces from files that other programs wrote: STL, PLY, OBJ and OFF.
 //!
-//! These formats have no units: a number is a millimetre. Each reader turns bytes into triangles; [`mend`] then joins
+//! These formats have no units: a number is a millimetre. Each reader turns bytes into triangles; `mend` then joins
 //! corners that should be equal and removes triangles without area. Names and colours are ignored.
 
 mod mend;
@@ -130,7 +130,7 @@ impl Facets {
 
 /// A surface, and remarks about its file.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct Imported {
     /// In the frame of the file.
     pub mesh: TriangleMesh,
     /// Whether every edge lies between two triangles.
@@ -139,7 +139,7 @@ pub struct Surface {
     pub notes: Vec<String>,
 }
 
-impl Surface {
+impl Imported {
     fn new(corners: &[Vec3]) -> Self {
         mend::mended(TriangleMesh::welded(corners))
     }
@@ -148,12 +148,12 @@ impl Surface {
 /// Reads the surface in `bytes`; the ending of `name` decides the format.
 ///
 /// # Errors
-/// See [`ImportError`]. Open surfaces are no error here: see [`Surface::edges`].
-pub fn read(name: &str, bytes: &[u8]) -> Result<Surface, ImportError> {
+/// See [`ImportError`]. Open surfaces are no error here: see [`Imported::edges`].
+pub fn read(name: &str, bytes: &[u8]) -> Result<Imported, ImportError> {
     let mut facets = facets(name, bytes)?;
-    let mut surface = Surface::new(&facets.corners);
+    let mut surface = Imported::new(&facets.corners);
     facets.notes.append(&mut surface.notes);
-    Ok(Surface { notes: facets.notes, ..surface })
+    Ok(Imported { notes: facets.notes, ..surface })
 }
 
 /// Reads the bodies in `bytes`: the connected components of each part, or of the whole where a part is not closed.
@@ -162,9 +162,9 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Surface, ImportError> {
 /// See [`ImportError`].
 pub fn read_bodies(name: &str, bytes: &[u8]) -> Result<(Vec<TriangleMesh>, Vec<String>), ImportError> {
     let facets = facets(name, bytes)?;
-    let mut parts: Vec<Surface> = facets.parts().map(Surface::new).collect();
+    let mut parts: Vec<Imported> = facets.parts().map(Imported::new).collect();
     if parts.len() > 1 && parts.iter().any(|part| part.edges.is_err()) {
-        parts = vec![Surface::new(&facets.corners)];
+        parts = vec![Imported::new(&facets.corners)];
     }
     let notes = facets.notes.into_iter().chain(parts.iter().flat_map(|part| part.notes.clone())).collect();
     Ok((parts.iter().flat_map(|part| part.mesh.components()).collect(), notes))

@@ -313,7 +313,7 @@ fn turns_around(triangle: &[Vec3; 3], point: &Vec3) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::aggregate::random::{Purpose, Stream};
+    use crate::aggregate::random::{Draw, Stream};
     use crate::watch::Silent;
 
     /// A box from the origin with a hollow, whose faces are reversed.
@@ -361,7 +361,7 @@ mod tests {
     /// Triangles on a grid of 4 x 4 x 2 points, so that many lie in one plane.
     #[test]
     fn neighbours_that_a_view_parts_meet_nowhere_else() {
-        let mut stream = Stream::new(7, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(7, Draw::Sample, 0, 0);
         let (mut parted, mut in_one_plane) = (0, 0);
         for trial in 0..20_000 {
             let mut point = || Vec3::new(4.0, 4.0, 2.0).map(|n| stream.uniform(0.0, n).floor());

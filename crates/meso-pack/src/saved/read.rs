@@ -3,7 +3,7 @@
 //! Convexity, overlaps and the specimen's walls are not: [`check`](crate::check) proves those.
 
 use super::polygons::Polygons;
-use super::{VERSION, gzip, seal};
+use super::{VERSION, distinct, gzip, seal};
 use crate::model::Model;
 use crate::packing::{ClassReport, NOT_RECORDED, PhaseReport, Report, Seconds, SpecimenReport, StopReason, Work};
 use crate::spec::{MAX_LENGTH_MM, NoFiles, Spec, SpecError, options_from_value};
@@ -63,8 +63,10 @@ pub enum ReadError {
 #[serde(deny_unknown_fields)]
 struct File {
     mesocrete: String,
+    #[serde(deserialize_with = "distinct::value")]
     spec: serde_json::Value,
     seed: u64,
+    #[serde(deserialize_with = "distinct::value")]
     specimen: serde_json::Value,
     report: Option<Report>,
     aggregates: Vec<FileAggregate>,

@@ -14,6 +14,7 @@ mod messages;
 mod mix_design;
 mod overlay;
 mod read;
+mod room;
 #[cfg(feature = "schema")]
 mod schema;
 mod sieves;

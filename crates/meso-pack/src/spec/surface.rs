@@ -6,7 +6,7 @@ use super::tree::{Node, Value};
 use super::{Reading, SpecError};
 use meso_collision::geometry::{SurfaceError, TriangleMesh};
 use meso_collision::math::Vec3;
-use meso_concrete::import::{self, Surface};
+use meso_concrete::import::{self, Imported};
 use meso_concrete::specimen::{ContainerError, Specimen};
 use meso_concrete::watch::{Stage, Waiting};
 
@@ -64,7 +64,7 @@ fn read(name: &str, scale: f64, reading: &mut Reading<'_>) -> Result<TriangleMes
     let bytes = reading.files.read(name).map_err(|error| error.to_string())?;
     // Shares of the time that a million triangles take; see `Triangulated::crossing` for the rest.
     reading.watch.stage(Stage::Read, 0.02);
-    let Surface { mut mesh, edges, notes } = import::read(name, &bytes).map_err(|error| error.to_string())?;
+    let Imported { mut mesh, edges, notes } = import::read(name, &bytes).map_err(|error| error.to_string())?;
     reading.watch.stage(Stage::Read, 0.12);
     notes.iter().for_each(|note| reading.files.remark(name, note));
     edges.map_err(|error| error.to_string())?;

@@ -10,7 +10,7 @@
 use super::{Sample, in_order};
 use meso_collision::geometry::Polyhedron;
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::aggregate::random::{Purpose, Stream};
+use meso_concrete::aggregate::random::{Draw, Stream};
 use serde::{Deserialize, Serialize};
 
 /// Lines to a batch: each batch has its own random stream.
@@ -90,7 +90,7 @@ fn lags(sample: &Sample) -> usize {
 }
 
 fn sums(sample: &Sample, batch: u32) -> Sums {
-    let mut stream = Stream::new(sample.options.seed, Purpose::Sample, 1, u64::from(batch));
+    let mut stream = Stream::new(sample.options.seed, Draw::Sample, 1, u64::from(batch));
     let mut sums = Sums::new(lags(sample));
     for _ in 0..BATCH.min(sample.options.lines - batch * BATCH) {
         sums.add(&line(sample, &mut stream), lag(sample));

@@ -2,7 +2,7 @@
 
 use super::{Sample, in_order};
 use meso_collision::math::{Aabb, Vec3};
-use meso_concrete::aggregate::random::{Purpose, Stream};
+use meso_concrete::aggregate::random::{Draw, Stream};
 use serde::{Deserialize, Serialize};
 
 /// Points to a batch: each batch has its own random stream.
@@ -43,7 +43,7 @@ fn join(total: &mut Counts, counts: &Counts) {
 }
 
 fn count(sample: &Sample, batch: u32) -> Counts {
-    let mut stream = Stream::new(sample.options.seed, Purpose::Sample, 0, u64::from(batch));
+    let mut stream = Stream::new(sample.options.seed, Draw::Sample, 0, u64::from(batch));
     let (container, width, mut counts) = (sample.container.aabb(), layer_width(sample), Counts::new());
     let points = BATCH.min(sample.options.points - batch * BATCH);
     for point in (0..points).map(|_| stream.point(&container.min, &container.max)) {

@@ -923,6 +923,9 @@ def pack(
     fraction: float | None = None,
     threads: int | None = None,
     time_limit: float | None = None,
+    for_test: bool = False,
+    method: Literal["voxel", "lattice", "conforming"] | None = None,
+    element_size: float | None = None,
     progress: bool | Callable[..., object] | None = None,
 ) -> Packing:
     """Generates and places the aggregates that a spec asks for.

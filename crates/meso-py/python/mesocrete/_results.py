@@ -278,7 +278,7 @@ class InterfaceDistance(TypedDict):
     nodes: int
     """Nodes where an aggregate meets something else."""
     off: int
-    """Those of them that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more than 1e-9 of the specimen."""
+    """Interface nodes that lie on the surface of no aggregate that meets there, nor on a flat side of the specimen, by more than 1e-9 of the specimen."""
     rms_mm: float
     """Root mean square of all nodes' distances, mm: each to the nearest of these surfaces."""
     max_mm: float
@@ -286,7 +286,7 @@ class InterfaceDistance(TypedDict):
     joined: int
     """Nodes that close a gap: several aggregates meet there, or one and a flat side of the specimen."""
     joined_rms_mm: float
-    """Root mean square of what the gaps were at them, mm: from the node to the farthest of the aggregates that meet there."""
+    """Root mean square of the gaps at these nodes, mm: from the node to the farthest of the aggregates that meet there."""
     joined_max_mm: float
     """The largest of these distances, mm."""
 
@@ -326,11 +326,11 @@ class QualityReport(TypedDict):
     stable_time_step_s: float
     """Stable time step of explicit dynamics, s: 1 / (c sqrt(sum |grad N|^2)) of the worst cell, c the dilatational wave speed."""
     cohesive_time_step_s: float | None
-    """The same of cohesive elements, by their stiffness and mass per area; `None` where there are none."""
+    """Shortest stable time step of cohesive elements, by their stiffness and mass per area; `None` where there are none."""
     volumes_mm3: PhaseVolumes
     """Volume of every phase in the mesh, mm3."""
     exact_volumes_mm3: PhaseVolumes | None
-    """The same from the polyhedra themselves, with the shells of a solid ITZ where the mesh has one; `None` where a core has no trustworthy volume."""
+    """Volumes of the phases from the polyhedra themselves, with the shells of a solid ITZ where the mesh has one; `None` where a core has no trustworthy volume."""
     interface_distance: InterfaceDistance
     """How near the interfaces lie to the aggregates' surfaces."""
 
@@ -345,7 +345,7 @@ class PhaseScaling(TypedDict):
     scaled: float
     """Share of them whose own step is shorter, 0 to 1."""
     factor: float
-    """Their mass with what is added, over their own."""
+    """Mass of the elements with the added mass, over their own."""
     shortest_step_s: float
     """Shortest step of its elements, s."""
     mass_t: float
@@ -358,7 +358,7 @@ class MassScaling(TypedDict):
     time_step_s: float
     """The step, s."""
     factor: float
-    """Mass of all elements with what is added, over their own."""
+    """Mass of all elements with the added mass, over their own."""
     phases: list[PhaseScaling]
     """The phases that the mesh has; cohesive elements are the ITZ."""
 
@@ -416,11 +416,11 @@ class PhaseResult(TypedDict):
     """A phase of a test."""
 
     name: str
-    """Lower case."""
+    """Name in lower case."""
     volume_fraction: float
-    """Of its cells in the test, over the specimen's gross volume."""
+    """Volume of its cells in the test over the specimen's gross volume."""
     exact_fraction: float | None
-    """Of the exact bodies, where known."""
+    """Volume of the exact bodies over the specimen's, where known."""
     dissipated_mj: float
     """Spent in its cells, mJ; in cohesive faces, too, for the ITZ."""
 
@@ -465,9 +465,9 @@ class TestResult(CurveFigures):
     added_mass_percent: float
     """Mass added over the specimen's own."""
     kinetic_over_internal_max: float
-    """Largest kinetic over internal energy after the ramp."""
+    """Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp."""
     kinetic_over_internal_to_half_peak: float
-    """The same until the stress has fallen to half its peak."""
+    """Largest kinetic over internal energy until the stress has fallen to half its peak."""
     energy_balance_error: float
     """Largest difference of work and energies over the work."""
     hourglass_over_internal: float

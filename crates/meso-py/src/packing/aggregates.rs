@@ -3,13 +3,14 @@
 use super::PyPacking;
 use crate::aggregate::PyAggregate;
 use crate::arrays;
+use crate::boundary::{wrong_type, wrong_value};
 use crate::tree::type_name;
 use meso_concrete::thousands;
 use meso_core::Model;
 use meso_core::aggregate::Aggregate;
 use meso_core::math::longest_distance;
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice, PyTuple};
 use std::sync::Arc;
@@ -20,7 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(crate) struct PyAggregates(pub(crate) Arc<Model>);
 
 impl PyAggregates {
-    /// The positions of what equals `value`.
+    /// The positions of the items that equal `value`.
     fn equal_to(&self, value: &Bound<'_, PyAny>) -> impl Iterator<Item = usize> {
         let value = value.cast::<PyAggregate>().ok().map(|aggregate| aggregate.get().0.clone());
         let same = move |aggregate: &Aggregate| value.as_ref() == Some(aggregate);
@@ -105,7 +106,7 @@ impl PyAggregates {
         }
         if !key.hasattr("__index__")? {
             let given = type_name(key);
-            return Err(PyTypeError::new_err(format!("aggregates are indexed by int or slice, not {given}")));
+            return Err(wrong_type(format!("aggregates are indexed by int or slice, not {given}")));
         }
         // An index that does not fit a machine word is out of range like any other.
         let index =
@@ -129,7 +130,7 @@ impl PyAggregates {
         let from_end = |index: isize| if index < 0 { index.saturating_add_unsigned(count).max(0) } else { index };
         let [start, stop] = [start, stop.unwrap_or(isize::MAX)].map(|index| (from_end(index) as usize).min(count));
         let found = self.equal_to(value).find(|position| (start..stop).contains(position));
-        found.ok_or_else(|| PyValueError::new_err(format!("{value} is not among the aggregates")))
+        found.ok_or_else(|| wrong_value(format!("{value} is not among the aggregates")))
     }
 
     /// How many aggregates equal `value`.

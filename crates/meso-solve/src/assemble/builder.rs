@@ -26,15 +26,15 @@ pub(crate) struct Builder<'a> {
 
 /// The patches of a block.
 pub(crate) struct OwnPatches<'a> {
-    /// Those of the mesh.
+    /// All patches of the mesh.
     all: &'a Patches,
-    /// Which of them.
+    /// Numbers of the block's patches among all.
     numbers: &'a [u32],
     shapes: Vec<Patch>,
 }
 
 impl<'a> OwnPatches<'a> {
-    /// Those with some `numbers` among `all`.
+    /// Takes the patches with some `numbers` among `all`.
     pub(crate) fn new(mesh: &Mesh, all: &'a Patches, numbers: &'a [u32]) -> Self {
         let shapes = numbers.iter().map(|&number| all.patch(mesh, number)).collect();
         Self { all, numbers, shapes }

@@ -33,12 +33,12 @@ impl Need {
         (self.needed - self.mass).max(0.0)
     }
 
-    /// That of a patch.
+    /// Mass that a patch needs for the step `dt`.
     pub(crate) fn of_patch(matter: &Matter, patch: &Patch, dt: f64) -> Self {
         Self::of(matter, &patch.metric(), 1, patch.volume, dt)
     }
 
-    /// That of an element with `metric`, `nodes` and `volume`, for the step `dt`.
+    /// Mass that an element needs, with `metric`, `nodes` and `volume`, for the step `dt`.
     pub(crate) fn of(matter: &Matter, metric: &Mat3, nodes: usize, volume: f64, dt: f64) -> Self {
         let [lambda, shear] = matter.lame();
         let density = matter.elastic.density_t_per_mm3;

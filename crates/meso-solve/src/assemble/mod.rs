@@ -30,7 +30,7 @@ pub(crate) struct Assembly {
     pub(crate) nodes: Vec<u32>,
     /// Lumped mass, tonne, by the engine's numbers.
     pub(crate) mass: Vec<f64>,
-    /// Without and with what was added, tonne.
+    /// Total mass without and with mass scaling, tonne.
     pub(crate) masses: [f64; 2],
     /// Longest step that needs no mass, s.
     pub(crate) stable_s: f64,
@@ -56,7 +56,7 @@ pub(crate) fn assemble(parts: &Parts) -> Result<Assembly, SolveError> {
     Ok(Assembly { blocks, patches, nodes, mass, masses: weight.total, stable_s: weight.stable_s, widest_mm })
 }
 
-/// Those of a mesh of tetrahedra whose strains are to be smoothed.
+/// Patches of a mesh of tetrahedra; none unless strains are smoothed.
 fn patches(parts: &Parts, nodes: &[u32], number: &[u32]) -> Option<Patches> {
     let (mesh, matter) = (parts.sample.mesh, &parts.common.matter);
     let is_smoothed = parts.smoothing == Smoothing::Edges;

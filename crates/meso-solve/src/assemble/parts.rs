@@ -1,4 +1,4 @@
-//! What an assembly is made of.
+//! Input of an assembly.
 
 use crate::block::Common;
 use crate::sample::Sample;
@@ -10,6 +10,6 @@ pub(crate) struct Parts<'a> {
     pub(crate) common: &'a Common,
     /// Time step, s.
     pub(crate) dt: f64,
-    /// Of tetrahedra.
+    /// Smoothing of tetrahedra.
     pub(crate) smoothing: Smoothing,
 }

@@ -27,7 +27,7 @@ const MOST_APART: usize = 5;
 /// Nodes whose edges go together.
 const RUN: usize = 4096;
 
-/// The patches of a mesh. Those of an edge at which phases meet that differ in stiffness are one per phase.
+/// The patches of a mesh. An edge at which phases of different stiffness meet has one patch per phase.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Patches {
     lists: Lists,
@@ -75,7 +75,7 @@ pub(crate) fn band(mesh: &Mesh) -> f64 {
 }
 
 impl Patches {
-    /// Those around edges from `nodes`, in their order, to nodes of higher numbers. Where they may be `mixed`, patches have
+    /// Makes the patches around edges from `nodes`, in their order, to nodes of higher numbers. Where they may be `mixed`, patches have
     /// cells of mortar and ITZ: those that the ITZ fills most have its law, as many as make up its volume.
     pub(crate) fn of(numbered: Numbered, nodes: &[u32], mixed: bool) -> Self {
         let Numbered { mesh, phases, .. } = numbered;

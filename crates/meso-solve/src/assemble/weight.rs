@@ -17,16 +17,16 @@ const WINDOW: usize = 1 << 16;
 pub(crate) struct Weight {
     /// Lumped, by the mesh's numbers, tonne.
     pub(crate) mass: Vec<f64>,
-    /// Of it, what solid elements do not need for the step.
+    /// Mass that solid elements do not need for the step, tonne.
     spare: Vec<f64>,
-    /// Without and with what was added, tonne.
+    /// Total without and with mass scaling, tonne.
     pub(crate) total: [f64; 2],
     /// Longest step that needs no mass, s.
     pub(crate) stable_s: f64,
 }
 
 impl Weight {
-    /// That of all elements.
+    /// Sums the mass of all elements.
     ///
     /// # Errors
     /// Cells of no positive volume.

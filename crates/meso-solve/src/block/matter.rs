@@ -126,7 +126,7 @@ pub(crate) trait LawTask {
 }
 
 impl Matter {
-    /// That of `phase`, where mortar and ITZ follow the law `name`.
+    /// Material of `phase`; mortar and ITZ follow the law `name`.
     pub(crate) fn new(materials: &Materials, phase: Phase, name: LawName) -> Self {
         let behaviour = match (name, materials.strength(phase)) {
             (LawName::Elastic, _) | (_, None) => Behaviour::Elastic,
@@ -146,7 +146,7 @@ impl Matter {
     #[inline(always)]
     pub(crate) fn law<L: Lanes, T: LawTask>(&self, task: T) -> T::Output {
         match &self.behaviour {
-            Behaviour::Elastic => task.run(&law::Elastic::<L>::new(&self.elastic)),
+            Behaviour::Elastic => task.run(&law::Hooke::<L>::new(&self.elastic)),
             Behaviour::Cdp(strength, plasticity) => {
                 task.run(self.prepared.law(|| self.cdp::<L>(strength, plasticity)).get())
             }

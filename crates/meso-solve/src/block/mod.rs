@@ -12,7 +12,7 @@ use crate::element::face::{Cohesion, CohesionValues, Faces, REMEMBERED};
 use crate::element::hex::{BoxShape, Hexes, per_bound};
 use crate::element::uniform::{Tets, Uniform};
 use crate::lanes::{Eight, LANES, Lanes, Task, Vectors, vectors};
-use crate::law::{Elastic, Law, Tensor};
+use crate::law::{Hooke, Law, Tensor};
 use meso_collision::prefetch::prefetch;
 use meso_mesh::Phase;
 
@@ -138,9 +138,9 @@ impl Scratch {
 pub(crate) struct Common {
     /// By phase, as a number.
     pub(crate) matter: [Matter; 5],
-    /// Of all hexahedra.
+    /// Shape of all hexahedra.
     pub(crate) shape: BoxShape,
-    /// Of cohesive faces.
+    /// Values of cohesive faces.
     pub(crate) cohesion: Option<CohesionValues>,
     /// Share of the stiffness that hourglass modes meet.
     pub(crate) hourglass: f64,
@@ -239,7 +239,7 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     let one = L::splat(1.0);
     let mut history = history::<L, W>(memory);
     let states = history.as_ref().len();
-    // Of known length, so that no loop over it becomes a call.
+    // The length is known, so that no loop over it becomes a call.
     let memory = &mut memory[..if states == 0 { 0 } else { states + 1 }];
     let response = law.stress(strain, &mut history, width);
     let stress = response.stress;
@@ -263,7 +263,7 @@ fn answer<L: Lanes, W: Law<L>>(law: &W, strain: &Tensor<L>, memory: &mut [Eight]
     for i in 0..PLASTIC {
         stored = stress[i].mul_add(strain[i] - history.as_ref()[i], stored);
     }
-    // Of the energy stored, the share by which the integrity fell is lost.
+    // The stored energy falls by the share by which the integrity fell.
     let lost = L::splat(0.5) * stored * (before - integrity) / integrity.max(L::splat(1e-6));
     #[allow(clippy::needless_range_loop, reason = "an indexed loop compiles to plain stores")]
     for i in 0..states {
@@ -322,7 +322,7 @@ impl<const N: usize> LawTask for UniformTask<'_, N> {
 /// Boxes that bend: C3D8I.
 #[inline(always)]
 fn bend<L: Lanes>(cells: &[Hexes], matter: &Matter, shape: &BoxShape, u: &Vectors, forces: &mut Vectors) {
-    let (law, bending) = (Elastic::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
+    let (law, bending) = (Hooke::<L>::new(&matter.elastic), Bending::<L>::new(shape, &matter.elastic));
     for cells in cells {
         let (strain, amplitudes) = cells.strain(u, shape);
         cells.resist(&law.of(&strain), &bending.forces(&amplitudes), L::splat(1.0), shape, forces);

@@ -23,12 +23,12 @@ use meso_mesh::materials::Elastic;
 pub(crate) struct Bending<R> {
     /// Twice the reciprocal edges: strains per displacement, 1/mm.
     per: [R; 3],
-    /// Of normal strains linear in one coordinate: their own, and that of one on the other, N mm.
+    /// Stiffness of normal strains linear in one coordinate: along its own axis, and across, N mm.
     plane: R,
     cross: R,
-    /// Of shears linear in the third coordinate, N mm.
+    /// Stiffness of shears linear in the third coordinate, N mm.
     torsion: R,
-    /// Of the modes x y z, N/mm.
+    /// Stiffness of the modes x y z, N/mm.
     warp: [R; 3],
 }
 
@@ -38,7 +38,7 @@ const OF: [[usize; 3]; 3] = [[WARP, 0, 2], [0, WARP, 1], [2, 1, WARP]];
 const WARP: usize = 3;
 
 impl<R: Real> Bending<R> {
-    /// Of boxes of this shape and material.
+    /// Stiffness of boxes with this shape and material.
     pub(crate) fn new(shape: &BoxShape, elastic: &Elastic) -> Self {
         let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
         let shear = e / (2.0 * (1.0 + nu));

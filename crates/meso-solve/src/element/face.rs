@@ -44,7 +44,7 @@ pub(crate) struct CohesionValues {
     pub(crate) shear: f64,
     /// Fracture energies in opening and in sliding, N/mm.
     pub(crate) energies: [f64; 2],
-    /// Of Benzeggagh and Kenane.
+    /// Exponent of Benzeggagh and Kenane's mixed-mode criterion.
     pub(crate) exponent: f64,
     /// Coulomb's coefficient.
     pub(crate) friction: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Faces<const N: usize> {
     pub(crate) at: [[[u16; LANES]; N]; 2],
     /// Out of the aggregate.
     pub(crate) normal: [Eight; 3],
-    /// Of a pair of nodes, mm2; 0 in lanes that are empty.
+    /// Area of a pair of nodes, mm2; 0 in lanes that are empty.
     pub(crate) area: Eight,
 }
 

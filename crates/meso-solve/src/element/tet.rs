@@ -19,7 +19,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// Of the tetrahedron with these corners.
+    /// Gradients and volume of the tetrahedron with these corners.
     pub(crate) fn of(corners: &[Vec3; 4]) -> Self {
         let [a, b, c] = [1, 2, 3].map(|i| corners[i] - corners[0]);
         let six = a.dot(&b.cross(&c));

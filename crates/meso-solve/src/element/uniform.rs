@@ -12,7 +12,7 @@ use meso_collision::math::Vec3;
 pub(crate) struct Uniform<const N: usize> {
     /// The first node's number within the block.
     first: [u16; LANES],
-    /// Those of the others, node by node.
+    /// The other nodes' numbers within the block, node by node.
     others: [[u16; LANES]; N],
     /// x, y, z of the others' gradients, 1/mm.
     gradients: [[Eight; 3]; N],

@@ -11,6 +11,7 @@ mod portable;
 mod x86;
 
 use crate::real::Real;
+use meso_collision::simd::Isa;
 use portable::Portable;
 use serde::{Deserialize, Serialize};
 
@@ -80,22 +81,11 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
-    /// Those of this machine, slowest first.
+    /// Instruction sets of this machine, slowest first.
     pub fn available() -> Vec<Self> {
-        #[allow(unused_mut)]
-        let mut sets = vec![Self::Portable];
-        #[cfg(target_arch = "x86_64")]
-        {
-            let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            let has_512 = is_x86_feature_detected!("avx512vl") && is_x86_feature_detected!("avx512dq");
-            if has_avx2 {
-                sets.push(Self::Avx2);
-            }
-            if has_avx2 && has_512 && is_x86_feature_detected!("avx512bw") {
-                sets.push(Self::Avx512);
-            }
-        }
-        sets
+        let all = [(Self::Portable, Isa::Scalar), (Self::Avx2, Isa::Avx2), (Self::Avx512, Isa::Avx512)];
+        let best = Isa::best();
+        all.into_iter().filter(|(_, isa)| *isa <= best).map(|(set, _)| set).collect()
     }
 
     /// The fastest one of this machine.

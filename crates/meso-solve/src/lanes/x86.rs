@@ -3,6 +3,7 @@
 
 use super::{Eight, LANES, Lanes, Task, Vectors};
 use crate::real::Real;
+use meso_collision::simd::Isa;
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -24,7 +25,7 @@ pub(super) fn on_avx2<T: Task>(task: T) -> T::Output {
     fn run<T: Task>(task: T) -> T::Output {
         task.run::<Avx>()
     }
-    assert!(is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"));
+    assert!(Isa::best() >= Isa::Avx2);
     // SAFETY: the features are there.
     unsafe { run(task) }
 }
@@ -38,8 +39,7 @@ pub(super) fn on_avx512<T: Task>(task: T) -> T::Output {
     fn run<T: Task>(task: T) -> T::Output {
         task.run::<Avx>()
     }
-    assert!(is_x86_feature_detected!("avx512vl") && is_x86_feature_detected!("avx512dq"));
-    assert!(is_x86_feature_detected!("avx512bw") && is_x86_feature_detected!("fma"));
+    assert!(Isa::best() >= Isa::Avx512);
     // SAFETY: the features are there.
     unsafe { run(task) }
 }

@@ -25,7 +25,7 @@
 
 use super::elastic::{elastic_part, energy, flow};
 use super::invariants::Invariants;
-use super::{Elastic, Law, Response, State, Tensor, softening};
+use super::{Hooke, Law, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
@@ -34,7 +34,7 @@ use meso_mesh::materials::{self, MATERIALS, Materials, Plasticity, Strength};
 /// Parameters, as registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Cdp<R> {
-    elastic: Elastic<R>,
+    elastic: Hooke<R>,
     /// 1 / (3 K), 1 / (2 G), both per MPa.
     per_volume: R,
     per_shear: R,
@@ -121,7 +121,7 @@ impl<R: Real> Cdp<R> {
         let widest_mm = snapping.map(|width| softening::SNAP_BACK * width);
         let splat = R::splat;
         Self {
-            elastic: Elastic::new(elastic),
+            elastic: Hooke::new(elastic),
             per_volume: splat(1.0 / (3.0 * bulk)),
             per_shear: splat(1.0 / (2.0 * shear)),
             mean_fall: splat(bulk * tan),
@@ -282,7 +282,7 @@ impl<R: Real> Cdp<R> {
         (R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
-    /// Of a piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
+    /// A piece of the crack law, share = from - slope w / (G_f / f_t) with the opening w = h (cracked + (1 - share)
     /// f_t / E): where it begins, and numerator and denominator of its fall.
     #[inline(always)]
     fn branch(&self, (from, slope): (f64, f64), cracked: R, width: R) -> (R, R, R) {
@@ -334,13 +334,13 @@ impl<R: Real> Law<R> for Cdp<R> {
     }
 
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> Response<R> {
+    fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> PointResponse<R> {
         let one = R::splat(1.0);
         let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
         let active = self.active(&invariants, history[CRACKED], history[CRUSHED]);
         if !R::any(active) {
-            return Response { stress, integrity: one };
+            return PointResponse { stress, integrity: one };
         }
         let shape = invariants.shape();
         let Invariants { mean, deviator, mises } = invariants;
@@ -366,7 +366,7 @@ impl<R: Real> Law<R> for Cdp<R> {
             // A point at rest has the same bits as where all of its register are.
             nominal[i] = R::select(active, own, stress[i]);
         }
-        Response { stress: nominal, integrity }
+        PointResponse { stress: nominal, integrity }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {

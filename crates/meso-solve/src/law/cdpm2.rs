@@ -26,7 +26,7 @@
 
 use super::elastic::{elastic_part, flow};
 use super::invariants::Invariants;
-use super::{Elastic, Law, Response, State, Tensor, softening};
+use super::{Hooke, Law, PointResponse, State, Tensor, softening};
 use crate::real::Real;
 use meso_concrete::OutOfRange;
 use meso_mesh::Phase;
@@ -99,7 +99,7 @@ pub fn validate(materials: &Materials, options: &Options) -> Result<(), OutOfRan
 /// Parameters, as registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Cdpm2<R> {
-    elastic: Elastic<R>,
+    elastic: Hooke<R>,
     /// 1 / f_c, 1 / (sqrt(6) f_c) sqrt(2/3) (from Mises), f_c.
     per_strength: R,
     compressive: R,
@@ -189,7 +189,7 @@ impl<R: Real> Cdpm2<R> {
         let widest_mm = [cracked_mm, crushed_mm].map(|width| softening::SNAP_BACK * width);
         let splat = R::splat;
         Self {
-            elastic: Elastic::new(elastic),
+            elastic: Hooke::new(elastic),
             per_strength: splat(1.0 / fc),
             compressive: splat(fc),
             per_volume: splat(fc / (3.0 * bulk)),
@@ -545,7 +545,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
     }
 
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, history: &mut History<R>, width: R) -> Response<R> {
+    fn stress(&self, strain: &Tensor<R>, history: &mut History<R>, width: R) -> PointResponse<R> {
         let (zero, one, two) = (R::splat(0.0), R::splat(1.0), R::splat(2.0));
         let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
@@ -556,7 +556,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         let onset = R::splat(ONSET);
         let active = zero.lt(bound) | onset.lt(history[PULLED]) | onset.lt(history[PRESSED]);
         if !R::any(active) {
-            return Response { stress, integrity: one };
+            return PointResponse { stress, integrity: one };
         }
         let of = invariants.shape();
         let frame = self.frame(s, of[0], hardening[1]);
@@ -593,7 +593,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         for i in 0..6 {
             nominal[i] = R::select(active, nominal[i] * self.compressive, stress[i]);
         }
-        Response { stress: nominal, integrity: pressed.mul_add(crush - crack, crack) }
+        PointResponse { stress: nominal, integrity: pressed.mul_add(crush - crack, crack) }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &History<R>, width: R) -> State<R> {

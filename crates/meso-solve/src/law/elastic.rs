@@ -1,18 +1,18 @@
 //! Isotropic linear elasticity.
 
-use super::{Law, Response, State, Tensor};
+use super::{Law, PointResponse, State, Tensor};
 use crate::real::Real;
 
 /// Lame's two constants, MPa.
 #[derive(Clone, Copy, Debug)]
-pub struct Elastic<R> {
+pub struct Hooke<R> {
     /// lambda.
     pub(super) lambda: R,
     /// G.
     pub(super) shear: R,
 }
 
-impl<R: Real> Elastic<R> {
+impl<R: Real> Hooke<R> {
     /// From Young's modulus and Poisson's ratio.
     pub fn new(values: &meso_mesh::materials::Elastic) -> Self {
         let (e, nu) = (values.youngs_modulus_mpa, values.poisson_ratio);
@@ -66,7 +66,7 @@ pub(super) fn energy<R: Real>(stress: &Tensor<R>, strain: &Tensor<R>) -> R {
     R::splat(0.5) * sum
 }
 
-impl<R: Real> Law<R> for Elastic<R> {
+impl<R: Real> Law<R> for Hooke<R> {
     type History = [R; 0];
 
     fn virgin() -> [R; 0] {
@@ -74,8 +74,8 @@ impl<R: Real> Law<R> for Elastic<R> {
     }
 
     #[inline(always)]
-    fn stress(&self, strain: &Tensor<R>, _: &mut [R; 0], _: R) -> Response<R> {
-        Response { stress: self.of(strain), integrity: R::splat(1.0) }
+    fn stress(&self, strain: &Tensor<R>, _: &mut [R; 0], _: R) -> PointResponse<R> {
+        PointResponse { stress: self.of(strain), integrity: R::splat(1.0) }
     }
 
     fn state(&self, strain: &Tensor<R>, _: &[R; 0], _: R) -> State<R> {

@@ -19,7 +19,7 @@ pub(super) struct Invariants<R> {
 }
 
 impl<R: Real> Invariants<R> {
-    /// Of a stress.
+    /// Invariants of a stress.
     #[inline(always)]
     pub(super) fn of(stress: &Tensor<R>) -> Self {
         let [xx, yy, zz, xy, yz, zx] = *stress;

@@ -12,7 +12,7 @@ mod softening;
 
 pub use cdp::Cdp;
 pub use cdpm2::Cdpm2;
-pub use elastic::Elastic;
+pub use elastic::Hooke;
 
 use crate::real::Real;
 
@@ -31,7 +31,7 @@ pub trait Law<R: Real>: Send + Sync {
     ///
     /// `width` is the width of the band in the element, mm. A mechanism whose band is wider than its
     /// [limit](Law::widest_mm) softens as at the limit, so that it dissipates more than its energy.
-    fn stress(&self, strain: &Tensor<R>, history: &mut Self::History, width: R) -> Response<R>;
+    fn stress(&self, strain: &Tensor<R>, history: &mut Self::History, width: R) -> PointResponse<R>;
 
     /// Values of a point for pictures, from the strain that `history` belongs to.
     fn state(&self, strain: &Tensor<R>, history: &Self::History, width: R) -> State<R>;
@@ -42,7 +42,7 @@ pub trait Law<R: Real>: Send + Sync {
 
 /// The response of a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Response<R> {
+pub struct PointResponse<R> {
     /// MPa.
     pub stress: Tensor<R>,
     /// Share of the stiffness that is left, 0 to 1, for the hourglass forces.

@@ -7,7 +7,7 @@ use crate::real::Real;
 
 /// The directions that are held while the strain along x is prescribed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Held {
+pub enum Sides {
     /// Both lateral stresses, at this value, MPa (tension positive): 0 is the uniaxial test.
     Lateral(f64),
     /// The stress along z, at this value, MPa, while y is strained as x: 0 is the equibiaxial test.
@@ -16,7 +16,7 @@ pub enum Held {
 
 /// One row of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct Reading {
     /// Strain along x.
     pub strain: f64,
     /// Strain of the directions whose stress is held.
@@ -33,7 +33,7 @@ pub struct Sample {
 ///
 /// The held stress is first raised from 0 while x is strained to the first of `strains`, in as many steps as there are
 /// samples in twenty.
-pub fn curve<R: Real + Into<f64>, L: Law<R>>(law: &L, width_mm: f64, held: Held, strains: &[f64]) -> Vec<Sample> {
+pub fn curve<R: Real + Into<f64>, L: Law<R>>(law: &L, width_mm: f64, held: Sides, strains: &[f64]) -> Vec<Reading> {
     let Some(&first) = strains.first() else { return Vec::new() };
     let mut point = Point { law, width: R::splat(width_mm), history: L::virgin(), lateral: 0.0, held };
     let steps = strains.len().div_ceil(20);
@@ -50,7 +50,7 @@ pub fn ramp(from: f64, to: f64, steps: usize) -> impl Iterator<Item = f64> {
 }
 
 /// Area under the curve, stress over strain, N/mm2.
-pub fn work(curve: &[Sample]) -> f64 {
+pub fn work(curve: &[Reading]) -> f64 {
     curve.windows(2).map(|w| (w[0].stress + w[1].stress) / 2.0 * (w[1].strain - w[0].strain)).sum()
 }
 
@@ -59,7 +59,7 @@ struct Point<'a, R: Real, L: Law<R>> {
     width: R,
     history: L::History,
     lateral: f64,
-    held: Held,
+    held: Sides,
 }
 
 /// Halvings of the bracket about the free strain: of 1e-7, down to the last digit of a strain of 1e-3 in f64.
@@ -67,7 +67,7 @@ const HALVINGS: usize = 40;
 
 impl<R: Real + Into<f64>, L: Law<R>> Point<'_, R, L> {
     fn strains(&self, axial: f64, free: f64) -> Tensor<R> {
-        let second = if let Held::Lateral(_) = self.held { free } else { axial };
+        let second = if let Sides::Lateral(_) = self.held { free } else { axial };
         [axial, second, free, 0.0, 0.0, 0.0].map(R::splat)
     }
 
@@ -78,13 +78,13 @@ impl<R: Real + Into<f64>, L: Law<R>> Point<'_, R, L> {
         stress[2].into() - target
     }
 
-    fn go_to(&mut self, axial: f64, share: f64) -> Sample {
-        let (Held::Lateral(held) | Held::Third(held)) = self.held;
+    fn go_to(&mut self, axial: f64, share: f64) -> Reading {
+        let (Sides::Lateral(held) | Sides::Third(held)) = self.held;
         self.lateral = self.free_strain(axial, share * held);
         let strains = self.strains(axial, self.lateral);
         let stress = self.law.stress(&strains, &mut self.history, self.width).stress;
         let state = self.law.state(&strains, &self.history, self.width);
-        Sample {
+        Reading {
             strain: axial,
             lateral_strain: self.lateral,
             stress: stress[0].into(),

@@ -38,7 +38,7 @@ const LAMBERT_SINGLE: [f64; 9] = [
     -0.395196114425409842,
     0.0724758959951340433,
 ];
-/// The same within 2e-14.
+/// -W(-T / e) / T over sqrt(1 - T), within 2e-14.
 const LAMBERT_DOUBLE: [f64; 19] = [
     0.999999999999984977,
     -1.41421356236223296,

@@ -21,11 +21,11 @@ pub struct Row {
     pub hourglass: f64,
     /// Spent in cracks, crushing and plastic flow, mJ.
     pub dissipated: f64,
-    /// Of the lower plate, MPa.
+    /// Stress on the lower plate, MPa.
     pub stress_bottom_mpa: f64,
-    /// Of the upper plate, MPa.
+    /// Stress on the upper plate, MPa.
     pub stress_top_mpa: f64,
-    /// s.
+    /// Time, s.
     pub time_s: f64,
 }
 
@@ -104,7 +104,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Those of `rows`; zeros where there are none.
+    /// Figures of `rows`; zeros where there are none.
     pub fn of(rows: &[Row]) -> Self {
         let peak = peak(rows);
         let (Some(top), Some(last)) = (rows.get(peak), rows.last()) else { return Self::default() };

@@ -25,7 +25,7 @@ pub(crate) struct Nodes {
 /// Sums over nodes in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
-    /// Of the lower and the upper plate on the specimen, along z, N.
+    /// Forces of the lower and the upper plate on the specimen, along z, N.
     pub(crate) plates: [f64; 2],
     /// Work of the plates, of the elements' forces, and of friction, mJ.
     pub(crate) external: f64,

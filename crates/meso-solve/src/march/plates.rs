@@ -7,7 +7,7 @@
 //! that this takes is the plate's. Friction takes away as much of its sliding as Coulomb's cone allows.
 
 use crate::error::SolveError;
-use crate::test::{Kind, Test};
+use crate::test::{Test, TestKind};
 use meso_collision::math::Aabb;
 use meso_mesh::Mesh;
 use meso_mesh::cells::Sides;
@@ -28,7 +28,7 @@ pub(crate) struct Contact {
 pub(crate) struct Plates {
     /// By node.
     pub(crate) contacts: Vec<Contact>,
-    kind: Kind,
+    kind: TestKind,
     friction: f64,
     /// Speed of the upper plate against the lower one once the ramp is over, upwards, mm/s.
     speed: f64,
@@ -59,7 +59,7 @@ pub(crate) struct Impact {
 }
 
 impl Plates {
-    /// Those of a test that lasts `duration_s`; `number` gives the engine's numbers of the mesh's nodes.
+    /// Plates of a test that lasts `duration_s`; `number` gives the engine's numbers of the mesh's nodes.
     ///
     /// # Errors
     /// Where no face of the specimen looks up or down.
@@ -82,7 +82,7 @@ impl Plates {
         contacts.sort_by_key(|contact| (contact.node, contact.plate));
         contacts.dedup_by_key(|contact| contact.node);
         let ramp_s = test.ramp * duration_s;
-        let sign = if test.kind == Kind::Compression { -1.0 } else { 1.0 };
+        let sign = if test.kind == TestKind::Compression { -1.0 } else { 1.0 };
         let speed = sign * test.strain() * aabb.size().z / (duration_s - 0.5 * ramp_s);
         Ok(Self { contacts, kind: test.kind, friction: test.friction, speed, ramp_s })
     }
@@ -120,8 +120,8 @@ impl Plates {
         let (travel, speed) = (-inward * motion.travel, -inward * motion.mean_speed);
         let free = *v;
         match self.kind {
-            Kind::Tension => *v = [-u[0] / dt, -u[1] / dt, (travel - u[2]) / dt],
-            Kind::Compression => {
+            TestKind::Tension => *v = [-u[0] / dt, -u[1] / dt, (travel - u[2]) / dt],
+            TestKind::Compression => {
                 // On the plate, the displacement makes good the gap.
                 let on_plate = travel - inward * contact.gap;
                 if (u[2] + dt * v[2] - on_plate) * inward >= 0.0 {
@@ -154,7 +154,7 @@ mod tests {
     const MASS: f64 = 2.0;
 
     fn plates(friction: f64) -> Plates {
-        Plates { contacts: Vec::new(), kind: Kind::Compression, friction, speed: -8.0, ramp_s: 0.5 }
+        Plates { contacts: Vec::new(), kind: TestKind::Compression, friction, speed: -8.0, ramp_s: 0.5 }
     }
 
     /// A node under the upper plate, which goes down by 0.01 mm in 0.001 s: its velocity `v` after the step, and the plate's

@@ -3,7 +3,7 @@
 use crate::march::curve::{Figures, Row, to_half_peak};
 use crate::march::run::Run;
 use crate::sample::Sample;
-use crate::test::{Control, Kind, LawName, Smoothing};
+use crate::test::{Control, LawName, Smoothing, TestKind};
 use meso_mesh::{Mesh, Phase, PhaseVolumes};
 use serde::Serialize;
 
@@ -34,7 +34,7 @@ pub struct Response {
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Compression or tension.
-    pub test: Kind,
+    pub test: TestKind,
     /// Coulomb's coefficient between plates and specimen.
     pub friction: f64,
     /// How the plates kept their speed.
@@ -62,7 +62,7 @@ pub struct Summary {
     pub figures: Figures,
     /// Largest kinetic over internal energy after the ramp; from half the peak on, where the peak lies within the ramp.
     pub kinetic_over_internal_max: f64,
-    /// The same until the stress has fallen to half its peak.
+    /// Largest kinetic over internal energy until the stress has fallen to half its peak.
     pub kinetic_over_internal_to_half_peak: f64,
     /// Largest difference of work and energies over the work.
     pub energy_balance_error: f64,
@@ -104,11 +104,11 @@ pub struct Energies {
 /// A phase of a test.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseResult {
-    /// Lower case.
+    /// Name in lower case.
     pub name: String,
-    /// Of its cells in the test, over the specimen's gross volume.
+    /// Volume of its cells in the test over the specimen's gross volume.
     pub volume_fraction: f64,
-    /// Of the exact bodies, where known.
+    /// Volume of the exact bodies over the specimen's, where known.
     pub exact_fraction: Option<f64>,
     /// Spent in its cells, mJ; in cohesive faces, too, for the ITZ.
     pub dissipated_mj: f64,
@@ -303,10 +303,11 @@ impl Summary {
         }
     }
 
-    /// Bands that are too wide for the energy of what happens in them.
+    /// Warns of bands that are too wide for the energy of cracking or crushing.
     fn warn_of_the_laws(&mut self, run: &Run) {
         for phase in Phase::ALL {
-            let (width, limits) = (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
+            let (width, limits) =
+                (run.outline.widest_mm[phase as usize], run.common.matter[phase as usize].widest_mm());
             let name = phase.name().to_ascii_lowercase();
             for (what, energy, limit) in [("cracks", "fracture", limits[0]), ("crushing", "crushing", limits[1])] {
                 if width > limit {

@@ -14,7 +14,7 @@
 const SOFTENING: f64 = 0.2;
 /// Shares of the largest elastic energy between which the plates slow down to that speed.
 const SLOWING: [f64; 2] = [0.99, 0.94];
-/// Those between which they return to full speed.
+/// Shares of the largest elastic energy between which the plates return to full speed.
 const RECOVERING: [f64; 2] = [0.2, 0.1];
 /// Rate of release beyond which the plates are held: largest elastic energies per duration of the test.
 const COLLAPSE: f64 = 2.5;

@@ -27,7 +27,7 @@ pub(super) struct Cracks {
 }
 
 impl Cracks {
-    /// Those of a moment; none where no crack is open enough.
+    /// The cracks of a moment; none where no crack is open enough.
     pub(super) fn of(mesh: &Mesh, snapshot: &Snapshot) -> Option<Self> {
         let opening = &snapshot.opening_mm;
         let least = least_shown(opening);
@@ -95,7 +95,7 @@ fn outside(mesh: &Mesh, cells: &[usize]) -> Vec<(usize, Vec<u32>)> {
     single.map(|same| (same[0].1, same[0].2.clone())).collect()
 }
 
-/// The same for both cells at a face.
+/// A key that both cells at a face share.
 fn key(kind: CellKind, face: &[u32]) -> [u32; 4] {
     let mut key = [u32::MAX; 4];
     debug_assert!(face.len() == kind.faces()[0].len());

@@ -38,13 +38,13 @@ pub struct Outcome<'a> {
     /// The moment that the page shows; a run that diverged at once has none.
     pub last: Option<&'a Snapshot>,
     /// How long it took.
-    pub seconds: Seconds,
+    pub seconds: TestSeconds,
 }
 
 /// Where a tested mesh came from.
 #[derive(Clone, Debug, Serialize)]
 pub struct Source {
-    /// Of mesocrete.
+    /// Version of mesocrete.
     pub version: &'static str,
     /// Seed of the packing.
     pub seed: u64,
@@ -55,7 +55,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// That of a mesh of `model`.
+    /// Source of a mesh of `model`.
     pub fn of(model: &Model, mesh: &MeshOptions) -> Self {
         let (seed, fraction) = (model.report.seed, model.report.fraction);
         Self { version: env!("CARGO_PKG_VERSION"), seed, fraction, mesh: mesh.clone() }
@@ -64,7 +64,7 @@ impl Source {
 
 /// How long the parts took, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Seconds {
+pub struct TestSeconds {
     /// Packing; 0 where a saved model was read.
     pub pack: f64,
     /// Meshing.
@@ -138,7 +138,7 @@ struct Figures<'a> {
     frames: Vec<FrameFigures<'a>>,
     #[serde(flatten)]
     source: &'a Source,
-    seconds: Seconds,
+    seconds: TestSeconds,
 }
 
 #[derive(Serialize)]

@@ -42,7 +42,7 @@ impl Moment {
 pub struct Snapshot {
     /// When.
     pub moment: Moment,
-    /// Of the mesh's nodes, mm.
+    /// Displacements of the mesh's nodes, mm.
     pub displacement: Vec<[f32; 3]>,
     /// xx yy zz xy yz zx in every cell, MPa; tension is positive.
     pub stress: Vec<[f32; 6]>,
@@ -57,7 +57,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// That of `frame`.
+    /// Fields of `frame`.
     pub fn of(frame: &Frame) -> Self {
         let (number, strain) = (frame.number(), frame.strain());
         Self {
@@ -72,7 +72,7 @@ impl Snapshot {
         }
     }
 
-    /// That of `run` as it stands, with the number 0.
+    /// Fields of `run` as it stands, with the number 0.
     pub fn now(run: &Run) -> Self {
         Self::of(&Frame::new(run, 0))
     }

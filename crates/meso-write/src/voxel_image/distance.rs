@@ -168,11 +168,11 @@ mod tests {
     use super::*;
     use meso_collision::geometry::convex_hull;
     use meso_concrete::aggregate::Kind;
-    use meso_concrete::aggregate::random::{Purpose, Stream};
+    use meso_concrete::aggregate::random::{Draw, Stream};
 
     /// Sixty hulls of ten points, each in a cube of 5 mm of its own.
     fn bodies() -> Vec<Aggregate> {
-        let mut stream = Stream::new(5, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(5, Draw::Sample, 0, 0);
         let body = |id: u32| {
             let corner = Vec3::new(f64::from(id % 4), f64::from(id / 4 % 5), f64::from(id / 20)) * 5.0;
             let size = stream.uniform(1.5, 4.5);

@@ -101,6 +101,12 @@ impl VoxelImage {
         self.frame().shape()
     }
 
+    /// Bytes of its values in a file.
+    pub fn bytes(&self) -> u64 {
+        let value = if self.quantity == Quantity::Phase { 1 } else { 4 };
+        self.shape().iter().fold(value, |bytes, &count| bytes * count as u64)
+    }
+
     /// The grid and the type of the values.
     pub(crate) fn frame(&self) -> Frame {
         Frame {

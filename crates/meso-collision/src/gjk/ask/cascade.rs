@@ -4,7 +4,7 @@
 
 use crate::geometry::CompactPolyhedron;
 use crate::gjk::body::{Body, Bounds};
-use crate::gjk::method::Method;
+use crate::gjk::method::Algorithm;
 use crate::gjk::pair::{Found, GroupPair, Pair, View};
 use crate::gjk::prove::ellipsoid::{Ellipsoids, Known};
 use crate::gjk::prove::exact::ExactPair;
@@ -74,7 +74,7 @@ impl Body {
     }
 }
 
-impl Method {
+impl Algorithm {
     /// [`Body::overlaps`] by this search from the first step, without the spheres and ellipsoids: for comparisons.
     pub fn overlap(self, a: &Body, b: &Body, b_from_a: &Vec3) -> bool {
         let query = Query { a, b, x: *b_from_a, gap: 0.0 };

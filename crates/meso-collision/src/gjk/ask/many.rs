@@ -171,7 +171,7 @@ mod tests {
     use super::*;
     use crate::geometry::convex_hull;
     use crate::gjk::body::Body;
-    use crate::gjk::method::Method;
+    use crate::gjk::method::Algorithm;
     use crate::math::Vec3;
     use crate::random::Stream;
     use crate::simd::{Isa, dispatch_on};
@@ -203,7 +203,7 @@ mod tests {
         let mut stream = Stream::new(3);
         let bodies: Vec<Body> = (0..40).map(|_| body(&mut stream)).collect();
         let queries = near_touch(&mut stream, &bodies, 1000);
-        let exact: Vec<bool> = queries.iter().map(|q| Method::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
+        let exact: Vec<bool> = queries.iter().map(|q| Algorithm::Exact.overlap(q.a, q.b, &q.b_from_a)).collect();
         for isa in Isa::ALL.into_iter().filter(|&isa| dispatch_on(isa, Pays)) {
             let (answers, open) = in_lockstep(isa, &queries);
             let right = answers.iter().zip(&exact).filter(|(answer, exact)| **answer == Some(**exact)).count();

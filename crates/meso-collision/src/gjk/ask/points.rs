@@ -1,7 +1,7 @@
 //! Questions about plain points: checked, brought to a common scale, searched, proved.
 
 use crate::gjk::error::{GjkError, Operand, check};
-use crate::gjk::method::Method;
+use crate::gjk::method::Algorithm;
 use crate::gjk::pair::Found;
 use crate::gjk::prove::exact::Decision;
 use crate::gjk::scaled::Scaled;
@@ -49,19 +49,19 @@ impl Verdict {
 /// # Ok::<(), gjk::GjkError>(())
 /// ```
 pub fn intersects(a: &[Vec3], b: &[Vec3]) -> Result<bool, GjkError> {
-    Method::default().intersects(a, b)
+    Algorithm::default().intersects(a, b)
 }
 
-impl Method {
+impl Algorithm {
     /// [`intersects`] by this search.
     ///
     /// # Errors
     /// As [`intersects`].
     ///
     /// ```
-    /// use meso_collision::{gjk::Method, math::Vec3};
+    /// use meso_collision::{gjk::Algorithm, math::Vec3};
     /// let [a, b] = [0.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
-    /// for method in Method::ALL {
+    /// for method in Algorithm::ALL {
     ///     assert!(!method.intersects(&a, &b)?);
     /// }
     /// # Ok::<(), meso_collision::gjk::GjkError>(())
@@ -72,7 +72,7 @@ impl Method {
         Ok(Scaled::new(a, b).overlap(self))
     }
 
-    /// [`Method::intersects`] of `a` with each of many bodies, in their order; most are told apart by their boxes.
+    /// [`Algorithm::intersects`] of `a` with each of many bodies, in their order; most are told apart by their boxes.
     ///
     /// To ask about the same bodies more than once, make [`Bodies`](crate::gjk::Bodies) of them.
     ///
@@ -80,9 +80,9 @@ impl Method {
     /// As [`intersects`]; the first offending body is named.
     ///
     /// ```
-    /// use meso_collision::{gjk::Method, math::Vec3};
+    /// use meso_collision::{gjk::Algorithm, math::Vec3};
     /// let [a, b] = [0.0, 2.0].map(|x| [Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
-    /// assert_eq!(Method::default().intersects_many(&a, [&a[..], &b])?, [true, false]);
+    /// assert_eq!(Algorithm::default().intersects_many(&a, [&a[..], &b])?, [true, false]);
     /// # Ok::<(), meso_collision::gjk::GjkError>(())
     /// ```
     pub fn intersects_many<'b>(
@@ -106,9 +106,9 @@ impl Method {
     /// As [`intersects`].
     ///
     /// ```
-    /// use meso_collision::{gjk::{Method, Verdict}, math::Vec3};
+    /// use meso_collision::{gjk::{Algorithm, Verdict}, math::Vec3};
     /// let a = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.0)];
-    /// let verdict = Method::default().verdict(&a, &[Vec3::new(2.0, 1.0, 0.0)])?;
+    /// let verdict = Algorithm::default().verdict(&a, &[Vec3::new(2.0, 1.0, 0.0)])?;
     /// let Verdict::Separated { direction, .. } = verdict else { panic!() };
     /// assert!(direction.x > 0.0);
     /// # Ok::<(), meso_collision::gjk::GjkError>(())
@@ -120,7 +120,7 @@ impl Method {
     }
 }
 
-fn proved(pair: &Scaled<'_>, method: Method) -> Verdict {
+fn proved(pair: &Scaled<'_>, method: Algorithm) -> Verdict {
     match pair.search(method) {
         Found::Apart(direction) => Verdict::Separated { direction, is_exact: false },
         Found::Overlap(corners) => intersecting(corners.pairs(), false),

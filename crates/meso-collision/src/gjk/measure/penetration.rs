@@ -54,7 +54,7 @@ impl Penetration {
     pub fn of(a: &[Vec3], b: &[Vec3]) -> Result<Option<Self>, GjkError> {
         check(a, Operand::A)?;
         check(b, Operand::B)?;
-        if !Scaled::new(a, b).overlap(crate::gjk::Method::default()) {
+        if !Scaled::new(a, b).overlap(crate::gjk::Algorithm::default()) {
             return Ok(None);
         }
         let exponent = power_to_one(a.iter().chain(b));

@@ -99,12 +99,12 @@ pub(super) fn around(centre: &Vec3, radius: f64) -> Aabb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use meso_concrete::aggregate::random::{Purpose, Stream};
+    use meso_concrete::aggregate::random::{Draw, Stream};
 
     #[test]
     fn the_clearance_is_that_of_the_nearest_ball_in_reach() {
         let domain = Aabb { min: Vec3::zeros(), max: Vec3::repeat(30.0) };
-        let mut stream = Stream::new(11, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(11, Draw::Sample, 0, 0);
         let mut draw = || (stream.point(&domain.min, &domain.max), stream.uniform(0.5, 4.0));
         let lying: Vec<(Vec3, f64)> = (0..400).map(|_| draw()).collect();
         let mut balls = ClearanceGrid::new(&domain, 5.0);

@@ -56,11 +56,11 @@ pub(super) fn between_axes(p: V, q: V, x: V) -> V {
 mod tests {
     use super::*;
     use meso_collision::math::Vec3;
-    use meso_concrete::aggregate::random::{Purpose, Stream};
+    use meso_concrete::aggregate::random::{Draw, Stream};
 
     #[test]
     fn no_points_of_two_axes_are_nearer_than_those_found() {
-        let mut stream = Stream::new(1, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(1, Draw::Sample, 0, 0);
         let mut inside = 0;
         for _ in 0..2000 {
             let [p, q, x] = [3.0, 2.0, 3.0].map(|long| stream.direction() * long);

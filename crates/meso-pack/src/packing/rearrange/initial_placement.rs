@@ -7,7 +7,7 @@ use crate::packing::{Pose, StopReason};
 use meso_collision::math::{Aabb, Vec3};
 use meso_concrete::aggregate::Grain;
 use meso_concrete::aggregate::Kind;
-use meso_concrete::aggregate::random::{Purpose, Stream};
+use meso_concrete::aggregate::random::{Draw, Stream};
 use meso_concrete::parallel;
 use meso_concrete::stop;
 use meso_concrete::watch::Stage;
@@ -108,7 +108,7 @@ impl Ground<'_> {
 
     fn best_position(&self, body: &Grain, row: &Row) -> Vec3 {
         stop::point();
-        let mut stream = Stream::new(self.task.request.target.seed, Purpose::Drop, body.class, u64::from(body.index));
+        let mut stream = Stream::new(self.task.request.target.seed, Draw::Drop, body.class, u64::from(body.index));
         let reach = self.task.reach(&body.body.aabb());
         let mut best = (f32::NEG_INFINITY, reach.min);
         for _ in 0..row.looks() {

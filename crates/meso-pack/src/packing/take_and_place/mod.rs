@@ -13,7 +13,7 @@ use meso_collision::gjk::{self, Counters};
 use meso_collision::math::{Aabb, Vec3};
 use meso_collision::simd::{Wide, widest};
 use meso_concrete::aggregate::grain::snap;
-use meso_concrete::aggregate::random::{Purpose, Stream};
+use meso_concrete::aggregate::random::{Draw, Stream};
 use meso_concrete::parallel;
 use meso_concrete::specimen::Period;
 use scene::{Candidate, Look, Looking, Scene, Scratch};
@@ -102,7 +102,7 @@ impl<'a> Search<'a> {
         Self {
             number,
             candidate: Candidate::new(grain),
-            stream: Stream::new(task.request.target.seed, Purpose::Place, grain.class, u64::from(grain.index)),
+            stream: Stream::new(task.request.target.seed, Draw::Place, grain.class, u64::from(grain.index)),
             attempts_left: if task.admits(grain) { attempts } else { 0 },
             ahead: Ahead { centres: [Vec3::zeros(); AHEAD], looks: [Look::Clear; AHEAD], left: 0 },
             found: None,

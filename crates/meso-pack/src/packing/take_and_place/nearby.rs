@@ -194,7 +194,7 @@ impl Nearby {
 mod tests {
     use super::*;
     use meso_collision::math::Vec3;
-    use meso_concrete::aggregate::random::{Purpose, Stream};
+    use meso_concrete::aggregate::random::{Draw, Stream};
 
     const DOMAIN: f64 = 30.0;
 
@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn near_bodies_are_named_once_each() {
         // More than fill a bucket of most cells, and more than a block of buckets.
-        let (nearby, boxes, _) = scene(&mut Stream::new(3, Purpose::Sample, 0, 0), 900);
+        let (nearby, boxes, _) = scene(&mut Stream::new(3, Draw::Sample, 0, 0), 900);
         assert!(nearby.buckets.0.len() > 1);
         for aabb in &boxes {
             let mut seen = vec![0; boxes.len()];
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn a_look_finds_a_ball_that_holds_the_point_wherever_one_does() {
-        let mut stream = Stream::new(4, Purpose::Sample, 0, 0);
+        let mut stream = Stream::new(4, Draw::Sample, 0, 0);
         let (nearby, _, balls) = scene(&mut stream, 600);
         let mut held = 0;
         for _ in 0..200 {

@@ -22,7 +22,7 @@ use crate::march::nodes::Nodes;
 use crate::march::plates::{Motion, Plates};
 use crate::march::servo::Servo;
 use crate::sample::Sample;
-use crate::test::{Control, Kind, LawName, Smoothing, Test};
+use crate::test::{Control, LawName, Smoothing, Test, TestKind};
 use meso_mesh::materials::Materials;
 use meso_mesh::{CellKind, Phase};
 use rayon::prelude::*;
@@ -76,10 +76,10 @@ pub(crate) struct State {
     pub(crate) progress: f64,
     /// Steps that the servo has added.
     pub(crate) held: f64,
-    /// Of the upper plate against the lower one in the last step, upwards, mm/s.
+    /// Speed of the upper plate against the lower one in the last step, upwards, mm/s.
     pub(crate) speed: f64,
     pub(crate) servo: Servo,
-    /// Of the upper plate against the lower one, upwards, mm.
+    /// Travel of the upper plate against the lower one, upwards, mm.
     pub(crate) travel: f64,
     pub(crate) external: f64,
     pub(crate) internal: f64,
@@ -200,7 +200,7 @@ impl<'a> Run<'a> {
     /// Adds a row of the curve from the steps since the last one, unless it holds what is no number.
     pub(crate) fn add_row(&mut self) -> bool {
         let [bottom, top, travel, count] = std::mem::take(&mut self.state.since_row);
-        let sign = if self.test.kind == Kind::Compression { -1.0 } else { 1.0 };
+        let sign = if self.test.kind == TestKind::Compression { -1.0 } else { 1.0 };
         let stress = |force: f64| sign * force / count / self.sample.section_mm2;
         let groups = || self.blocks.iter().flat_map(|block| &block.groups);
         let state = &self.state;

@@ -5,7 +5,7 @@ use super::section::{ACROSS, RAMP, picture};
 use super::{Outcome, Snapshot};
 use crate::march::Row;
 use crate::march::{Ended, Summary};
-use crate::test::Kind;
+use crate::test::TestKind;
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
@@ -39,7 +39,7 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
 
 fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let result = &outcome.response.result;
-    let test = if result.test == Kind::Compression { "Compression" } else { "Tension" };
+    let test = if result.test == TestKind::Compression { "Compression" } else { "Tension" };
     let title =
         format!("{test} test: {:.2} MPa at a strain of {:.5}", result.figures.peak_mpa, result.figures.peak_strain);
     write!(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n")?;

@@ -1,6 +1,6 @@
 //! Ranges of a deck's values besides those of its materials.
 
-use super::{Analysis, DeckOptions};
+use super::{Analysis, DeckOptions, Loading};
 use meso_concrete::{OutOfRange, Ranges};
 use meso_mesh::cells::Phase;
 use meso_mesh::materials::{MATERIALS, Materials};
@@ -29,6 +29,39 @@ pub(super) fn check(options: &DeckOptions) -> Result<(), OutOfRange> {
         return Err(DECK.error("heading", format!("{line:?}"), "a line must be ASCII and must not begin with *"));
     }
     materials(&options.materials).map_err(in_deck)
+}
+
+/// Refuses options without effect, in a deck of hexahedra or of tetrahedra. Their usual values are accepted.
+pub(super) fn effects(options: &DeckOptions, has_hexahedra: bool) -> Result<(), OutOfRange> {
+    let DeckOptions { geometry_only, loading, strain, .. } = options;
+    let (usual, is_explicit) = (Loading::default(), options.has_curve());
+    let analysis = if *geometry_only { Analysis::None } else { options.analysis };
+    let name = format!("{:?}", options.analysis).to_lowercase();
+    let geometry = "geometry_only leaves it out";
+    let explicit = "only the analyses compression and tension take it";
+    let asked = |key, value: f64, usual: f64| (key, value != usual, value.to_string());
+    let (friction, frames) = (loading.friction, f64::from(loading.frames));
+    for ((key, is_asked, value), has_effect, accepted) in [
+        (("analysis", options.analysis != Analysis::None, name), !geometry_only, geometry),
+        (("with_damage", options.with_damage, "true".to_owned()), !geometry_only, geometry),
+        (("reduced_integration", options.reduced_integration, "true".to_owned()), has_hexahedra, "only voxels take it"),
+        (
+            ("strain", strain.is_some(), strain.unwrap_or_default().to_string()),
+            analysis != Analysis::None,
+            "only an analysis takes it",
+        ),
+        (
+            asked("friction", friction, usual.friction),
+            analysis == Analysis::Compression,
+            "only the analysis compression takes it",
+        ),
+        (asked("frames", frames, f64::from(usual.frames)), is_explicit, explicit),
+        (asked("duration_s", loading.duration_s, usual.duration_s), is_explicit, explicit),
+        (asked("time_increment_s", loading.time_increment_s, usual.time_increment_s), is_explicit, explicit),
+    ] {
+        DECK.require(key, value, has_effect || !is_asked, accepted)?;
+    }
+    Ok(())
 }
 
 fn materials(values: &Materials) -> Result<(), OutOfRange> {

@@ -143,6 +143,14 @@ impl DeckOptions {
         if self.periodic_equations { periodic::check(mesh) } else { Ok(()) }
     }
 
+    /// Refuses options without effect on a deck of hexahedra, or of tetrahedra.
+    ///
+    /// # Errors
+    /// Names the option, its value and whom it serves.
+    pub fn validate_effects(&self, has_hexahedra: bool) -> Result<(), OutOfRange> {
+        limits::effects(self, has_hexahedra)
+    }
+
     /// Checks the values of cohesive elements before there is a mesh.
     ///
     /// # Errors

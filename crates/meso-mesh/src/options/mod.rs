@@ -1,6 +1,12 @@
-//! Options of a mesh: [`MeshOptions`], and the flat table of names that users write ([`MeshTable`]).
+//! Options of a mesh that is to be built: [`MeshOptions`]. Users ask for them by name, in a [`MeshTable`].
+
+mod memory;
+mod table;
+
+pub use table::{MeshTable, Purpose};
 
 use super::error::MeshError;
+use meso_concrete::Room;
 use meso_concrete::aggregate::{Aggregate, Itz};
 use meso_concrete::specimen::Specimen;
 use serde::{Deserialize, Serialize};
@@ -128,11 +134,10 @@ pub enum ItzForm {
 }
 
 impl ItzForm {
-    /// The form that elements can show without more being asked for: a solid layer, or none where the elements are too
-    /// coarse for it.
+    /// The form that elements resolve by default: a solid layer, or none if the elements are thicker than the shells.
     ///
-    /// Voxels and plain lattices have whole elements alone. Shells thinner than one would come out several times too
-    /// thick, at the aggregates' expense.
+    /// Voxels and plain lattices have only whole elements. Thinner shells would come out several times too thick, at the
+    /// aggregates' expense.
     pub fn carried_by(method: MethodName, fit: Fit, element_size_mm: f64, itz: &Itz) -> Self {
         let whole_elements = method == MethodName::Voxel || (method == MethodName::Lattice && fit == Fit::Plain);
         if whole_elements && element_size_mm > itz.thickness_mm[0] { Self::None } else { Self::Solid }
@@ -226,6 +231,18 @@ impl MeshOptions {
         self.validate_order()
     }
 
+    /// The gaps between aggregates that this mesh needs; `None` if it needs none.
+    ///
+    /// The facets of a conforming mesh must not touch. In a test, aggregates that share nodes form a skeleton that never
+    /// breaks; half an element resolves most gaps.
+    pub fn room(&self, purpose: Purpose) -> Option<Room> {
+        match (self.method, purpose) {
+            (Method::Conforming { .. }, _) => Some(Room::Everywhere(MeshError::ADVISED_GAP_MM)),
+            (_, Purpose::Test | Purpose::FirstTest) => Some(Room::Between(self.element_size_mm / 2.0)),
+            (_, Purpose::Mesh) => None,
+        }
+    }
+
     /// The thickness of an aggregate's shell as a layer of solid elements, mm; 0 for none.
     pub(super) fn shell_mm(&self, aggregate: &Aggregate) -> f64 {
         match self.itz {
@@ -248,157 +265,4 @@ fn validate_count(key: &'static str, count: u32, most: u32) -> Result<(), MeshEr
         return Ok(());
     }
     Err(MeshError::option(key, count, format!("it must be 1 to {most}")))
-}
-
-/// [`MeshOptions`] as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must
-/// keep its default.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default, deny_unknown_fields)]
-pub struct MeshTable {
-    /// As [`MeshOptions::method`].
-    pub method: MethodName,
-    /// As [`MeshOptions::element_size_mm`].
-    pub element_size_mm: f64,
-    /// As [`MeshOptions::itz`]; absent: what the elements can show, see [`ItzForm::carried_by`].
-    pub itz: Option<ItzForm>,
-    /// As [`MeshOptions::joined`].
-    pub joined: Joined,
-    /// As [`MeshOptions::volumes`].
-    pub volumes: Volumes,
-    /// As [`MeshOptions::narrow_gaps`].
-    pub narrow_gaps: NarrowGaps,
-    /// Voxels alone.
-    pub thin_itz: bool,
-    /// Voxels alone.
-    pub subsamples: u32,
-    /// Lattices alone.
-    pub fit: Fit,
-    /// 1 or 2; voxels take 1.
-    pub order: u32,
-    /// Conforming meshes alone.
-    pub slabs: Option<u32>,
-}
-
-#[expect(clippy::derivable_impls, reason = "the defaults are those of the options, not of the types")]
-impl Default for MeshTable {
-    fn default() -> Self {
-        Self { itz: None, ..MeshOptions::default().into() }
-    }
-}
-
-impl From<MeshOptions> for MeshTable {
-    fn from(options: MeshOptions) -> Self {
-        let MeshOptions { method, element_size_mm, itz, joined, volumes, narrow_gaps } = options;
-        let order = if method.order() == Order::Quadratic { 2 } else { 1 };
-        let (mut thin_itz, mut subsamples, mut fit, mut slabs) = (false, 1, Fit::Fitted, None);
-        match method {
-            Method::Voxel { thin_itz: thin, subsamples: samples } => (thin_itz, subsamples) = (thin, samples),
-            Method::Lattice { fit: own, .. } => fit = own,
-            Method::Conforming { slabs: own, .. } => slabs = own,
-        }
-        let (method, itz) = (method.name(), Some(itz));
-        Self { method, element_size_mm, itz, joined, volumes, narrow_gaps, thin_itz, subsamples, fit, order, slabs }
-    }
-}
-
-impl TryFrom<MeshTable> for MeshOptions {
-    type Error = MeshError;
-
-    /// # Errors
-    /// Names an option that belongs to another method, and an order that no element has.
-    fn try_from(table: MeshTable) -> Result<Self, MeshError> {
-        table.refuse_foreign()?;
-        let order = table.order()?;
-        let MeshTable { element_size_mm, itz, joined, volumes, narrow_gaps, thin_itz, subsamples, fit, slabs, .. } =
-            table;
-        let method = match table.method {
-            MethodName::Voxel => Method::Voxel { thin_itz, subsamples },
-            MethodName::Lattice => Method::Lattice { fit, order },
-            MethodName::Conforming => Method::Conforming { order, slabs },
-        };
-        Ok(Self { method, element_size_mm, itz: itz.unwrap_or(ItzForm::Solid), joined, volumes, narrow_gaps })
-    }
-}
-
-impl MeshTable {
-    /// The defaults of a test, in a deck with an analysis and in the solver alike: interfaces without steps, no skeleton of
-    /// joined aggregates, phases of their own volumes, gaps in which mortar can flow, and an ITZ that costs no small steps.
-    pub fn of_a_test() -> Self {
-        Self {
-            method: MethodName::Lattice,
-            itz: Some(ItzForm::Smeared),
-            joined: Joined::Mortar,
-            volumes: Volumes::Exact,
-            narrow_gaps: NarrowGaps::Split,
-            ..Self::default()
-        }
-    }
-
-    /// The options that this table gives to a method which does not have them: name, value and that method.
-    pub fn foreign(&self) -> impl Iterator<Item = (&'static str, String, MethodName)> {
-        let slabs = self.slabs.map_or_else(String::new, |slabs| slabs.to_string());
-        let fit = format!("{:?}", self.fit).to_lowercase();
-        let all = [
-            ("fit", self.fit != Fit::Fitted, fit, MethodName::Lattice),
-            ("thin_itz", self.thin_itz, self.thin_itz.to_string(), MethodName::Voxel),
-            ("subsamples", self.subsamples != 1, self.subsamples.to_string(), MethodName::Voxel),
-            ("slabs", self.slabs.is_some(), slabs, MethodName::Conforming),
-        ];
-        let method = self.method;
-        let foreign = all.into_iter().filter(move |(_, given, _, of)| *given && *of != method);
-        foreign.map(|(key, _, value, of)| (key, value, of))
-    }
-
-    /// Checks the ranges of the options that only one method has, whether or not it is this one.
-    ///
-    /// # Errors
-    /// Names the option, its value and what is accepted.
-    pub fn validate_ranges(&self) -> Result<(), MeshError> {
-        validate_count("subsamples", self.subsamples, MAX_SUBSAMPLES)?;
-        self.slabs.map_or(Ok(()), |slabs| validate_count("slabs", slabs, MAX_SLABS))
-    }
-
-    /// The same table with the form of the ITZ that its elements can show, where it names none.
-    #[must_use]
-    pub fn with_itz_for(self, itz: &Itz) -> Self {
-        let carried = match self.thin_itz {
-            true => ItzForm::Solid,
-            false => ItzForm::carried_by(self.method, self.fit, self.element_size_mm, itz),
-        };
-        Self { itz: Some(self.itz.unwrap_or(carried)), ..self }
-    }
-
-    /// The same table without the options of other methods.
-    #[must_use]
-    pub fn without_foreign(mut self) -> Self {
-        let usual = Self::default();
-        if self.method != MethodName::Voxel {
-            (self.thin_itz, self.subsamples) = (usual.thin_itz, usual.subsamples);
-        }
-        if self.method != MethodName::Lattice {
-            self.fit = usual.fit;
-        }
-        if self.method != MethodName::Conforming {
-            self.slabs = usual.slabs;
-        }
-        self
-    }
-
-    fn refuse_foreign(&self) -> Result<(), MeshError> {
-        let Some((key, value, of)) = self.foreign().next() else { return Ok(()) };
-        let accepted = format!("only the method {} takes it", format!("{of:?}").to_lowercase());
-        Err(MeshError::option(key, value, accepted))
-    }
-
-    fn order(&self) -> Result<Order, MeshError> {
-        match (self.order, self.method) {
-            (1, _) => Ok(Order::Linear),
-            (2, MethodName::Voxel) => {
-                Err(MeshError::option("order", 2, "voxels take 1; the methods lattice and conforming take 2"))
-            }
-            (2, _) => Ok(Order::Quadratic),
-            _ => Err(MeshError::option("order", self.order, "it must be 1 or 2")),
-        }
-    }
 }

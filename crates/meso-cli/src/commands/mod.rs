@@ -6,7 +6,6 @@ pub(crate) mod convert;
 pub(crate) mod image;
 pub(crate) mod init;
 pub(crate) mod mesh;
-mod mesh_report;
 mod meshing;
 mod names;
 pub(crate) mod pack;

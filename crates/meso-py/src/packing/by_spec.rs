@@ -1,12 +1,14 @@
 //! `pack`: Python's arguments are checked, then packed beside Python.
 
-use crate::boundary::guard;
+use crate::boundary::{guard, mesh_error, wrong_type, wrong_value};
+use crate::mesh;
 use crate::packing::PyPacking;
 use crate::run::{Plan, Watch, beside_python_on, checked_threads, listener};
 use crate::{spec, tree};
+use meso_core::mesh::{MeshTable, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Silent, Spec};
-use pyo3::exceptions::{PyTypeError, PyUserWarning, PyValueError};
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict};
 use std::ffi::CString;
@@ -17,7 +19,7 @@ use std::sync::Arc;
 /// Parameters
 /// ----------
 /// spec : None, dict, path or Spec
-///     What to pack; None is the paper's specimen.
+///     The spec; None is the paper's specimen.
 /// seed : int, optional
 ///     Replaces the spec's seed; 0 to 2^64 - 1.
 /// fraction : float, optional
@@ -26,6 +28,14 @@ use std::sync::Arc;
 ///     All cores when absent. It changes the time, never the result.
 /// time_limit : float, optional
 ///     Stop after so many seconds with the best packing found; replaces the spec's.
+/// for_test : bool, optional
+///     Whether the packing is for a test: aggregates keep gaps of half an element, or less in dense packings, where the
+///     spec leaves `min_gap_mm` at 0. `mesocrete pack --analysis compression` packs in the same way.
+/// method : str, optional
+///     Method of the mesh that follows. "conforming" needs gaps of 0.05 mm, which are left where the spec has none. It
+///     is "lattice" by default with `for_test`.
+/// element_size : float, optional
+///     Edge length of the elements of the mesh that follows, mm; default 2.
 /// progress : bool or callable, optional
 ///     True shows a bar, in a notebook, too. A callable is called about 25 times a second as `progress(done, total)`:
 ///     `total` is the fraction asked for, and `done` never falls. If it has a parameter `stage`, it gets the stage's
@@ -55,8 +65,9 @@ use std::sync::Arc;
 ///     too small for a single aggregate.
 #[pyfunction]
 #[pyo3(
-    signature = (spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, progress=None, **others),
-    text_signature = "(spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, progress=None)"
+    signature = (spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, for_test=false, method=None,
+        element_size=None, progress=None, **others),
+    text_signature = "(spec=None, *, seed=None, fraction=None, threads=None, time_limit=None, for_test=False, method=None, element_size=None, progress=None)"
 )]
 #[allow(clippy::too_many_arguments, reason = "keywords of one call")]
 pub(crate) fn pack(
@@ -66,6 +77,9 @@ pub(crate) fn pack(
     fraction: Option<&Bound<'_, PyAny>>,
     threads: Option<&Bound<'_, PyAny>>,
     time_limit: Option<&Bound<'_, PyAny>>,
+    for_test: bool,
+    method: Option<&Bound<'_, PyAny>>,
+    element_size: Option<&Bound<'_, PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
     others: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<PyPacking> {
@@ -77,6 +91,7 @@ pub(crate) fn pack(
         let seconds = |limit| checked_number("time_limit", "a number of seconds", limit);
         let time_limit = time_limit.map(seconds).transpose()?;
         let threads = threads.map(checked_threads).transpose()?;
+        let table = mesh::table(method, element_size, &PyDict::new(py))?;
         let progress = listener(py, progress)?;
         let plan = Plan::new(&STAGES, fraction);
         let mut spec = match given.may_take_long() {
@@ -90,6 +105,9 @@ pub(crate) fn pack(
         spec.fraction = fraction.unwrap_or(spec.fraction);
         spec.placement.time_limit_s = time_limit.or(spec.placement.time_limit_s);
         spec.validate().map_err(|error| spec::spec_error(&error))?;
+        if for_test || table != MeshTable::default() {
+            leave_room(&mut spec, &table, mesh::purpose(for_test))?;
+        }
         warn_of(py, &spec)?;
         let plan = plan.of_whole(spec.fraction);
         let work = move |watch: &Watch| meso_core::pack(&spec, watch);
@@ -101,10 +119,18 @@ pub(crate) fn pack(
 /// The stages with their weights; the first is for surfaces alone.
 const STAGES: [(Stage, f64); 4] = [(Stage::Read, 8.0), (Stage::Take, 2.0), (Stage::Place, 5.0), (Stage::Prove, 1.0)];
 
-/// What to pack is one argument.
+/// Sets the gaps that the mesh needs and the spec leaves open.
+fn leave_room(spec: &mut Spec, table: &MeshTable, purpose: Purpose) -> PyResult<()> {
+    let options = table.resolve(purpose, &spec.itz).map_err(mesh_error)?;
+    options.validate(&spec.specimen).map_err(mesh_error)?;
+    options.room(purpose).and_then(|room| spec.leave_room(room));
+    spec.validate().map_err(|error| spec::spec_error(&error))
+}
+
+/// The error of an unknown keyword: a spec is one argument.
 fn unknown(name: &Bound<'_, PyAny>) -> PyErr {
     let way_out = "what to pack is one argument, as mc.pack(mc.Spec(specimen=mc.Specimen.cube(100)))";
-    PyTypeError::new_err(format!("pack() has no argument {name}; {way_out}"))
+    wrong_type(format!("pack() has no argument {name}; {way_out}"))
 }
 
 /// Hopeless targets and the like are `UserWarning`s at the caller's line, before the work.
@@ -117,9 +143,9 @@ fn checked_seed(seed: &Bound<'_, PyAny>) -> PyResult<u64> {
     let given = || tree::type_name(seed);
     // numpy's integers count by __index__; True is a mistake.
     if seed.is_instance_of::<PyBool>() || !seed.hasattr("__index__")? {
-        return Err(PyTypeError::new_err(format!("seed is of type {}; it must be an int from 0 to 2^64 - 1", given())));
+        return Err(wrong_type(format!("seed is of type {}; it must be an int from 0 to 2^64 - 1", given())));
     }
-    seed.extract().map_err(|_| PyValueError::new_err(format!("seed is {seed}; it must be an int from 0 to 2^64 - 1")))
+    seed.extract().map_err(|_| wrong_value(format!("seed is {seed}; it must be an int from 0 to 2^64 - 1")))
 }
 
 fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
@@ -130,5 +156,5 @@ fn checked_fraction(fraction: &Bound<'_, PyAny>) -> PyResult<f64> {
 fn checked_number(name: &str, accepted: &str, value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let number = if value.is_instance_of::<PyBool>() { None } else { value.extract().ok() };
     let given = || tree::type_name(value);
-    number.ok_or_else(|| PyTypeError::new_err(format!("{name} is of type {}; it must be {accepted}", given())))
+    number.ok_or_else(|| wrong_type(format!("{name} is of type {}; it must be {accepted}", given())))
 }

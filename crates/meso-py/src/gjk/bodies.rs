@@ -1,206 +1,16 @@
-//! `mesocrete.gjk`: certified collision of convex hulls of points.
+//! `Bodies`: many hulls, prepared once and asked often.
 
-use crate::aggregate::PyAggregate;
+use super::{CHUNK, each, gjk_error, one_vector, vertices};
 use crate::arrays::{IndexArray, PointArray, from_indices, from_points, points};
-use crate::boundary::guard;
-use crate::polyhedron::PyPolyhedron;
-use crate::tree::type_name;
+use crate::boundary::{guard, wrong_type, wrong_value};
 use meso_concrete::thousands;
-use meso_core::gjk::{self, Bodies, GjkError, Impact, Method, Penetration};
+use meso_core::gjk::Bodies;
 use meso_core::math::{Rotation, Vec3};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::PyTuple;
 use std::sync::Arc;
-
-/// Bodies read or answered between two looks for Ctrl-C: some milliseconds.
-const CHUNK: usize = 4096;
-
-/// The points of an array, or the vertices of a body of this package.
-fn vertices(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<Vec3>> {
-    if let Ok(body) = object.cast::<PyPolyhedron>() {
-        return Ok(body.get().0.vertices().to_vec());
-    }
-    if let Ok(aggregate) = object.cast::<PyAggregate>() {
-        return Ok(aggregate.get().0.body.vertices().to_vec());
-    }
-    points(name, object)
-}
-
-/// Whether the convex hulls of `a` and `b` share a point.
-///
-/// Parameters
-/// ----------
-/// a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
-///     Hulls of any dimension; closed sets, so touching counts. Any finite numbers.
-/// method : str
-///     The search that proposes the answer: "enhanced", "classical", "signed-volumes" or "exact". The answer is
-///     certified and does not depend on it.
-///
-/// Raises
-/// ------
-/// ValueError, TypeError
-///     For arrays that are no (n, 3) array of finite numbers, and for an unknown method.
-#[pyfunction]
-#[pyo3(signature = (a, b, method="enhanced"))]
-pub(crate) fn intersects(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>, method: &str) -> PyResult<bool> {
-    guard(|| {
-        let (a, b, method) = (vertices("a", a)?, vertices("b", b)?, parse(method)?);
-        py.detach(|| method.intersects(&a, &b)).map_err(|error| gjk_error(&error))
-    })
-}
-
-/// Distance of the convex hulls of `a` and `b`, in the unit of the arrays; 0.0 exactly when they share a point.
-///
-/// Parameters
-/// ----------
-/// a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
-///
-/// Raises
-/// ------
-/// ValueError, TypeError
-///     For arrays that are no (n, 3) array of finite numbers.
-#[pyfunction]
-pub(crate) fn distance(py: Python<'_>, a: &Bound<'_, PyAny>, b: &Bound<'_, PyAny>) -> PyResult<f64> {
-    guard(|| {
-        let (a, b) = (vertices("a", a)?, vertices("b", b)?);
-        py.detach(|| gjk::distance(&a, &b)).map_err(|error| gjk_error(&error))
-    })
-}
-
-/// A point of each convex hull: the two that are nearest each other, or one that both share, twice.
-///
-/// Parameters
-/// ----------
-/// a, b : array_like, shape (n, 3), or Aggregate, or Polyhedron
-///
-/// Returns
-/// -------
-/// ndarray, shape (2, 3), float64
-///     Row 0 lies in `a`, row 1 in `b`. Each coordinate is the exact one, rounded once.
-///
-/// Raises
-/// ------
-/// ValueError, TypeError
-///     For arrays that are no (n, 3) array of finite numbers.
-#[pyfunction]
-pub(crate) fn closest_points<'py>(
-    py: Python<'py>,
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-) -> PyResult<PointArray<'py>> {
-    guard(|| {
-        let (a, b) = (vertices("a", a)?, vertices("b", b)?);
-        let found = py.detach(|| gjk::closest_points(&a, &b)).map_err(|error| gjk_error(&error))?;
-        from_points(py, &found)
-    })
-}
-
-/// A unit vector, shape (3,).
-type Direction<'py> = Bound<'py, PyArray1<f64>>;
-
-/// The fields of `mesocrete.gjk.penetration`: depth, at_least, direction.
-#[pyfunction]
-pub(crate) fn penetration<'py>(
-    py: Python<'py>,
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-) -> PyResult<Option<(f64, f64, Direction<'py>)>> {
-    guard(|| {
-        let (a, b) = (vertices("a", a)?, vertices("b", b)?);
-        let found = py.detach(|| Penetration::of(&a, &b)).map_err(|error| gjk_error(&error))?;
-        Ok(found.map(|Penetration { depth, at_least, direction }| (depth, at_least, vector(py, &direction))))
-    })
-}
-
-/// The fields of `mesocrete.gjk.time_of_impact`: not_before, by, direction.
-#[pyfunction]
-pub(crate) fn time_of_impact<'py>(
-    py: Python<'py>,
-    a: &Bound<'py, PyAny>,
-    b: &Bound<'py, PyAny>,
-    motion: &Bound<'py, PyAny>,
-) -> PyResult<Option<(f64, Option<f64>, Direction<'py>)>> {
-    guard(|| {
-        let (a, b, motion) = (vertices("a", a)?, vertices("b", b)?, one_vector("motion", motion)?);
-        let found = py.detach(|| Impact::of(&a, &b, &motion)).map_err(|error| gjk_error(&error))?;
-        Ok(found.map(|Impact { not_before, by, direction }| (not_before, by, vector(py, &direction))))
-    })
-}
-
-fn vector<'py>(py: Python<'py>, v: &Vec3) -> Direction<'py> {
-    PyArray1::from_slice(py, v.as_slice())
-}
-
-/// An array of shape (3,).
-fn one_vector(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec3> {
-    let row = PyList::new(object.py(), [object])?;
-    match points(name, &row) {
-        Ok(rows) => Ok(rows[0]),
-        Err(error) => {
-            Err(PyValueError::new_err(format!("{name} must be three finite numbers ({})", error.value(object.py()))))
-        }
-    }
-}
-
-/// `intersects` of `a` with each of many bodies.
-///
-/// Boxes tell most bodies apart. To ask about the same bodies again, make `Bodies` of them.
-///
-/// Parameters
-/// ----------
-/// a : array_like, shape (n, 3), or Aggregate, or Polyhedron
-/// bodies : iterable of the same
-/// method : str
-///     As in `intersects`.
-///
-/// Returns
-/// -------
-/// ndarray, shape (len(bodies),), bool
-#[pyfunction]
-#[pyo3(signature = (a, bodies, method="enhanced"))]
-pub(crate) fn intersects_many<'py>(
-    py: Python<'py>,
-    a: &Bound<'py, PyAny>,
-    bodies: &Bound<'py, PyAny>,
-    method: &str,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    guard(|| {
-        let (a, method) = (vertices("a", a)?, parse(method)?);
-        let bodies = each(bodies)?;
-        let mut answers = Vec::with_capacity(bodies.len());
-        for chunk in bodies.chunks(CHUNK) {
-            let chunk = || method.intersects_many(&a, chunk.iter().map(Vec::as_slice));
-            answers.extend(py.detach(chunk).map_err(|error| gjk_error(&error))?);
-            py.check_signals()?;
-        }
-        Ok(PyArray1::from_vec(py, answers))
-    })
-}
-
-/// Every body as points, named by its place.
-fn each(bodies: &Bound<'_, PyAny>) -> PyResult<Vec<Vec<Vec3>>> {
-    let given = type_name(bodies);
-    let items = bodies.try_iter().map_err(|_| {
-        PyTypeError::new_err(format!("bodies is of type {given}; it must be an iterable of (n, 3) arrays"))
-    })?;
-    let body = |(i, body): (usize, PyResult<Bound<'_, PyAny>>)| {
-        if i % CHUNK == 0 {
-            bodies.py().check_signals()?;
-        }
-        vertices(&format!("bodies[{i}]"), &body?)
-    };
-    items.enumerate().map(body).collect()
-}
-
-fn parse(method: &str) -> PyResult<Method> {
-    method.parse().map_err(|error| gjk_error(&error))
-}
-
-fn gjk_error(error: &GjkError) -> PyErr {
-    PyValueError::new_err(error.to_string())
-}
 
 /// Convex bodies that are laid out once and asked often.
 ///
@@ -209,8 +19,8 @@ fn gjk_error(error: &GjkError) -> PyErr {
 /// bodies : iterable of array_like, shape (n, 3), or Aggregate, or Polyhedron
 ///     Hulls of any dimension, closed, in one frame and any unit. Any finite numbers.
 ///
-/// All answers are exact for the points and shifts as given, as those of `intersects` are. Of a solid the corners of its
-/// hull are kept, and points inside are dropped.
+/// All answers are exact for the points and shifts as given, as those of `intersects` are. A solid keeps the corners of its
+/// hull; points inside are dropped.
 ///
 /// Raises
 /// ------
@@ -300,7 +110,7 @@ impl PyBodies {
             };
             if shifts.len() != numbers.len() {
                 let (rows, pairs) = (shifts.len(), numbers.len());
-                return Err(PyValueError::new_err(format!(
+                return Err(wrong_value(format!(
                     "shifts has {rows} rows; there must be one for each of {pairs} pairs"
                 )));
             }
@@ -340,7 +150,7 @@ impl PyBodies {
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         guard(|| {
             if !(gap >= 0.0 && gap.is_finite()) {
-                return Err(PyValueError::new_err(format!("gap is {gap}; it must be finite and at least 0")));
+                return Err(wrong_value(format!("gap is {gap}; it must be finite and at least 0")));
             }
             let (a, shifts) = (one_body("a", a)?, points("shifts", shifts)?);
             let mut answers = Vec::with_capacity(shifts.len());
@@ -355,7 +165,7 @@ impl PyBodies {
 
     /// The bodies turned about the origin, if at all, and then displaced.
     ///
-    /// Each coordinate is rounded, so that answers are exact for what `points` then returns.
+    /// Each coordinate is rounded, so that answers are exact for the points that `points` then returns.
     ///
     /// Parameters
     /// ----------
@@ -380,7 +190,7 @@ impl PyBodies {
             let rotations = rotations.map_or(Ok(vec![Rotation::identity(); n]), |given| quaternions(given, n))?;
             if positions.len() != n {
                 let rows = positions.len();
-                return Err(PyValueError::new_err(format!(
+                return Err(wrong_value(format!(
                     "positions has {rows} rows; there must be one for each of {n} bodies"
                 )));
             }
@@ -442,12 +252,12 @@ fn index_pairs(object: &Bound<'_, PyAny>, own: usize, others: usize) -> PyResult
     }
     if shape.len() != 2 || shape[1] != 2 {
         let shape = array.getattr("shape")?;
-        return Err(PyValueError::new_err(format!("pairs has shape {shape}; it must be (m, 2)")));
+        return Err(wrong_value(format!("pairs has shape {shape}; it must be (m, 2)")));
     }
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !matches!(kind.as_str(), "i" | "u") {
         let dtype = array.getattr("dtype")?;
-        return Err(PyTypeError::new_err(format!("pairs has dtype {dtype}; it must hold integers")));
+        return Err(wrong_type(format!("pairs has dtype {dtype}; it must hold integers")));
     }
     let array = array.call_method1("astype", ("int64",))?;
     let array = object.py().import("numpy")?.call_method1("ascontiguousarray", (array,))?;
@@ -458,9 +268,7 @@ fn index_pairs(object: &Bound<'_, PyAny>, own: usize, others: usize) -> PyResult
         if known {
             Ok([i as u32, j as u32])
         } else {
-            Err(PyValueError::new_err(format!(
-                "pairs[{row}] is ({i}, {j}); there are {own} and {others} bodies, from 0 on"
-            )))
+            Err(wrong_value(format!("pairs[{row}] is ({i}, {j}); there are {own} and {others} bodies, from 0 on")))
         }
     };
     numbers.as_slice()?.chunks_exact(2).enumerate().map(pair).collect()
@@ -479,12 +287,12 @@ fn quaternions(object: &Bound<'_, PyAny>, n: usize) -> PyResult<Vec<Rotation>> {
         if length.is_normal() {
             return Ok(Rotation::new_normalize([q[0], q[1], q[2], q[3]].into()));
         }
-        Err(PyValueError::new_err(format!("rotations[{row}] is {q:?}; it must be finite and not 0")))
+        Err(wrong_value(format!("rotations[{row}] is {q:?}; it must be finite and not 0")))
     };
     array.readonly().as_slice()?.chunks_exact(4).enumerate().map(rotation).collect()
 }
 
 fn wrong_rotations(array: &Bound<'_, PyAny>, n: usize) -> PyErr {
     let shape = array.getattr("shape").map_or_else(|_| "another".to_owned(), |shape| shape.to_string());
-    PyValueError::new_err(format!("rotations has shape {shape}; it must be ({n}, 4): x, y, z, w of each body"))
+    wrong_value(format!("rotations has shape {shape}; it must be ({n}, 4): x, y, z, w of each body"))
 }

@@ -1,25 +1,23 @@
 //! `mesocrete solve`: the test itself, from a model, a spec or nothing to the stress-strain curve.
 
-mod division;
 mod folder;
 mod watch;
 
-use super::meshing::flag;
+use super::meshing::{MeshFlags, MeshSettings, wrong_option};
 use super::shared::{Threads, Writing};
 use super::{names, values};
 use crate::failure::{Failure, INTERRUPTED, RUN};
 use crate::interrupt::Polling;
 use crate::progress::{PACK, Watch};
-use crate::{inputs, interrupt, stderr};
-use division::Division;
+use crate::{inputs, interrupt, room, stderr};
 use folder::{CHECKPOINT, Folder, Kept, Written};
 use meso_concrete::thousands;
-use meso_core::mesh::{ItzForm, Mesh, MeshOptions};
-use meso_core::specimen::Specimen;
+use meso_core::aggregate::Itz as Shells;
+use meso_core::mesh::{ItzForm, Mesh, MethodName, Order, Purpose};
 use meso_core::watch::Stage;
 use meso_core::{Model, Spec};
-use meso_solve::results::{Moment, Outcome, ResultFile, Seconds, Snapshot, Source, sample_of};
-use meso_solve::{Control, Ended, Kind, LawName, Response, Run, Smoothing, SolveError, Test};
+use meso_solve::results::{Moment, Outcome, ResultFile, Snapshot, Source, TestSeconds, sample_of};
+use meso_solve::{Control, Ended, LawName, Response, Run, Smoothing, SolveError, Test, TestKind};
 use meso_study::{NameError, Names};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,9 +31,9 @@ pub(crate) struct Args {
     /// Folder of the results: curve.csv, result.json, frames.pvd with its .vtu files, result.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     output: PathBuf,
-    #[arg(long, default_value = "compression", value_parser = names::parse::<Kind>)]
-    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<Kind>()))]
-    test: Kind,
+    #[arg(long, default_value = "compression", value_parser = names::parse::<TestKind>)]
+    #[arg(help = format!("Load on the specimen, along z: {}", names::list::<TestKind>()))]
+    test: TestKind,
     /// Friction between plates and specimen; in tension the plates are glued on
     #[arg(long, value_name = "MU", default_value_t = Test::default().friction, value_parser = values::number)]
     #[arg(allow_negative_numbers = true)]
@@ -79,7 +77,7 @@ pub(crate) struct Args {
     #[command(flatten)]
     writing: Writing,
     #[command(flatten)]
-    division: Division,
+    mesh: MeshFlags,
 }
 
 /// A law by its name, as clap shows it.
@@ -102,16 +100,16 @@ pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
 
 fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let started = Instant::now();
-    let (test, materials) = (args.test(), args.division.materials()?);
+    let (test, materials) = (args.test(), args.mesh.materials()?);
     meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
     args.validate()?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
-    let mut seconds = Seconds::default();
-    let Some((model, options)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
-    let mesh = args.mesh(&model, &options, &mut seconds)?;
-    let source = Source::of(&model, &options);
-    let sample = sample_of(&mesh, &model, &options);
+    let mut seconds = TestSeconds::default();
+    let Some((model, settings)) = args.model(&mut seconds)? else { return Ok(INTERRUPTED) };
+    let mesh = args.divide(&model, &settings, &mut seconds)?;
+    let source = Source::of(&model, &settings.options);
+    let sample = sample_of(&mesh, &model, &settings.options);
     drop(model);
     let begun = Instant::now();
     let mut run = Run::new(sample, &materials, &test).map_err(|error| wrong(&error))?;
@@ -140,11 +138,11 @@ impl Args {
         }
     }
 
-    /// Refuses what a packing of `spec` cannot be tested with, before it is packed.
+    /// Refuses flags that do not suit packings of `spec`, before one is packed.
     pub(super) fn check(&self, spec: &Spec) -> Result<(), Failure> {
-        meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
         self.validate()?;
-        self.options(&spec.specimen).map(drop)
+        self.settings(spec).map(drop)
     }
 
     /// Claims the name of every file of the results.
@@ -161,11 +159,11 @@ impl Args {
     /// Refuses flags that no file can make right.
     pub(super) fn validate_alone(&self) -> Result<(), Failure> {
         self.validate()?;
-        if self.division.has_materials() {
+        if self.mesh.has_materials() {
             return Ok(());
         }
-        meso_solve::validate(&self.division.materials()?, &self.test()).map_err(|error| wrong(&error))?;
-        self.division.for_any(self.model.is_none()).map(drop)
+        meso_solve::validate(&self.mesh.materials()?, &self.test()).map_err(|error| wrong(&error))?;
+        self.mesh.options(self.purpose(), &Shells::default()).map(drop)
     }
 
     /// Refuses flags that cannot be meant, before any work.
@@ -177,9 +175,13 @@ impl Args {
         if self.checkpoint.is_some_and(|every| !(0.0..=1e9).contains(&every)) {
             return Err(Failure::Usage("--checkpoint must be a number of seconds from 0 to 1e9".to_owned()));
         }
-        if self.smoothing == Some(Smoothing::Edges) && self.division.has_boxes() {
+        let options = self.mesh.options(self.purpose(), &Shells::default())?;
+        if self.smoothing == Some(Smoothing::Edges) && options.method.name() == MethodName::Voxel {
             let message = "--smoothing edges needs tetrahedra; take --method lattice or conforming, or leave it out";
             return Err(Failure::Usage(message.to_owned()));
+        }
+        if options.method.order() == Order::Quadratic {
+            return Err(Failure::Usage("--order is 2; a test takes 1".to_owned()));
         }
         if self.packs() {
             return Ok(());
@@ -198,26 +200,32 @@ impl Args {
         self.model.as_deref().is_none_or(is_spec)
     }
 
-    /// How a specimen is meshed, where the mesh would have a number of steps that can be taken.
-    fn options(&self, specimen: &Specimen) -> Result<MeshOptions, Failure> {
-        let options = self.division.options(self.model.is_none(), specimen)?;
-        let height_mm = specimen.aabb().size().z;
+    /// Use of the mesh: a user who names no specimen makes a first test.
+    fn purpose(&self) -> Purpose {
+        if self.model.is_none() { Purpose::FirstTest } else { Purpose::Test }
+    }
+
+    /// The mesh of a specimen, if its test would have a number of steps that can be taken.
+    fn settings(&self, spec: &Spec) -> Result<MeshSettings, Failure> {
+        let settings = self.mesh.settings(self.purpose(), spec)?;
+        let (height_mm, options) = (spec.specimen.aabb().size().z, &settings.options);
+        room::accept_in_memory("the test", options.bytes_of_test(&spec.specimen), options.element_size_mm)?;
         let steps = self.test().steps(height_mm, options.element_size_mm, options.itz == ItzForm::Cohesive);
-        steps.map(|_| options).map_err(|error| wrong(&error))
+        steps.map(|_| settings).map_err(|error| wrong(&error))
     }
 
     /// The specimen, and how it is meshed; none where the user stopped the packing.
-    fn model(&self, seconds: &mut Seconds) -> Result<Option<(Model, MeshOptions)>, Failure> {
+    fn model(&self, seconds: &mut TestSeconds) -> Result<Option<(Model, MeshSettings)>, Failure> {
         if let Some(path) = self.model.as_deref().filter(|_| !self.packs()) {
             let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Read, 1.0)]);
             let model = inputs::model(path, &watch)?;
             watch.finish();
-            let options = self.options(&model.spec.specimen)?;
+            let options = self.settings(&model.spec)?;
             return Ok(Some((model, options)));
         }
         let mut watch = Watch::of_files(self.writing.quiet, &PACK[..4]);
         let spec = self.spec(&watch)?;
-        let options = self.options(&spec.specimen)?;
+        let options = self.settings(&spec)?;
         if !self.writing.quiet {
             let (kind, percent, gap) = (spec.specimen.kind(), 100.0 * spec.fraction, spec.placement.min_gap_mm);
             let sizes = (spec.grading.d_min_mm, spec.grading.d_max_mm);
@@ -242,20 +250,23 @@ impl Args {
     /// The spec to pack: a SPEC.toml or the paper's specimen, with the changes of the flags.
     fn spec(&self, watch: &Watch) -> Result<Spec, Failure> {
         let read = |path| inputs::spec(path, watch, None);
-        let mut spec = self.model.as_deref().map_or_else(|| Ok(paper()), read)?;
+        let mut spec = self.model.as_deref().map_or_else(|| Ok(Spec::of_first_test()), read)?;
         spec.seed = self.seed.unwrap_or(spec.seed);
         spec.fraction = self.fraction.unwrap_or(spec.fraction);
         spec.validate().map_err(|error| Failure::Usage(error.to_string()))?;
         Ok(spec)
     }
 
-    fn mesh(&self, model: &Model, options: &MeshOptions, seconds: &mut Seconds) -> Result<Mesh, Failure> {
+    fn divide(&self, model: &Model, settings: &MeshSettings, seconds: &mut TestSeconds) -> Result<Mesh, Failure> {
         let begun = Instant::now();
         if !self.writing.quiet {
-            let (method, size) = (names::of(&options.method.name()), options.element_size_mm);
+            let (method, size) = (names::of(&settings.options.method.name()), settings.options.element_size_mm);
             stderr::line(format!("meshing {} aggregates: {method}, {size} mm", thousands(model.aggregates.len())));
         }
-        let mesh = self.division.build(model, options, self.writing.quiet)?;
+        let mut watch = Watch::of_files(self.writing.quiet, &[(Stage::Mesh, 1.0)]);
+        let mesh = settings.build(model, self.writing.quiet, &watch);
+        watch.finish();
+        let (mesh, _) = mesh?;
         seconds.mesh = begun.elapsed().as_secs_f64();
         Ok(mesh)
     }
@@ -278,18 +289,11 @@ impl Args {
     }
 }
 
-/// The paper's specimen (Sec. 3.1): 40 %, with gaps that elements of 4 mm show better than none.
-fn paper() -> Spec {
-    let mut spec = Spec { fraction: 0.4, ..Spec::default() };
-    spec.placement.min_gap_mm = 1.0;
-    spec
-}
-
 fn is_spec(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Takes in what a run before this one kept.
+/// Restores the state that an earlier run kept.
 fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<Written>, Failure> {
     run.resume(&mut kept.state).map_err(|error| Failure::Run(format!("{}: {error}", kept.path.display())))?;
     Ok(kept.frames)
@@ -302,7 +306,7 @@ struct Finished<'a> {
     response: Response,
     source: Source,
     started: Instant,
-    seconds: Seconds,
+    seconds: TestSeconds,
 }
 
 /// Writes the results and says the most of them; the exit code.
@@ -313,7 +317,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let kept = if keeps { folder.keep(run) } else { Ok(()) };
     // A run that diverged holds no numbers now.
     let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
-    let seconds = Seconds { total: started.elapsed().as_secs_f64(), ..*seconds };
+    let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let frames = folder.frames();
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
     // Before a disk without room can hide them.
@@ -332,7 +336,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     }
 }
 
-/// The curve's figures, then what is wrong with them.
+/// Prints the curve's figures, then warnings and errors.
 fn tell(response: &Response, strain: f64, quiet: bool) {
     let (result, figures) = (&response.result, &response.result.figures);
     if !quiet {
@@ -359,7 +363,7 @@ fn tell(response: &Response, strain: f64, quiet: bool) {
 /// Turns an error of the engine into wrong usage; a value of the test has a flag.
 fn wrong(error: &SolveError) -> Failure {
     Failure::Usage(match error {
-        SolveError::Value(wrong) if wrong.table == "test" => format!("{} {}", flag(&wrong.key), wrong.fault()),
+        SolveError::Value(wrong) if wrong.table == "test" => return wrong_option(wrong),
         _ => error.to_string(),
     })
 }

@@ -1,12 +1,12 @@
 //! Voxel images and sections as arrays of numpy.
 
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::run::beside_python;
 use crate::spec::spec_error;
 use meso_core::Model;
 use meso_core::voxel_image::{ImageOptions, Quantity, Region, ShareOf, VoxelImage, Voxels};
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::{PyKeyboardInterrupt, PyTypeError, PyValueError};
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use serde::Deserialize;
 use serde::de::IntoDeserializer;
@@ -24,7 +24,7 @@ pub(crate) fn options(h: f64, what: &str, of: &str, region: Region) -> PyResult<
     let quantity: Quantity = named("what", what, "\"phase\", \"grain\", \"share\", \"distance\"")?;
     let share: ShareOf = named("of", of, "\"aggregate\", \"core\", \"itz\", \"void\", \"fibre\"")?;
     if share != ShareOf::Aggregate && quantity != Quantity::Share {
-        return Err(PyValueError::new_err(format!("of is {of:?}; it is only for what=\"share\"")));
+        return Err(wrong_value(format!("of is {of:?}; it is only for what=\"share\"")));
     }
     Ok(ImageOptions { voxel_size_mm: h, quantity, of: share, region })
 }
@@ -37,14 +37,14 @@ pub(crate) fn region(corners: &Bound<'_, PyAny>) -> PyResult<Region> {
     let pair: PyResult<[[f64; 3]; 2]> = corners.extract();
     pair.map(|[min, max]| Region::Box { min, max }).map_err(|_| {
         let message = format!("box is {corners}; it must be a pair of corners in mm, as in [[0, 0, 0], [50, 50, 50]]");
-        PyTypeError::new_err(message)
+        wrong_type(message)
     })
 }
 
 /// One of the names that serde knows.
 fn named<T: for<'de> Deserialize<'de>>(key: &str, name: &str, known: &str) -> PyResult<T> {
     let text: StrDeserializer<'_, Error> = name.into_deserializer();
-    T::deserialize(text).map_err(|_| PyValueError::new_err(format!("{key} is {name:?}; it must be one of {known}")))
+    T::deserialize(text).map_err(|_| wrong_value(format!("{key} is {name:?}; it must be one of {known}")))
 }
 
 /// The axis of that name, and the size of a pixel, mm, of which `px` fit along the longer side of the section.
@@ -53,10 +53,10 @@ fn named<T: for<'de> Deserialize<'de>>(key: &str, name: &str, known: &str) -> Py
 /// `ValueError` for another axis and for no pixels.
 pub(crate) fn pixels(model: &Model, axis: &str, px: i64) -> PyResult<(usize, f64)> {
     let number = ["x", "y", "z"].iter().position(|name| *name == axis);
-    let number = number
-        .ok_or_else(|| PyValueError::new_err(format!("axis is {axis:?}; it must be one of \"x\", \"y\", \"z\"")))?;
+    let number =
+        number.ok_or_else(|| wrong_value(format!("axis is {axis:?}; it must be one of \"x\", \"y\", \"z\"")))?;
     if px < 1 {
-        return Err(PyValueError::new_err(format!("px is {px}; it must be 1 or more")));
+        return Err(wrong_value(format!("px is {px}; it must be 1 or more")));
     }
     let mut size = model.spec.specimen.aabb().size();
     size[number] = 0.0;
@@ -76,7 +76,7 @@ pub(crate) fn make<'py>(py: Python<'py>, model: &Arc<Model>, options: ImageOptio
             let shape = image.shape();
             let voxels: usize = shape.iter().product();
             if voxels > MOST {
-                return Err(PyValueError::new_err(format!(
+                return Err(wrong_value(format!(
                     "the image would have {shape:?} voxels, more than 2^33; take a box or larger voxels, or stream it to a \
                      file: mesocrete image MODEL -o FILE.npy"
                 )));

@@ -1,18 +1,22 @@
 //! `Packing`: the result of `pack`, `load` and `pickle`.
 
 mod aggregates;
+mod by_spec;
+mod image;
+mod table;
 
 pub(crate) use aggregates::PyAggregates;
+pub(crate) use by_spec::pack;
 
 use crate::aggregate::{PyAggregate, inclusions};
 use crate::arrays::{IndexArray, PointArray};
-use crate::boundary::guard;
+use crate::boundary::{guard, wrong_value};
 use crate::mesh::{self, PyMesh};
 use crate::run::{Plan, beside_python, in_stages, listener};
 use crate::spec::{self, PySpec};
 use crate::tree::plain;
 use crate::views::{call_view, framing};
-use crate::{arrays, files, image, table};
+use crate::{arrays, files};
 use meso_concrete::thousands;
 use meso_core::check::Check;
 use meso_core::formats::SurfaceOptions;
@@ -22,7 +26,6 @@ use meso_core::voxel_image::Region;
 use meso_core::watch::Stage;
 use meso_core::{Model, Watch as _, saved};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde::Serialize;
@@ -48,7 +51,7 @@ fn named_images(name: &str) -> PyResult<Images> {
         "none" => Ok(Images::None),
         "whole" => Ok(Images::Whole),
         "cut" => Ok(Images::Cut),
-        _ => Err(PyValueError::new_err(format!("images is {name:?}; it must be one of \"none\", \"whole\", \"cut\""))),
+        _ => Err(wrong_value(format!("images is {name:?}; it must be one of \"none\", \"whole\", \"cut\""))),
     }
 }
 
@@ -67,7 +70,7 @@ fn named_images(name: &str) -> PyResult<Images> {
 /// OSError
 ///     Where the file cannot be read.
 /// ValueError
-///     Where it is no model; the message says what is wrong and where.
+///     Where it is no model; the message names the fault and its place.
 #[pyfunction]
 #[pyo3(signature = (path, *, progress=None))]
 pub(crate) fn load(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<PyPacking> {
@@ -220,7 +223,7 @@ impl PyPacking {
     /// -------
     /// dict
     ///     `sound` (bool), `aggregates`, `pairs_tested`, `fraction` (recomputed), `findings`, a list of what is wrong, and
-    ///     `not_checked`, what a check of the model alone cannot tell.
+    ///     `not_checked`, properties that a check of the model alone cannot prove.
     #[pyo3(signature = (*, progress=None))]
     fn check<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         guard(|| {
@@ -258,7 +261,7 @@ impl PyPacking {
             let plan = Plan::new(&[(Stage::Measure, 1.0)], Some(1.0));
             let measured =
                 in_stages(py, progress.as_ref(), plan, move |watch| Statistics::watched(&model, &options, watch))?;
-            plain(py, &measured.map_err(|error| PyValueError::new_err(error.to_string()))?)
+            plain(py, &measured.map_err(|error| wrong_value(error.to_string()))?)
         })
     }
 
@@ -289,7 +292,7 @@ impl PyPacking {
     /// Raises
     /// ------
     /// ValueError, TypeError
-    ///     Names the option, its value and what is accepted. Images of more than 2^33 voxels are left to
+    ///     Names the option, its value and the accepted range. Images of more than 2^33 voxels are left to
     ///     `mesocrete image`, which streams them.
     #[pyo3(signature = (h, what="phase", r#box=None, *, of="aggregate"))]
     fn voxelize<'py>(
@@ -326,7 +329,7 @@ impl PyPacking {
     /// Raises
     /// ------
     /// ValueError, TypeError
-    ///     Names the option, its value and what is accepted.
+    ///     Names the option, its value and the accepted range.
     #[pyo3(signature = (axis, at=None, px=512, what="phase", *, of="aggregate"))]
     fn section<'py>(
         &self,
@@ -352,8 +355,9 @@ impl PyPacking {
     /// element_size : float, optional
     ///     Edge length of the elements, mm; default 2.
     /// for_test : bool, optional
-    ///     Whether options that are not given are those of `mesocrete solve` with a model: `method="lattice", itz="smeared",
-    ///     joined="mortar", volumes="exact", narrow_gaps="split"`. `Mesh.solve` then gives the command's curve.
+    ///     Whether options that are not given are those of `mesocrete solve` with a model: a lattice with a smeared ITZ,
+    ///     aggregates of exact volume that mortar separates, and split narrow gaps. `Mesh.solve` then gives the command's
+    ///     curve.
     /// accept_phase_error : bool, optional
     ///     Whether a mesh may have a phase more than 10 % off its exact volume, which is an error otherwise.
     /// progress : bool or callable, optional
@@ -367,6 +371,8 @@ impl PyPacking {
     /// ------
     /// ValueError, TypeError
     ///     Names the option, its value and the accepted range; or the phase that the elements are too coarse for.
+    /// MemoryError
+    ///     Where the mesh would take more memory than is free.
     #[pyo3(signature = (*, method=None, element_size=None, for_test=false, accept_phase_error=false, progress=None, **options))]
     #[expect(clippy::too_many_arguments, reason = "they are Python's keywords")]
     fn mesh(
@@ -380,14 +386,9 @@ impl PyPacking {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyMesh> {
         guard(|| {
-            let keywords = if for_test { mesh::keywords_of_a_test(py)? } else { PyDict::new(py) };
-            options.map_or(Ok(()), |options| keywords.update(options.as_mapping()))?;
-            for (key, value) in [("method", method), ("element_size_mm", element_size)] {
-                if let Some(value) = value {
-                    keywords.set_item(key, value)?;
-                }
-            }
-            mesh::build(py, Arc::clone(&self.0), progress, &keywords, accept_phase_error)
+            let keywords = options.map_or_else(|| Ok(PyDict::new(py)), |options| options.copy())?;
+            let asked = mesh::table(method, element_size, &keywords)?;
+            mesh::build(py, Arc::clone(&self.0), progress, &asked, mesh::purpose(for_test), accept_phase_error)
         })
     }
 
@@ -496,7 +497,7 @@ impl PyPacking {
         let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_packing")?;
         let mut model = Vec::new();
         saved::write(&self.0, &mut model)?;
-        let report = serde_json::to_string(&self.0.report).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let report = serde_json::to_string(&self.0.report).map_err(|error| wrong_value(error.to_string()))?;
         (restore, (PyBytes::new(py, &model), report)).into_pyobject(py)
     }
 }
@@ -505,7 +506,7 @@ impl PyPacking {
 #[pyfunction(name = "_restore_packing")]
 pub(crate) fn restore_packing(py: Python<'_>, model: &[u8], report: &str) -> PyResult<PyPacking> {
     arrays::load_numpy(py)?;
-    let damaged = |error: String| PyValueError::new_err(format!("the pickle is damaged: {error}"));
+    let damaged = |error: String| wrong_value(format!("the pickle is damaged: {error}"));
     guard(|| {
         let mut model = py.detach(|| saved::read(model)).map_err(|error| damaged(error.to_string()))?;
         model.report = serde_json::from_str(report).map_err(|error| damaged(error.to_string()))?;

@@ -170,7 +170,7 @@ impl MeshReport {
         ));
     }
 
-    /// How the deck's mortar softens, and what is doubtful about the deck.
+    /// Softening of the deck's mortar, and doubts about the deck.
     fn curve(&self) {
         if let Some(strain) = self.half_strength_strain {
             stderr::line(format!("mortar is at half its strength at an inelastic strain of {strain:.4}"));

@@ -1,0 +1,44 @@
+//! Flags of `mesocrete convert`.
+
+use crate::commands::names;
+use crate::commands::shared::{Threads, Writing};
+use meso_core::formats::Format;
+use meso_core::images::Images;
+use std::path::{Path, PathBuf};
+
+#[derive(clap::Args, Debug)]
+pub(crate) struct Args {
+    /// A saved model (.json or .json.gz); `-` is standard input
+    pub(super) model: PathBuf,
+    #[arg(short, long, value_name = "FILE", required = true)]
+    #[arg(help = format!("File to write, its format by the extension: {}; `-` is standard output. May be repeated", known(".")))]
+    pub(super) output: Vec<PathBuf>,
+    #[arg(long, value_name = "FORMAT", default_value = "json", value_parser = format_name)]
+    #[arg(help = format!("Format on standard output: {}", known("")))]
+    pub(super) format: Format,
+    /// Compress the data of a .vtu or .vtp (zlib)
+    #[arg(long)]
+    pub(super) compress: bool,
+    #[arg(long, default_value = "none", value_parser = names::parse::<Images>)]
+    #[arg(help = format!("Aggregates that cross a face of a periodic specimen, where surfaces are written: {}", names::list::<Images>()))]
+    pub(super) images: Images,
+    /// Add the mortar to a .step: a solid with a cavity per aggregate
+    #[arg(long)]
+    pub(super) mortar: bool,
+    /// Write an .stl as text, each aggregate a solid with its name
+    #[arg(long)]
+    pub(super) named_solids: bool,
+    #[command(flatten)]
+    pub(super) threads: Threads,
+    #[command(flatten)]
+    pub(super) writing: Writing,
+}
+
+fn format_name(text: &str) -> Result<Format, String> {
+    Format::from_path(&Path::new("x").with_extension(text)).ok_or_else(|| format!("it must be one of {}", known("")))
+}
+
+/// The extensions of all formats, each after `dot`.
+pub(super) fn known(dot: &str) -> String {
+    Format::ALL.map(|format| format!("{dot}{}", format.extension())).join(", ")
+}

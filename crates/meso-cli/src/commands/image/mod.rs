@@ -1,0 +1,8 @@
+//! `mesocrete image`: voxel images and sections of a saved model, .npy, .tif, .vti, .png, .svg.
+
+mod flags;
+mod run;
+mod settings;
+
+pub(crate) use flags::Args;
+pub(crate) use run::run;

@@ -1,0 +1,10 @@
+//! `mesocrete mesh`: a saved model as finite elements.
+
+mod flags;
+mod report;
+mod run;
+mod settings;
+
+pub(crate) use flags::Args;
+pub(crate) use run::{fill, how_to_run, run};
+pub(crate) use settings::target;

@@ -1,0 +1,125 @@
+//! The work of `mesocrete mesh`: a saved model becomes finite elements.
+
+use super::flags::Args;
+use super::report::MeshReport;
+use crate::commands::meshing::{Settings, wrong_option};
+use crate::failure::{Failure, SHORT};
+use crate::outputs::{self, Target, Unit};
+use crate::progress::{Watch, of_model};
+use crate::{inputs, stderr};
+use meso_core::Model;
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::formats::MeshFormat;
+use meso_core::mesh::{Mesh, PhaseOff};
+use meso_core::watch::Stage;
+use std::io::Write;
+use std::path::Path;
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    args.threads.run(|| on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    let plan = args.plan()?;
+    let summary = args.summary_json.as_ref().map(|path| Target::new(path, args.writing.force)).transpose()?;
+    let targets: Vec<&Target> = plan.iter().map(|(target, _)| target).chain(&summary).collect();
+    outputs::distinct(&targets, &args.meshing.inputs().chain([args.model.as_path()]).collect::<Vec<_>>())?;
+    let writes_deck = plan.iter().any(|(_, format)| *format == MeshFormat::Inp);
+    let mut watch = Watch::of_files(args.writing.quiet, &of_model(Stage::Mesh, 2.0));
+    let model = inputs::model(&args.model, &watch)?;
+    let settings = args.meshing.settings(&model.spec, writes_deck)?;
+    let deck = &settings.deck;
+    let mesh = settings.mesh.build(&model, args.writing.quiet, &watch);
+    watch.finish();
+    let (mesh, off) = mesh?;
+    if writes_deck {
+        deck.validate(&mesh).map_err(|error| wrong_option(&error))?;
+    }
+    let mut unit = Unit::default();
+    let fill_all = || {
+        let mut outputs = plan.iter();
+        outputs.try_for_each(|(target, format)| {
+            fill(&mut unit, target, args.writing.force, *format, &mesh, deck, args.compress)
+        })
+    };
+    let tell = || {
+        let asked = !args.writing.quiet || summary.is_some();
+        asked.then(|| settings.report(&mesh, &model))
+    };
+    // The disk is waited for, and the figures are counted meanwhile.
+    let (filled, told) = rayon::join(fill_all, tell);
+    filled?;
+    if let (Some(target), Some(told)) = (&summary, &told) {
+        unit.fill(target, args.writing.force, |out| told.write(out))?;
+    }
+    unit.commit()?;
+    if let (Some(told), false) = (told, args.writing.quiet) {
+        told.print();
+        settings.hint.iter().for_each(stderr::line);
+        targets
+            .iter()
+            .filter_map(|target| target.file())
+            .for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        plan.iter().for_each(|(target, format)| how_to_run(target, *format, deck));
+    }
+    Ok(if args.strict { exit_code(off) } else { 0 })
+}
+
+/// Beyond this share of its exact volume `--strict` finds a phase off.
+const STRICT_PHASE_ERROR: f64 = 0.01;
+
+/// Exit code of a strict run that wrote its files; prints which phase is off.
+fn exit_code(off: Option<PhaseOff>) -> u8 {
+    off.filter(|off| off.error().abs() > STRICT_PHASE_ERROR).map_or(0, |off| {
+        let (phase, error) = (off.phase.name(), 100.0 * off.error());
+        stderr::line(format!("warning: {phase} has {error:+.1} % of its exact volume, where --strict allows 1 %"));
+        SHORT
+    })
+}
+
+impl Settings {
+    /// The figures of a mesh.
+    fn report(&self, mesh: &Mesh, model: &Model) -> MeshReport {
+        MeshReport::of(mesh, model, self.mesh.options.clone(), &self.deck)
+    }
+
+    /// Prints the figures of a mesh, and how to get the ITZ that it has not.
+    pub(crate) fn print(&self, mesh: &Mesh, model: &Model) {
+        self.report(mesh, model).print();
+        self.hint.iter().for_each(stderr::line);
+    }
+}
+
+/// Prints the commands that run a deck with a curve and write the curve.
+pub(crate) fn how_to_run(target: &Target, format: MeshFormat, deck: &DeckOptions) {
+    if let (Target::File { shown, .. }, MeshFormat::Inp, true) = (target, format, deck.has_curve()) {
+        let (input, script) = (shown.display(), DeckOptions::curve_path(shown));
+        stderr::line(format!(
+            "run it: abaqus job=NAME input={input} double=both cpus=16; its curve: abaqus python {} NAME.odb",
+            script.display()
+        ));
+    }
+}
+
+/// Writes `mesh` to `target`, and its pieces beside it where the format has any.
+pub(crate) fn fill(
+    unit: &mut Unit,
+    target: &Target,
+    force: bool,
+    format: MeshFormat,
+    mesh: &Mesh,
+    deck: &DeckOptions,
+    compress: bool,
+) -> Result<(), Failure> {
+    let path = target.file().unwrap_or(Path::new("-"));
+    for file in format.files(path, mesh, deck) {
+        let write = |out: &mut dyn Write| file.write(mesh, deck, compress, out);
+        match file.path == path {
+            true => unit.fill(target, force, write)?,
+            // Nothing lies beside a stream.
+            false if !matches!(target, Target::File { .. }) && format == MeshFormat::Inp => {}
+            false => unit.fill(&Target::new(&file.path, force)?, force, write)?,
+        }
+    }
+    Ok(())
+}

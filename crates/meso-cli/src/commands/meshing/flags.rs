@@ -1,0 +1,154 @@
+//! Flags of a mesh and of its deck, as users type them.
+
+use crate::commands::{names, values};
+use meso_core::export::abaqus::{Analysis, Loading};
+use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Volumes};
+use std::path::{Path, PathBuf};
+
+/// Names that other programs give `--element-size-mm`, and that clap would take for `--itz` and `--help`.
+const SIZE: [&str; 4] = ["element-size", "size", "mesh-size", "h"];
+
+// A doc comment here would become the command's own description.
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Mesh and materials")]
+pub(crate) struct MeshFlags {
+    #[arg(long, value_parser = names::parse::<MethodName>)]
+    #[arg(help = format!("Method of meshing: {} [default: voxel; for a test lattice]", names::list::<MethodName>()))]
+    method: Option<MethodName>,
+    /// Edge length of the elements, mm [default: 2; for a test without a model 4]
+    #[arg(long, value_name = "H", value_parser = values::number, allow_negative_numbers = true, aliases = SIZE)]
+    element_size_mm: Option<f64>,
+    #[arg(long, value_parser = names::parse::<ItzForm>)]
+    #[arg(help = format!("Interfacial transition zone in the mesh: {} [default: solid, or none where the elements are thicker than it; for a test smeared]", names::list::<ItzForm>()))]
+    itz: Option<ItzForm>,
+    #[arg(long, value_parser = names::parse::<Joined>)]
+    #[arg(help = format!("Treatment of aggregates that would share nodes: {} [default: keep; for a test mortar]", names::list::<Joined>()))]
+    joined: Option<Joined>,
+    #[arg(long, value_parser = names::parse::<Volumes>)]
+    #[arg(help = format!("Volume of the aggregates in a mesh that follows them, with any --itz but solid: {} [default: fitted; for a test exact]", names::list::<Volumes>()))]
+    volumes: Option<Volumes>,
+    #[arg(long, value_name = "GAPS", value_parser = names::parse::<NarrowGaps>)]
+    #[arg(help = format!("Gaps one tetrahedron wide between aggregates: {} [default: keep; for a test of a model split]", names::list::<NarrowGaps>()))]
+    narrow_gaps: Option<NarrowGaps>,
+    #[arg(long, value_parser = names::parse::<Fit>)]
+    #[arg(help = format!("Fit of a lattice to the aggregates' surfaces: {} [default: fitted]", names::list::<Fit>()))]
+    fit: Option<Fit>,
+    /// Order of the elements [default: 1]; 2 puts a node in the middle of every edge of a tetrahedron (C3D10)
+    #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
+    order: Option<u32>,
+    /// Let the ITZ be thinner than one voxel, with holes in it
+    #[arg(long)]
+    thin_itz: bool,
+    /// Sub-samples per voxel and axis, 1 to 8 [default: 1]; with more than 1 each body gets as many voxels as its samples fill
+    #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
+    subsamples: Option<u32>,
+    /// Number of slabs that gmsh fills one by one; absent: as many as its memory needs
+    #[arg(long, value_name = "N", value_parser = values::whole_number, allow_negative_numbers = true)]
+    slabs: Option<u32>,
+    /// A TOML file with a [materials] table; absent values keep their illustrative defaults
+    #[arg(long, value_name = "FILE")]
+    pub(super) materials: Option<PathBuf>,
+    /// The program gmsh, for --method conforming
+    #[arg(long, value_name = "PROGRAM", default_value = "gmsh")]
+    pub(super) gmsh: PathBuf,
+}
+
+impl MeshFlags {
+    /// The options that are given.
+    pub(super) fn table(&self) -> MeshTable {
+        MeshTable {
+            method: self.method,
+            element_size_mm: self.element_size_mm,
+            itz: self.itz,
+            joined: self.joined,
+            volumes: self.volumes,
+            narrow_gaps: self.narrow_gaps,
+            thin_itz: self.thin_itz.then_some(true),
+            subsamples: self.subsamples,
+            fit: self.fit,
+            order: self.order,
+            slabs: self.slabs,
+        }
+    }
+
+    /// Whether a file has the materials.
+    pub(crate) fn has_materials(&self) -> bool {
+        self.materials.is_some()
+    }
+
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.materials.iter().map(PathBuf::as_path)
+    }
+}
+
+// A doc comment here would become the command's own description.
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Decks")]
+pub(crate) struct DeckFlags {
+    /// Accept a phase more than 10 % off its exact volume, which is an error otherwise
+    #[arg(long)]
+    pub(super) accept_phase_error: bool,
+    /// Hexahedra with reduced integration (C3D8R)
+    #[arg(long)]
+    pub(super) reduced_integration: bool,
+    /// Only nodes, elements, sets and surfaces, for *INCLUDE
+    #[arg(long)]
+    pub(super) geometry_only: bool,
+    /// Tie opposite faces of a periodic box by *EQUATION; REF_X, REF_Y and REF_Z take the mean strain
+    #[arg(long)]
+    pub(super) periodic_equations: bool,
+    #[arg(long, default_value = "none", value_parser = names::parse::<Analysis>)]
+    #[arg(help = format!("Analysis of the deck; any but none meshes, and packs, for a test: {}", names::list::<Analysis>()))]
+    pub(super) analysis: Analysis,
+    /// Mean axial strain at the end of the analysis [default: 0.001 elastic and tension, 0.006 compression]
+    #[arg(long, value_name = "E", value_parser = values::number, allow_negative_numbers = true)]
+    pub(super) strain: Option<f64>,
+    #[arg(long, value_name = "MU", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Friction between plates and specimen in compression [default: {}]", Loading::default().friction))]
+    friction: Option<f64>,
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Length of the step in compression and tension, s [default: {}]", Loading::default().duration_s))]
+    duration: Option<f64>,
+    #[arg(long, value_name = "S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Time increment that mass scaling keeps in compression and tension, s [default: {:e}]", Loading::default().time_increment_s))]
+    time_increment: Option<f64>,
+    #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
+    #[arg(help = format!("Frames of field output in compression and tension [default: {}]", Loading::default().frames))]
+    frames: Option<u32>,
+    /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own
+    #[arg(long)]
+    pub(super) with_damage: bool,
+}
+
+impl DeckFlags {
+    /// Whether the deck computes something.
+    pub(super) fn analyses(&self) -> bool {
+        self.analysis != Analysis::None && !self.geometry_only
+    }
+
+    pub(super) fn loading(&self) -> Loading {
+        let usual = Loading::default();
+        Loading {
+            friction: self.friction.unwrap_or(usual.friction),
+            duration_s: self.duration.unwrap_or(usual.duration_s),
+            time_increment_s: self.time_increment.unwrap_or(usual.time_increment_s),
+            frames: self.frames.unwrap_or(usual.frames),
+        }
+    }
+
+    /// The first flag that only a deck has. An analysis also decides mesh and packing, a time increment the figures.
+    pub(super) fn only_for_decks(&self) -> Option<&'static str> {
+        let all = [
+            ("--reduced-integration", self.reduced_integration),
+            ("--geometry-only", self.geometry_only),
+            ("--periodic-equations", self.periodic_equations),
+            ("--strain", self.strain.is_some()),
+            ("--friction", self.friction.is_some()),
+            ("--duration", self.duration.is_some()),
+            ("--frames", self.frames.is_some()),
+            ("--with-damage", self.with_damage),
+        ];
+        all.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
+}

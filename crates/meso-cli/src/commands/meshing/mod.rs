@@ -1,0 +1,11 @@
+//! Meshes and decks, alike for `mesh`, `pack` and `solve`: the [`flags`], the [`settings`] that they mean, and the [`run`].
+
+mod errors;
+mod flags;
+mod heading;
+mod run;
+mod settings;
+
+pub(super) use errors::wrong_option;
+pub(super) use flags::MeshFlags;
+pub(super) use settings::{MeshSettings, Meshing, Settings};

@@ -1,0 +1,36 @@
+//! Meshing: the packing becomes a mesh whose phases have nearly their volumes.
+
+use super::errors::wrong_mesh;
+use super::settings::MeshSettings;
+use crate::failure::Failure;
+use crate::progress::Watch;
+use crate::stderr;
+use meso_core::Model;
+use meso_core::mesh::conforming::Surfaces;
+use meso_core::mesh::{self, Mesh, MeshError, PhaseOff, Tools, VolumeMesher};
+use meso_gmsh::Gmsh;
+
+impl MeshSettings {
+    /// Meshes, and finds the phase that is farthest off its exact volume.
+    pub(crate) fn build(&self, model: &Model, quiet: bool, watch: &Watch) -> Result<(Mesh, Option<PhaseOff>), Failure> {
+        let gmsh = Announced { gmsh: &self.gmsh, quiet };
+        let mesh = mesh::build(model, &self.options, &Tools { gmsh: &gmsh, watch });
+        let accept = |mesh: Mesh| PhaseOff::accept(&mesh, model, &self.options, self.accepted).map(|off| (mesh, off));
+        mesh.and_then(accept).map_err(|error| wrong_mesh(&error))
+    }
+}
+
+/// gmsh, whose second attempts are announced.
+struct Announced<'a> {
+    gmsh: &'a Gmsh,
+    quiet: bool,
+}
+
+impl VolumeMesher for Announced<'_> {
+    fn fill(&self, surfaces: &Surfaces) -> Result<Vec<u8>, MeshError> {
+        if let Some(size) = surfaces.again_mm().filter(|_| !self.quiet) {
+            stderr::line(format!("gmsh's mesh cannot be used; running it again with elements of {size:.3} mm"));
+        }
+        self.gmsh.fill(surfaces)
+    }
+}

@@ -1,0 +1,171 @@
+//! Options of a mesh and its deck that follow from the flags, for one specimen.
+
+use super::errors::{wrong_mesh, wrong_option};
+use super::flags::{DeckFlags, MeshFlags};
+use super::heading;
+use crate::failure::Failure;
+use crate::{inputs, room};
+use meso_core::Spec;
+use meso_core::aggregate::Itz;
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::materials::Materials;
+use meso_core::mesh::{ItzForm, Joined, MeshOptions, MethodName, PhaseOff, Purpose, Room};
+use meso_core::spec::options_from_toml;
+use meso_gmsh::Gmsh;
+use std::path::Path;
+
+// A doc comment here would become the command's own description.
+#[derive(clap::Args, Debug)]
+pub(crate) struct Meshing {
+    #[command(flatten)]
+    mesh: MeshFlags,
+    #[command(flatten)]
+    deck: DeckFlags,
+}
+
+/// A mesh and its deck, checked for one spec.
+pub(crate) struct Settings {
+    pub(crate) mesh: MeshSettings,
+    pub(crate) deck: DeckOptions,
+    /// How to get the ITZ, if the mesh has none by default.
+    pub(crate) hint: Option<String>,
+}
+
+/// A mesh, and the program that it may need.
+pub(crate) struct MeshSettings {
+    pub(crate) options: MeshOptions,
+    pub(super) gmsh: Gmsh,
+    /// Largest share by which a phase may miss its exact volume.
+    pub(super) accepted: f64,
+}
+
+impl MeshFlags {
+    /// The options for any packing whose aggregates have these shells.
+    pub(crate) fn options(&self, purpose: Purpose, shells: &Itz) -> Result<MeshOptions, Failure> {
+        self.table().resolve(purpose, shells).map_err(|error| wrong_mesh(&error))
+    }
+
+    /// The options for packings of `spec`. Options that do not fit its specimen are wrong usage, a missing gmsh a failure.
+    pub(crate) fn settings(&self, purpose: Purpose, spec: &Spec) -> Result<MeshSettings, Failure> {
+        let options = self.options(purpose, &spec.itz)?;
+        let gmsh = Gmsh::program(&self.gmsh);
+        options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))?;
+        if options.method.name() == MethodName::Conforming {
+            gmsh.check().map_err(|error| wrong_mesh(&error))?;
+        }
+        Ok(MeshSettings { options, gmsh, accepted: f64::INFINITY })
+    }
+
+    /// The materials of the file that is given, or the illustrative ones.
+    pub(crate) fn materials(&self) -> Result<Materials, Failure> {
+        let Some(path) = &self.materials else { return Ok(Materials::default()) };
+        inputs::toml(path, options_from_toml).map(|file: MaterialsFile| file.materials)
+    }
+}
+
+/// A file of material values.
+#[derive(Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct MaterialsFile {
+    materials: Materials,
+}
+
+impl Meshing {
+    fn purpose(&self) -> Purpose {
+        if self.deck.analyses() { Purpose::Test } else { Purpose::Mesh }
+    }
+
+    /// Whether a deck is of a test with a curve.
+    pub(crate) fn has_curve(&self) -> bool {
+        self.deck.analysis.is_explicit() && !self.deck.geometry_only
+    }
+
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.mesh.inputs()
+    }
+
+    /// Refuses flags that suit no packing.
+    pub(crate) fn validate(&self) -> Result<(), Failure> {
+        self.mesh.options(self.purpose(), &Itz::default()).map(drop)
+    }
+
+    /// Refuses flags that suit no packing of `spec`. It opens no file and looks for no gmsh.
+    pub(crate) fn validate_for(&self, spec: &Spec, writes_deck: bool) -> Result<(), Failure> {
+        let options = self.mesh.options(self.purpose(), &spec.itz)?;
+        if !self.mesh.has_materials() {
+            self.validate_deck(&self.deck(spec, &options)?, &options, writes_deck)?;
+        }
+        options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))
+    }
+
+    /// Everything for packings of `spec`; flags of decks are refused where no deck is written.
+    pub(crate) fn settings(&self, spec: &Spec, writes_deck: bool) -> Result<Settings, Failure> {
+        let accepted = if self.deck.accept_phase_error { f64::INFINITY } else { PhaseOff::ACCEPTED };
+        let mesh = MeshSettings { accepted, ..self.mesh.settings(self.purpose(), spec)? };
+        let bytes = mesh.options.bytes(&spec.specimen);
+        room::accept_in_memory("the mesh", bytes, mesh.options.element_size_mm)?;
+        let deck = self.deck(spec, &mesh.options)?;
+        self.validate_deck(&deck, &mesh.options, writes_deck)?;
+        Ok(Settings { hint: self.hint(spec, mesh.options.itz), mesh, deck })
+    }
+
+    /// Refuses flags of decks without effect: on this deck, or because none is written.
+    fn validate_deck(&self, deck: &DeckOptions, mesh: &MeshOptions, is_written: bool) -> Result<(), Failure> {
+        if is_written {
+            let has_hexahedra = mesh.method.name() == MethodName::Voxel;
+            return deck.validate_effects(has_hexahedra).map_err(|error| wrong_option(&error));
+        }
+        match self.deck.only_for_decks() {
+            Some(flag) => Err(Failure::Usage(format!("{flag} has no effect: no .inp is written; leave it out"))),
+            None => Ok(()),
+        }
+    }
+
+    /// Contents of a deck of `spec`, checked as far as that takes no mesh.
+    fn deck(&self, spec: &Spec, mesh: &MeshOptions) -> Result<DeckOptions, Failure> {
+        let flags = &self.deck;
+        let deck = DeckOptions {
+            analysis: flags.analysis,
+            strain: flags.strain,
+            loading: flags.loading(),
+            with_damage: flags.with_damage,
+            materials: self.mesh.materials()?,
+            geometry_only: flags.geometry_only,
+            reduced_integration: flags.reduced_integration,
+            periodic_equations: flags.periodic_equations,
+            section_mm2: Some(spec.specimen.volume() / spec.specimen.aabb().size().z),
+            allow_joined: self.mesh.table().joined == Some(Joined::Keep),
+            heading: Vec::new(),
+        };
+        deck.validate_for(spec.specimen.periodic().0).map_err(|error| wrong_option(&error))?;
+        if mesh.itz == ItzForm::Cohesive {
+            deck.validate_cohesive().map_err(|error| wrong_option(&error))?;
+        }
+        let command = heading::command(mesh, &deck, flags.accept_phase_error, self.mesh.has_materials());
+        Ok(DeckOptions { heading: heading::lines(spec, &command), ..deck })
+    }
+
+    fn hint(&self, spec: &Spec, itz: ItzForm) -> Option<String> {
+        let [low, high] = spec.itz.thickness_mm;
+        (self.mesh.table().itz.is_none() && itz == ItzForm::None && high > 0.0).then(|| {
+            format!(
+                "the mesh has no ITZ: shells of {low} to {high} mm are thinner than its elements; --itz cohesive or --method \
+                 lattice shows them"
+            )
+        })
+    }
+
+    /// Sets the gaps that the mesh needs and the spec leaves open; says so.
+    pub(crate) fn leave_room(&self, spec: &mut Spec) -> Result<Option<String>, Failure> {
+        let options = self.mesh.options(self.purpose(), &spec.itz)?;
+        let Some(room) = options.room(self.purpose()) else { return Ok(None) };
+        options.validate(&spec.specimen).map_err(|error| wrong_mesh(&error))?;
+        Ok(spec.leave_room(room).map(|gap| match room {
+            Room::Everywhere(_) => format!("packing with gaps of {gap} mm, which a conforming mesh needs"),
+            Room::Between(_) => {
+                format!("packing with gaps of {gap} mm between aggregates, so that the elements can show mortar there")
+            }
+        }))
+    }
+}

@@ -1,0 +1,158 @@
+//! Outputs of `mesocrete pack`: their destinations, and the writing.
+
+use super::flags::Args;
+use crate::commands::mesh;
+use crate::commands::meshing::wrong_option;
+use crate::failure::Failure;
+use crate::outputs::{self, Target, Unit};
+use crate::progress::Watch;
+use meso_core::export::abaqus::DeckOptions;
+use meso_core::formats::{Format, MeshFormat, SurfaceOptions};
+use meso_core::mesh::Mesh;
+use meso_core::packing::{Report, Seconds};
+use meso_core::statistics::{Statistics, StatisticsOptions};
+use meso_core::watch::Stage;
+use meso_core::{Model, Watch as _, page};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// Content of one output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Content {
+    Packing(Format),
+    Mesh(MeshFormat),
+    /// Pictures and figures.
+    Page,
+}
+
+/// A deck.
+pub(super) const DECK: Content = Content::Mesh(MeshFormat::Inp);
+
+impl Args {
+    /// The files to write, or the usual ones.
+    fn paths(&self) -> Cow<'_, [PathBuf]> {
+        let usual = ["model.json", "model.vtu", "model.inp", "model.html"];
+        if self.output.is_empty() { usual.map(PathBuf::from).to_vec().into() } else { (&self.output).into() }
+    }
+
+    /// The contents of the files to write, by their extensions.
+    pub(super) fn contents(&self) -> Result<Vec<Content>, Failure> {
+        self.paths().iter().map(|path| content(path)).collect()
+    }
+
+    /// Destinations of all outputs; refuses those that cannot be written before anything is packed.
+    pub(super) fn plan(&self) -> Result<Plan, Failure> {
+        let (paths, contents) = (self.paths(), self.contents()?);
+        let target = |(path, content): (&PathBuf, &Content)| match content {
+            Content::Packing(_) | Content::Page => Target::new(path, self.writing.force),
+            Content::Mesh(format) => mesh::target(path, *format, self.writing.force, &self.meshing),
+        };
+        let targets = paths.iter().zip(&contents).map(target).collect::<Result<Vec<_>, _>>()?;
+        let summary = self.summary_json.as_ref().map(|path| Target::new(path, self.writing.force)).transpose()?;
+        let all: Vec<&Target> = targets.iter().chain(&summary).collect();
+        outputs::distinct(&all, &self.spec.as_deref().into_iter().chain(self.meshing.inputs()).collect::<Vec<_>>())?;
+        let surfaces = SurfaceOptions { compress: self.compress, images: self.images, ..SurfaceOptions::default() };
+        Ok(Plan { outputs: targets.into_iter().zip(contents).collect(), summary, force: self.writing.force, surfaces })
+    }
+}
+
+fn content(path: &Path) -> Result<Content, Failure> {
+    if path == Path::new("-") {
+        return Ok(Content::Packing(Format::Json));
+    }
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("html")) {
+        return Ok(Content::Page);
+    }
+    let packing = Format::from_path(path).map(Content::Packing);
+    packing.or_else(|| MeshFormat::from_path(path).map(Content::Mesh)).ok_or_else(|| {
+        let meshes = MeshFormat::ALL.map(MeshFormat::extension).into_iter().filter(|name| *name != "vtu");
+        let known: Vec<&str> = Format::ALL.map(Format::extension).into_iter().chain(meshes).chain(["html"]).collect();
+        let known = known.join(", .");
+        Failure::Usage(format!("{}: unknown format; the extension must be one of .{known}", path.display()))
+    })
+}
+
+/// Destinations of all outputs.
+pub(super) struct Plan {
+    outputs: Vec<(Target, Content)>,
+    summary: Option<Target>,
+    force: bool,
+    surfaces: SurfaceOptions,
+}
+
+impl Plan {
+    /// The files that were written, those of meshes where there is one.
+    pub(super) fn files(&self, has_mesh: bool) -> impl Iterator<Item = &Path> {
+        let is_there = move |content: &Content| has_mesh || !matches!(content, Content::Mesh(_));
+        let there = self.outputs.iter().filter(move |(_, content)| is_there(content)).map(|(target, _)| target);
+        there.chain(&self.summary).filter_map(Target::file)
+    }
+
+    pub(super) fn meshes(&self) -> impl Iterator<Item = (&Target, MeshFormat)> {
+        self.outputs.iter().filter_map(|(target, content)| match content {
+            Content::Mesh(format) => Some((target, *format)),
+            Content::Packing(_) | Content::Page => None,
+        })
+    }
+
+    pub(super) fn has_deck(&self) -> bool {
+        self.outputs.iter().any(|(_, content)| *content == DECK)
+    }
+
+    pub(super) fn has_mesh(&self) -> bool {
+        self.outputs.iter().any(|(_, content)| matches!(content, Content::Mesh(_)))
+    }
+
+    /// Writes all files; the summary last, because it states how long the others took.
+    pub(super) fn write(
+        &self,
+        model: &Model,
+        mesh: Option<(&Mesh, &DeckOptions)>,
+        watch: &Watch,
+    ) -> Result<(), Failure> {
+        let mut unit = Unit::default();
+        let start = watch.elapsed();
+        for (number, (target, content)) in self.outputs.iter().enumerate() {
+            watch.stage(Stage::Write, number as f64 / self.outputs.len() as f64);
+            match (content, mesh) {
+                (Content::Packing(format), _) => {
+                    unit.fill(target, self.force, |out| format.write(model, self.surfaces, out))?;
+                }
+                (Content::Mesh(format), Some((mesh, deck))) => {
+                    deck.validate(mesh).map_err(|error| wrong_option(&error))?;
+                    mesh::fill(&mut unit, target, self.force, *format, mesh, deck, self.surfaces.compress)?;
+                }
+                (Content::Mesh(_), None) => {}
+                (Content::Page, _) => {
+                    self.fill_page(&mut unit, target, model, mesh.map(|(mesh, _)| mesh), watch)?;
+                }
+            }
+        }
+        if let Some(target) = &self.summary {
+            let total = watch.elapsed();
+            let seconds = Seconds { write: total - start, total, ..model.report.seconds };
+            let summary = Report { seconds, ..model.report.clone() };
+            unit.fill(target, self.force, |out| {
+                serde_json::to_writer_pretty(&mut *out, &summary)?;
+                writeln!(out)
+            })?;
+        }
+        unit.commit()
+    }
+}
+
+impl Plan {
+    /// A page of fewer samples than `report` takes: a newcomer waits for it.
+    fn fill_page(
+        &self,
+        unit: &mut Unit,
+        target: &Target,
+        model: &Model,
+        mesh: Option<&Mesh>,
+        watch: &Watch,
+    ) -> Result<(), Failure> {
+        let figures = Statistics::watched(model, &StatisticsOptions::quick(), watch)
+            .map_err(|error| Failure::Run(error.to_string()))?;
+        unit.fill(target, self.force, |out| page::write(model, &figures, mesh, out))
+    }
+}

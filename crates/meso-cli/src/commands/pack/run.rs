@@ -1,0 +1,107 @@
+//! The work of `mesocrete pack`: a spec becomes a packed specimen and its files.
+
+use super::flags::Args;
+use crate::commands::mesh;
+use crate::commands::meshing::Settings;
+use crate::failure::{Failure, INTERRUPTED, RUN, SHORT};
+use crate::progress::{PACK, Watch};
+use crate::stderr;
+use meso_concrete::thousands;
+use meso_core::packing::{Report, StopReason};
+use meso_core::watch::Stage;
+
+pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
+    args.threads.run(|| on_these_threads(args))?
+}
+
+fn on_these_threads(args: &Args) -> Result<u8, Failure> {
+    let plan = args.plan()?;
+    let stages: Vec<_> = PACK.into_iter().filter(|(stage, _)| plan.has_mesh() || *stage != Stage::Mesh).collect();
+    let mut watch = Watch::of_files(args.writing.quiet, &stages);
+    let spec = match args.spec(&watch) {
+        Err(Failure::Late(message)) => {
+            watch.finish();
+            stderr::line(format!("error: {message}; nothing is written"));
+            return Ok(if args.strict { SHORT } else { RUN });
+        }
+        spec => spec?,
+    };
+    let settings = plan.has_mesh().then(|| args.meshing.settings(&spec, plan.has_deck())).transpose()?;
+    if settings.is_none() {
+        args.meshing.validate_for(&spec, false)?;
+    }
+    // Before the work: a hopeless target is reported while nothing is lost.
+    watch.aside(|| spec.doubts().iter().for_each(|doubt| stderr::line(format!("warning: {doubt}"))));
+    watch.keeps_the_best();
+    let model = meso_core::pack(&spec, &watch);
+    watch.placed();
+    let written = model.map_err(|error| args.name_flag(error)).and_then(|model| {
+        let build = |settings: &Settings| settings.mesh.build(&model, args.writing.quiet, &watch).map(|(mesh, _)| mesh);
+        let mesh = settings.as_ref().map(build).transpose();
+        // A packing is not lost with its mesh.
+        let deck = mesh.as_ref().ok().and_then(Option::as_ref).zip(settings.as_ref().map(|settings| &settings.deck));
+        plan.write(&model, deck, &watch)?;
+        Ok((model, mesh))
+    });
+    watch.finish();
+    let (model, mesh) = written?;
+    if !args.writing.quiet {
+        print(&model.report);
+        if let (Ok(Some(mesh)), Some(settings)) = (&mesh, &settings) {
+            settings.print(mesh, &model);
+        }
+        plan.files(mesh.is_ok()).for_each(|path| stderr::line(format!("wrote {}", path.display())));
+        if let (Ok(_), Some(settings)) = (&mesh, &settings) {
+            plan.meshes().for_each(|(target, format)| mesh::how_to_run(target, format, &settings.deck));
+        }
+    }
+    mesh?;
+    Ok(exit_code(&model.report, args.strict))
+}
+
+/// The result as a table.
+fn print(report: &Report) {
+    // A raw curve places less than the target; a mix design's has many decimals.
+    let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
+    stderr::line(format!(
+        "packed {} aggregates in {:.2} s: fraction {:.5} of {} asked ({}, seed {})",
+        thousands(report.aggregates),
+        report.seconds.take + report.seconds.place,
+        report.fraction,
+        (asked * 1e5).round() / 1e5,
+        report.strategy,
+        report.seed
+    ));
+    stderr::line(format!("grading: {}", report.grading));
+    stderr::line("    class, mm       asked     reached  aggregates");
+    for class in &report.classes {
+        let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);
+        let aggregates = thousands(class.aggregates);
+        stderr::line(format!(
+            "  {limits:>11}  {:>10.5}  {:>10.5}  {aggregates:>10}",
+            class.target_fraction, class.fraction
+        ));
+    }
+    for phase in &report.phases {
+        let (name, bodies) = (phase.phase.plural(), thousands(phase.bodies));
+        stderr::line(format!("  {name:>11}  {:>10.5}  {:>10.5}  {bodies:>10}", phase.target_fraction, phase.fraction));
+    }
+}
+
+/// Exit code of a run that wrote its files; prints why it stopped short.
+fn exit_code(report: &Report, strict: bool) -> u8 {
+    if report.stop_reason == StopReason::TargetReached {
+        return 0;
+    }
+    let why = match report.stop_reason {
+        StopReason::Interrupted => " (interrupted)",
+        StopReason::TimeLimit => " (the time limit came first)",
+        StopReason::TargetReached | StopReason::AttemptsExhausted | StopReason::Jammed => "",
+    };
+    stderr::line(format!("warning: short of the target{why}: {}", report.stop_detail));
+    match report.stop_reason {
+        StopReason::Interrupted => INTERRUPTED,
+        _ if strict => SHORT,
+        _ => 0,
+    }
+}

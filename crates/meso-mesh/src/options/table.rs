@@ -1,0 +1,301 @@
+//! Options of a mesh as users ask for them: flat, by name, most of them absent.
+
+use super::{
+    Fit, ItzForm, Joined, MAX_SLABS, MAX_SUBSAMPLES, MeshOptions, Method, MethodName, NarrowGaps, Order, Volumes,
+    validate_count,
+};
+use crate::error::MeshError;
+use meso_concrete::aggregate::Itz;
+use serde::{Deserialize, Serialize};
+use std::fmt::Debug;
+
+/// Options of a mesh by their names in Python and in `--summary-json`. Absent ones follow from the mesh's [`Purpose`].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct MeshTable {
+    /// Method of meshing.
+    pub method: Option<MethodName>,
+    /// Edge length of the elements, mm; rounded so that whole elements fill the specimen.
+    pub element_size_mm: Option<f64>,
+    /// Interfacial transition zone in the mesh.
+    pub itz: Option<ItzForm>,
+    /// Treatment of aggregates that would share nodes.
+    pub joined: Option<Joined>,
+    /// Volume of the aggregates in a mesh that follows their surfaces; not with a solid ITZ.
+    pub volumes: Option<Volumes>,
+    /// Fewest elements across a gap between aggregates, in tetrahedra.
+    pub narrow_gaps: Option<NarrowGaps>,
+    /// Whether a solid ITZ may be thinner than one voxel; voxels only.
+    pub thin_itz: Option<bool>,
+    /// Sub-samples per voxel and axis, 1 to 8; voxels only.
+    pub subsamples: Option<u32>,
+    /// Fit of a lattice to the aggregates' surfaces; lattices only.
+    pub fit: Option<Fit>,
+    /// Order of the elements, 1 or 2; voxels take 1.
+    pub order: Option<u32>,
+    /// Number of slabs that gmsh fills one by one; conforming meshes only.
+    pub slabs: Option<u32>,
+}
+
+/// Use of a mesh: it decides the options that are not asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Purpose {
+    /// A mesh without an analysis: voxels, with a solid ITZ if they resolve it.
+    #[default]
+    Mesh,
+    /// A test, by a deck with an analysis or by the solver. The lattice has smooth interfaces, no skeleton of joined
+    /// aggregates, exact phase volumes, and narrow gaps in which mortar can flow.
+    Test,
+    /// The first test of a user who names no specimen: larger elements, so that it takes minutes.
+    FirstTest,
+}
+
+impl Purpose {
+    /// Usual options; an absent ITZ follows from the elements.
+    fn usual(self) -> MeshTable {
+        let usual = MeshTable::from(MeshOptions::default());
+        let test = || MeshTable {
+            method: Some(MethodName::Lattice),
+            itz: Some(ItzForm::Smeared),
+            joined: Some(Joined::Mortar),
+            volumes: Some(Volumes::Exact),
+            narrow_gaps: Some(NarrowGaps::Split),
+            ..usual.clone()
+        };
+        match self {
+            Self::Mesh => MeshTable { itz: None, ..usual },
+            Self::Test => test(),
+            Self::FirstTest => MeshTable { element_size_mm: Some(4.0), narrow_gaps: Some(NarrowGaps::Keep), ..test() },
+        }
+    }
+}
+
+impl MeshTable {
+    /// The options of a mesh for `purpose`, of aggregates with the shells `itz`.
+    ///
+    /// # Errors
+    /// Names an option that is out of its range, or that has no effect on this mesh.
+    pub fn resolve(&self, purpose: Purpose, itz: &Itz) -> Result<MeshOptions, MeshError> {
+        let usual = MeshOptions::default();
+        let asked = self.clone().or(purpose.usual());
+        let method = asked.method.unwrap_or(usual.method.name());
+        let element_size_mm = asked.element_size_mm.unwrap_or(usual.element_size_mm);
+        let (fit, order) = (self.fit.unwrap_or(Fit::Fitted), order(self.order.unwrap_or(1), method)?);
+        let (thin_itz, subsamples) = (self.thin_itz.unwrap_or(false), self.subsamples.unwrap_or(1));
+        validate_count("subsamples", subsamples, MAX_SUBSAMPLES)?;
+        self.slabs.map_or(Ok(()), |slabs| validate_count("slabs", slabs, MAX_SLABS))?;
+        let resolved =
+            |thin| if thin { ItzForm::Solid } else { ItzForm::carried_by(method, fit, element_size_mm, itz) };
+        let itz = asked.itz.unwrap_or_else(|| resolved(thin_itz));
+        let effect = Effect { method, fit, itz };
+        self.refuse_idle(effect)?;
+        let method = match method {
+            MethodName::Voxel => Method::Voxel { thin_itz, subsamples },
+            MethodName::Lattice => Method::Lattice { fit, order },
+            MethodName::Conforming => Method::Conforming { order, slabs: self.slabs },
+        };
+        Ok(MeshOptions {
+            method,
+            element_size_mm,
+            itz,
+            joined: asked.joined.unwrap_or_default(),
+            volumes: asked.volumes.filter(|_| effect.restores_volumes()).unwrap_or_default(),
+            narrow_gaps: asked.narrow_gaps.filter(|_| effect.splits_gaps()).unwrap_or_default(),
+        })
+    }
+
+    /// The options of this table, and of `usual` if they are absent here; those of one method stay absent.
+    fn or(self, usual: Self) -> Self {
+        Self {
+            method: self.method.or(usual.method),
+            element_size_mm: self.element_size_mm.or(usual.element_size_mm),
+            itz: self.itz.or(usual.itz),
+            joined: self.joined.or(usual.joined),
+            volumes: self.volumes.or(usual.volumes),
+            narrow_gaps: self.narrow_gaps.or(usual.narrow_gaps),
+            ..self
+        }
+    }
+
+    /// Refuses options without effect. A value that asks for nothing, as in a table that was written, is accepted.
+    fn refuse_idle(&self, effect: Effect) -> Result<(), MeshError> {
+        let is_voxel = effect.method == MethodName::Voxel;
+        let idle = [
+            (
+                effect.method == MethodName::Lattice,
+                asked("fit", self.fit, Fit::Fitted),
+                "only the method lattice takes it",
+            ),
+            (is_voxel, asked("thin_itz", self.thin_itz, false), "only the method voxel takes it"),
+            (effect.itz == ItzForm::Solid, asked("thin_itz", self.thin_itz, false), "only the itz solid takes it"),
+            (is_voxel, asked("subsamples", self.subsamples, 1), "only the method voxel takes it"),
+            (
+                effect.method == MethodName::Conforming,
+                self.slabs.map(|slabs| ("slabs", slabs.to_string())),
+                "only the method conforming takes it",
+            ),
+            (
+                effect.restores_volumes(),
+                asked("volumes", self.volumes, Volumes::Fitted),
+                "only the method conforming and a fitted lattice take it, without a solid itz",
+            ),
+            (
+                effect.splits_gaps(),
+                asked("narrow_gaps", self.narrow_gaps, NarrowGaps::Keep),
+                "only the methods lattice and conforming take it",
+            ),
+        ];
+        let idle = idle.into_iter().filter(|(has_effect, ..)| !has_effect);
+        match idle.filter_map(|(_, asked, accepted)| Some((asked?, accepted))).next() {
+            Some(((key, value), accepted)) => Err(MeshError::option(key, value, accepted)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The choices on which the effect of other options depends.
+#[derive(Clone, Copy)]
+struct Effect {
+    method: MethodName,
+    fit: Fit,
+    itz: ItzForm,
+}
+
+impl Effect {
+    /// Whether aggregates can have their exact volumes: nodes lie on their surfaces, and there is no layer over them.
+    fn restores_volumes(self) -> bool {
+        let follows_surfaces = match self.method {
+            MethodName::Voxel => false,
+            MethodName::Lattice => self.fit == Fit::Fitted,
+            MethodName::Conforming => true,
+        };
+        follows_surfaces && self.itz != ItzForm::Solid
+    }
+
+    /// Whether edges across narrow gaps can be split: voxels stay as they are.
+    fn splits_gaps(self) -> bool {
+        self.method != MethodName::Voxel
+    }
+}
+
+/// An option that is asked for something, by name, with the value as users write it.
+fn asked<T: PartialEq + Debug>(key: &'static str, given: Option<T>, nothing: T) -> Option<(&'static str, String)> {
+    given.filter(|value| *value != nothing).map(|value| (key, written(&value)))
+}
+
+fn written(value: &impl Debug) -> String {
+    format!("{value:?}").to_lowercase()
+}
+
+fn order(order: u32, method: MethodName) -> Result<Order, MeshError> {
+    match (order, method) {
+        (1, _) => Ok(Order::Linear),
+        (2, MethodName::Voxel) => {
+            Err(MeshError::option("order", 2, "voxels take 1; the methods lattice and conforming take 2"))
+        }
+        (2, _) => Ok(Order::Quadratic),
+        _ => Err(MeshError::option("order", order, "it must be 1 or 2")),
+    }
+}
+
+impl From<MeshOptions> for MeshTable {
+    fn from(options: MeshOptions) -> Self {
+        let MeshOptions { method, element_size_mm, itz, joined, volumes, narrow_gaps } = options;
+        let order = if method.order() == Order::Quadratic { 2 } else { 1 };
+        let (mut thin_itz, mut subsamples, mut fit, mut slabs) = (false, 1, Fit::Fitted, None);
+        match method {
+            Method::Voxel { thin_itz: thin, subsamples: samples } => (thin_itz, subsamples) = (thin, samples),
+            Method::Lattice { fit: own, .. } => fit = own,
+            Method::Conforming { slabs: own, .. } => slabs = own,
+        }
+        Self {
+            method: Some(method.name()),
+            element_size_mm: Some(element_size_mm),
+            itz: Some(itz),
+            joined: Some(joined),
+            volumes: Some(volumes),
+            narrow_gaps: Some(narrow_gaps),
+            thin_itz: Some(thin_itz),
+            subsamples: Some(subsamples),
+            fit: Some(fit),
+            order: Some(order),
+            slabs,
+        }
+    }
+}
+
+impl MeshOptions {
+    /// The options by name, in the order of a command line. Those of one method are absent if they ask for nothing.
+    pub fn named(&self) -> Vec<(&'static str, String)> {
+        let table = MeshTable::from(self.clone());
+        let shared = [
+            ("method", written(&self.method.name())),
+            ("element_size_mm", self.element_size_mm.to_string()),
+            ("itz", written(&self.itz)),
+            ("joined", written(&self.joined)),
+            ("volumes", written(&self.volumes)),
+            ("narrow_gaps", written(&self.narrow_gaps)),
+        ];
+        let own = [
+            asked("fit", table.fit, Fit::Fitted),
+            asked("order", table.order, 1),
+            asked("thin_itz", table.thin_itz, false),
+            asked("subsamples", table.subsamples, 1),
+            table.slabs.map(|slabs| ("slabs", slabs.to_string())),
+        ];
+        shared.into_iter().chain(own.into_iter().flatten()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn resolved(table: &MeshTable, purpose: Purpose) -> Result<MeshOptions, String> {
+        table.resolve(purpose, &Itz::default()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_table_that_was_written_gives_its_options_again() {
+        for method in [Method::VOXEL, Method::FITTED, Method::PLAIN, Method::CONFORMING] {
+            for purpose in [Purpose::Mesh, Purpose::Test, Purpose::FirstTest] {
+                let (method, fit) = (Some(method.name()), (method == Method::PLAIN).then_some(Fit::Plain));
+                let options = resolved(&MeshTable { method, fit, ..MeshTable::default() }, purpose).unwrap();
+                assert_eq!(resolved(&options.clone().into(), Purpose::Mesh), Ok(options.clone()));
+                assert_eq!(resolved(&options.clone().into(), Purpose::Test), Ok(options));
+            }
+        }
+    }
+
+    #[test]
+    fn an_option_without_effect_is_refused_and_its_usual_value_is_not() {
+        let table = |method| MeshTable { method: Some(method), ..MeshTable::default() };
+        let (voxel, lattice) = (table(MethodName::Voxel), table(MethodName::Lattice));
+        let exact = Some(Volumes::Exact);
+        for (asked, said) in [
+            (MeshTable { fit: Some(Fit::Plain), ..voxel.clone() }, "mesh.fit is plain; only the method lattice"),
+            (
+                MeshTable { narrow_gaps: Some(NarrowGaps::Split), ..voxel.clone() },
+                "mesh.narrow_gaps is split; only the",
+            ),
+            (MeshTable { volumes: exact, ..voxel.clone() }, "mesh.volumes is exact; only the method conforming and"),
+            (MeshTable { volumes: exact, fit: Some(Fit::Plain), ..lattice.clone() }, "mesh.volumes is exact; only"),
+            (MeshTable { volumes: exact, itz: Some(ItzForm::Solid), ..lattice.clone() }, "mesh.volumes is exact; only"),
+            (MeshTable { thin_itz: Some(true), ..lattice.clone() }, "mesh.thin_itz is true; only the method voxel"),
+            (
+                MeshTable { thin_itz: Some(true), itz: Some(ItzForm::None), ..voxel.clone() },
+                "mesh.thin_itz is true; only the itz solid takes it",
+            ),
+            (MeshTable { subsamples: Some(2), ..lattice.clone() }, "mesh.subsamples is 2; only the method voxel"),
+            (MeshTable { slabs: Some(1), ..lattice.clone() }, "mesh.slabs is 1; only the method conforming takes it"),
+        ] {
+            let error = resolved(&asked, Purpose::Mesh).unwrap_err();
+            assert!(error.starts_with(said), "{error}");
+        }
+        let usual = MeshTable { thin_itz: Some(false), subsamples: Some(1), volumes: Some(Volumes::Fitted), ..lattice };
+        assert!(resolved(&usual, Purpose::Test).is_ok());
+        let options = resolved(&voxel, Purpose::Test).unwrap();
+        assert_eq!((options.volumes, options.narrow_gaps), (Volumes::Fitted, NarrowGaps::Keep));
+    }
+}
