@@ -35,7 +35,7 @@ impl Args {
             claim(path).map_err(wrong_name)?;
             match mesh_format(path)? {
                 MeshFormat::Inp if self.meshing.has_curve() => {
-                    claim(&DeckOptions::curve_path(path)).map_err(wrong_name)?
+                    claim(&DeckOptions::curve_path(path)).map_err(wrong_name)?;
                 }
                 MeshFormat::Pvtu => {
                     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
