@@ -36,17 +36,20 @@ impl Stream {
     }
 
     /// Uniform in [0, 1), a multiple of 2^-53.
+    #[inline]
     pub fn unit(&mut self) -> f64 {
         // Through i64, which is an instruction where u64 is six.
         (self.0.next_u64() >> 11) as i64 as f64 * f64::from_bits(0x3CA0_0000_0000_0000)
     }
 
     /// Uniform in [low, high).
+    #[inline]
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
     /// Uniform integer in low..=high.
+    #[inline]
     pub fn integer(&mut self, low: u32, high: u32) -> u32 {
         low + (self.unit() * f64::from(high - low + 1)) as u32
     }
@@ -58,6 +61,7 @@ impl Stream {
     }
 
     /// A point uniform in the box from `low` to `high`.
+    #[inline]
     pub fn point(&mut self, low: &Vec3, high: &Vec3) -> Vec3 {
         Vec3::from_fn(|i, _| self.uniform(low[i], high[i]))
     }

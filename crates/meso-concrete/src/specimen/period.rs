@@ -19,6 +19,7 @@ impl Periodic {
     pub const ALL: Self = Self([true; 3]);
 
     /// True where there are walls on all sides.
+    #[inline]
     pub fn is_none(&self) -> bool {
         *self == Self::NONE
     }
@@ -68,27 +69,32 @@ impl Period {
     }
 
     /// The period along `axis`, mm, where there is one.
+    #[inline]
     pub fn along(&self, axis: usize) -> Option<f64> {
         (self.0[axis] > 0.0).then_some(self.0[axis])
     }
 
     /// True where there are walls on all sides.
+    #[inline]
     pub fn is_none(&self) -> bool {
         self.0 == Vec3::zeros()
     }
 
     /// The whole periods in a shift between images.
+    #[inline]
     pub fn steps(&self, shift: &Vec3) -> [i32; 3] {
         [0, 1, 2].map(|axis| self.along(axis).map_or(0, |length| (shift[axis] / length).round() as i32))
     }
 
     /// The box with the sides of `periodic` along the periodic axes, and those of `walled` along the others.
+    #[inline]
     pub fn mixed(&self, periodic: &Aabb, walled: &Aabb) -> Aabb {
         let side = |axis: usize| if self.along(axis).is_some() { periodic } else { walled };
         Aabb { min: Vec3::from_fn(|i, _| side(i).min[i]), max: Vec3::from_fn(|i, _| side(i).max[i]) }
     }
 
     /// `point` moved by whole periods into the box from the origin.
+    #[inline]
     pub fn wrap(&self, point: &Vec3) -> Vec3 {
         Vec3::from_fn(|i, _| match self.along(i) {
             // A rounded quotient may be off by one in either direction.
