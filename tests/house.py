@@ -25,13 +25,22 @@ SENTENCE = re.compile(r"(?<=[.!?:])\s+(?=[A-Z`\[(])")
 LEANING = re.compile(r"(?:The same|Those|That of|Of|As \[`)\b|As \[`")
 
 
+# Figures above their bars, as they were last reached.
+REACHED = {"lines outside unit tests": 61_500}
+
+
 class Figure(NamedTuple):
-    """A count, the most that it may be, and the places that it counts."""
+    """A count, the bar that it should meet, and the places that it counts."""
 
     name: str
     count: float
-    most: float
+    bar: float
     places: list[str]
+
+    @property
+    def most(self) -> float:
+        """The bar, or the count that was reached where the bar is not met yet: it may only fall."""
+        return REACHED.get(self.name, self.bar)
 
 
 def sources(crate: str = "*") -> list[Path]:
@@ -191,10 +200,10 @@ def main() -> int:
     args = parser.parse_args()
     counted = figures()
     for figure in counted:
-        print(f"{figure.name:42} {figure.count:>9} {figure.most:>7}  {'' if figure.count <= figure.most else 'above'}")
+        print(f"{figure.name:42} {figure.count:>9} {figure.bar:>7}  {'' if figure.count <= figure.bar else 'above'}")
         if args.show and args.show in figure.name:
             print("", *figure.places, sep="\n    ")
-    return int(any(figure.count > figure.most for figure in counted))
+    return int(any(figure.count > figure.bar for figure in counted))
 
 
 if __name__ == "__main__":

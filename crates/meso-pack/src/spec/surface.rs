@@ -5,7 +5,7 @@ use super::messages::{found, number};
 use super::tree::{Node, Value};
 use super::{Reading, SpecError};
 use meso_collision::geometry::{SurfaceError, TriangleMesh};
-use meso_collision::math::Vec3;
+use meso_collision::math::Aabb;
 use meso_concrete::import::{self, Imported};
 use meso_concrete::specimen::{ContainerError, Specimen};
 use meso_concrete::watch::{Stage, Waiting};
@@ -100,11 +100,14 @@ fn without_flat(name: &str, mesh: TriangleMesh, reading: &mut Reading<'_>) -> Tr
     }
 }
 
+/// Least move that is worth a remark, as a share of the surface's size: below it a file means the origin, and rounds.
+const MOVE: f64 = 1e-6;
+
 /// Remarks on the move of a surface whose lowest corner is not the origin.
 fn moved(name: &str, mesh: &TriangleMesh, reading: &mut Reading<'_>) {
-    let low = mesh.vertices.iter().copied().reduce(|low, vertex| low.inf(&vertex)).unwrap_or_else(Vec3::zeros);
-    if low != Vec3::zeros() {
-        let [x, y, z] = <[f64; 3]>::from(low).map(number);
+    let aabb = Aabb::around(&mesh.vertices);
+    if aabb.min.amax() > MOVE * aabb.size().amax() {
+        let [x, y, z] = <[f64; 3]>::from(aabb.min).map(number);
         let remark = format!("its lowest corner, ({x}, {y}, {z}) mm, is the origin of the packing");
         reading.files.remark(name, &remark);
     }

@@ -139,7 +139,7 @@ class _Reader:
         if isinstance(value, type):
             return self._class(value, place)
         if isinstance(value, _SLOTS):
-            return _hash("slot", value.__qualname__)
+            return _hash("slot", str(getattr(value, "__qualname__", "")))
         if isinstance(value, types.CellType):
             return self.digest(_cell(value), place)
         if type(value).__module__ == "numpy" and type(value).__name__ == "ndarray":
