@@ -55,7 +55,7 @@ PLAIN = {
     "f64": "float", "usize": "int", "u64": "int", "u32": "int", "u16": "int", "u8": "int", "i64": "int", "bool": "bool",
     "String": "str", "&'static str": "str",
     # Names of a choice, and findings, which are a kind and its own keys.
-    "StopReason": "str", "Kind": "str", "LawName": "str", "Control": "str", "Smoothing": "str",
+    "StopReason": "str", "Kind": "str", "TestKind": "str", "LawName": "str", "Control": "str", "Smoothing": "str",
     "Ended": "str | dict[str, str]",
     "Finding": "dict[str, str | int | float]",
 }  # fmt: skip

@@ -909,7 +909,7 @@ class Frame:
 
     @property
     def phase(self) -> NDArray[np.uint8]:
-        """Phase that every cell has in the test: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
+        """Phase of every cell of the mesh: ndarray, shape (m,), uint8; 0 mortar, 1 ITZ, 2 aggregate, 4 fibre; a copy."""
 
     @property
     def aggregate(self) -> NDArray[np.int64]:

@@ -352,26 +352,26 @@ class SpecOptions(TypedDict, total=False):
 
 
 class MeshOptions(TypedDict, total=False):
-    """`MeshOptions` as a flat table, as Python's keywords and `--summary-json` have them. What only another method has must keep its default."""
+    """Options of a mesh by their names in Python and in `--summary-json`. Absent ones follow from the mesh's `Purpose`."""
 
-    fit: Literal["fitted", "plain"]
-    """Lattices alone."""
+    fit: Literal["fitted", "plain"] | None
+    """Fit of a lattice to the aggregates' surfaces; lattices only."""
     itz: Literal["solid", "cohesive", "smeared", "none"] | None
-    """As `MeshOptions.itz`; absent: what the elements can show, see `ItzForm.carried_by`."""
-    joined: Literal["keep", "mortar", "cut"]
-    """As `MeshOptions.joined`."""
-    narrow_gaps: Literal["keep", "split"]
-    """As `MeshOptions.narrow_gaps`."""
-    order: int
-    """1 or 2; voxels take 1."""
+    """Interfacial transition zone in the mesh."""
+    joined: Literal["keep", "mortar", "cut"] | None
+    """Treatment of aggregates that would share nodes."""
+    narrow_gaps: Literal["keep", "split"] | None
+    """Fewest elements across a gap between aggregates, in tetrahedra."""
+    order: int | None
+    """Order of the elements, 1 or 2; voxels take 1."""
     slabs: int | None
-    """Conforming meshes alone."""
-    subsamples: int
-    """Voxels alone."""
-    thin_itz: bool
-    """Voxels alone."""
-    volumes: Literal["fitted", "exact"]
-    """As `MeshOptions.volumes`."""
+    """Number of slabs that gmsh fills one by one; conforming meshes only."""
+    subsamples: int | None
+    """Sub-samples per voxel and axis, 1 to 8; voxels only."""
+    thin_itz: bool | None
+    """Whether a solid ITZ may be thinner than one voxel; voxels only."""
+    volumes: Literal["fitted", "exact"] | None
+    """Volume of the aggregates in a mesh that follows their surfaces; not with a solid ITZ."""
 
 
 class DeckElastic(TypedDict, total=False):

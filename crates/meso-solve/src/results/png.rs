@@ -23,6 +23,7 @@ impl Picture {
         encoder.set_color(ColorType::Indexed);
         encoder.set_palette(self.palette.as_flattened());
         encoder.set_trns(&[0][..]);
+        encoder.set_compression(png::Compression::High);
         let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(&self.pixels));
         written.map_err(|error| match error {
             EncodingError::IoError(error) => error,
