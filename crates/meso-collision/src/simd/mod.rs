@@ -164,8 +164,6 @@ pub(crate) trait Simd: Copy {
     type F64: Lanes<T = f64, Token = Self>;
     /// True where many pairs in lockstep take less than two thirds of the time of one after the other: as measured.
     const LOCKSTEP_PAYS: bool;
-    /// How many points a loop over few of them takes in one turn, whole registers: as measured.
-    const SIGNS_AT_ONCE: usize;
 
     /// The columns of as many rows as a register has f64.
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Self::F64; 8];

@@ -20,8 +20,6 @@ impl Simd for Neon {
     type F64 = F64x2;
     // By instructions under qemu, many pairs in lockstep take more than one by one: docs/accuracy.md.
     const LOCKSTEP_PAYS: bool = false;
-    // As with AVX2; not measured.
-    const SIGNS_AT_ONCE: usize = 8;
 
     #[inline(always)]
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F64x2; 8] {

@@ -19,7 +19,6 @@ impl Simd for Portable {
     type F64 = Array<f64>;
     // On x86-64 without FMA it loses.
     const LOCKSTEP_PAYS: bool = false;
-    const SIGNS_AT_ONCE: usize = LANES;
 
     #[inline(always)]
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [Array<f64>; 8] {

@@ -28,7 +28,6 @@ impl Simd for Avx2 {
     type F32 = F32x8;
     type F64 = F64x4;
     const LOCKSTEP_PAYS: bool = true;
-    const SIGNS_AT_ONCE: usize = 8;
 
     #[inline(always)]
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F64x4; 8] {
@@ -78,7 +77,6 @@ impl Simd for Avx512 {
     type F32 = F32x16;
     type F64 = F64x8;
     const LOCKSTEP_PAYS: bool = true;
-    const SIGNS_AT_ONCE: usize = 8;
 
     #[inline(always)]
     fn columns(self, rows: &[&[f32; 8]; MOST_LANES]) -> [F64x8; 8] {

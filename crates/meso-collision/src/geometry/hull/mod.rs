@@ -5,7 +5,6 @@
 //! are exactly the extreme points and the faces exactly the facets.
 
 mod cloud;
-mod few;
 mod loops;
 mod polygons;
 mod same_facets;
@@ -15,7 +14,6 @@ mod wrap;
 use crate::geometry::exact::predicates::in_range;
 use crate::geometry::{CompactPolyhedron, Polyhedron};
 use crate::math::Vec3;
-use few::Few;
 pub(crate) use loops::{Loops, pairs};
 use polygons::Polygons;
 use std::cell::RefCell;
@@ -75,7 +73,6 @@ fn with_builder<R>(points: usize, run: impl FnOnce(&mut HullBuilder) -> R) -> R 
 #[derive(Clone, Debug, Default)]
 pub struct HullBuilder {
     wrap: Wrap,
-    few: Few,
     surface: Surface,
     polygons: Polygons,
     /// Position of every point among the hull's vertices.
@@ -151,10 +148,7 @@ impl HullBuilder {
 /// the combinatorics alone. Coordinates must be within the range of [`convex_hull`].
 pub(crate) fn facets_and_dual(points: &[Vec3]) -> Result<[Loops; 2], HullError> {
     check(points)?;
-    with_builder(points.len(), |HullBuilder { few, surface, polygons, .. }| {
-        if let Some(loops) = few.facets_and_dual(points) {
-            return Ok(loops);
-        }
+    with_builder(points.len(), |HullBuilder { surface, polygons, .. }| {
         surface.build(points)?;
         polygons.collect(surface, points);
         let facets = Loops { corners: polygons.corners.clone(), ends: polygons.ends.clone() };
