@@ -104,9 +104,10 @@ def comments(path: Path) -> Iterator[tuple[str, str]]:
         if words is not None and words.lstrip().startswith("```"):
             fenced = not fenced
             words = ""
-        if words is not None and not fenced and words.strip():
+        is_heading = words is not None and words.startswith("# ")
+        if words is not None and not fenced and words.strip() and not is_heading:
             start = start if block else number
-            block.append(words.strip().removeprefix("* ").removeprefix("- ").removeprefix("# "))
+            block.append(words.strip().removeprefix("* ").removeprefix("- "))
             continue
         fenced = fenced and comment is not None
         for sentence in SENTENCE.split(" ".join(block)) if block else []:

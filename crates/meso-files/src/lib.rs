@@ -59,7 +59,7 @@ fn named(path: &Path, why: &str) -> io::Error {
 /// SHA-256 of a file, as 64 hexadecimal digits.
 ///
 /// # Errors
-/// Those of the file system.
+/// Fails with the errors of the file system.
 pub fn sha256(path: &Path) -> io::Result<String> {
     let (mut file, mut hash, mut block) = (File::open(path)?, Sha256::new(), vec![0; 1 << 16]);
     loop {

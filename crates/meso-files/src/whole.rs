@@ -72,7 +72,7 @@ impl<K: Keeper> Unit<K> {
     /// Lets `write` fill the file that will be `path`; `replace` says whether one may be there when it gets its name.
     ///
     /// # Errors
-    /// Those of the file system, of `write` and of the keeper.
+    /// Fails with the errors of the file system, of `write` and of the keeper.
     pub fn fill(
         &mut self,
         path: &Path,
@@ -222,7 +222,7 @@ fn fill_beside<K: Keeper>(
 /// Writes to a device or pipe, as it comes.
 ///
 /// # Errors
-/// Those of `out` and `write`.
+/// Fails with the errors of `out` and `write`.
 pub fn stream(out: impl Write, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(BLOCK, out);
     write(&mut out)?;
@@ -237,7 +237,7 @@ pub fn folder(path: &Path) -> &Path {
 /// A temporary file in `folder`, with the permissions that any new file gets. Errors keep the system's number.
 ///
 /// # Errors
-/// Those of the file system.
+/// Fails with the errors of the file system.
 pub fn new_file(folder: &Path) -> io::Result<NamedTempFile> {
     let new = |path: &Path| File::options().write(true).create_new(true).open(path);
     tempfile::Builder::new().prefix(UNFINISHED.0).suffix(UNFINISHED.1).make_in(folder, new)

@@ -93,7 +93,7 @@ impl Plot {
     /// Writes the plot as SVG; its classes `f` and `g` are the frame and the grid.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let [width, height] = self.size;
         writeln!(

@@ -310,7 +310,7 @@ impl ImageFormat {
     /// Writes an image as [`ImageFormat::write`] does, in any format; a `.tif` seeks in `out`.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn write_file(
         self,
         image: &VoxelImage,
@@ -328,7 +328,7 @@ impl ImageFormat {
     /// Writes an image of `model` to `out` as it is made, and reports the share that is; not `.tif`, which seeks.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn write(
         self,
         image: &VoxelImage,

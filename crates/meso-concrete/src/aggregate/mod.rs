@@ -49,7 +49,7 @@ impl Aggregate {
     /// The volume inside a shell of `thickness` mm, mm3.
     ///
     /// # Errors
-    /// As [`core`](Self::core).
+    /// Fails like [`core`](Self::core).
     pub fn core_volume(&self, thickness: f64) -> Result<f64, OffsetError> {
         Ok(self.body.inward_offset(thickness)?.map_or(0.0, |core| core.volume()))
     }

@@ -59,7 +59,7 @@ impl<F: Fn(&Surfaces) -> Result<Vec<u8>, MeshError> + Sync> VolumeMesher for F {
 /// The mesh of `aggregates` and mortar by `gmsh`; `images` as of [`Division::new`].
 ///
 /// # Errors
-/// As [`Division::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
+/// Fails like [`Division::new`], those of `gmsh`, and where no size gives opposite faces that match and cells with a volume.
 pub(super) fn mesh(
     aggregates: &[Aggregate],
     images: &[Aggregate],
@@ -132,7 +132,7 @@ impl Division {
     /// The mesh of `aggregates` and mortar, slab by slab by `gmsh`, as many at once as there are threads.
     ///
     /// # Errors
-    /// Those of `gmsh`; names a fault of its output; a node on a periodic face that has none opposite to it.
+    /// Fails with the errors of `gmsh`; names a fault of its output; a node on a periodic face that has none opposite to it.
     fn mesh(self, gmsh: &dyn VolumeMesher) -> Result<TetMesh, MeshError> {
         let filled = self.runs.par_iter().with_max_len(1).map(|surfaces| surfaces.filled(&gmsh.fill(surfaces)?));
         let mut mesh = stitch::joined(filled.collect::<Result<_, MeshError>>()?, &self.slabs)?;
@@ -173,7 +173,7 @@ impl Surfaces {
     /// Writes the surfaces for gmsh.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
         msh::write(&self.shells, out)
     }
@@ -197,7 +197,7 @@ impl Surfaces {
 /// Aggregates within a specimen's surface that none of them meets.
 ///
 /// # Errors
-/// As [`triangulation::facets`].
+/// Fails like [`triangulation::facets`].
 fn walled(cuts: Cuts, specimen: &Specimen, container: &dyn Container) -> Result<Shells, MeshError> {
     let Cuts { placed, bodies, size, .. } = cuts;
     let surfaces: Vec<Triangles> = parallel::try_map(placed.len(), |i| triangulation::of_body(&placed[i].body, size))?;

@@ -22,7 +22,7 @@ const PASSES: usize = 10;
 /// The facets of `body` with edges of about `size` mm.
 ///
 /// # Errors
-/// As [`facets`].
+/// Fails like [`facets`].
 pub(crate) fn of_body(body: &Polyhedron, size: f64) -> Result<Triangles, Untriangulated> {
     facets(body.vertices(), body.faces().map(|face| face.to_vec()), LONGEST * size)
 }

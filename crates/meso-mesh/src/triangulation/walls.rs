@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// faces exactly, curved ones by triangles whose nodes lie on them.
 ///
 /// # Errors
-/// As [`facets`].
+/// Fails like [`facets`].
 pub(crate) fn walls(specimen: &Specimen, container: &dyn Container, size: f64) -> Result<Triangles, Untriangulated> {
     match (specimen, polygons(specimen, container, size)) {
         (_, Some(Surface { points, faces })) => facets(&points, faces, LONGEST * size),

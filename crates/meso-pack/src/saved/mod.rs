@@ -38,7 +38,7 @@ const AT_ONCE: usize = 32;
 /// Writes `model` to `out`, some aggregates at a time.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 15, seal::Sealing::new(out));
     out.write_all(b"{")?;
@@ -61,7 +61,7 @@ pub fn write(model: &Model, out: impl Write) -> io::Result<()> {
 /// Writes the model as JSON, compressed by gzip.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write_compressed(model: &Model, out: impl Write) -> io::Result<()> {
     let mut out = gzip::Members::new(out);
     write(model, &mut out)?;

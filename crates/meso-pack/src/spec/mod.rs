@@ -99,7 +99,7 @@ impl Spec {
     /// `specimen = { kind = "mesh", file = "..." }`.
     ///
     /// # Errors
-    /// As [`Spec::from_toml`], and where `files` fail.
+    /// Fails like [`Spec::from_toml`], and where `files` fail.
     pub fn from_toml_with(text: &str, files: &mut dyn Files) -> Result<Self, SpecError> {
         Self::from_toml_while(text, files, &Silent, None)
     }
@@ -108,7 +108,7 @@ impl Spec {
     /// seconds. The watch also receives the fraction asked for. `time_limit_s` replaces the spec's own limit.
     ///
     /// # Errors
-    /// As [`Spec::from_toml_with`], and where the time limit ends the proof of the surface: see [`SpecError::is_late`].
+    /// Fails like [`Spec::from_toml_with`], and where the time limit ends the proof of the surface: see [`SpecError::is_late`].
     pub fn from_toml_while(
         text: &str,
         files: &mut dyn Files,
@@ -121,7 +121,7 @@ impl Spec {
     /// Reads and validates a spec from a tree of values, e.g. a Python dict or a saved model.
     ///
     /// # Errors
-    /// As [`Spec::from_toml`], without a line.
+    /// Fails like [`Spec::from_toml`], without a line.
     pub fn from_value(value: &serde_json::Value) -> Result<Self, SpecError> {
         Self::from_value_with(value, &mut NoFiles)
     }
@@ -129,7 +129,7 @@ impl Spec {
     /// Reads a tree of values like [`Spec::from_value`], with `files` as in [`Spec::from_toml_with`].
     ///
     /// # Errors
-    /// As [`Spec::from_toml_with`], without a line.
+    /// Fails like [`Spec::from_toml_with`], without a line.
     pub fn from_value_with(value: &serde_json::Value, files: &mut dyn Files) -> Result<Self, SpecError> {
         Self::from_value_while(value, files, &Silent, None)
     }
@@ -138,7 +138,7 @@ impl Spec {
     /// [`Spec::from_toml_while`].
     ///
     /// # Errors
-    /// As [`Spec::from_toml_while`], without a line.
+    /// Fails like [`Spec::from_toml_while`], without a line.
     pub fn from_value_while(
         value: &serde_json::Value,
         files: &mut dyn Files,
@@ -199,7 +199,7 @@ pub fn options_from_value<T: serde::de::DeserializeOwned>(value: &serde_json::Va
 /// Reads options outside a spec from TOML text, with a spec's errors.
 ///
 /// # Errors
-/// As [`options_from_value`], with the line; syntax.
+/// Fails like [`options_from_value`], with the line; syntax.
 pub fn options_from_toml<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, SpecError> {
     read::read(&tree::parse_toml(text)?)
 }

@@ -117,7 +117,7 @@ impl Statistics {
     /// Measures like [`Statistics::of`], and reports to `watch` as [`Stage::Measure`].
     ///
     /// # Errors
-    /// As [`Statistics::of`].
+    /// Fails like [`Statistics::of`].
     pub fn watched(model: &Model, options: &StatisticsOptions, watch: &dyn Watch) -> Result<Self, GjkError> {
         watch.stage(Stage::Measure, 0.02);
         let (container, aggregates) = (model.spec.specimen.container(), model.aggregates.as_slice());

@@ -105,7 +105,7 @@ impl ResultFile {
     /// Writes it.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn write(self, outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
         match self {
             Self::Curve => write_curve(&outcome.response.curve, out),
@@ -120,7 +120,7 @@ impl ResultFile {
 /// sign.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write_curve(rows: &[Row], out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     writeln!(out, "{}", Row::COLUMNS.join(","))?;

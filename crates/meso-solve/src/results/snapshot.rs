@@ -80,7 +80,7 @@ impl Snapshot {
     /// Writes it as a `.vtu` of `mesh`, which it belongs to.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn write(&self, mesh: &Mesh, out: &mut dyn Write) -> io::Result<()> {
         let scalar = |name, values| Field { name, components: 1, values };
         let moved = Field { name: "displacement_mm", components: 3, values: self.displacement.as_flattened() };

@@ -11,7 +11,7 @@ use std::io::{self, Write};
 /// Writes `mesh` with its phases and quality to `out`; `compress` is by zlib.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write(mesh: &Mesh, compress: bool, out: impl Write) -> io::Result<()> {
     let quality = match mesh.kind {
         CellKind::Hexahedron => Vec::new(),
@@ -46,7 +46,7 @@ pub struct Field<'a> {
 /// of `cells`.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write_fields(mesh: &Mesh, points: &[Field], cells: &[Field], out: impl Write) -> io::Result<()> {
     let cell_data = cells.iter().map(Field::array).chain(bodies(mesh)).collect();
     Grid { point_data: points.iter().map(Field::array).collect(), ..grid(mesh, cell_data) }

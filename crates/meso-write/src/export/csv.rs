@@ -15,7 +15,7 @@ itz_thickness_mm,vertices,faces,phase";
 /// `sphericity` is Wadell's: the area of the sphere of equal volume over the body's area.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write<'a>(bodies: impl IntoIterator<Item = &'a Aggregate>, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "{HEADER}")?;

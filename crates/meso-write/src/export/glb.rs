@@ -17,7 +17,7 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// Writes every body to `out`: the JSON header, all corners, all triangles.
 ///
 /// # Errors
-/// Those of `out`; more than the 4 GB that the format counts.
+/// Fails with the errors of `out`; more than the 4 GB that the format counts.
 pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     let corners: usize = bodies.iter().map(|body| 12 * body.body.vertices().len()).sum();

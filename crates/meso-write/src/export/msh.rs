@@ -31,7 +31,7 @@ impl Block {
 /// Writes `mesh` to `out`.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(mesh: &Mesh, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     let blocks = blocks(mesh);

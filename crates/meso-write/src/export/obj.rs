@@ -9,7 +9,7 @@ use std::io::{self, BufWriter, Write};
 /// Writes every body to `out`, mm.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     writeln!(out, "# mesocrete, mm")?;

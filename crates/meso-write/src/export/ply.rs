@@ -9,7 +9,7 @@ use std::io::{self, BufWriter, Write};
 /// Writes every triangle of every body to `out`, mm.
 ///
 /// # Errors
-/// Those of `out`; more points than the format's 32-bit numbers reach.
+/// Fails with the errors of `out`; more points than the format's 32-bit numbers reach.
 pub(crate) fn write(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     let points: usize = bodies.iter().map(|body| body.body.vertices().len()).sum();

@@ -41,7 +41,7 @@ fn part(mesh: &Mesh, range: Range<usize>) -> Mesh {
 /// Writes the index of the pieces of `mesh`, which are the files `names` beside it.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(mesh: &Mesh, names: &[String], mut out: impl Write) -> io::Result<()> {
     writeln!(out, "<?xml version=\"1.0\"?>")?;
     write!(out, "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" ")?;

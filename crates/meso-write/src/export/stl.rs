@@ -12,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 /// Writes every triangle of every aggregate to `out`, mm.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     // 80 bytes that must not begin with "solid", by which readers know the text form.
@@ -33,7 +33,7 @@ pub fn write(aggregates: &[Aggregate], out: impl Write) -> io::Result<()> {
 /// Writes every body to `out` as a solid of its own, which has its name; the text form, some five times as long.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write_solids(bodies: &[Aggregate], out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     for body in bodies {

@@ -14,7 +14,7 @@ const POLYGON: u8 = 7;
 /// Writes the outer surfaces of `aggregates` to `out`, one polygon per face.
 ///
 /// # Errors
-/// Those of `out`; more points than 32-bit node numbers reach.
+/// Fails with the errors of `out`; more points than 32-bit node numbers reach.
 pub(crate) fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
     write_as(Layout::Cells, aggregates, encoding, out)
 }
@@ -22,7 +22,7 @@ pub(crate) fn write(aggregates: &[Aggregate], encoding: Encoding, out: impl Writ
 /// Writes the aggregates' surfaces as VTK poly data (`.vtp`).
 ///
 /// # Errors
-/// As [`write`].
+/// Fails like [`write`].
 pub(crate) fn write_polygons(aggregates: &[Aggregate], encoding: Encoding, out: impl Write) -> io::Result<()> {
     write_as(Layout::Polygons, aggregates, encoding, out)
 }

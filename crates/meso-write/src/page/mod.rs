@@ -20,7 +20,7 @@ use std::io::{self, BufWriter, Write};
 /// Writes the page to `out`, with a section through `mesh` where there is one.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn write(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, out: impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     head(model, &mut out)?;
@@ -37,7 +37,7 @@ pub fn write(model: &Model, statistics: &Statistics, mesh: Option<&Mesh>, out: i
 /// Writes one section across `axis` at `at` mm as a picture of its own (`.svg`), to scale in mm and upright.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub fn section(model: &Model, axis: usize, at: f64, out: &mut impl Write) -> io::Result<()> {
     slice::picture(model, axis, at, out)
 }

@@ -134,7 +134,7 @@ impl HullBuilder {
     /// The dimension of the smallest affine space that holds all `points`: 0 to 3, exactly.
     ///
     /// # Errors
-    /// As [`HullError`], for points that cannot be read.
+    /// See [`HullError`], for points that cannot be read.
     pub fn affine_dimension(points: &[Vec3]) -> Result<u8, HullError> {
         check(points)?;
         match surface::affine_basis(points) {

@@ -56,7 +56,7 @@ impl Algorithm {
     /// [`intersects`] by this search.
     ///
     /// # Errors
-    /// As [`intersects`].
+    /// Fails like [`intersects`].
     ///
     /// ```
     /// use meso_collision::{gjk::Algorithm, math::Vec3};
@@ -77,7 +77,7 @@ impl Algorithm {
     /// To ask about the same bodies more than once, make [`Bodies`](crate::gjk::Bodies) of them.
     ///
     /// # Errors
-    /// As [`intersects`]; the first offending body is named.
+    /// Fails like [`intersects`]; the first offending body is named.
     ///
     /// ```
     /// use meso_collision::{gjk::Algorithm, math::Vec3};
@@ -103,7 +103,7 @@ impl Algorithm {
     /// Whether the hulls of `a` and `b` share a point, with the proof.
     ///
     /// # Errors
-    /// As [`intersects`].
+    /// Fails like [`intersects`].
     ///
     /// ```
     /// use meso_collision::{gjk::{Algorithm, Verdict}, math::Vec3};
@@ -140,7 +140,7 @@ fn intersecting(pairs: &[(u32, u32)], is_exact: bool) -> Verdict {
 /// Correctly rounded up to one unit in the last place.
 ///
 /// # Errors
-/// As [`intersects`].
+/// Fails like [`intersects`].
 ///
 /// ```
 /// use meso_collision::{gjk, math::Vec3};
@@ -161,7 +161,7 @@ pub fn distance(a: &[Vec3], b: &[Vec3]) -> Result<f64, GjkError> {
 /// depends on the points alone.
 ///
 /// # Errors
-/// As [`intersects`].
+/// Fails like [`intersects`].
 ///
 /// ```
 /// use meso_collision::{gjk, math::Vec3};
@@ -180,7 +180,7 @@ pub fn closest_points(a: &[Vec3], b: &[Vec3]) -> Result<[Vec3; 2], GjkError> {
 /// without computing it.
 ///
 /// # Errors
-/// As [`intersects`].
+/// Fails like [`intersects`].
 ///
 /// ```
 /// use meso_collision::{gjk, math::Vec3};

@@ -41,7 +41,7 @@ impl Impact {
     /// The bounds differ by some 1e-14 of bodies and motion, over the speed at which the bodies approach each other.
     ///
     /// # Errors
-    /// As [`intersects`](crate::gjk::intersects); and for a motion that is not finite.
+    /// Fails like [`intersects`](crate::gjk::intersects); and for a motion that is not finite.
     ///
     /// ```
     /// use meso_collision::{gjk, math::Vec3};

@@ -41,7 +41,7 @@ impl Penetration {
     /// The true depth lies between `at_least` and `depth`, which differ by some 1e-14 of the bodies' size.
     ///
     /// # Errors
-    /// As [`intersects`](crate::gjk::intersects).
+    /// Fails like [`intersects`](crate::gjk::intersects).
     ///
     /// ```
     /// use meso_collision::{gjk, math::Vec3};

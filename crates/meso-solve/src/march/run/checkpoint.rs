@@ -35,7 +35,7 @@ impl Run<'_> {
     /// Writes the state, with a `note` that [`checkpoint_note`] returns.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// Fails with the errors of `out`.
     pub fn save(&self, note: &[u8], out: &mut dyn Write) -> io::Result<()> {
         let mut out = io::BufWriter::new(Sealing { out, hash: Sha256::new() });
         self.write(note, &mut out)?;

@@ -21,7 +21,7 @@ const LARGE: [f64; 2] = [560.0, 340.0];
 /// Writes the page.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     head(outcome, &mut out)?;

@@ -20,7 +20,7 @@ impl DeckOptions {
 /// Writes the script of `mesh`'s deck, which `name` is called, to `out`.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write_curve(mesh: &Mesh, options: &DeckOptions, name: &str, mut out: impl Write) -> io::Result<()> {
     let height = Aabb::around(&mesh.points).size().z;
     let section = options.section_mm2.unwrap_or_else(|| PhaseVolumes::of_mesh(mesh).total() / height);

@@ -154,7 +154,7 @@ impl DeckOptions {
     /// Checks the values of cohesive elements before there is a mesh.
     ///
     /// # Errors
-    /// As [`validate`](Self::validate).
+    /// Fails like [`validate`](Self::validate).
     pub fn validate_cohesive(&self) -> Result<(), OutOfRange> {
         if self.geometry_only { Ok(()) } else { limits::separation(&self.materials) }
     }
@@ -208,7 +208,7 @@ impl DeckOptions {
     /// Checks all values before there is a mesh, for a specimen that is periodic along the `periodic` axes.
     ///
     /// # Errors
-    /// As [`validate`](Self::validate).
+    /// Fails like [`validate`](Self::validate).
     pub fn validate_for(&self, periodic: [bool; 3]) -> Result<(), OutOfRange> {
         limits::check(self)?;
         if self.has_curves() {
@@ -283,7 +283,7 @@ fn refuse_joined(mesh: &Mesh, analysis: Analysis) -> Result<(), OutOfRange> {
 /// Writes `mesh` as a deck to `out`, streamed, without a second copy of the mesh.
 ///
 /// # Errors
-/// Those of `out`, and those of [`DeckOptions::validate`] as invalid input.
+/// Fails with the errors of `out`, and those of [`DeckOptions::validate`] as invalid input.
 pub fn write(mesh: &Mesh, options: &DeckOptions, out: impl Write) -> io::Result<()> {
     options.validate(mesh).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
     let mut lines = Lines::new(out);

@@ -9,7 +9,7 @@ const ALIGNED: usize = 64;
 /// Writes an image to `out`, slab by slab.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Voxels>, mut out: impl Write) -> io::Result<()> {
     let kind = match frame.kind {
         ValueKind::Label => "|u1",

@@ -10,7 +10,7 @@ use std::io::{self, Write};
 /// Writes the one picture of a section to `out`.
 ///
 /// # Errors
-/// Those of `out`; ids, and reals that are not shares, which no picture holds.
+/// Fails with the errors of `out`; ids, and reals that are not shares, which no picture holds.
 pub(crate) fn write(frame: &Frame, values: &Voxels, out: impl Write) -> io::Result<()> {
     let ([rows, columns], _) = frame.pictures();
     let mut encoder = Encoder::new(out, columns, rows);

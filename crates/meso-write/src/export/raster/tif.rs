@@ -15,7 +15,7 @@ const LARGE: usize = 3_900_000_000;
 /// Writes an image to `out`, slab by slab.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(frame: &Frame, slabs: impl Iterator<Item = Voxels>, out: impl Write + Seek) -> io::Result<()> {
     let is_large = frame.counts.iter().product::<usize>() * frame.kind.bytes() > LARGE;
     let written = if is_large {

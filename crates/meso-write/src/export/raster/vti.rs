@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// Writes an image to `out`, slab by slab.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(frame: &Frame, mut slabs: impl Iterator<Item = Voxels>, mut out: impl Write) -> io::Result<()> {
     let Frame { counts: [nx, ny, nz], corner_mm: [x, y, z], voxel_size_mm: h, name, .. } = *frame;
     let kind = match frame.kind {

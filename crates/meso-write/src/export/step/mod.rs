@@ -22,7 +22,7 @@ const ACCURACY_MM: f64 = 1e-7;
 /// Writes every body as a solid to `out`, and the mortar between them where `mortar` bounds it; mm.
 ///
 /// # Errors
-/// Those of `out`.
+/// Fails with the errors of `out`.
 pub(crate) fn write(bodies: &[Aggregate], mortar: Option<&Block>, out: impl Write) -> io::Result<()> {
     let mut lines = Lines::new(BufWriter::new(out));
     lines.text(HEADER)?;
