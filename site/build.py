@@ -14,6 +14,7 @@ begin a paragraph are text, the rest is code. It runs in a folder of its own and
 
 import argparse
 import ast
+import csv
 import json
 import os
 import re
@@ -62,9 +63,19 @@ def copy_pages() -> None:
     shutil.copytree(GALLERY, PAGES / "gallery")
     for document, page in ROOT_PAGES.items():
         shutil.copy(ROOT / document, PAGES / page)
+    (PAGES / "benchmark.md").write_text(benchmark(), encoding="utf-8")
     (PAGES / "results").mkdir()
     for plot in (ROOT / "benches" / "results").glob("*.svg"):
         shutil.copy(plot, PAGES / "results")
+
+
+def benchmark() -> str:
+    """Return the page of the benchmark with its table of results."""
+    with (ROOT / "benchmark" / "results.csv").open(encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    lines = ["| " + " | ".join(row).replace("_", " ") + " |" for row in rows]
+    lines.insert(1, "|" + "---|" * len(rows[0]))
+    return (ROOT / "benchmark" / "README.md").read_text(encoding="utf-8").replace("<!-- results -->", "\n".join(lines))
 
 
 def version() -> str:
