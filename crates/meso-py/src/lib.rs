@@ -12,6 +12,7 @@ mod files;
 mod gjk;
 mod mesh;
 mod packing;
+mod pickle;
 mod polyhedron;
 mod response;
 mod run;
@@ -35,6 +36,8 @@ mod _mesocrete {
     use super::mesh::PyMesh;
     #[pymodule_export]
     use super::packing::{PyAggregates, PyPacking, load, pack, restore_packing};
+    #[pymodule_export]
+    use super::pickle::{restore_frame, restore_mesh};
     #[pymodule_export]
     use super::polyhedron::{PyPolyhedron, convex_hull, restore_polyhedron};
     #[pymodule_export]

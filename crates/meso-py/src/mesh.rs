@@ -3,6 +3,7 @@
 use crate::arrays;
 use crate::boundary::{accept_in_memory, guard, mesh_error, wrong_value};
 use crate::files;
+use crate::pickle;
 use crate::response::{self, Asked, Meshed, PyResponse};
 use crate::run::{Plan, Watch, beside_python, in_stages, listener};
 use crate::spec::options;
@@ -20,7 +21,7 @@ use meso_gmsh::Gmsh;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -314,7 +315,7 @@ impl PyMesh {
     /// Parameters
     /// ----------
     /// cut : str or pair, optional
-    ///     "z", or ("z", 30.0) in mm: takes away whole cells whose centres lie beyond a plane.
+    ///     "z", or ("z", 30.0) in mm: cuts the mesh at a plane and shows the phases there.
     /// phases : sequence of str, optional
     ///     Shows only these: "mortar", "ITZ", "aggregate", "fibre".
     /// screenshot : path or True, optional
@@ -345,6 +346,15 @@ impl PyMesh {
     fn __repr__(&self) -> String {
         let (points, cells) = (thousands(self.0.points.len()), thousands(self.0.cell_count()));
         format!("Mesh({points} points, {cells} cells of type {})", self.cell_type())
+    }
+
+    /// HTML for notebooks: sizes and phases as a table.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("mesh_to_html", slf, None)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        pickle::reduce_mesh(py, self)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

@@ -3,6 +3,7 @@
 use crate::arrays::{self, IndexArray, PointArray};
 use crate::boundary::{guard, wrong_value};
 use crate::files;
+use crate::pickle;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
 use crate::spec::options;
 use crate::tree;
@@ -16,7 +17,7 @@ use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, T
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use serde::Deserialize;
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -53,7 +54,7 @@ pub(crate) struct PyResponse(Arc<Tested>);
 
 /// The fields of a moment of a test.
 #[pyclass(name = "Frame", module = "mesocrete", frozen)]
-pub(crate) struct PyFrame(Arc<Mesh>, Arc<Snapshot>);
+pub(crate) struct PyFrame(pub(crate) Arc<Mesh>, pub(crate) Arc<Snapshot>);
 
 /// Keywords of [`solve`].
 pub(crate) struct Asked {
@@ -269,6 +270,11 @@ impl PyResponse {
         )
     }
 
+    /// HTML for notebooks: the curve beside its figures.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        call_view("response_to_html", slf, None)
+    }
+
     fn __copy__(slf: Py<Self>) -> Py<Self> {
         slf
     }
@@ -355,6 +361,10 @@ impl PyFrame {
 
     fn __repr__(&self) -> String {
         format!("Frame(strain {:.5}, {:.2} MPa)", self.strain(), self.stress_mpa())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        pickle::reduce_frame(py, self)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {

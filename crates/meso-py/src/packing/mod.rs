@@ -60,7 +60,7 @@ fn named_images(name: &str) -> PyResult<Images> {
 /// Parameters
 /// ----------
 /// path : path-like
-///     A `.json` or `.json.gz` that `save` or the command wrote.
+///     A `.json` or `.json.gz` that `Packing.write` or the command wrote.
 /// progress : bool or callable, optional
 ///     True shows a bar; a callable is called as `progress(done, total)`, from 0 to 1. The time goes into the proof of the
 ///     specimen's surface, where it is one.
