@@ -1,6 +1,6 @@
 //! Properties of gradings, specs and saved models, for whatever may be asked of them.
 
-use crate::models::{box_body, model_of};
+use crate::pack::models::{box_body, model_of};
 use crate::property::{Share, holds};
 use meso_core::aggregate::{
     AspectRatio, Curve, Fibres, Form, Grading, Itz, Shape, ShapeKind, SizeLaw, Standard, Voids,

@@ -1,7 +1,7 @@
 //! Second-order tetrahedra: nodes in the middle of edges, in decks and in CalculiX.
 
-use crate::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
-use crate::mesh::{by_hand, deck, turned_blocks};
+use crate::mesh::voxel::{by_hand, deck, turned_blocks};
+use crate::write::calculix::{AREA_MM2, hashin_shtrikman, modulus, packed};
 use meso_core::aggregate::Itz;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Materials;

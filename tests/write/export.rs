@@ -1,6 +1,6 @@
 //! The formats that hold aggregates: their content.
 
-use crate::models::two_boxes;
+use crate::pack::models::two_boxes;
 use meso_core::formats::{Format, SurfaceOptions};
 use meso_core::saved;
 use std::io::{self, Write};

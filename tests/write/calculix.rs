@@ -1,6 +1,6 @@
 //! CalculiX, a solver we did not write, on our elastic decks. Skipped, with a message, where `ccx` is not installed.
 
-use crate::mesh::deck;
+use crate::mesh::voxel::deck;
 use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;

@@ -155,7 +155,7 @@ fn a_deck_of_two_voxels_reads_as_by_hand() {
     // Checked by hand against the keyword rules: node order bottom counter-clockwise from above then top; S1 1-4-3-2,
     // S2 5-6-7-8, S3 1-2-6-5, S4 2-3-7-6, S5 3-4-8-7, S6 4-1-5-8.
     let text = deck(&two_voxels(), &abaqus::DeckOptions { heading: vec!["two voxels".into()], ..Default::default() });
-    let expected = by_hand(include_str!("snapshots/two_voxels.inp"));
+    let expected = by_hand(include_str!("../write/snapshots/two_voxels.inp"));
     assert_eq!(text, expected);
 }
 

@@ -1,8 +1,8 @@
 //! Decks against Abaqus' keyword rules: two-element decks checked by hand, and every kind of deck by a reader of its own.
 
-use crate::deck_reader::{Deck, NODES};
-use crate::mesh::{aggregate, block, by_hand, deck, turned_blocks};
-use crate::mesh_specimens::every_kind;
+use crate::mesh::specimens::every_kind;
+use crate::mesh::voxel::{aggregate, block, by_hand, deck, turned_blocks};
+use crate::write::deck_reader::{Deck, NODES};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::Strength;
 use meso_core::math::Vec3;

@@ -1,7 +1,7 @@
 //! The fitted lattice in specimens that are not boxes: its sides are the specimen's own.
 
 use crate::angle_piece::angle_piece;
-use crate::mesh::deck;
+use crate::mesh::voxel::deck;
 use meso_core::export::abaqus::DeckOptions;
 use meso_core::math::Vec3;
 use meso_core::mesh::cells::Sides;

@@ -1,6 +1,6 @@
 //! Periodic boxes: no grain meets another one's image or its own, by explicit images; faces match when cut.
 
-use crate::models::parry_shapes;
+use crate::pack::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::{Finding, check};
 use meso_core::formats::{Format, SurfaceOptions};

@@ -1,7 +1,7 @@
 //! Specimens: grains lie wholly inside each of them, by formulas of our own, and volumes are exact.
 
 use crate::angle_piece::angle_piece;
-use crate::models::parry_shapes;
+use crate::pack::models::parry_shapes;
 use meso_core::check::{Finding, check};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Mesh, MeshOptions, Method, Tools};

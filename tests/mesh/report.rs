@@ -1,7 +1,7 @@
 //! Reports of a finished mesh, conforming ones in a cylinder included: its worst cells, and the phase that it lost.
 
-use crate::calculix::gmsh;
-use crate::mesh::turned_blocks;
+use crate::mesh::voxel::turned_blocks;
+use crate::write::calculix::gmsh;
 use meso_core::aggregate::Grading;
 use meso_core::materials::Materials;
 use meso_core::mesh::figures::{CellQuality, QualityReport};

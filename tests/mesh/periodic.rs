@@ -1,8 +1,8 @@
 //! Meshes of periodic boxes: every method with every form of the ITZ, repeated along one, two and three axes.
 
-use crate::mesh::{aggregate, block, deck};
-use crate::mesh_lattice::face;
-use crate::periodic_decks::{SIDE_MM, equations, packed, tied};
+use crate::mesh::lattice::face;
+use crate::mesh::voxel::{aggregate, block, deck};
+use crate::write::periodic_decks::{SIDE_MM, equations, packed, tied};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::{Rotation, Vec3};

@@ -1,6 +1,6 @@
 //! The check finds planted faults, and nothing else.
 
-use crate::models::{box_body, model_of};
+use crate::pack::models::{box_body, model_of};
 use meso_core::Model;
 use meso_core::check::{Check, Finding, check};
 use meso_core::geometry::Polyhedron;

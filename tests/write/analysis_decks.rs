@@ -1,7 +1,7 @@
 //! Decks of analyses, read back from their cards: they hold nothing that an analyst would refuse.
 
-use crate::deck_reader::{Card, Deck};
-use crate::mesh::deck;
+use crate::mesh::voxel::deck;
+use crate::write::deck_reader::{Card, Deck};
 use meso_core::aggregate::Aggregate;
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::materials::{Elastic, Materials, Strength};

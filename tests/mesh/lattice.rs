@@ -1,6 +1,6 @@
 //! The fitted lattice in dense packings: angles, volumes, interfaces, and the faces of periodic boxes.
 
-use crate::mesh::{aggregate, block};
+use crate::mesh::voxel::{aggregate, block};
 use meso_core::aggregate::Aggregate;
 use meso_core::geometry::Plane;
 use meso_core::math::{Rotation, Vec3};

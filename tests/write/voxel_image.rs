@@ -1,6 +1,6 @@
 //! Voxel images against a look at every voxel by every half-space.
 
-use crate::models;
+use crate::pack::models;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::formats::ImageFormat;
 use meso_core::geometry::Plane;

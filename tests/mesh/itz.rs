@@ -1,6 +1,6 @@
 //! The ITZ in meshes: solid layers, cohesive elements; and the decks that use them.
 
-use crate::mesh::{aggregate, block, by_hand, deck, turned_blocks};
+use crate::mesh::voxel::{aggregate, block, by_hand, deck, turned_blocks};
 use meso_core::export::abaqus::{Analysis, DeckOptions};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools, figures};
@@ -80,7 +80,7 @@ fn a_cohesive_compression_deck_reads_as_by_hand() {
     // their positive sides towards the specimen; contact, smooth step, mass scaling, history of both plates.
     let options = DeckOptions { analysis: Analysis::Compression, ..Default::default() };
     let text = deck(&two_voxels_apart(), &options);
-    assert_eq!(text, by_hand(include_str!("snapshots/two_voxels_cohesive_compression.inp")));
+    assert_eq!(text, by_hand(include_str!("../write/snapshots/two_voxels_cohesive_compression.inp")));
 }
 
 #[test]

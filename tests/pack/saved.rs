@@ -1,6 +1,6 @@
 //! The saved model: a written model is read back, and any other file is refused by name.
 
-use crate::models::two_boxes;
+use crate::pack::models::two_boxes;
 use meso_core::saved::{self, ReadError};
 use meso_core::specimen::{Built, Specimen};
 use meso_core::watch::Stage;

@@ -1,6 +1,6 @@
 //! Curves, classes, size laws, mix designs, recipes.
 
-use crate::folder::Folder;
+use crate::pack::folder::Folder;
 use meso_core::aggregate::{Curve, Form, Grading, SizeLaw, Standard};
 use meso_core::recipes;
 use meso_core::spec::Spec;

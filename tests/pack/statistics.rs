@@ -1,6 +1,6 @@
 //! Statistics of packings whose figures are known.
 
-use crate::models::box_body;
+use crate::pack::models::box_body;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::geometry::{Polyhedron, convex_hull};
 use meso_core::math::{Rotation, Vec3};

@@ -1,10 +1,10 @@
 //! Periodic decks of conforming meshes: every upper node tied, and their results in CalculiX beside the other meshes of
 //! the same packing. (Skipped where `gmsh` or `ccx` is not installed.)
 
-use crate::calculix::{as_stiff, gmsh};
-use crate::cohesive_decks::with_springs;
-use crate::mesh::deck;
-use crate::periodic_decks::{SIDE_MM, equations, modulus, modulus_by_force, solve_deck, tied};
+use crate::mesh::voxel::deck;
+use crate::write::calculix::{as_stiff, gmsh};
+use crate::write::cohesive_decks::with_springs;
+use crate::write::periodic_decks::{SIDE_MM, equations, modulus, modulus_by_force, solve_deck, tied};
 use meso_core::aggregate::Grading;
 use meso_core::export::abaqus::Analysis;
 use meso_core::math::Vec3;
@@ -13,7 +13,7 @@ use meso_core::specimen::{Periodic, Specimen};
 use meso_core::{Model, Silent, Spec};
 use std::collections::BTreeSet;
 
-/// The packing of [`periodic_decks::packed`](crate::periodic_decks::packed) with room for gmsh.
+/// The packing of [`periodic_decks::packed`](crate::write::periodic_decks::packed) with room for gmsh.
 fn packed(axes: [bool; 3]) -> Model {
     let specimen = Specimen::Cube { side_mm: SIDE_MM, periodic: Periodic(axes) };
     let mut spec = Spec { fraction: 0.3, specimen, ..Default::default() };

@@ -1,6 +1,6 @@
 //! Rounded gravel, crushed rock, a user's own grains.
 
-use crate::folder::Folder;
+use crate::pack::folder::Folder;
 use meso_core::aggregate::{Aggregate, Kind};
 use meso_core::export::stl;
 use meso_core::geometry::{Polyhedron, convex_hull};

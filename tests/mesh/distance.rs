@@ -1,6 +1,6 @@
 //! How far interfaces lie from the exact surfaces, by figures known beforehand.
 
-use crate::mesh::{aggregate, block, turned_blocks};
+use crate::mesh::voxel::{aggregate, block, turned_blocks};
 use meso_core::math::Vec3;
 use meso_core::mesh::{self, Fit, InterfaceDistance, ItzForm, MeshOptions, Method, Order, Tools};
 use meso_core::specimen::{Periodic, Specimen};

@@ -1,9 +1,9 @@
 //! Cohesive decks in a solver that we did not write. CalculiX has no cohesive elements: springs between the nodes they
 //! join stand in for them. (Skipped where `ccx` is not installed.)
 
-use crate::calculix::{AREA_MM2, elastic, modulus, modulus_of, packed};
-use crate::mesh::deck;
-use crate::periodic_decks::{self, modulus_by_force, tied};
+use crate::mesh::voxel::deck;
+use crate::write::calculix::{AREA_MM2, elastic, modulus, modulus_of, packed};
+use crate::write::periodic_decks::{self, modulus_by_force, tied};
 use meso_core::export::abaqus::Analysis;
 use meso_core::mesh::{self, ItzForm, Mesh, MeshOptions, Method, Tools};
 use std::collections::BTreeSet;

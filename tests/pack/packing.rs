@@ -1,6 +1,6 @@
 //! Packing: models meet their spec, are proved apart, and are equal on any number of threads.
 
-use crate::models::parry_shapes;
+use crate::pack::models::parry_shapes;
 use meso_core::aggregate::Aggregate;
 use meso_core::check::check;
 use meso_core::packing::{StopReason, Strategy};

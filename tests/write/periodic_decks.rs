@@ -1,7 +1,7 @@
 //! Periodic constraints in decks: their rules, and their results in CalculiX (skipped where `ccx` is not installed).
 
-use crate::calculix::{hashin_shtrikman, warnings};
-use crate::mesh::{aggregate, block, deck};
+use crate::mesh::voxel::{aggregate, block, deck};
+use crate::write::calculix::{hashin_shtrikman, warnings};
 use meso_core::aggregate::{Aggregate, Grading, Kind};
 use meso_core::export::abaqus::{self, Analysis, DeckOptions};
 use meso_core::materials::Materials;
