@@ -103,6 +103,12 @@ impl Choice {
     }
 }
 
+impl fmt::Display for DeviceName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{} {}", self.driver, self.number, self.name)
+    }
+}
+
 impl DeviceName {
     pub(crate) fn open(&self) -> Result<Box<dyn Host>, String> {
         Ok(match self.driver {
