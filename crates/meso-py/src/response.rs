@@ -134,7 +134,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(watch, &watching);
     // A run that diverged holds no numbers now.
-    let diverged = matches!(response.result.ended, Ended::Diverged(_));
+    let diverged = matches!(response.result.ended, Ended::Diverged(_) | Ended::Failed(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;
     let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };

@@ -17,6 +17,8 @@ pub enum Ended {
     Stopped,
     /// It diverged; the curve until then is valid. Holds the element that ran away.
     Diverged(String),
+    /// The device that took its steps failed; the curve until then is valid. Holds the reason.
+    Failed(String),
 }
 
 /// The curve and its figures.
@@ -213,6 +215,10 @@ impl Summary {
         self.warn_of_the_laws(run);
         if let Ended::Diverged(element) = &self.ended {
             self.errors.push(format!("the run diverged at {element}; the curve is valid until then"));
+        }
+        if let Ended::Failed(why) = &self.ended {
+            let fix = "resume from the last checkpoint, or run with --device cpu";
+            self.errors.push(format!("the device failed: {why}; the curve is valid until then; {fix}"));
         }
         self.warn_of_speed();
         if self.hourglass_over_internal > HOURGLASS {

@@ -135,7 +135,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     let keeps = *ended == Ended::Stopped && args.checkpoint.is_some();
     let kept = if keeps { folder.keep(run) } else { Ok(()) };
     // A run that diverged holds no numbers now.
-    let last = (!matches!(ended, Ended::Diverged(_))).then(|| Snapshot::now(run));
+    let last = (!matches!(ended, Ended::Diverged(_) | Ended::Failed(_))).then(|| Snapshot::now(run));
     let seconds = TestSeconds { total: started.elapsed().as_secs_f64(), ..*seconds };
     let frames = folder.frames();
     let outcome = Outcome { mesh, response, source, frames: &frames, last: last.as_ref(), seconds };
@@ -151,7 +151,7 @@ fn finish(args: &Args, finished: &Finished, mut folder: Folder) -> Result<u8, Fa
     match ended {
         Ended::Completed => lost.map(|()| 0),
         Ended::Stopped => Ok(INTERRUPTED),
-        Ended::Diverged(_) => Ok(RUN),
+        Ended::Diverged(_) | Ended::Failed(_) => Ok(RUN),
     }
 }
 

@@ -1,0 +1,3 @@
+//! Tests on a device, beside the processor's.
+
+mod same_bytes;
