@@ -8,13 +8,13 @@ use meso_core::{Silent, Spec};
 use meso_gpu::{DeviceName, attach_in_groups, devices};
 use meso_solve::{Control, LawName, Run, Sample, Smoothing, Test, TestKind};
 
-struct Cube {
-    mesh: Mesh,
-    specimen: Specimen,
-    options: MeshOptions,
+pub(crate) struct Cube {
+    pub(crate) mesh: Mesh,
+    pub(crate) specimen: Specimen,
+    pub(crate) options: MeshOptions,
 }
 
-fn cube(element_size_mm: f64) -> Cube {
+pub(crate) fn cube(element_size_mm: f64) -> Cube {
     let specimen = Specimen::cube(24.0);
     let mut spec = Spec { specimen: specimen.clone(), fraction: 0.3, seed: 3, ..Spec::default() };
     spec.grading = Grading { d_min_mm: 4.0, d_max_mm: 10.0, classes_mm: vec![4.0, 7.0, 10.0], ..Grading::default() };
@@ -31,7 +31,7 @@ fn cube(element_size_mm: f64) -> Cube {
     Cube { mesh, specimen, options }
 }
 
-fn brittle() -> Materials {
+pub(crate) fn brittle() -> Materials {
     let mut materials = Materials::default();
     materials.mortar_strength.crushing_energy_n_per_mm = 0.5;
     materials.plasticity.meridian_ratio = 0.8;

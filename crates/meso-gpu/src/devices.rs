@@ -54,7 +54,9 @@ impl FromStr for Choice {
             Some(("opencl", number)) => numbered(Driver::OpenCl, number),
             _ => None,
         };
-        choice.ok_or_else(|| format!("{text:?} is no device; take cpu, gpu, cuda:N or opencl:N (see `mesocrete devices`)"))
+        choice.ok_or_else(|| {
+            format!("{text:?} is no device; take cpu, gpu, cuda:N or opencl:N (see `mesocrete devices`)")
+        })
     }
 }
 
@@ -99,7 +101,17 @@ impl Choice {
             return Ok(None);
         }
         let found = devices().into_iter().find(wanted);
-        found.map(Some).ok_or_else(|| format!("there is no device {self}; install its driver (`mesocrete devices` lists all), or take --device cpu"))
+        found.map(Some).ok_or_else(|| {
+            format!(
+                "there is no device {self}; install its driver (`mesocrete devices` lists all), or take --device cpu"
+            )
+        })
+    }
+}
+
+impl fmt::Display for DeviceName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{} {}", self.driver, self.number, self.name)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The tape, run on this processor in f32: it must give the bits of the law itself.
 
-use super::tape::{Input, Op};
 use super::Law;
+use super::tape::{Input, Op};
 use meso_solve::real::Real;
 
 /// Inputs of a step of one element.

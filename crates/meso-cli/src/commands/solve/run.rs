@@ -14,6 +14,7 @@ use meso_concrete::thousands;
 use meso_core::Model;
 use meso_core::mesh::Mesh;
 use meso_core::watch::Stage;
+use meso_gpu::DeviceName;
 use meso_solve::results::{Outcome, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Control, Ended, Response, Run, Sample, Summary};
 use std::time::Instant;
@@ -27,6 +28,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let (test, materials) = (args.test(), args.mesh.materials()?);
     meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
     args.validate()?;
+    let device = args.device()?;
     let mut folder = Folder::open(&args.output, args.checkpoint.is_some(), args.resume, args.writing.force)?;
     let kept = if args.resume { Some(folder.kept()?) } else { None };
     let mut seconds = TestSeconds::default();
@@ -42,6 +44,9 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     let frames = kept.map_or_else(|| Ok(Vec::new()), |kept| resume(&mut run, kept))?;
     folder.go_on(frames, !args.resume)?;
     args.announce(&run, &mesh);
+    if let Some(device) = &device {
+        args.attach(&mut run, device)?;
+    }
     let watch = Watching::new(&mesh, folder, args.checkpoint, args.writing.quiet);
     let response = run.to_end(&Polling::begin(), &watch);
     (folder, seconds.solve) = (watch.folder(), begun.elapsed().as_secs_f64());
@@ -99,6 +104,16 @@ impl Args {
         Ok(mesh)
     }
 
+    /// Puts the run onto a device.
+    fn attach(&self, run: &mut Run, device: &DeviceName) -> Result<(), Failure> {
+        let bytes = meso_gpu::attach(run, device).map_err(|error| Failure::Run(error.to_string()))?;
+        if !self.writing.quiet {
+            stderr::line(format!("on {device}, {:.0} MB", bytes as f64 / 1e6));
+        }
+        device.faults.iter().for_each(|fault| stderr::line(format!("warning: {fault}; {NOT_EQUAL}")));
+        Ok(())
+    }
+
     fn announce(&self, run: &Run, mesh: &Mesh) {
         if self.writing.quiet {
             return;
@@ -116,6 +131,10 @@ impl Args {
         ));
     }
 }
+
+/// Result of a device that cannot keep the promise.
+const NOT_EQUAL: &str =
+    "results are not the processor's to the bit; `mesocrete devices --check` measures the difference";
 
 /// Restores the state that an earlier run kept.
 fn resume(run: &mut Run, mut kept: Kept) -> Result<Vec<Written>, Failure> {

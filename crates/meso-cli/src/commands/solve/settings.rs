@@ -7,8 +7,9 @@ use crate::failure::Failure;
 use crate::progress::Watch;
 use crate::{inputs, room};
 use meso_core::aggregate::Itz as Shells;
-use meso_core::mesh::{ItzForm, MethodName, Order, Purpose};
+use meso_core::mesh::{CellKind, ItzForm, MethodName, Order, Purpose};
 use meso_core::{Spec, SpecError};
+use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{Moment, ResultFile};
 use meso_solve::{Smoothing, SolveError, Test};
 use meso_study::{NameError, Names};
@@ -75,6 +76,12 @@ impl Args {
         if options.method.order() == Order::Quadratic {
             return Err(Failure::Usage("--order is 2; a test takes 1".to_owned()));
         }
+        if self.device != Choice::Cpu {
+            let is_voxel = options.method.name() == MethodName::Voxel;
+            let kind = if is_voxel { CellKind::Hexahedron } else { CellKind::Tetrahedron };
+            let accepted = meso_solve::device::accept(&self.test(), kind, options.itz == ItzForm::Cohesive);
+            accepted.map_err(|error| wrong(&error))?;
+        }
         if self.packs() {
             return Ok(());
         }
@@ -91,6 +98,11 @@ impl Args {
             }
         }
         Ok(())
+    }
+
+    /// The device that takes the steps; none where this processor does.
+    pub(super) fn device(&self) -> Result<Option<DeviceName>, Failure> {
+        self.device.find().map_err(|why| Failure::Usage(format!("--device {}: {why}", self.device)))
     }
 
     /// Whether there is no saved model yet.
