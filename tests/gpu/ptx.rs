@@ -18,7 +18,9 @@ fn source(law: LawName, smoothing: Smoothing, threads: usize) -> String {
 #[test]
 fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    for (law, smoothing) in [(LawName::Cdp, Smoothing::Edges), (LawName::Cdpm2, Smoothing::Edges), (LawName::Cdp, Smoothing::None)] {
+    for (law, smoothing) in
+        [(LawName::Cdp, Smoothing::Edges), (LawName::Cdpm2, Smoothing::Edges), (LawName::Cdp, Smoothing::None)]
+    {
         for architecture in ["80", "90"] {
             let source = source(law, smoothing, meso_gpu::THREADS);
             std::fs::write(folder.join(format!("{law:?}{smoothing:?}.cu")), &source).unwrap();

@@ -52,7 +52,8 @@ impl FromStr for Choice {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let numbered = |driver, text: &str| {
-            let (number, threads) = text.split_once(':').map_or((text, Some(THREADS)), |(number, threads)| (number, threads.parse().ok()));
+            let (number, threads) =
+                text.split_once(':').map_or((text, Some(THREADS)), |(number, threads)| (number, threads.parse().ok()));
             let threads = threads.filter(|threads| SIZES.contains(threads))?;
             number.parse().ok().map(|number| Self::Numbered(driver, number, threads))
         };
@@ -65,7 +66,9 @@ impl FromStr for Choice {
             Some(("opencl", rest)) => numbered(Driver::OpenCl, rest),
             _ => None,
         };
-        choice.ok_or_else(|| format!("{text:?} is no device; take cpu, gpu, cuda:N or opencl:N (see `mesocrete devices`)"))
+        choice.ok_or_else(|| {
+            format!("{text:?} is no device; take cpu, gpu, cuda:N or opencl:N (see `mesocrete devices`)")
+        })
     }
 }
 
@@ -112,7 +115,11 @@ impl Choice {
         }
         let found = devices().into_iter().find(wanted);
         let threads = if let Self::Numbered(_, _, threads) = self { threads } else { THREADS };
-        found.map(|found| Some(DeviceName { threads, ..found })).ok_or_else(|| format!("there is no device {self}; install its driver (`mesocrete devices` lists all), or take --device cpu"))
+        found.map(|found| Some(DeviceName { threads, ..found })).ok_or_else(|| {
+            format!(
+                "there is no device {self}; install its driver (`mesocrete devices` lists all), or take --device cpu"
+            )
+        })
     }
 }
 

@@ -162,13 +162,33 @@ fn rules(rules: &Rules) -> [f64; 20] {
 fn state_of(scalars: &Scalars) -> [f64; STATE] {
     let Scalars { step, progress, plate, servo, energies, since_row } = scalars;
     let mut state = [0.0; STATE];
-    let numbers = [*step as f64].into_iter().chain(*progress).chain(*plate).chain(*servo).chain(*energies).chain(*since_row);
+    let numbers =
+        [*step as f64].into_iter().chain(*progress).chain(*plate).chain(*servo).chain(*energies).chain(*since_row);
     state.iter_mut().zip(numbers).for_each(|(own, x)| *own = x);
     state
 }
 
 fn scalars_of(state: &[f64; STATE]) -> Scalars {
-    let [step, progress, held, speed, travel, pace, most, supply, external, internal, friction, kinetic, spent, a, b, c, d, ..] = *state;
+    let [
+        step,
+        progress,
+        held,
+        speed,
+        travel,
+        pace,
+        most,
+        supply,
+        external,
+        internal,
+        friction,
+        kinetic,
+        spent,
+        a,
+        b,
+        c,
+        d,
+        ..,
+    ] = *state;
     Scalars {
         step: step as u64,
         progress: [progress, held],

@@ -46,11 +46,19 @@ impl Laws {
         defines.iter().for_each(|(name, value)| _ = writeln!(head, "#define {name} {value}"));
         let laws: String = self.laws.iter().enumerate().map(|(number, law)| law.code(number)).collect();
         for (number, law) in self.laws.iter().enumerate() {
-            let (keeps, gets) = if law.remembered > 0 { ("lost = ", "memory + eight.y + lane") } else { ("", "memory") };
-            _ = writeln!(answers, "        case {number}: {keeps}law_{number}(params + eight.z, e, width, {gets}, s); break;");
+            let (keeps, gets) =
+                if law.remembered > 0 { ("lost = ", "memory + eight.y + lane") } else { ("", "memory") };
+            _ = writeln!(
+                answers,
+                "        case {number}: {keeps}law_{number}(params + eight.z, e, width, {gets}, s); break;"
+            );
         }
         let each = |call: &str| -> String {
-            tables.kinds.iter().map(|n| format!("        case {n}: {}; break;\n", call.replace('N', &n.to_string()))).collect()
+            tables
+                .kinds
+                .iter()
+                .map(|n| format!("        case {n}: {}; break;\n", call.replace('N', &n.to_string())))
+                .collect()
         };
         let body = KERNEL
             .replace("//LAWS\n", &laws)

@@ -200,8 +200,7 @@ fn slots_of(words: &[u32], others: usize, number: usize, threads: usize, of_plac
     for place in 0..=others {
         for lane in 0..LANES {
             let has_weight = |axis: usize| float(gradients + 24 * place + 8 * axis + lane) != 0.0;
-            let is_used =
-                float(gradients + 24 * others + lane) > 0.0 && (place == others || (0..3).any(has_weight));
+            let is_used = float(gradients + 24 * others + lane) > 0.0 && (place == others || (0..3).any(has_weight));
             if is_used {
                 let at = words[4 * place + lane / 2] >> (16 * (lane % 2)) & 0xffff;
                 of_place[at as usize].push((3 * threads * place + LANES * number + lane) as u16);

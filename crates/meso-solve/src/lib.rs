@@ -11,6 +11,7 @@ mod block;
 mod dice;
 mod element;
 mod error;
+pub mod footing;
 mod lanes;
 pub mod law;
 mod march;

@@ -20,7 +20,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<u8, Failure> {
     let devices = meso_gpu::devices();
     if devices.is_empty() {
-        stderr::line("no device; --device takes one by a driver of CUDA or OpenCL (Debian, without a GPU: pocl-opencl-icd)");
+        stderr::line(
+            "no device; --device takes one by a driver of CUDA or OpenCL (Debian, without a GPU: pocl-opencl-icd)",
+        );
     }
     let lines: Vec<String> = devices.iter().map(|device| line(device, args.check)).collect::<Result<_, _>>()?;
     Unit::default().fill(&Target::Stdout, false, |out| lines.iter().try_for_each(|line| writeln!(out, "{line}")))?;
@@ -35,7 +37,9 @@ fn line(device: &DeviceName, is_checked: bool) -> Result<String, Failure> {
     if is_checked {
         match difference(device)? {
             Ok(0.0) => line += "; same bytes as the processor",
-            Ok(difference) => line += &format!("; stresses differ by {difference:.1e} of the peak from the processor's"),
+            Ok(difference) => {
+                line += &format!("; stresses differ by {difference:.1e} of the peak from the processor's")
+            }
             Err(why) => line += &format!("{FAILED}{why}"),
         }
     }
@@ -48,7 +52,8 @@ fn difference(device: &DeviceName) -> Result<Result<f64, String>, Failure> {
     let specimen = Specimen::cube(20.0);
     let spec = Spec { specimen: specimen.clone(), fraction: 0.2, seed: 1, ..Spec::default() };
     let model = meso_core::pack(&spec, &Silent).map_err(|error| usage(&error))?;
-    let options = MeshOptions { method: Method::FITTED, element_size_mm: 4.0, itz: ItzForm::None, ..Default::default() };
+    let options =
+        MeshOptions { method: Method::FITTED, element_size_mm: 4.0, itz: ItzForm::None, ..Default::default() };
     let mesh = mesh::build(&model, &options, &Tools::default()).map_err(|error| usage(&error))?;
     let mut materials = Materials::default();
     materials.mortar_strength.crushing_energy_n_per_mm = 0.5;

@@ -58,7 +58,8 @@ pub fn ptx(source: &str, architecture: &str) -> Result<String, String> {
     let (text, name) = (CString::new(source).map_err(|error| error.to_string())?, c"kernel.cl");
     let mut program = null_mut();
     // SAFETY: the texts end in zeros; there are no headers.
-    let status = unsafe { (compiler.nvrtcCreateProgram)(&mut program, text.as_ptr(), name.as_ptr(), 0, null(), null()) };
+    let status =
+        unsafe { (compiler.nvrtcCreateProgram)(&mut program, text.as_ptr(), name.as_ptr(), 0, null(), null()) };
     compiled(status, "nvrtcCreateProgram")?;
     let architecture = format!("--gpu-architecture={architecture}");
     let options: Vec<CString> =
@@ -67,7 +68,10 @@ pub fn ptx(source: &str, architecture: &str) -> Result<String, String> {
     // SAFETY: as many options as told.
     let status = unsafe { (compiler.nvrtcCompileProgram)(program, pointers.len() as c_int, pointers.as_ptr()) };
     if status != 0 {
-        return Err(format!("NVRTC: {}", answer(program, compiler.nvrtcGetProgramLogSize, compiler.nvrtcGetProgramLog)));
+        return Err(format!(
+            "NVRTC: {}",
+            answer(program, compiler.nvrtcGetProgramLogSize, compiler.nvrtcGetProgramLog)
+        ));
     }
     let ptx = answer(program, compiler.nvrtcGetPTXSize, compiler.nvrtcGetPTX);
     // SAFETY: the program is not used again.
@@ -94,8 +98,13 @@ fn answer(
 fn compiler_library() -> Result<Library, String> {
     let versions = ["13", "12", "11.2"];
     let mut names: Vec<String> = versions.iter().map(|version| format!("libnvrtc.so.{version}")).collect();
-    names.extend(["libnvrtc.so", "/usr/local/cuda/lib64/libnvrtc.so", "nvrtc64_130_0.dll", "nvrtc64_120_0.dll"].map(str::to_owned));
-    library(&names).map_err(|_| "there is no libnvrtc, which compiles kernels; install CUDA's NVRTC (pip: nvidia-cuda-nvrtc)".to_owned())
+    names.extend(
+        ["libnvrtc.so", "/usr/local/cuda/lib64/libnvrtc.so", "nvrtc64_130_0.dll", "nvrtc64_120_0.dll"]
+            .map(str::to_owned),
+    );
+    library(&names).map_err(|_| {
+        "there is no libnvrtc, which compiles kernels; install CUDA's NVRTC (pip: nvidia-cuda-nvrtc)".to_owned()
+    })
 }
 
 fn compiled(status: c_int, what: &str) -> Result<(), String> {
@@ -213,7 +222,8 @@ impl Cuda {
 impl Host for Cuda {
     fn compile(&mut self, source: &str) -> Result<(), String> {
         self.enter()?;
-        let ptx = CString::new(ptx(source, &self.functions.architecture(self.device))?).map_err(|error| error.to_string())?;
+        let ptx =
+            CString::new(ptx(source, &self.functions.architecture(self.device))?).map_err(|error| error.to_string())?;
         // SAFETY: the text ends in a zero.
         let status = unsafe { (self.functions.cuModuleLoadData)(&mut self.module, ptx.as_ptr().cast()) };
         self.functions.checked(status, "cuModuleLoadData")
@@ -239,7 +249,8 @@ impl Host for Cuda {
     fn read(&mut self, from: Buffer, at: usize, bytes: &mut [u8]) -> Result<(), String> {
         self.enter()?;
         // SAFETY: the buffer has these bytes; the call waits for all work before it.
-        let status = unsafe { (self.functions.cuMemcpyDtoH_v2)(bytes.as_mut_ptr().cast(), from.0 + at as u64, bytes.len()) };
+        let status =
+            unsafe { (self.functions.cuMemcpyDtoH_v2)(bytes.as_mut_ptr().cast(), from.0 + at as u64, bytes.len()) };
         self.functions.checked(status, "cuMemcpyDtoH")
     }
 
@@ -260,7 +271,19 @@ impl Host for Cuda {
         let (groups, threads) = (groups as c_uint, threads as c_uint);
         // SAFETY: the kernel takes as many addresses as there are; the driver copies them before it returns.
         let status = unsafe {
-            (self.functions.cuLaunchKernel)(*function, groups, 1, 1, threads, 1, 1, 0, null_mut(), pointers.as_mut_ptr(), null_mut())
+            (self.functions.cuLaunchKernel)(
+                *function,
+                groups,
+                1,
+                1,
+                threads,
+                1,
+                1,
+                0,
+                null_mut(),
+                pointers.as_mut_ptr(),
+                null_mut(),
+            )
         };
         self.functions.checked(status, "cuLaunchKernel")
     }

@@ -31,5 +31,8 @@ pub(crate) trait Host: Send + Sync {
 fn library(names: &[String]) -> Result<libloading::Library, String> {
     #[allow(unsafe_code, reason = "a driver's library runs code when it is opened")]
     // SAFETY: the names are those of drivers' libraries, whose initialisers may run at any time.
-    names.iter().find_map(|name| unsafe { libloading::Library::new(name) }.ok()).ok_or_else(|| format!("there is no {}", names[0]))
+    names
+        .iter()
+        .find_map(|name| unsafe { libloading::Library::new(name) }.ok())
+        .ok_or_else(|| format!("there is no {}", names[0]))
 }

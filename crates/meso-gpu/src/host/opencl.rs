@@ -125,7 +125,14 @@ pub(crate) fn devices() -> Vec<DeviceName> {
             faults.push("its division is not correctly rounded");
         }
         let memory = number(&functions, device, GLOBAL_MEMORY);
-        DeviceName { driver: Driver::OpenCl, number: number_of, name: name(&functions, device), memory, threads: THREADS, faults }
+        DeviceName {
+            driver: Driver::OpenCl,
+            number: number_of,
+            name: name(&functions, device),
+            memory,
+            threads: THREADS,
+            faults,
+        }
     };
     handles(&functions).into_iter().enumerate().map(describe).collect()
 }
@@ -167,7 +174,14 @@ impl OpenCl {
         let mut log = vec![0_u8; 1 << 14];
         // SAFETY: the buffer is as long as told.
         unsafe {
-            (self.functions.clGetProgramBuildInfo)(self.program, self.device, BUILD_LOG, log.len(), log.as_mut_ptr().cast(), null_mut())
+            (self.functions.clGetProgramBuildInfo)(
+                self.program,
+                self.device,
+                BUILD_LOG,
+                log.len(),
+                log.as_mut_ptr().cast(),
+                null_mut(),
+            )
         };
         String::from_utf8_lossy(&log).trim_matches('\0').trim().to_owned()
     }
@@ -177,19 +191,24 @@ impl Host for OpenCl {
     fn compile(&mut self, source: &str) -> Result<(), String> {
         let (mut status, text, length) = (0, source.as_ptr().cast::<c_char>(), source.len());
         // SAFETY: one text with its length.
-        self.program = unsafe { (self.functions.clCreateProgramWithSource)(self.context, 1, &text, &length, &mut status) };
+        self.program =
+            unsafe { (self.functions.clCreateProgramWithSource)(self.context, 1, &text, &length, &mut status) };
         checked(status, "clCreateProgramWithSource")?;
         let exact = number(&self.functions, self.device, SINGLE_CONFIG) & EXACT_DIVISION != 0;
         let options = CString::new(if exact { OPTIONS } else { "-cl-std=CL1.2" }).expect("no zero");
         // SAFETY: the options end in a zero.
-        let status = unsafe { (self.functions.clBuildProgram)(self.program, 1, &self.device, options.as_ptr(), null(), null_mut()) };
+        let status = unsafe {
+            (self.functions.clBuildProgram)(self.program, 1, &self.device, options.as_ptr(), null(), null_mut())
+        };
         checked(status, "clBuildProgram").map_err(|error| format!("{error}: {}", self.log()))
     }
 
     fn buffer(&mut self, bytes: usize) -> Result<Buffer, String> {
         let mut status = 0;
         // SAFETY: no memory of the host is given.
-        let handle = unsafe { (self.functions.clCreateBuffer)(self.context, READ_WRITE, bytes.max(16), null_mut(), &mut status) };
+        let handle = unsafe {
+            (self.functions.clCreateBuffer)(self.context, READ_WRITE, bytes.max(16), null_mut(), &mut status)
+        };
         checked(status, "clCreateBuffer")?;
         self.buffers.push(handle);
         Ok(Buffer(handle as u64))
@@ -201,7 +220,9 @@ impl Host for OpenCl {
         }
         let (buffer, from) = (to.0 as Handle, bytes.as_ptr().cast());
         // SAFETY: the call returns when the bytes are read.
-        let status = unsafe { (self.functions.clEnqueueWriteBuffer)(self.queue, buffer, 1, at, bytes.len(), from, 0, null(), null_mut()) };
+        let status = unsafe {
+            (self.functions.clEnqueueWriteBuffer)(self.queue, buffer, 1, at, bytes.len(), from, 0, null(), null_mut())
+        };
         checked(status, "clEnqueueWriteBuffer")
     }
 
@@ -211,7 +232,9 @@ impl Host for OpenCl {
         }
         let (buffer, to) = (from.0 as Handle, bytes.as_mut_ptr().cast());
         // SAFETY: the call returns when the bytes are written.
-        let status = unsafe { (self.functions.clEnqueueReadBuffer)(self.queue, buffer, 1, at, bytes.len(), to, 0, null(), null_mut()) };
+        let status = unsafe {
+            (self.functions.clEnqueueReadBuffer)(self.queue, buffer, 1, at, bytes.len(), to, 0, null(), null_mut())
+        };
         checked(status, "clEnqueueReadBuffer")
     }
 
@@ -224,7 +247,9 @@ impl Host for OpenCl {
         for (number, buffer) in (0..).zip(arguments) {
             let handle = buffer.0 as Handle;
             // SAFETY: an argument is a buffer's handle.
-            let status = unsafe { (self.functions.clSetKernelArg)(kernel, number, size_of::<Handle>(), (&raw const handle).cast()) };
+            let status = unsafe {
+                (self.functions.clSetKernelArg)(kernel, number, size_of::<Handle>(), (&raw const handle).cast())
+            };
             checked(status, "clSetKernelArg")?;
         }
         Ok(Kernel(self.kernels.len() - 1))
@@ -233,7 +258,19 @@ impl Host for OpenCl {
     fn launch(&mut self, kernel: Kernel, groups: usize, threads: usize) -> Result<(), String> {
         let (kernel, all) = (self.kernels[kernel.0], groups * threads);
         // SAFETY: one dimension; the kernel has all its arguments.
-        let status = unsafe { (self.functions.clEnqueueNDRangeKernel)(self.queue, kernel, 1, null(), &all, &threads, 0, null(), null_mut()) };
+        let status = unsafe {
+            (self.functions.clEnqueueNDRangeKernel)(
+                self.queue,
+                kernel,
+                1,
+                null(),
+                &all,
+                &threads,
+                0,
+                null(),
+                null_mut(),
+            )
+        };
         checked(status, "clEnqueueNDRangeKernel")
     }
 }

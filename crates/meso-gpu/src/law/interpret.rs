@@ -1,7 +1,7 @@
 //! The tape, run on this processor in f32: it must give the bits of the law itself.
 
-use super::tape::{Input, Op};
 use super::Law;
+use super::tape::{Input, Op};
 use meso_solve::real::Real;
 
 /// Inputs of a step of one element.
@@ -72,8 +72,8 @@ fn value(op: Op, values: &[f32], params: &[f32], point: &Point) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tape::{self, Traced};
     use super::super::Tracing;
+    use super::super::tape::{self, Traced};
     use super::{Law, Point};
     use meso_mesh::Phase;
     use meso_mesh::materials::Materials;
@@ -148,7 +148,8 @@ mod tests {
                 let mut other = point.clone();
                 let (expected, got) = (step(own, &mut point), traced.interpret(params, &mut other));
                 assert_eq!(bits(&expected), bits(&got), "{before:?} {:?}", point.strain);
-                let memories = [&point, &other].map(|point| point.memory.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+                let memories =
+                    [&point, &other].map(|point| point.memory.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
                 assert_eq!(memories[0], memories[1]);
                 moved += usize::from(before != point.memory);
                 all += 1;

@@ -172,7 +172,8 @@ impl Run<'_> {
     }
 
     fn scalars(&self) -> Scalars {
-        let State { step, progress, held, speed, travel, external, internal, friction, kinetic, spent, .. } = self.state;
+        let State { step, progress, held, speed, travel, external, internal, friction, kinetic, spent, .. } =
+            self.state;
         Scalars {
             step,
             progress: [progress, held],
