@@ -1,35 +1,31 @@
-//! Pickles of meshes and frames: numpy arrays, and small tables as JSON.
+//! Contents of pickles: models as saved, meshes as numpy arrays, small tables as JSON.
 
-use crate::arrays;
-use crate::boundary::{guard, wrong_value};
-use crate::mesh::PyMesh;
-use crate::packing::PyPacking;
-use crate::response::PyFrame;
+use crate::boundary::wrong_value;
 use crate::views::cell_type;
 use meso_core::math::Vec3;
-use meso_core::mesh::{CellKind, Mesh, MeshTable, Notes, Phase, Purpose};
-use meso_solve::results::{Moment, Snapshot};
+use meso_core::mesh::{CellKind, Mesh, Notes, Phase};
+use meso_core::{Model, saved};
 use numpy::{Element, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
-use std::sync::Arc;
+use pyo3::types::{PyBytes, PyTuple};
 
 const KINDS: [CellKind; 3] = [CellKind::Tetrahedron, CellKind::QuadraticTetrahedron, CellKind::Hexahedron];
 const PHASES: [Phase; 4] = Phase::ALL;
 
-fn damaged(what: &str) -> PyErr {
+/// Error of a pickle that holds nothing of ours.
+pub(crate) fn damaged(what: &str) -> PyErr {
     wrong_value(format!("the pickle is damaged: {what}"))
 }
 
-fn json<T: serde::Serialize>(value: &T) -> PyResult<String> {
+pub(crate) fn json<T: serde::Serialize>(value: &T) -> PyResult<String> {
     serde_json::to_string(value).map_err(|error| wrong_value(error.to_string()))
 }
 
-fn from_json<T: for<'de> serde::Deserialize<'de>>(text: &str) -> PyResult<T> {
+pub(crate) fn from_json<T: for<'de> serde::Deserialize<'de>>(text: &str) -> PyResult<T> {
     serde_json::from_str(text).map_err(|error| damaged(&error.to_string()))
 }
 
-fn vector<T: Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> PyResult<Vec<T>> {
+pub(crate) fn vector<T: Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> PyResult<Vec<T>> {
     Ok(array.as_slice()?.to_vec())
 }
 
@@ -56,7 +52,7 @@ type State<'py> = (
     Numbers<'py>,
 );
 
-fn to_mesh(state: &Bound<'_, PyTuple>) -> PyResult<Mesh> {
+pub(crate) fn to_mesh(state: &Bound<'_, PyTuple>) -> PyResult<Mesh> {
     let ((kind, periodic, notes), points, cells, phases, owner, id_of, cohesive, below): State<'_> = state.extract()?;
     let kind = KINDS.into_iter().find(|known| cell_type(*known) == kind).ok_or_else(|| damaged("kind of cell"))?;
     let phase = |label: &u8| PHASES.into_iter().find(|phase| *phase as u8 == *label);
@@ -89,69 +85,14 @@ fn is_whole(mesh: &Mesh) -> bool {
         && mesh.owner.iter().chain(&mesh.cohesive_owner).all(body)
 }
 
-/// What makes a mesh again: the function and its arguments.
-pub(crate) fn reduce_mesh<'py>(py: Python<'py>, mesh: &PyMesh) -> PyResult<Bound<'py, PyTuple>> {
-    let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_mesh")?;
-    let PyMesh(mesh, model, options) = mesh;
-    let packing = PyPacking(Arc::clone(model)).into_pyobject(py)?;
-    (restore, (of_mesh(py, mesh)?, packing, json(options)?)).into_pyobject(py)
+/// A model: the bytes of a saved one, which names its version, and its report with the seconds.
+pub(crate) fn of_model<'py>(py: Python<'py>, model: &Model) -> PyResult<(Bound<'py, PyBytes>, String)> {
+    let mut bytes = Vec::new();
+    saved::write(model, &mut bytes)?;
+    Ok((PyBytes::new(py, &bytes), json(&model.report)?))
 }
 
-/// Unpickles a `Mesh`.
-#[pyfunction(name = "_restore_mesh")]
-pub(crate) fn restore_mesh(
-    py: Python<'_>,
-    state: &Bound<'_, PyTuple>,
-    packing: PyRef<'_, PyPacking>,
-    options: &str,
-) -> PyResult<PyMesh> {
-    arrays::load_numpy(py)?;
-    guard(|| {
-        let (model, table) = (Arc::clone(&packing.0), from_json::<MeshTable>(options)?);
-        let options = table.resolve(Purpose::Mesh, &model.spec.itz).map_err(|error| damaged(&error.to_string()))?;
-        Ok(PyMesh(Arc::new(to_mesh(state)?), model, options))
-    })
-}
-
-/// What makes a frame again: the function and its arguments.
-pub(crate) fn reduce_frame<'py>(py: Python<'py>, frame: &PyFrame) -> PyResult<Bound<'py, PyTuple>> {
-    let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_frame")?;
-    let PyFrame(mesh, fields) = frame;
-    let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
-    let narrow = [&fields.damage, &fields.tension, &fields.compression, &fields.opening_mm].map(Vec::as_slice);
-    let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
-    (restore, (of_mesh(py, mesh)?, json(&fields.moment)?, arrays)).into_pyobject(py)
-}
-
-/// Unpickles a `Frame`.
-#[pyfunction(name = "_restore_frame")]
-pub(crate) fn restore_frame(
-    py: Python<'_>,
-    state: &Bound<'_, PyTuple>,
-    moment: &str,
-    fields: [PyReadonlyArray1<'_, f32>; 6],
-) -> PyResult<PyFrame> {
-    arrays::load_numpy(py)?;
-    guard(|| {
-        let (mesh, moment): (Mesh, Moment) = (to_mesh(state)?, from_json(moment)?);
-        let [displacement, stress, damage, tension, compression, opening_mm] = fields.map(|array| vector(&array));
-        let snapshot = Snapshot {
-            moment,
-            displacement: displacement?.as_chunks().0.to_vec(),
-            stress: stress?.as_chunks().0.to_vec(),
-            damage: damage?,
-            tension: tension?,
-            compression: compression?,
-            opening_mm: opening_mm?,
-        };
-        let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
-        let fits = snapshot.displacement.len() == mesh.points.len()
-            && snapshot.stress.len() == mesh.cell_count()
-            && cells.iter().all(|values| values.len() == mesh.cell_count());
-        if fits {
-            Ok(PyFrame(Arc::new(mesh), Arc::new(snapshot)))
-        } else {
-            Err(damaged("its fields do not fit its mesh"))
-        }
-    })
+pub(crate) fn to_model(py: Python<'_>, model: &[u8], report: &str) -> PyResult<Model> {
+    let read = py.detach(|| saved::read(model)).map_err(|error| damaged(&error.to_string()))?;
+    Ok(Model { report: from_json(report)?, ..read })
 }

@@ -14,12 +14,13 @@ use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
 use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
-use pyo3::exceptions::PyIndexError;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::exceptions::{PyIndexError, PyUserWarning};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde::Deserialize;
 use std::cell::RefCell;
+use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -111,6 +112,7 @@ pub(crate) fn solve(
 ) -> PyResult<PyResponse> {
     let progress = listener(py, progress)?;
     let threads = asked.threads;
+    warn_of(py, &meshed)?;
     let response = |tested| PyResponse(Arc::new(tested));
     let tested = beside_python_keeping(py, threads, progress.as_ref(), None, move |watch| {
         watch.stops_soon();
@@ -126,6 +128,18 @@ pub(crate) fn solve(
     }
 }
 
+/// Faults of the mesh are `UserWarning`s at the caller's line, before the first step.
+fn warn_of(py: Python<'_>, Meshed { mesh, model, options }: &Meshed) -> PyResult<()> {
+    let (mesh, model, options) = (Arc::clone(mesh), Arc::clone(model), options.clone());
+    let faults = beside_python_on(py, None, None, None, move |_| {
+        let sample = sample_of(&mesh, &model, &options);
+        let flags = sample.flags();
+        if flags.is_empty() { String::new() } else { [flags, sample.doubts()].concat().join("; ") }
+    })?;
+    let category = py.get_type::<PyUserWarning>();
+    if faults.is_empty() { Ok(()) } else { PyErr::warn(py, &category, &CString::new(faults)?, 1) }
+}
+
 fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) -> Result<Tested, SolveError> {
     let begun = watch.seconds();
     // Progress is asked for while the test is still prepared.
@@ -135,7 +149,7 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(watch, &watching);
     // A run that diverged holds no numbers now.
-    let diverged = matches!(response.result.ended, Ended::Diverged(_));
+    let diverged = matches!(response.result.ended, Ended::Diverged(_) | Ended::Failed(_));
     let last = (!diverged).then(|| Arc::new(Snapshot::now(&run)));
     let solve = watch.seconds() - begun;
     let seconds = TestSeconds { solve, total: solve, ..TestSeconds::default() };
@@ -264,8 +278,9 @@ impl PyResponse {
     fn __repr__(&self) -> String {
         let figures = &self.0.response.result.figures;
         let (rows, frames) = (thousands(self.0.response.curve.len()), self.0.frames.len());
+        let flags: String = self.0.response.result.flags.iter().map(|flag| format!(", {flag}")).collect();
         format!(
-            "Response(peak {:.2} MPa at a strain of {:.5}, {rows} rows, {frames} frames)",
+            "Response(peak {:.2} MPa at a strain of {:.5}{flags}, {rows} rows, {frames} frames)",
             figures.peak_mpa, figures.peak_strain
         )
     }
@@ -364,7 +379,12 @@ impl PyFrame {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        pickle::reduce_frame(py, self)
+        let restore = py.import("mesocrete._mesocrete")?.getattr("_restore_frame")?;
+        let Self(mesh, fields) = self;
+        let wide = [fields.displacement.as_flattened(), fields.stress.as_flattened()];
+        let narrow = [&fields.damage, &fields.tension, &fields.compression, &fields.opening_mm].map(Vec::as_slice);
+        let arrays: Vec<_> = wide.into_iter().chain(narrow).map(|values| PyArray1::from_slice(py, values)).collect();
+        (restore, (pickle::of_mesh(py, mesh)?, pickle::json(&fields.moment)?, arrays)).into_pyobject(py)
     }
 
     fn __copy__(slf: Py<Self>) -> Py<Self> {
@@ -378,4 +398,38 @@ impl PyFrame {
 
 fn rows<'py, const N: usize>(py: Python<'py>, values: &[[f32; N]]) -> PyResult<Bound<'py, PyArray2<f32>>> {
     PyArray1::from_slice(py, values.as_flattened()).reshape([values.len(), N])
+}
+
+/// Unpickles a `Frame`.
+#[pyfunction(name = "_restore_frame")]
+pub(crate) fn restore_frame(
+    py: Python<'_>,
+    state: &Bound<'_, PyTuple>,
+    moment: &str,
+    fields: [PyReadonlyArray1<'_, f32>; 6],
+) -> PyResult<PyFrame> {
+    arrays::load_numpy(py)?;
+    guard(|| {
+        let (mesh, moment): (Mesh, results::Moment) = (pickle::to_mesh(state)?, pickle::from_json(moment)?);
+        let [displacement, stress, damage, tension, compression, opening_mm] =
+            fields.map(|array| pickle::vector(&array));
+        let snapshot = Snapshot {
+            moment,
+            displacement: displacement?.as_chunks().0.to_vec(),
+            stress: stress?.as_chunks().0.to_vec(),
+            damage: damage?,
+            tension: tension?,
+            compression: compression?,
+            opening_mm: opening_mm?,
+        };
+        let cells = [&snapshot.damage, &snapshot.tension, &snapshot.compression, &snapshot.opening_mm];
+        let fits = snapshot.displacement.len() == mesh.points.len()
+            && snapshot.stress.len() == mesh.cell_count()
+            && cells.iter().all(|values| values.len() == mesh.cell_count());
+        if fits {
+            Ok(PyFrame(Arc::new(mesh), Arc::new(snapshot)))
+        } else {
+            Err(pickle::damaged("its fields do not fit its mesh"))
+        }
+    })
 }

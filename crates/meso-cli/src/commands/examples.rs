@@ -18,6 +18,11 @@ Examples:
   mesocrete solve SPEC.toml -o out --test tension            packs first
   mesocrete solve model.json -o out --resume                 goes on from a checkpoint";
 
+pub(super) const DEVICES: &str = "\
+Examples:
+  mesocrete devices                                          what --device can take
+  mesocrete devices --check                                  compares each with the processor";
+
 pub(super) const STUDY: &str = "\
 Example of a STUDY.toml:
   spec = \"SPEC.toml\"

@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
+pub(crate) mod devices;
 mod examples;
 pub(crate) mod image;
 pub(crate) mod init;
@@ -51,6 +52,9 @@ pub(crate) enum Command {
     /// Test a specimen in compression or tension: from a model, a spec or nothing to the stress-strain curve
     #[command(after_help = examples::SOLVE)]
     Solve(Box<solve::Args>),
+    /// List the devices that `solve --device` can take
+    #[command(after_help = examples::DEVICES)]
+    Devices(devices::Args),
     /// Pack, mesh and test every combination of some options; a killed study resumes where it stopped
     #[command(after_help = examples::STUDY)]
     Study(study::Args),
