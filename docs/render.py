@@ -106,10 +106,11 @@ def draw_turning(packing: mc.Packing, path: Path) -> None:
         frames.append(Image.fromarray(pixels).resize((TURNING_PX, TURNING_PX), Image.Resampling.LANCZOS))
     # One palette for all frames and no dither: colours that change from frame to frame flicker, and cost bytes.
     palette = frames[0].quantize(TURNING_COLORS)
+    still = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     colors = np.array(palette.getpalette()).reshape(-1, 3)
     colors[colors.sum(axis=1).argmax()] = 255  # the ground is white, not nearly so
-    palette.putpalette(colors.ravel().tolist())
-    still = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    for frame in still:
+        frame.putpalette(colors.ravel().tolist())
     still[0].save(path, save_all=True, append_images=still[1:], duration=90, loop=0, optimize=True)
 
 

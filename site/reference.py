@@ -7,7 +7,8 @@ PACKAGE = Path(__file__).resolve().parents[1] / "crates" / "meso-py" / "python" 
 
 # Pages by file name: the title, one sentence, the public names. Names that no page lists get a page of their own.
 PAGES = {
-    "packing": ("Pack and load", "Functions that make or read a packing, and the packing itself.", ["pack", "load", "recipes", "Packing"]),
+    "pack": ("Pack and load", "Functions that make or read a packing.", ["pack", "load", "recipes"]),
+    "packing": ("Packings", "`pack` and `load` return a packing.", ["Packing"]),
     "spec": ("Specs", "A spec determines a packing.", ["Spec", "Specimen", "Grading"]),
     "mesh": ("Meshes", "`Packing.mesh` makes a mesh.", ["Mesh"]),
     "response": ("Tests", "`Mesh.solve` returns a response.", ["Response", "Frame"]),
@@ -39,12 +40,14 @@ def pages() -> dict[str, tuple[str, str, list[str]]]:
     found["gjk"] = ("Collision", "`mesocrete.gjk` decides whether convex bodies share a point.", [f"mesocrete.gjk.{name}" for name in names("gjk")])
     options = names("_types")
     of_runs = [name for name in options if name.startswith(("Mesh", "Deck", "Solve", "Statistics")) and "Specimen" not in name]
-    of_specs = [name for name in options if name not in of_runs]
+    of_specimens = [name for name in options if name.endswith("Specimen")]
+    of_specs = [name for name in options if name not in {*of_runs, *of_specimens}]
     results = names("_results")
     of_packings = [name for name in results if results.index(name) < results.index("InterfaceDistance")]
     of_tests = [name for name in results if name not in of_packings]
     for page, title, text, module, objects in (
         ("options-spec", "Options of a spec", OPTIONS, "_types", of_specs),
+        ("options-specimens", "Options of specimens", OPTIONS, "_types", of_specimens),
         ("options", "Options of meshes, decks and tests", OPTIONS, "_types", of_runs),
         ("results", "Results of packings", RESULTS, "_results", of_packings),
         ("results-tests", "Results of meshes and tests", RESULTS, "_results", of_tests),

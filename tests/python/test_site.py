@@ -4,6 +4,7 @@ import ast
 import importlib.util
 import json
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -132,3 +133,29 @@ def test_the_site_builds_without_a_warning():
     run = subprocess.run(build, capture_output=True, text=True, timeout=1800, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
     assert "WARNING" not in run.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 400])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pages_of_the_site_fit_a_desk_and_a_phone(width, scheme):
+    """No sideways scroll, no page beyond 10,000 px at a desk, no error in the console. Runs on the site that was built."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright (pip install playwright)")
+    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    pages = sorted(set((ROOT / "build" / "site").rglob("*.html")) - {ROOT / "build" / "site" / "404.html"})
+    if browser is None or not pages:
+        pytest.skip("needs chromium and a built site (python3 site/build.py)")
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+        page = opened.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)
+        said = []
+        page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: said.append(str(error)))
+        for path in pages:
+            page.goto(path.as_uri())
+            wide, high = page.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
+            assert wide <= width, f"{path.name} scrolls sideways"
+            assert width < 1280 or high <= 10_000, f"{path.name} is {high} px high"
+        opened.close()
+    # A page from a file may not fetch the search index.
+    assert [text for text in said if "CORS" not in text and "file:" not in text] == []

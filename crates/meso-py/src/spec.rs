@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// ----------
 /// **options
 ///     `seed`, `fraction`, and the sections of a SPEC.toml as dicts: `specimen`, `grading`, `shape`, `itz`,
-///     `placement`, `voids`, `fibres`, and `mix` in place of `fraction`.
+///     `placement`, `voids`, `fibres`, and `mix` instead of `fraction`.
 ///
 /// Raises
 /// ------
