@@ -262,3 +262,9 @@ def test_frames_are_pickled_with_their_fields(response):
 def test_notebooks_show_a_response_with_its_curve(response):
     shown = response._repr_html_()
     assert "<polyline points='" in shown and f"{response.result['peak_mpa']:.2f} MPa" in shown
+
+
+def test_a_response_says_what_pickles_instead(response):
+    with pytest.raises(TypeError, match=r"pickle its curve, result or frames, or write it: response.write\(folder\)"):
+        pickle.dumps(response)
+    assert pickle.loads(pickle.dumps(response.result)) == response.result

@@ -1,7 +1,7 @@
 //! `Mesh.solve` and its result: the curve, figures and fields of a test.
 
 use crate::arrays::{self, IndexArray, PointArray};
-use crate::boundary::{guard, wrong_value};
+use crate::boundary::{guard, wrong_type, wrong_value};
 use crate::files;
 use crate::pickle;
 use crate::run::{Broken, Watch, beside_python_keeping, beside_python_on, checked_threads, listener};
@@ -283,6 +283,13 @@ impl PyResponse {
             "Response(peak {:.2} MPa at a strain of {:.5}{flags}, {rows} rows, {frames} frames)",
             figures.peak_mpa, figures.peak_strain
         )
+    }
+
+    /// A response holds its mesh and its run; the parts that scripts exchange do pickle.
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(wrong_type(
+            "a Response does not pickle; pickle its curve, result or frames, or write it: response.write(folder)",
+        ))
     }
 
     /// HTML for notebooks: the curve beside its figures.
