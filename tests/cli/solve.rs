@@ -179,6 +179,13 @@ fn what_cannot_be_tested_is_named_before_any_step_and_leaves_nothing() {
         (&["small.json", "--checkpoint", "-1"], 2, "--checkpoint must be a number of seconds"),
         (&["small.json", "--checkpoint", "1e300"], 2, "--checkpoint must be a number of seconds"),
         (&["small.json", "--resume"], 1, "there is no out/checkpoint.bin to resume from"),
+        (&["small.json", "--device", "abacus"], 2, "\"abacus\" is no device; take cpu, gpu, cuda:N or opencl:N"),
+        (&["small.json", "--device", "cuda:99"], 2, "there is no device cuda:99; install its driver"),
+        (
+            &["small.json", "--device", "gpu", "--method", "voxel"],
+            2,
+            "voxels run on the processor only; take tetrahedra, or the device cpu",
+        ),
         (&["small.json", "--seed", "3"], 2, "--seed has no effect on a saved model; leave it out"),
         (&["small.json", "-o", "none/out"], 1, "none/out: No such file or directory"),
         (&["small.json", "-o", "small.json"], 1, "small.json is not a folder"),

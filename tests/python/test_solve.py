@@ -115,6 +115,14 @@ def test_threads_change_nothing(mesh, response):
         assert (again.last.damage == response.last.damage).all()
 
 
+def test_a_device_changes_nothing(mesh, response):
+    try:
+        again = mesh.solve(friction=0.1, frames=2, control="steady", device="gpu", **QUICK)
+    except ValueError as missing:
+        pytest.skip(str(missing))
+    assert all((again.curve[name] == column).all() for name, column in response.curve.items())
+
+
 def test_files_are_those_of_the_command(response, tmp_path):
     folder = tmp_path / "out"
     response.write(folder)
@@ -184,6 +192,8 @@ def test_strains_of_tetrahedra_are_smoothed_which_takes_strength_that_the_elemen
         ({"materials": {"mortar": {"poisson_ratio": 0.7}}}, "materials.mortar.poisson_ratio is 0.7"),
         ({"threads": 0}, "threads is 0; it must be an int from 1 to 1024"),
         ({"time_step_s": 1.0}, "time_step_s is 1"),
+        ({"device": "abacus"}, "abacus.* is no device; take cpu, gpu, cuda:N or opencl:N"),
+        ({"device": "cuda:99"}, "there is no device cuda:99; install its driver"),
     ],
 )
 def test_values_that_cannot_be_are_named(mesh, options, message):

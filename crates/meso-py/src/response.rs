@@ -11,6 +11,7 @@ use meso_concrete::thousands;
 use meso_core::materials::Materials;
 use meso_core::mesh::{Mesh, MeshOptions};
 use meso_core::{Model, Watch as _};
+use meso_gpu::{Choice, DeviceName};
 use meso_solve::results::{self, Outcome, Snapshot, Source, TestSeconds, sample_of};
 use meso_solve::{Ended, Frame, Observer, Response, Row, Run, SolveError, Test, TestKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -61,6 +62,7 @@ pub(crate) struct Asked {
     test: Test,
     materials: Materials,
     threads: Option<usize>,
+    device: Option<DeviceName>,
 }
 
 /// The kind of a test by the keyword's name, which errors then have.
@@ -83,7 +85,17 @@ impl Asked {
         let (given, materials): (Test, Materials) = (options(Some(keywords))?, options(materials)?);
         let test = Test { kind, ..given };
         meso_solve::validate(&materials, &test).map_err(|error| wrong(&error))?;
-        Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()? })
+        Ok(Self { test, materials, threads: threads.map(checked_threads).transpose()?, device: None })
+    }
+
+    /// The test of `mesh` on the device that `name` means, found before any work.
+    pub(crate) fn on(self, name: &str, mesh: &Mesh) -> PyResult<Self> {
+        let device = name.parse::<Choice>().and_then(Choice::find).map_err(wrong_value)?;
+        if device.is_some() {
+            let accepted = meso_solve::device::accept(&self.test, mesh.kind, !mesh.cohesive.is_empty());
+            accepted.map_err(|error| wrong(&error))?;
+        }
+        Ok(Self { device, ..self })
     }
 }
 
@@ -144,6 +156,9 @@ fn test(Meshed { mesh, model, options }: &Meshed, asked: &Asked, watch: &Watch) 
     // Progress is asked for while the test is still prepared.
     watch.reached(0.0, asked.test.strain());
     let mut run = Run::new(sample_of(mesh, model, options), &asked.materials, &asked.test)?;
+    if let Some(device) = &asked.device {
+        meso_gpu::attach(&mut run, device)?;
+    }
     watch.keeps_what_it_has();
     let watching = Watching { watch, strain: asked.test.strain(), frames: RefCell::default() };
     let response = run.to_end(watch, &watching);

@@ -715,6 +715,7 @@ class Mesh:
         *,
         materials: _types.DeckMaterials | None = None,
         threads: int | None = None,
+        device: str = "cpu",
         progress: bool | Callable[..., object] | None = None,
         **options: Unpack[SolveOptions],
     ) -> Response:
@@ -736,6 +737,8 @@ class Mesh:
             Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
         threads : int, optional
             All cores when absent. It changes the time, never the result.
+        device : str
+            What takes the steps: "cpu", "gpu" (the first that there is), "cuda:N" or "opencl:N"; the results are the same bytes.
         progress : bool or callable, optional
             True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
             curve so far is returned.
