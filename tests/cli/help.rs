@@ -18,6 +18,7 @@ const COMMANDS: [&str; 14] = [
     "pack",
     "mesh",
     "solve",
+    "devices",
     "study",
     "check",
     "report",
