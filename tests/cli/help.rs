@@ -19,6 +19,7 @@ const COMMANDS: [&str; 14] = [
     "mesh",
     "solve",
     "study",
+    "devices",
     "check",
     "report",
     "convert",
