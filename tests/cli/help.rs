@@ -20,6 +20,7 @@ const COMMANDS: [&str; 14] = [
     "solve",
     "devices",
     "study",
+    "devices",
     "check",
     "report",
     "convert",
