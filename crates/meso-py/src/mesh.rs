@@ -303,6 +303,8 @@ impl PyMesh {
     ///     Moments, evenly over the test, whose fields are kept in `Response.frames`; more while a servo holds the plates back.
     /// threads : int, optional
     ///     All cores when absent. It changes the time, never the result.
+    /// device : str
+    ///     What takes the steps: "cpu", "gpu" (the first that there is), "cuda:N" or "opencl:N"; the results are the same bytes.
     /// progress : bool or callable, optional
     ///     True shows a bar. A callable is called about 25 times a second as `progress(strain, target)`; when it returns False, the test stops, and the
     ///     curve so far is returned.
@@ -326,12 +328,14 @@ impl PyMesh {
     /// KeyboardInterrupt
     ///     On Ctrl-C, within 0.5 s on meshes of moderate size. Its attribute `response` is the test so far; it has none
     ///     where the first step was not yet taken, or after a second Ctrl-C.
-    #[pyo3(signature = (test="compression", *, materials=None, threads=None, progress=None, **options))]
+    #[pyo3(signature = (test="compression", *, materials=None, threads=None, device="cpu", progress=None, **options))]
+    #[allow(clippy::too_many_arguments, reason = "keywords of Python")]
     fn solve(
         slf: &Bound<'_, Self>,
         test: &str,
         materials: Option<&Bound<'_, PyDict>>,
         threads: Option<&Bound<'_, PyAny>>,
+        device: &str,
         progress: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<PyResponse> {
@@ -339,6 +343,7 @@ impl PyMesh {
             let keywords = options.map_or_else(|| Ok(PyDict::new(slf.py())), |given| given.copy())?;
             let asked = Asked::new(test, materials, threads, &keywords)?;
             let PyMesh(mesh, model, made) = slf.get().clone();
+            let asked = asked.on(device, &mesh)?;
             response::solve(slf.py(), Meshed { mesh, model, options: made }, asked, progress)
         })
     }
