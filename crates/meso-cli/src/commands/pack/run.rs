@@ -46,7 +46,7 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     watch.finish();
     let (model, mesh) = written?;
     if !args.writing.quiet {
-        print(&model.report);
+        print(&model.report, args.spec.is_none());
         if let (Ok(Some(mesh)), Some(settings)) = (&mesh, &settings) {
             settings.print(mesh, &model);
         }
@@ -59,8 +59,8 @@ fn on_these_threads(args: &Args) -> Result<u8, Failure> {
     Ok(exit_code(&model.report, args.strict))
 }
 
-/// The result as a table.
-fn print(report: &Report) {
+/// The result as a table; the default specimen says which sizes it has.
+fn print(report: &Report, is_default: bool) {
     // A raw curve places less than the target; a mix design's has many decimals.
     let asked: f64 = report.classes.iter().map(|class| class.target_fraction).sum();
     stderr::line(format!(
@@ -72,7 +72,8 @@ fn print(report: &Report) {
         report.strategy,
         report.seed
     ));
-    stderr::line(format!("grading: {}", report.grading));
+    let sizes = if is_default { "; sizes are longest axes, size = \"sieve\" in a spec takes openings" } else { "" };
+    stderr::line(format!("grading: {}{sizes}", report.grading));
     stderr::line("    class, mm       asked     reached  aggregates");
     for class in &report.classes {
         let limits = format!("{} - {}", class.d_min_mm, class.d_max_mm);
