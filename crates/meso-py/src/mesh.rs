@@ -146,6 +146,12 @@ impl PyMesh {
         arrays::from_indices(py, self.0.cohesive.iter().copied(), 2 * self.0.kind.faces()[0].len())
     }
 
+    /// Id of the aggregate below every cohesive element: ndarray, shape (k,), int64.
+    #[getter(_cohesive_aggregate)]
+    fn cohesive_aggregate<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        arrays::from_ids(py, self.0.cohesive_owner.iter().map(|&owner| self.0.id(owner)))
+    }
+
     /// Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict.
     #[getter]
     fn notes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
