@@ -1,6 +1,6 @@
 //! Tables as laboratories write them: read rightly, or refused with the line and the reason.
 
-use meso_core::import::sieve_table::{Choices, Column, Meaning, SieveTable, SieveUnit, Unit, read};
+use meso_core::import::sieve_table::{Choices, Meaning, SieveTable, SieveUnit, TableColumn, ValueUnit, read};
 
 fn table(text: &str) -> Result<SieveTable, String> {
     read(text.as_bytes(), &Choices::default())
@@ -293,7 +293,7 @@ fn a_choice_reads_a_table_that_alone_could_mean_two_things() {
         |unit| read(bare.as_bytes(), &Choices { sieve_unit: Some(unit), ..Choices::default() }).unwrap().sieves_mm;
     assert_eq!(unit(SieveUnit::Mm), [0.5, 1.0, 2.0]);
     assert_eq!(unit(SieveUnit::Inch), [12.5, 25.0, 50.0]);
-    let share = Choices { unit: Some(Unit::Share), ..Choices::default() };
+    let share = Choices { unit: Some(ValueUnit::Share), ..Choices::default() };
     assert_eq!(read(b"Sieve (mm),Passing\n8,0.9\n4,0.1\n", &share).unwrap().passing, [0.1, 0.9]);
 }
 
@@ -301,7 +301,7 @@ fn a_choice_reads_a_table_that_alone_could_mean_two_things() {
 fn aggregates_in_columns_are_blended_by_their_shares() {
     let text = "Sieve (mm);Sand 0/4;Gravel 4/8;Grit\n8;100;100;100\n4;95;10;50\n2;60;0;0\n";
     let blend = |columns: &[(&str, f64)]| {
-        let columns = columns.iter().map(|(name, share)| (Column::Heading((*name).to_owned()), *share)).collect();
+        let columns = columns.iter().map(|(name, share)| (TableColumn::Heading((*name).to_owned()), *share)).collect();
         read(text.as_bytes(), &Choices { columns, ..Choices::default() })
     };
     let table = blend(&[("sand 0/4", 40.0), ("Gravel", 60.0)]).unwrap();
@@ -310,9 +310,9 @@ fn aggregates_in_columns_are_blended_by_their_shares() {
     assert!(blend(&[("Stone", 1.0)]).unwrap_err().contains("no column \"Stone\" of numbers; it has column 2"));
     assert!(blend(&[("Gr", 1.0)]).unwrap_err().contains("2 columns are called \"Gr\""));
     let numbered = "Sieve (mm);1;2\n16;100;100\n8;60;70\n4;10;20\n";
-    let second = Choices { columns: vec![(Column::Heading("2".to_owned()), 1.0)], ..Choices::default() };
+    let second = Choices { columns: vec![(TableColumn::Heading("2".to_owned()), 1.0)], ..Choices::default() };
     assert_eq!(read(numbered.as_bytes(), &second).unwrap().passing, [0.2, 0.7, 1.0]);
-    let third = Choices { columns: vec![(Column::Position(3), 1.0)], ..Choices::default() };
+    let third = Choices { columns: vec![(TableColumn::Position(3), 1.0)], ..Choices::default() };
     assert_eq!(read(text.as_bytes(), &third).unwrap().passing, [0.0, 0.1, 1.0]);
 }
 

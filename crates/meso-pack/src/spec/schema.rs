@@ -2,7 +2,7 @@
 //! and for the Python package's types.
 
 use super::{MixDesign, Spec};
-use meso_concrete::import::sieve_table::{Meaning, SieveUnit, Unit};
+use meso_concrete::import::sieve_table::{Meaning, SieveUnit, ValueUnit};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
@@ -64,7 +64,7 @@ fn choices_of_a_table() -> Value {
             "description": "Aggregates in columns, by headings, and the share of each; shares sum to 1 or 100.",
         },
         "means": names(Meaning::NAMES.map(|name| name.0).into(), "Meaning of the column, where neither heading nor numbers say it."),
-        "unit": names(Unit::NAMES.map(|name| name.0).into(), "Unit of the column's numbers."),
+        "unit": names(ValueUnit::NAMES.map(|name| name.0).into(), "Unit of the column's numbers."),
         "sieve_unit": names(SieveUnit::NAMES.map(|name| name.0).into(), "Unit of bare numbers in the column of sieves."),
         "sheet": { "type": "string", "description": "Sheet of a workbook; Python only." },
     })

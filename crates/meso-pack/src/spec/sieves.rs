@@ -5,7 +5,7 @@ use super::files::Files;
 use super::messages::{found, number};
 use super::tree::{Node, Value};
 use meso_concrete::aggregate::{Grading, SizeDefinition};
-use meso_concrete::import::sieve_table::{self, Choices, Column, Meaning, SieveTable, SieveUnit, Unit};
+use meso_concrete::import::sieve_table::{self, Choices, Meaning, SieveTable, SieveUnit, TableColumn, ValueUnit};
 
 const KEY: &str = "grading.curve.file";
 /// Keys that count beside `file` only.
@@ -136,7 +136,7 @@ fn choices(chosen: &[(&str, Node)]) -> Result<Choices, SpecError> {
     for (key, node) in chosen {
         match *key {
             "means" => choices.means = Some(name(key, node, &Meaning::NAMES)?),
-            "unit" => choices.unit = Some(name(key, node, &Unit::NAMES)?),
+            "unit" => choices.unit = Some(name(key, node, &ValueUnit::NAMES)?),
             "sieve_unit" => choices.sieve_unit = Some(name(key, node, &SieveUnit::NAMES)?),
             "column" => choices.columns.push((column(key, node)?, 1.0)),
             "blend" if !choices.columns.is_empty() => {
@@ -156,23 +156,23 @@ fn name<T: Copy>(key: &str, node: &Node, names: &[(&str, T)]) -> Result<T, SpecE
     known.ok_or_else(|| wrong(key, node, &format!("one of {}", list.join(", "))))
 }
 
-fn column(key: &str, node: &Node) -> Result<Column, SpecError> {
+fn column(key: &str, node: &Node) -> Result<TableColumn, SpecError> {
     match &node.value {
-        Value::Text(heading) => Ok(Column::Heading(heading.clone())),
-        Value::Integer(position) if (1..1000).contains(position) => Ok(Column::Position(*position as usize)),
+        Value::Text(heading) => Ok(TableColumn::Heading(heading.clone())),
+        Value::Integer(position) if (1..1000).contains(position) => Ok(TableColumn::Position(*position as usize)),
         _ => Err(wrong(key, node, "a heading in quotes, or the position of a column from 1")),
     }
 }
 
 /// Columns and their shares, which sum to 1 or to 100.
-fn blend(node: &Node) -> Result<Vec<(Column, f64)>, SpecError> {
+fn blend(node: &Node) -> Result<Vec<(TableColumn, f64)>, SpecError> {
     const KEY: &str = "blend";
     let Value::Table(entries) = &node.value else {
         return Err(wrong(KEY, node, "a table of headings and shares, { \"Sand\" = 0.4, \"Gravel\" = 0.6 }"));
     };
     let share = |(heading, node): &(String, Node)| {
         let share = real(node).filter(|share| *share >= 0.0 && share.is_finite());
-        let column = Column::Heading(heading.clone());
+        let column = TableColumn::Heading(heading.clone());
         share.map(|share| (column, share)).ok_or_else(|| wrong(KEY, node, "a share of at least 0"))
     };
     let columns = entries.iter().map(share).collect::<Result<Vec<_>, _>>()?;

@@ -42,7 +42,7 @@ impl Meaning {
 
 /// What a number of a column counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
+pub enum ValueUnit {
     /// Hundredths.
     Percent,
     /// Shares from 0 to 1.
@@ -51,7 +51,7 @@ pub enum Unit {
     Mass,
 }
 
-impl Unit {
+impl ValueUnit {
     /// Options' names of the units.
     pub const NAMES: [(&'static str, Self); 3] =
         [("percent", Self::Percent), ("share", Self::Share), ("mass", Self::Mass)];
@@ -73,7 +73,7 @@ impl SieveUnit {
 
 /// A column, as an option names it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Column {
+pub enum TableColumn {
     /// Position from 1, the sieves included.
     Position(usize),
     /// Heading, or a part of it that no other heading has; else digits are a position.
@@ -84,11 +84,11 @@ pub enum Column {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Choices {
     /// Columns and their shares, in any scale; one column alone where it is chosen.
-    pub columns: Vec<(Column, f64)>,
+    pub columns: Vec<(TableColumn, f64)>,
     /// Meaning of the columns.
     pub means: Option<Meaning>,
     /// What their numbers count.
-    pub unit: Option<Unit>,
+    pub unit: Option<ValueUnit>,
     /// Unit of bare numbers in the column of sieves.
     pub sieve_unit: Option<SieveUnit>,
 }

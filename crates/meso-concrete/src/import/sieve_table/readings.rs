@@ -1,7 +1,7 @@
 //! What a column of numbers can mean, and the proofs that leave one reading.
 
 use super::sheet::{Sheet, Values};
-use super::{Choices, Column, Meaning, SieveTable, Unit};
+use super::{Choices, Meaning, SieveTable, TableColumn, ValueUnit};
 
 /// Largest difference of two columns of one sheet that rounding explains: integers of ten sieves, added.
 const ROUNDED: f64 = 0.02;
@@ -12,7 +12,7 @@ const LOSS: f64 = 0.01;
 #[derive(Clone, Debug)]
 struct Reading {
     meaning: Meaning,
-    unit: Unit,
+    unit: ValueUnit,
     /// Share that passes each sieve, from the coarsest.
     passing: Vec<f64>,
     note: String,
@@ -121,9 +121,9 @@ impl Analysis<'_> {
             self.sheet.columns.iter().filter(|values| !values.said.is_foreign && !values.said.is_sieve).collect();
         let level = |values: &&Values| match (values.said.has_meaning, &values.said.meanings[..], values.said.unit) {
             (true, [Meaning::Passing], _) => 0,
-            (true, [Meaning::Cumulative], Some(Unit::Mass)) => 2,
+            (true, [Meaning::Cumulative], Some(ValueUnit::Mass)) => 2,
             (true, [Meaning::Cumulative], _) => 1,
-            (true, _, Some(Unit::Mass)) => 4,
+            (true, _, Some(ValueUnit::Mass)) => 4,
             (true, ..) => 3,
             (false, _, Some(_)) => 5,
             _ => 6,
@@ -132,12 +132,12 @@ impl Analysis<'_> {
         all.into_iter().filter(|values| Some(level(values)) == best).collect()
     }
 
-    fn column(&self, column: &Column) -> Result<&Values, String> {
+    fn column(&self, column: &TableColumn) -> Result<&Values, String> {
         let all = &self.sheet.columns;
         let list = || all.iter().map(Values::name).collect::<Vec<_>>().join(", ");
         let found: Vec<&Values> = match column {
-            Column::Position(position) => all.iter().filter(|values| values.position == *position).collect(),
-            Column::Heading(name) => {
+            TableColumn::Position(position) => all.iter().filter(|values| values.position == *position).collect(),
+            TableColumn::Heading(name) => {
                 let name = name.trim().to_lowercase();
                 let exact: Vec<&Values> = all.iter().filter(|values| values.heading.to_lowercase() == name).collect();
                 let position: Option<usize> = name.parse().ok();
@@ -149,8 +149,8 @@ impl Analysis<'_> {
             }
         };
         let asked = match column {
-            Column::Position(position) => position.to_string(),
-            Column::Heading(name) => format!("{name:?}"),
+            TableColumn::Position(position) => position.to_string(),
+            TableColumn::Heading(name) => format!("{name:?}"),
         };
         match found[..] {
             [one] => Ok(one),
@@ -192,7 +192,7 @@ impl Analysis<'_> {
             .choices
             .unit
             .or(values.said.unit)
-            .map_or_else(|| vec![Unit::Percent, Unit::Share, Unit::Mass], |unit| vec![unit]);
+            .map_or_else(|| vec![ValueUnit::Percent, ValueUnit::Share, ValueUnit::Mass], |unit| vec![unit]);
         let is_named = values.said.has_meaning || self.choices.means.is_some();
         for &meaning in &meanings {
             for &unit in &units {
@@ -205,8 +205,8 @@ impl Analysis<'_> {
             }
         }
         // Masses explain what per cent explains already.
-        if good.iter().any(|reading| reading.unit != Unit::Mass) && units.len() > 1 {
-            good.retain(|reading| reading.unit != Unit::Mass);
+        if good.iter().any(|reading| reading.unit != ValueUnit::Mass) && units.len() > 1 {
+            good.retain(|reading| reading.unit != ValueUnit::Mass);
         }
         if let Some(contradicted) = faults.iter().position(|(_, fault)| fault.is_contradiction) {
             faults.swap(0, contradicted);
@@ -272,7 +272,7 @@ struct Proof<'a> {
     sieves: &'a [(usize, f64)],
     values: &'a Values,
     meaning: Meaning,
-    unit: Unit,
+    unit: ValueUnit,
     /// Whether words give the meaning: then the ends of the curve need not prove it.
     is_named: bool,
     /// Whether words give the unit.
@@ -292,7 +292,7 @@ impl Proof<'_> {
     }
 
     fn whole(&self) -> f64 {
-        if self.unit == Unit::Percent { 100.0 } else { 1.0 }
+        if self.unit == ValueUnit::Percent { 100.0 } else { 1.0 }
     }
 
     fn at(&self, i: usize) -> String {
@@ -314,7 +314,7 @@ impl Proof<'_> {
         for (i, number) in numbers.iter().enumerate() {
             let value = match number.as_ref().ok().and_then(Option::as_ref) {
                 Some(number) => number.value,
-                None if self.meaning == Meaning::Retained || self.unit == Unit::Mass => {
+                None if self.meaning == Meaning::Retained || self.unit == ValueUnit::Mass => {
                     None.ok_or_else(|| self.blank(i))?
                 }
                 None if i < first && known(first) == Some(coarse) => coarse,
@@ -343,7 +343,7 @@ impl Proof<'_> {
             })
         };
         match self.unit {
-            Unit::Percent => {
+            ValueUnit::Percent => {
                 bound(100.0)?;
                 if most <= 1.0 && most > 0.0 && !has_signs {
                     let reason = "no number is above 1: these are shares; write the heading Passing (share), or per cent from 0 to 100";
@@ -351,8 +351,8 @@ impl Proof<'_> {
                 }
                 Ok(())
             }
-            Unit::Share if has_signs => contradiction("numbers have a per cent sign".to_owned()),
-            Unit::Share => {
+            ValueUnit::Share if has_signs => contradiction("numbers have a per cent sign".to_owned()),
+            ValueUnit::Share => {
                 bound(1.0)?;
                 if self.has_unit || most == 1.0 || self.sums_to(numbers, 1.0) {
                     Ok(())
@@ -360,9 +360,9 @@ impl Proof<'_> {
                     unproved("no number is 1, which is all")
                 }
             }
-            Unit::Mass if has_signs => contradiction("numbers have a per cent sign".to_owned()),
-            Unit::Mass if self.has_unit => Ok(()),
-            Unit::Mass => unproved("no word of the heading says that these are masses"),
+            ValueUnit::Mass if has_signs => contradiction("numbers have a per cent sign".to_owned()),
+            ValueUnit::Mass if self.has_unit => Ok(()),
+            ValueUnit::Mass => unproved("no word of the heading says that these are masses"),
         }
     }
 
@@ -387,7 +387,7 @@ impl Proof<'_> {
     }
 
     fn passing(&self, numbers: &[f64]) -> Result<(Vec<f64>, String), Fault> {
-        if self.unit == Unit::Mass {
+        if self.unit == ValueUnit::Mass {
             return unproved("masses that pass need the whole mass; give them in per cent");
         }
         self.ordered(numbers, -1.0, "more passes a wider sieve")?;
@@ -403,7 +403,7 @@ impl Proof<'_> {
 
     fn cumulative(&self, numbers: &[f64]) -> Result<(Vec<f64>, String), Fault> {
         self.ordered(numbers, 1.0, "a finer sieve adds to what the wider ones retain")?;
-        let whole = if self.unit == Unit::Mass { self.all_mass()? } else { self.whole() };
+        let whole = if self.unit == ValueUnit::Mass { self.all_mass()? } else { self.whole() };
         if let Some(i) = numbers.iter().position(|number| *number > whole * (1.0 + 1e-9)) {
             return contradiction(format!("{}: {} is more than {whole}, which is all", self.at(i), numbers[i]));
         }
@@ -435,8 +435,8 @@ impl Proof<'_> {
             return contradiction(format!("all rows sum to {}, but the row of the sum has {total}", rounded(sum)));
         }
         let (fines, whole, note) = match (pan, self.unit) {
-            (Some(pan), Unit::Mass) => (pan, sum, String::new()),
-            (None, Unit::Mass) => match total {
+            (Some(pan), ValueUnit::Mass) => (pan, sum, String::new()),
+            (None, ValueUnit::Mass) => match total {
                 Some(total) => ((total - sum).max(0.0), total.max(sum), String::new()),
                 None => return unproved("the whole mass is not known; give a row Pan or Total"),
             },

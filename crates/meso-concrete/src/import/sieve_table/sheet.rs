@@ -3,7 +3,7 @@
 use super::cells::{self, Marks, Number, Sieve, SieveUnit};
 use super::text::{self, Row};
 use super::words::{self, Said};
-use super::{Choices, Unit};
+use super::{Choices, ValueUnit};
 
 /// A column of numbers beside the sieves.
 pub(super) struct Values {
@@ -222,7 +222,7 @@ impl Grid<'_> {
         let pan = self.pan(&pans, &found)?;
         let shares = self.rows.iter().find(|row| self.is_share_row(row));
         let is_percent: Vec<bool> =
-            (0..width).map(|at| words::read(&self.heading(body.first, at)).unit == Some(Unit::Percent)).collect();
+            (0..width).map(|at| words::read(&self.heading(body.first, at)).unit == Some(ValueUnit::Percent)).collect();
         let number = |row: &Row, at: usize| {
             let marks = if is_percent[at] { self.marks.up_to(100.0) } else { self.marks };
             let cell = row.cells.get(at).map_or("", String::as_str);

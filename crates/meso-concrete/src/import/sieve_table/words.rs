@@ -1,7 +1,7 @@
 //! Words of headings, in the languages of the sheets: which column has sieves, and what the others mean.
 
 use super::cells::SieveUnit;
-use super::{Meaning, Unit};
+use super::{Meaning, ValueUnit};
 
 const PASSING: [&str; 37] = [
     "passing",
@@ -126,7 +126,7 @@ pub(super) struct Said {
     pub(super) meanings: Vec<Meaning>,
     /// Whether the words name a meaning.
     pub(super) has_meaning: bool,
-    pub(super) unit: Option<Unit>,
+    pub(super) unit: Option<ValueUnit>,
     /// Limits of a specification, masses of empty sieves: no analysis.
     pub(super) is_foreign: bool,
 }
@@ -150,7 +150,7 @@ pub(super) fn read(heading: &str) -> Said {
     let sieve_unit = sieve_unit(&text);
     let named = has(&SIEVES) || matches!(sieve_unit, Some(SieveUnit::Mm | SieveUnit::Um | SieveUnit::Inch));
     let is_tare =
-        unit == Some(Unit::Mass) && has(&SIEVES) && (!has_meaning || TARES.iter().any(|word| text.contains(word)));
+        unit == Some(ValueUnit::Mass) && has(&SIEVES) && (!has_meaning || TARES.iter().any(|word| text.contains(word)));
     Said {
         is_sieve: named && !has_meaning && unit.is_none(),
         sieve_unit,
@@ -172,18 +172,18 @@ fn has_word(text: &str, word: &str) -> bool {
     text.split(|c: char| !c.is_alphanumeric()).any(|part| part == word)
 }
 
-fn unit(text: &str) -> Option<Unit> {
+fn unit(text: &str) -> Option<ValueUnit> {
     let percent = ["%", "percent", "per cent", "prozent", "pourcent", "porcent", "pct", "百分", "процент"];
     let shares = ["fraction", "share", "(-)", "[-]", "0-1", "0..1", "0–1", "decimal", "bruchteil"];
     if percent.iter().any(|word| text.contains(word)) {
-        Some(Unit::Percent)
+        Some(ValueUnit::Percent)
     } else if has_word(text, "g") || has_word(text, "kg") || has_word(text, "гр") || has_word(text, "grams") {
-        Some(Unit::Mass)
+        Some(ValueUnit::Mass)
     } else if shares.iter().any(|word| text.contains(word)) {
-        Some(Unit::Share)
+        Some(ValueUnit::Share)
     } else {
         let masses = ["mass", "weight", "masse", "poids", "peso", "gewicht", "масса", "质量", "waga"];
-        masses.iter().any(|word| text.contains(word)).then_some(Unit::Mass)
+        masses.iter().any(|word| text.contains(word)).then_some(ValueUnit::Mass)
     }
 }
 
