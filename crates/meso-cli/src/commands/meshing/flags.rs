@@ -2,6 +2,7 @@
 
 use crate::commands::{names, values};
 use meso_core::export::abaqus::{Analysis, Loading};
+use meso_core::export::lsdyna::LsdynaLaw;
 use meso_core::mesh::{Fit, ItzForm, Joined, MeshTable, MethodName, NarrowGaps, Volumes};
 use std::path::{Path, PathBuf};
 
@@ -116,6 +117,12 @@ pub(crate) struct DeckFlags {
     #[arg(long, value_name = "N", value_parser = values::count, allow_negative_numbers = true)]
     #[arg(help = format!("Frames of field output in compression and tension [default: {}]", Loading::default().frames))]
     frames: Option<u32>,
+    #[arg(long, value_name = "MM_S", value_parser = values::number, allow_negative_numbers = true)]
+    #[arg(help = format!("Speed of the striker in an impact, mm/s [default: {}]", Loading::default().impact_speed_mm_per_s))]
+    impact_speed: Option<f64>,
+    #[arg(long, value_name = "LAW", default_value = "cdpm", value_parser = names::parse::<LsdynaLaw>)]
+    #[arg(help = format!("Law of mortar and ITZ in a .k: {}", names::list::<LsdynaLaw>()))]
+    pub(super) lsdyna_law: LsdynaLaw,
     /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own
     #[arg(long)]
     pub(super) with_damage: bool,
@@ -134,6 +141,7 @@ impl DeckFlags {
             duration_s: self.duration.unwrap_or(usual.duration_s),
             time_increment_s: self.time_increment.unwrap_or(usual.time_increment_s),
             frames: self.frames.unwrap_or(usual.frames),
+            impact_speed_mm_per_s: self.impact_speed.unwrap_or(usual.impact_speed_mm_per_s),
         }
     }
 
@@ -147,6 +155,8 @@ impl DeckFlags {
             ("--friction", self.friction.is_some()),
             ("--duration", self.duration.is_some()),
             ("--frames", self.frames.is_some()),
+            ("--impact-speed", self.impact_speed.is_some()),
+            ("--lsdyna-law", self.lsdyna_law != LsdynaLaw::default()),
             ("--with-damage", self.with_damage),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
