@@ -40,8 +40,16 @@ impl<W: Write> Columns<W> {
 
     /// An integer at the right of so many columns; a longer one gets what it needs.
     pub(super) fn integer(&mut self, width: usize, value: u64) {
-        let mut digits = itoa::Buffer::new();
-        self.text(width, digits.format(value));
+        let (mut digits, mut at, mut rest) = ([b' '; 24], 24, value);
+        loop {
+            at -= 1;
+            digits[at] = b'0' + (rest % 10) as u8;
+            rest /= 10;
+            if rest == 0 {
+                break;
+            }
+        }
+        self.buffer.extend_from_slice(&digits[at.min(24 - width)..]);
     }
 
     /// A number of at most so many columns, in full where it fits, with at least one space before it.

@@ -1,7 +1,7 @@
 //! TIFF (`.tif`): a page for every layer, lowest z first, or one page of a section. By the crate `tiff`.
 //!
 //! The resolution is the voxels' own, in pixels per centimetre. The first page has ImageJ's description of a volume: the
-//! number of slices, their distance in mm, and thereby the axes z, y and x. Images near 4 GB and beyond are BigTIFF.
+//! number of slices and their distance in cm, the unit of the resolution, and thereby the axes z, y and x. Images near 4 GB and beyond are BigTIFF.
 
 use super::{Frame, Voxels};
 use std::io::{self, Seek, Write};
@@ -87,8 +87,8 @@ fn description(frame: &Frame) -> Option<String> {
             "ImageJ=1.54f".to_owned(),
             format!("images={slices}"),
             format!("slices={slices}"),
-            "unit=mm".to_owned(),
-            format!("spacing={}", frame.voxel_size_mm),
+            "unit=cm".to_owned(),
+            format!("spacing={}", frame.voxel_size_mm / 10.0),
             "loop=false".to_owned(),
         ];
         lines.join("\n") + "\n"
