@@ -1,7 +1,7 @@
 //! The kernels as CUDA compiles them: no operation is fused, approximated or flushed; registers stay within the card's.
 
-use crate::same_bytes::{brittle, cube};
-use meso_solve::{LawName, Run, Sample, Smoothing, Test};
+use crate::same_bytes::cube;
+use meso_solve::{LawName, Smoothing, Test};
 use std::path::Path;
 use std::process::Command;
 
@@ -11,10 +11,8 @@ const MOST_REGISTERS: u32 = 96;
 const MOST_SHARED: u32 = 48 << 10;
 
 fn source(law: LawName, smoothing: Smoothing, threads: usize) -> String {
-    let cube = cube(4.0);
-    let sample = Sample::of(&cube.mesh, &cube.specimen, &cube.options);
     let test = Test { law, smoothing: Some(smoothing), ..Test::default() };
-    meso_gpu::source(&Run::new(sample, &brittle(), &test).unwrap(), threads).unwrap()
+    meso_gpu::source(&cube(24.0, 4.0).run(&test), threads).unwrap()
 }
 
 #[test]
@@ -24,11 +22,12 @@ fn cuda_rounds_every_operation_of_the_kernels_by_itself_and_spills_nothing() {
         [(LawName::Cdp, Smoothing::Edges), (LawName::Cdpm2, Smoothing::Edges), (LawName::Cdp, Smoothing::None)]
     {
         for architecture in ["80", "90"] {
-            let ptx =
-                match meso_gpu::ptx(&source(law, smoothing, meso_gpu::THREADS), &format!("compute_{architecture}")) {
-                    Err(why) if why.contains("no libnvrtc") => return eprintln!("skipped: {why}"),
-                    ptx => ptx.unwrap(),
-                };
+            let source = source(law, smoothing, meso_gpu::THREADS);
+            std::fs::write(folder.join(format!("{law:?}{smoothing:?}.cu")), &source).unwrap();
+            let ptx = match meso_gpu::ptx(&source, &format!("compute_{architecture}")) {
+                Err(why) if why.contains("no libnvrtc") => return eprintln!("skipped: {why}"),
+                ptx => ptx.unwrap(),
+            };
             for word in FORBIDDEN {
                 assert!(!ptx.contains(word), "{law:?}: {word}");
             }

@@ -4,6 +4,11 @@ use crate::host::{Host, cuda, opencl};
 use std::fmt;
 use std::str::FromStr;
 
+/// Threads of a group of elements, unless asked otherwise.
+pub const THREADS: usize = 128;
+/// Threads that a group may have; the results are the same bytes.
+const SIZES: [usize; 4] = [32, 64, 128, 256];
+
 /// A driver's interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Driver {
@@ -24,6 +29,8 @@ pub struct DeviceName {
     pub name: String,
     /// Its memory, bytes.
     pub memory: u64,
+    /// Threads of a group of elements.
+    pub threads: usize,
     /// What it cannot keep of the promise of the same bytes, by its own account.
     pub faults: Vec<&'static str>,
 }
@@ -36,22 +43,27 @@ pub enum Choice {
     Cpu,
     /// The first device that keeps the promise: CUDA's before OpenCL's.
     Gpu,
-    /// A device by its driver and number.
-    Numbered(Driver, usize),
+    /// A device by its driver and number, and the threads of a group of elements.
+    Numbered(Driver, usize, usize),
 }
 
 impl FromStr for Choice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbered = |driver, number: &str| number.parse().ok().map(|number| Self::Numbered(driver, number));
+        let numbered = |driver, text: &str| {
+            let (number, threads) =
+                text.split_once(':').map_or((text, Some(THREADS)), |(number, threads)| (number, threads.parse().ok()));
+            let threads = threads.filter(|threads| SIZES.contains(threads))?;
+            number.parse().ok().map(|number| Self::Numbered(driver, number, threads))
+        };
         let choice = match text.split_once(':') {
             None if text == "cpu" => Some(Self::Cpu),
             None if text == "gpu" => Some(Self::Gpu),
-            None if text == "cuda" => Some(Self::Numbered(Driver::Cuda, 0)),
-            None if text == "opencl" => Some(Self::Numbered(Driver::OpenCl, 0)),
-            Some(("cuda", number)) => numbered(Driver::Cuda, number),
-            Some(("opencl", number)) => numbered(Driver::OpenCl, number),
+            None if text == "cuda" => Some(Self::Numbered(Driver::Cuda, 0, THREADS)),
+            None if text == "opencl" => Some(Self::Numbered(Driver::OpenCl, 0, THREADS)),
+            Some(("cuda", rest)) => numbered(Driver::Cuda, rest),
+            Some(("opencl", rest)) => numbered(Driver::OpenCl, rest),
             _ => None,
         };
         choice.ok_or_else(|| {
@@ -65,7 +77,8 @@ impl fmt::Display for Choice {
         match self {
             Self::Cpu => f.write_str("cpu"),
             Self::Gpu => f.write_str("gpu"),
-            Self::Numbered(driver, number) => write!(f, "{driver}:{number}"),
+            Self::Numbered(driver, number, THREADS) => write!(f, "{driver}:{number}"),
+            Self::Numbered(driver, number, threads) => write!(f, "{driver}:{number}:{threads}"),
         }
     }
 }
@@ -95,13 +108,14 @@ impl Choice {
         let wanted = |device: &DeviceName| match self {
             Self::Cpu => false,
             Self::Gpu => device.faults.is_empty(),
-            Self::Numbered(driver, number) => (device.driver, device.number) == (driver, number),
+            Self::Numbered(driver, number, _) => (device.driver, device.number) == (driver, number),
         };
         if self == Self::Cpu {
             return Ok(None);
         }
         let found = devices().into_iter().find(wanted);
-        found.map(Some).ok_or_else(|| {
+        let threads = if let Self::Numbered(_, _, threads) = self { threads } else { THREADS };
+        found.map(|found| Some(DeviceName { threads, ..found })).ok_or_else(|| {
             format!(
                 "there is no device {self}; install its driver (`mesocrete devices` lists all), or take --device cpu"
             )

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 const STATE: usize = 23;
 const HALT: usize = 17;
 /// Threads of a group for nodes and for sums, as the kernels' source has them.
-const NODES: usize = 128;
+const NODES: usize = 256;
 const SUMS: usize = 256;
 /// Longest batch of steps: whoever stops a test waits no longer.
 const BATCH: Duration = Duration::from_millis(250);
@@ -53,8 +53,9 @@ impl Store<'_> {
 }
 
 impl Engine {
-    /// Puts a run onto a device, in groups of `threads`.
-    pub(crate) fn new(upload: &Upload, device: &DeviceName, threads: usize) -> Result<Self, String> {
+    /// Puts a run onto a device.
+    pub(crate) fn new(upload: &Upload, device: &DeviceName) -> Result<Self, String> {
+        let threads = device.threads;
         let laws = Laws::of(upload);
         let tables = Tables::of(upload, &laws.of_phase, threads);
         let mut host = device.open()?;

@@ -198,11 +198,11 @@ KERNEL(THREADS) elements(GLOBAL const uint* RESTRICT blocks, GLOBAL const uint* 
 }
 
 /* Nodes sum the blocks' shares and move; plates correct those that they meet. */
-KERNEL(128) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
+KERNEL(256) nodes(GLOBAL const uint* RESTRICT sizes, GLOBAL const double* RESTRICT rules, GLOBAL const double* RESTRICT state,
     GLOBAL const uint* RESTRICT node_first, GLOBAL const uint* RESTRICT node_places, GLOBAL const float4* RESTRICT shares,
     GLOBAL const double* RESTRICT mass, GLOBAL double* RESTRICT u, GLOBAL double* RESTRICT v, GLOBAL const uint* RESTRICT contact,
     GLOBAL const double* RESTRICT gaps, GLOBAL double* RESTRICT work, GLOBAL double* RESTRICT met) {
-  const uint i = GROUP * 128 + THREAD;
+  const uint i = GROUP * 256 + THREAD;
   if (i >= sizes[S_NODES] || state[HALT] != 0) return;
   const double dt = rules[R_DT];
   double f0 = 0, f1 = 0, f2 = 0;

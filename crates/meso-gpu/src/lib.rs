@@ -12,13 +12,10 @@ mod law;
 mod source;
 mod tables;
 
-pub use devices::{Choice, DeviceName, Driver, devices};
+pub use devices::{Choice, DeviceName, Driver, THREADS, devices};
 pub use host::cuda::ptx;
 
 use meso_solve::Run;
-
-/// Threads of a group of elements, unless asked otherwise.
-pub const THREADS: usize = 128;
 
 /// Why a device does not take a test.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,20 +28,12 @@ pub enum GpuError {
     Device(String, String),
 }
 
-/// Hands the further steps of `run` to `device`, whose bytes it then takes, in groups of [`THREADS`]; the bytes on the device.
+/// Hands the further steps of `run` to `device`; the bytes that it takes there.
 ///
 /// # Errors
 /// Tests that devices cannot take, and failures of the device.
 pub fn attach(run: &mut Run, device: &DeviceName) -> Result<usize, GpuError> {
-    attach_in_groups(run, device, THREADS)
-}
-
-/// As [`attach`], in groups of `threads`: a multiple of 32, from 32 to 256. The results have the same bytes.
-///
-/// # Errors
-/// Those of [`attach`].
-pub fn attach_in_groups(run: &mut Run, device: &DeviceName, threads: usize) -> Result<usize, GpuError> {
-    let engine = engine::Engine::new(&run.upload()?, device, threads);
+    let engine = engine::Engine::new(&run.upload()?, device);
     let engine = engine.map_err(|why| GpuError::Device(format!("{}:{}", device.driver, device.number), why))?;
     let bytes = engine.bytes;
     run.hand_to(Box::new(engine));

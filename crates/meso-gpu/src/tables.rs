@@ -128,18 +128,6 @@ impl Tables {
             }
         }
     }
-
-    /// Bytes of the index tables.
-    pub(crate) fn bytes(&self) -> usize {
-        32 * self.blocks.len()
-            + 4 * self.places.len()
-            + 16 * self.eights.len()
-            + 16 * self.rounds.len()
-            + 4 * self.entries.len()
-            + 2 * self.slots.len()
-            + 4 * (self.segments.len() + self.energies.len() + self.span_contacts.len())
-            + 8 * self.dissipated.len()
-    }
 }
 
 /// Words of an eight with some other nodes.

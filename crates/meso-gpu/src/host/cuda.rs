@@ -3,7 +3,7 @@
 
 use super::opencl::functions;
 use super::{Buffer, Host, Kernel, library};
-use crate::devices::{DeviceName, Driver};
+use crate::devices::{DeviceName, Driver, THREADS};
 use libloading::Library;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::ptr::{null, null_mut};
@@ -180,7 +180,7 @@ pub(crate) fn devices() -> Vec<DeviceName> {
     let named = |number: usize| {
         let device = functions.device(number).ok()?;
         let (name, memory) = (functions.name(device), functions.memory(device));
-        Some(DeviceName { driver: Driver::Cuda, number, name, memory, faults: Vec::new() })
+        Some(DeviceName { driver: Driver::Cuda, number, name, memory, threads: THREADS, faults: Vec::new() })
     };
     (0..functions.count()).filter_map(named).collect()
 }

@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "calls into the driver's library")]
 
 use super::{Buffer, Host, Kernel, library};
-use crate::devices::{DeviceName, Driver};
+use crate::devices::{DeviceName, Driver, THREADS};
 use libloading::Library;
 use std::ffi::{CString, c_char, c_void};
 use std::ptr::{null, null_mut};
@@ -43,7 +43,6 @@ functions!(Functions {
     clEnqueueWriteBuffer(Handle, Handle, u32, usize, usize, *const c_void, u32, *const Handle, *mut Handle) -> Status;
     clEnqueueReadBuffer(Handle, Handle, u32, usize, usize, *mut c_void, u32, *const Handle, *mut Handle) -> Status;
     clEnqueueNDRangeKernel(Handle, Handle, u32, *const usize, *const usize, *const usize, u32, *const Handle, *mut Handle) -> Status;
-    clFlush(Handle) -> Status;
     clReleaseMemObject(Handle) -> Status;
     clReleaseKernel(Handle) -> Status;
     clReleaseProgram(Handle) -> Status;
@@ -56,7 +55,6 @@ const NAME: u32 = 0x102B;
 const SINGLE_CONFIG: u32 = 0x101B;
 const DOUBLE_CONFIG: u32 = 0x1032;
 const GLOBAL_MEMORY: u32 = 0x101F;
-const LOCAL_MEMORY: u32 = 0x1023;
 const BUILD_LOG: u32 = 0x1183;
 const READ_WRITE: u64 = 1;
 /// Bits of the configurations: denormals, rounding to nearest, fused multiply-add; exact division and root.
@@ -127,7 +125,14 @@ pub(crate) fn devices() -> Vec<DeviceName> {
             faults.push("its division is not correctly rounded");
         }
         let memory = number(&functions, device, GLOBAL_MEMORY);
-        DeviceName { driver: Driver::OpenCl, number: number_of, name: name(&functions, device), memory, faults }
+        DeviceName {
+            driver: Driver::OpenCl,
+            number: number_of,
+            name: name(&functions, device),
+            memory,
+            threads: THREADS,
+            faults,
+        }
     };
     handles(&functions).into_iter().enumerate().map(describe).collect()
 }
@@ -163,11 +168,6 @@ impl OpenCl {
         let queue = unsafe { (functions.clCreateCommandQueue)(context, device, 0, &mut status) };
         checked(status, "clCreateCommandQueue")?;
         Ok(Self { functions, device, context, queue, program: null_mut(), kernels: Vec::new(), buffers: Vec::new() })
-    }
-
-    /// Bytes of memory that a group shares.
-    pub(crate) fn near_memory(&self) -> u64 {
-        number(&self.functions, self.device, LOCAL_MEMORY)
     }
 
     fn log(&self) -> String {
