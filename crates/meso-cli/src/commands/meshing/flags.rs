@@ -179,9 +179,11 @@ pub(crate) struct DeckFlags {
     frames: Option<u32>,
     #[arg(long, value_name = "MM_S", value_parser = values::number, allow_negative_numbers = true)]
     #[arg(help = format!("Speed of the striker in an impact, mm/s [default: {}]", Loading::default().impact_speed_mm_per_s))]
+    #[arg(hide_short_help = true)]
     impact_speed: Option<f64>,
-    #[arg(long, value_name = "LAW", default_value = "cdpm", value_parser = names::parse::<LsdynaLaw>)]
-    #[arg(help = format!("Law of mortar and ITZ in a .k: {}", names::list::<LsdynaLaw>()))]
+    /// Law of mortar and ITZ in a .k
+    #[arg(long, value_name = "LAW", default_value = "cdpm", value_parser = names::parser::<LsdynaLaw>())]
+    #[arg(hide_short_help = true)]
     pub(super) lsdyna_law: LsdynaLaw,
     /// Strength and damage of mortar and ITZ in a deck without an analysis, for steps of your own
     #[arg(long, hide_short_help = true)]
