@@ -662,6 +662,8 @@ class Mesh:
         """
 
     @property
+    def _cohesive_aggregate(self) -> NDArray[np.int64]: ...
+    @property
     def notes(self) -> dict[str, float]:
         """Decisions of the builder, and how often it took each: gaps closed, ITZ thinned; a dict."""
 
@@ -696,15 +698,15 @@ class Mesh:
         Parameters
         ----------
         path : path
-            `.inp`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
+            `.inp`, `.k`, `.cdb`, `.vtu`, `.msh`, `.pvtu` with its pieces `name_0.vtu`, ... beside it, or `.xdmf` with its `.h5` (through meshio and h5py, the extra `mesh`).
         overwrite : bool
             Whether a file that is there already is replaced.
         compress : bool
             Whether the data of a `.vtu` are compressed.
         **deck
-            Contents of an `.inp` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
-            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension"), `strain`, `loading` (a dict:
-            `friction`, `duration_s`, `time_increment_s`, `frames`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
+            Contents of an `.inp` or a `.k` besides the mesh: `geometry_only`, `reduced_integration`, `periodic_equations` (booleans),
+            `with_damage`, `allow_joined`, `analysis` ("none", "elastic", "compression", "tension", and "impact" in a `.k`), `lsdyna_law`, `strain`, `loading` (a dict:
+            `friction`, `duration_s`, `time_increment_s`, `frames`, `impact_speed_mm_per_s`), `section_mm2`, `heading` (a list), `materials` (a dict; absent values keep their illustrative defaults).
 
         Raises
         ------
