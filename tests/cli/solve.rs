@@ -299,3 +299,27 @@ pub(crate) mod signals {
         assert!(!folder.names_in("out").iter().any(|name| name.ends_with(".tmp")));
     }
 }
+
+#[test]
+fn a_test_of_a_file_has_its_gauges_and_supports_as_columns() {
+    let folder = Folder::with_model();
+    assert_eq!(folder.run(&["init", "--test", "triaxial"]).code, 0);
+    let run =
+        solve(&folder, &["small.json", "-o", "out", "--test", "TEST.toml", "--pressure-mpa", "2", "--frames", "0"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let (curve, result) = (curve(&folder, "out/curve.csv"), result(&folder, "out/result.json"));
+    assert_eq!(result["test"], "triaxial");
+    let columns = result["columns"].as_array().unwrap();
+    assert_eq!(columns.len(), 4, "{columns:?}");
+    assert!(columns.iter().all(|name| curve.contains_key(name.as_str().unwrap())), "{columns:?}");
+}
+
+#[test]
+fn a_test_that_the_specimen_cannot_have_is_refused_before_the_packing() {
+    let folder = Folder::with_spec();
+    let run = folder.run(&["solve", "small.toml", "--test", "bending"]);
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert!(run.stderr.contains("no notch") && !run.stderr.contains("packing"), "{}", run.stderr);
+    let run = folder.run(&["solve", "small.toml", "--test", "twisting"]);
+    assert!(run.stderr.contains("or a TEST.toml"), "{}", run.stderr);
+}

@@ -5,8 +5,9 @@ use meso_core::Silent;
 use meso_core::aggregate::{Fibres, Voids};
 use meso_core::materials::Materials;
 use meso_core::mesh::{self, ItzForm, Joined, MeshOptions, Method, Phase, Tools};
+use meso_core::specimen::Specimen;
 use meso_solve::results::sample_of;
-use meso_solve::{Control, Ended, Frame, Interface, Observer, Run, Smoothing, Test, TestKind};
+use meso_solve::{Control, Ended, Frame, Geometry, Interface, Observer, Run, Smoothing, Test, TestKind};
 use std::cell::RefCell;
 
 fn solve(meshed: &Meshed, test: &Test) -> meso_solve::Response {
@@ -73,7 +74,7 @@ fn twice_the_steps_change_the_peak_by_less_than_1_percent() {
     let meshed = concrete(1.0, Method::FITTED, 2.5, ItzForm::Smeared);
     let test = Test::default();
     let peak = |test: &Test| solve(&meshed, test).result.figures.peak_mpa;
-    let twice = Test { duration_s: Some(2.0 * test.duration_s(24.0)), ..test.clone() };
+    let twice = Test { duration_s: Some(2.0 * test.duration_s(&Geometry::of(&Specimen::cube(24.0)))), ..test.clone() };
     let [once, slow] = [&test, &twice].map(peak);
     assert!((once / slow - 1.0).abs() < 0.01, "{once} {slow}");
 }

@@ -11,6 +11,7 @@ mod deck_reader;
 mod determinism;
 mod elastic;
 mod from_deck;
+mod loads;
 mod refusals;
 mod samples;
 mod servo;

@@ -2,7 +2,7 @@
 
 use meso_core::aggregate::{Aggregate, Grading};
 use meso_core::materials::Materials;
-use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Tools};
+use meso_core::mesh::{self, ItzForm, Joined, Mesh, MeshOptions, Method, Phase, PhaseVolumes, Tools};
 use meso_core::specimen::Specimen;
 use meso_core::{Model, Silent, Spec, Watch};
 use meso_gmsh::Gmsh;
@@ -41,6 +41,12 @@ impl Meshed {
         let options = options(Method::CONFORMING, element_size_mm, ItzForm::None);
         let mesh = mesh::build(&model, &options, &Tools { gmsh: &gmsh, ..Tools::default() }).unwrap();
         Some(Self { mesh, specimen, options })
+    }
+
+    /// Volume of the cells, mm3.
+    pub(crate) fn mesh_volume_mm3(&self) -> f64 {
+        let volumes = PhaseVolumes::of_mesh(&self.mesh);
+        Phase::ALL.into_iter().map(|phase| volumes.of(phase)).sum()
     }
 
     /// Edge of a cube.

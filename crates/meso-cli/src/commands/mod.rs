@@ -49,7 +49,7 @@ pub(crate) enum Command {
     /// Mesh a saved model for finite elements
     #[command(after_help = examples::MESH)]
     Mesh(mesh::Args),
-    /// Test a specimen in compression or tension: from a model, a spec or nothing to the stress-strain curve
+    /// Test a specimen until it breaks: from a model, a spec or nothing to the stress-strain curve
     #[command(after_help = examples::SOLVE)]
     Solve(Box<solve::Args>),
     /// List the devices that `solve --device` can take

@@ -2,14 +2,16 @@
 
 mod curve;
 mod frame;
+mod gauges;
 mod nodes;
 mod observer;
-mod plates;
+mod path;
 mod response;
 mod run;
 mod servo;
+mod supports;
 
-pub use curve::{Figures, Row};
+pub use curve::{Extra, Figures, Row};
 pub use frame::{Frame, Mean, Point};
 pub use observer::Observer;
 pub use response::{Ended, Energies, PhaseResult, Response, Summary};

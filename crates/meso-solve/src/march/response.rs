@@ -1,6 +1,6 @@
 //! Response of a specimen to a test.
 
-use crate::march::curve::{Figures, Row, to_half_peak};
+use crate::march::curve::{Extra, Figures, Row, to_half_peak};
 use crate::march::run::Run;
 use crate::test::{Control, LawName, Smoothing, TestKind};
 use meso_mesh::{Phase, PhaseVolumes};
@@ -26,6 +26,9 @@ pub struct Response {
     /// The curve, row by row.
     #[serde(skip)]
     pub curve: Vec<Row>,
+    /// Gauges and forces of supports, where the test has such columns.
+    #[serde(skip)]
+    pub extra: Extra,
     /// Content of `result.json`.
     #[serde(flatten)]
     pub result: Summary,
@@ -77,6 +80,9 @@ pub struct Summary {
     pub joined_cells: usize,
     /// Phases of the test.
     pub phases: Vec<PhaseResult>,
+    /// Columns of the curve after those of every test: gauges, and forces of supports in N.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<String>,
     /// Volume of the phase that is farthest off its exact one, as a share of this, signed; `None` where it is not known.
     pub phase_error: Option<f64>,
     /// Name of the phase that is farthest off, in lower case.
@@ -136,7 +142,7 @@ impl Response {
     pub(crate) fn of(run: &Run, ended: Ended) -> Self {
         let rows = &run.state.rows;
         let last = rows.last().copied().unwrap_or_default();
-        let ramp_s = run.test.ramp * run.outline.dt * run.outline.steps as f64;
+        let ramp_s = run.path.lead_s + run.path.ramp_s;
         let checked = first_checked(rows, ramp_s);
         let largest = |rows: &[Row], of: fn(&Row) -> f64| {
             let after = rows.iter().skip(checked).filter(|row| row.internal > 0.0);
@@ -166,6 +172,7 @@ impl Response {
             joined_pairs: run.sample.mesh.joined_aggregates().1 + run.sample.mesh.notes.parted_pairs,
             joined_cells: run.sample.mesh.notes.parted_cells,
             phases: phases(run),
+            columns: run.extra().names,
             phase_error: off.map(|off| off.error()),
             phase_error_of: off.map(|off| off.phase.name().to_ascii_lowercase()),
             flags: run.sample.flags(),
@@ -175,7 +182,7 @@ impl Response {
             errors: Vec::new(),
         };
         result.warn(run);
-        Self { curve: rows.clone(), result }
+        Self { curve: rows.clone(), extra: run.extra(), result }
     }
 }
 
@@ -244,10 +251,22 @@ impl Summary {
         }
     }
 
+    /// Says that a test was not quasi-static until half its peak, so that its strength is that of a fast test.
+    pub fn dynamic_before_the_peak(&self) -> Option<String> {
+        let share = self.kinetic_over_internal_to_half_peak;
+        (share > SLOW).then(|| {
+            let share = 100.0 * share;
+            format!(
+                "the test was not quasi-static before its peak: its kinetic energy was {share:.1} % of the internal energy, so \
+                 its strength is that of a fast test; lengthen test.duration_s"
+            )
+        })
+    }
+
     /// Kinetic energy that is no longer small.
     fn warn_of_speed(&mut self) {
         let (kinetic, before) = (self.kinetic_over_internal_max, self.kinetic_over_internal_to_half_peak);
-        if kinetic <= SLOW {
+        if kinetic <= SLOW || self.test == TestKind::Expansion {
             return;
         }
         let share = 100.0 * kinetic;

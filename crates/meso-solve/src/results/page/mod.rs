@@ -6,7 +6,6 @@ use super::shots::{Body, Shot};
 use super::{Outcome, ResultFile};
 use crate::march::Row;
 use crate::march::{Ended, Summary};
-use crate::test::TestKind;
 use meso_collision::math::Aabb;
 use meso_concrete::thousands;
 use meso_mesh::Mesh;
@@ -57,7 +56,8 @@ pub(super) fn write(outcome: &Outcome, out: &mut dyn Write) -> io::Result<()> {
 
 fn head(outcome: &Outcome, out: &mut impl Write) -> io::Result<()> {
     let result = &outcome.response.result;
-    let test = if result.test == TestKind::Compression { "Compression" } else { "Tension" };
+    let test = word(&result.test);
+    let test = test[..1].to_ascii_uppercase() + &test[1..];
     let flags: String = result.flags.iter().map(|flag| format!(", {flag}")).collect();
     let (peak, strain) = (result.figures.peak_mpa, result.figures.peak_strain);
     let title = format!("{test} test: {peak:.2} MPa at a strain of {strain:.5}{flags}");

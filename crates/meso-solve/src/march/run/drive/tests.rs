@@ -67,7 +67,7 @@ impl Body {
     /// A run that no plate can touch.
     fn free(&self, law: LawName) -> Run<'_> {
         let mut run = self.run(law);
-        run.plates.contacts.clear();
+        run.supports.contacts.clear();
         run
     }
 }
