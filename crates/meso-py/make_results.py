@@ -26,6 +26,8 @@ SOURCES = {
     "meso-mesh/src/figures/quality.rs": ["QualityReport"],
     "meso-mesh/src/figures/mass_scaling.rs": ["PhaseScaling", "MassScaling"],
     "meso-pack/src/check/mod.rs": ["Check"],
+    "meso-effective/src/bounds.rs": ["PropertyBounds"],
+    "meso-effective/src/effective.rs": ["PhaseShare", "Effective"],
     "meso-solve/src/march/curve.rs": ["Figures"],
     "meso-solve/src/march/response.rs": ["Energies", "PhaseResult", "Summary"],
 }
@@ -57,6 +59,8 @@ PLAIN = {
     # Names of a choice, and findings, which are a kind and its own keys.
     "StopReason": "str", "Kind": "str", "TestKind": "str", "LawName": "str", "Control": "str", "Smoothing": "str",
     "Ended": "str | dict[str, str]",
+    # Rows of a tensor, None where not asked for.
+    "Property": "str", "FluxTensor": "list[list[float | None]]",
     "Finding": "dict[str, str | int | float]",
 }  # fmt: skip
 

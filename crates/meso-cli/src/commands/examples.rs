@@ -55,6 +55,12 @@ Examples:
   mesocrete image model.json -o ids.npy --what grain
   mesocrete image model.json -o cut.png --section z=75";
 
+pub(super) const EFFECTIVE: &str = "\
+Examples:
+  mesocrete effective model.json -o out                      diffusivity, impermeable aggregates
+  mesocrete effective model.json --what all --phases p.toml  and conductivity, with values of your own
+  mesocrete effective model.json --axes x --voxel-size-mm 1  one axis, larger voxels";
+
 pub(super) const INIT: &str = "\
 Examples:
   mesocrete init                                             SPEC.toml of the default specimen

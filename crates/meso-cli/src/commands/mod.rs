@@ -4,6 +4,7 @@ pub(crate) mod check;
 pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod devices;
+pub(crate) mod effective;
 mod examples;
 pub(crate) mod image;
 pub(crate) mod init;
@@ -70,6 +71,9 @@ pub(crate) enum Command {
     /// Write voxel images and sections of a saved model: .npy, .tif, .vti, .png, .svg
     #[command(after_help = examples::IMAGE)]
     Image(image::Args),
+    /// Compute the diffusivity or conductivity of a saved model, each with its error
+    #[command(after_help = examples::EFFECTIVE)]
+    Effective(effective::Args),
     /// Write a commented SPEC.toml to start from
     #[command(after_help = examples::INIT)]
     Init(init::Args),
