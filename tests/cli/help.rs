@@ -20,7 +20,6 @@ const COMMANDS: [&str; 14] = [
     "solve",
     "devices",
     "study",
-    "devices",
     "check",
     "report",
     "convert",
