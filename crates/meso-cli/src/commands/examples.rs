@@ -2,7 +2,7 @@
 
 pub(super) const PACK: &str = "\
 Examples:
-  mesocrete pack --fraction 0.4                              a 150 mm cube: model.json, .vtu, .inp, .html
+  mesocrete pack --fraction 0.4                              a 150 mm cube, with its page
   mesocrete pack SPEC.toml --seed 7 -o model.json            a packing of your own
   mesocrete pack -o deck.inp --analysis compression          from nothing to a deck of a test";
 
