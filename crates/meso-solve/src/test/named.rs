@@ -131,7 +131,7 @@ impl Test {
         let [x, y, z] = geometry.size_mm;
         let span = self.span_mm(geometry);
         let fits = span > 0.0 && span < x;
-        let accepted = format!("the rollers must stand on the beam, which is {} mm long; take 0.9 of it", x);
+        let accepted = format!("the rollers must stand on the beam, which is {x} mm long; take 0.9 of it");
         TEST.require("span_mm", span, fits, accepted)?;
         let width_mm = self.strip_mm.unwrap_or(ROLLER * z);
         let roller = |name, on, at_mm, moves| SupportSpec {

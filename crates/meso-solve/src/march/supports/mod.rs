@@ -205,7 +205,7 @@ impl Fixture {
         if self.face.rule == Rule::Pressure {
             return None;
         }
-        let lead = (self.pressure_mpa != 0.0 && moment.leads).then(|| self.pressure_mpa * moment.share);
+        let lead = (self.pressure_mpa != 0.0 && moment.leads).then_some(self.pressure_mpa * moment.share);
         match self.stress_ratio {
             Some(ratio) => Some(self.pressure_mpa * moment.share + ratio * stress),
             None => lead,
