@@ -40,6 +40,8 @@ pub struct Materials {
     pub cohesive_mode_power: f64,
     /// Yield surface and flow of the damaged plasticity.
     pub plasticity: Plasticity,
+    /// Crushing and confinement of the solver's law `meso`, which decks do not have.
+    pub meso: Mesoscale,
 }
 
 /// Isotropic linear elasticity.
@@ -89,6 +91,21 @@ pub struct Plasticity {
     pub viscosity_s: f64,
 }
 
+/// Parameters of the law `meso` beside the strengths.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Mesoscale {
+    /// Ratio of the second invariants on the tensile and the compressive meridian at low pressure, K_c.
+    pub meridian_ratio: f64,
+    /// Dilation angle before cohesion is lost, degrees.
+    pub dilation_angle_deg: f64,
+    /// Growth of crushing strains with the least confinement over the strength.
+    pub confined_ductility: f64,
+    /// Least width of a band of crushing, mm.
+    pub crushing_length_mm: f64,
+}
+
 const AGGREGATE: Elastic = Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 };
 const ITZ: Elastic = Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
 const MORTAR: Elastic = Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
@@ -107,6 +124,7 @@ impl Default for Materials {
             cohesive_shear_energy_ratio: 10.0,
             cohesive_mode_power: 1.0,
             plasticity: Plasticity::default(),
+            meso: Mesoscale::default(),
         }
     }
 }
@@ -138,6 +156,12 @@ impl Default for Plasticity {
             meridian_ratio: 0.75,
             viscosity_s: 0.0005,
         }
+    }
+}
+
+impl Default for Mesoscale {
+    fn default() -> Self {
+        Self { meridian_ratio: 2.0 / 3.0, dilation_angle_deg: 30.0, confined_ductility: 10.0, crushing_length_mm: 5.0 }
     }
 }
 

@@ -5,14 +5,17 @@
 
 pub mod cdp;
 pub mod cdpm2;
+mod curves;
 mod elastic;
 mod invariants;
+pub mod meso;
 pub mod point;
 mod softening;
 
 pub use cdp::Cdp;
 pub use cdpm2::Cdpm2;
 pub use elastic::Hooke;
+pub use meso::Meso;
 
 use crate::real::Real;
 

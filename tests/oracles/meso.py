@@ -1,0 +1,254 @@
+"""Curves of the law `meso` at one point by other arithmetic than the engine's, as an oracle for `law::meso`.
+
+    python3 tests/oracles/meso.py        # writes tests/oracles/meso/*.csv
+
+Principal directions come from Jacobi's rotations, and every equation is solved by bisection: the flow of a return, the
+share of stress that a crack leaves, the shift of principal stresses by a crack, and the strain of a free side. The
+engine has Newton's steps, polynomials and closed forms for them. Strain xx, yy, zz, xy, yz, zx with engineering shears;
+stress in MPa, tension positive.
+"""
+
+import math
+import random
+from pathlib import Path
+
+E, NU, FC, PEAK_STRAIN, FT, GF, GC = 20000.0, 0.2, 40.0, 0.003, 3.5, 0.08, 1.5
+FB, KC, PSI, DUCTILITY, LENGTH, WIDTH = 1.16, 2 / 3, 30.0, 10.0, 5.0, 4.0
+BULK, SHEAR = E / (3 * (1 - 2 * NU)), E / (2 * (1 + NU))
+ALPHA = (FB - 1) / (2 * FB - 1)
+GAMMA = 3 * (1 - KC) / (2 * KC - 1)
+PEAK = PEAK_STRAIN - FC / E
+# Steps from one row of a file to the next.
+EVERY = 100
+
+
+def main() -> None:
+    """Write every path."""
+    folder = Path(__file__).with_suffix("")
+    for name, rows in {**free_paths(), **strained_paths()}.items():
+        lines = [",".join(f"{x:.9g}" for x in row) for row in rows]
+        head = "strain xx,yy,zz,xy,yz,zx,stress xx,yy,zz,xy,yz,zx"
+        (folder / f"{name}.csv").write_text("\n".join([f"# {name}", head, *lines]) + "\n")
+        print(name, len(rows), "rows; stress along x from", min(r[6] for r in rows), "to", max(r[6] for r in rows))
+
+
+def bisect(function, low: float, high: float) -> float:
+    """Root of a function that rises from below 0 to above."""
+    for _ in range(200):
+        middle = (low + high) / 2
+        if middle in (low, high):
+            break
+        if function(middle) < 0:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
+
+
+def bend() -> float:
+    """Shape of the rising branch: least squares against fib Model Code 2010, eq. 5.1-26, over plastic strain."""
+    k = E * PEAK_STRAIN / FC
+    above = below = 0.0
+    for step in range(1, 100):
+        x = step / 100
+        # Stress at which the code's curve has this plastic strain, in f_c.
+        strain = x * (1 - 1 / k)
+        stress = bisect(lambda s: s - code(k, strain + s / k), 0.0, 1.0)
+        weight = 0.6 * (1 - x) ** 2
+        above += weight * x * (1 - weight - max(stress, 0.4))
+        below += (weight * x) ** 2
+    return min(max(above / below, -1.0), 2.0)
+
+
+def code(k: float, e: float) -> float:
+    """Stress over f_c at the strain e over the peak strain."""
+    return (k * e - e * e) / (1 + (k - 2) * e)
+
+
+BEND = bend()
+
+
+def rise(kc: float) -> float:
+    """Strength before cohesion is lost, MPa."""
+    x = min(kc / PEAK, 1.0)
+    return FC * (1 - 0.6 * (1 - x) ** 2 * (1 + BEND * x))
+
+
+def left(kc: float) -> float:
+    """Share of the cohesion that is left."""
+    return max(math.exp(-max(kc - PEAK, 0.0) * max(WIDTH, LENGTH) * FC / GC), 1e-4)
+
+
+def excess(principal: list[float], kc: float, gamma: float) -> float:
+    """The yield function times 1 - alpha."""
+    p, q = mean(principal), mises(principal)
+    beta = max((1 - ALPHA) * rise(kc) / FT - (1 + ALPHA), 0.0)
+    first = principal[0]
+    pull = beta * first if first > 0 else gamma * first
+    return q + 3 * ALPHA * p + pull - (1 - ALPHA) * rise(kc) * left(kc)
+
+
+def mean(s: list[float]) -> float:
+    """Mean stress."""
+    return sum(s) / 3
+
+
+def mises(s: list[float]) -> float:
+    """Mises stress of principal stresses."""
+    return math.sqrt(((s[0] - s[1]) ** 2 + (s[1] - s[2]) ** 2 + (s[2] - s[0]) ** 2) / 2)
+
+
+class Point:
+    """A point with its history."""
+
+    def __init__(self) -> None:
+        self.plastic = [0.0] * 6
+        self.kt = self.kc = 0.0
+
+    def copy(self) -> "Point":
+        """Another point of this history."""
+        other = Point()
+        other.plastic, other.kt, other.kc = list(self.plastic), self.kt, self.kc
+        return other
+
+    def stress(self, strain: list[float]) -> list[float]:
+        """Stress at the end of a step to this strain."""
+        elastic = [e - p for e, p in zip(strain, self.plastic)]
+        values, axes = eigen(matrix(elastic, 0.5))
+        trace = sum(values)
+        trial = [(BULK - 2 / 3 * SHEAR) * trace + 2 * SHEAR * e for e in values]
+        confined = max(-trial[0], 0.0)
+        gamma = GAMMA / (1 + confined / FC)
+        cracking = min(max(trial[0] / (FT * left(self.kc)), 0.0), 1.0)
+        tan = (1 - cracking) * left(self.kc) * math.tan(math.radians(PSI)) + 1.5 * cracking
+        p, q = mean(trial), mises(trial)
+        norm = math.hypot(q, 0.05 * FT)
+        direction = [1.5 * (s - p) / norm + tan / 3 for s in trial]
+        harden = (1 - cracking) * max(-direction[2], 0.0) / (1 + DUCTILITY * confined / FC)
+
+        def after(flow: float) -> list[float]:
+            push = sum(direction)
+            return [s - flow * ((BULK - 2 / 3 * SHEAR) * push + 2 * SHEAR * n) for s, n in zip(trial, direction)]
+
+        flow = 0.0
+        if excess(trial, self.kc, gamma) > 0:
+            most = q / (3 * SHEAR * q / norm) if q > 0 else 0.0
+            over = lambda x: -excess(after(x), self.kc + x * harden, gamma)  # noqa: E731
+            if over(most) < 0:
+                raise ArithmeticError("these paths do not reach the tip")
+            flow = bisect(over, 0.0, most)
+        effective = after(flow)
+        moved = tensor([flow * n for n in direction], axes, 2.0)
+        self.plastic = [a + b for a, b in zip(self.plastic, moved)]
+        self.kt += cracking * max(flow * direction[0], 0.0)
+        self.kc += flow * harden
+        return tensor(nominal(effective, self.damage()), axes, 1.0)
+
+    def damage(self) -> float:
+        """Damage of tensile stress."""
+        share = crack_share(self.kt)
+        return 1 - share * (1 - NU) / (1 - 2 * NU + NU * share)
+
+
+def crack_share(kt: float) -> float:
+    """Share of f_t that a crack leaves: the bilinear law of fib Model Code 2010 over the opening."""
+
+    def law(share: float) -> float:
+        opening = WIDTH * (kt + (1 - share) * FT / E) * FT / GF
+        return max(1 - 0.8 * opening, 0.25 - 0.05 * opening)
+
+    return min(max(bisect(lambda y: y - law(y), -1.0, 2.0), 1e-4), 1.0)
+
+
+def nominal(s: list[float], damage: float) -> list[float]:
+    """Principal stresses with tensile ones damaged, from the shift m that all of them share."""
+    factor = damage * NU / (1 - 2 * NU)
+    m = bisect(lambda m: m - factor * sum(max(x - m, 0.0) for x in s), 0.0, max(s[0], 0.0) + 1.0)
+    return [x - m - damage * max(x - m, 0.0) for x in s]
+
+
+def matrix(t: list[float], shear: float) -> list[list[float]]:
+    """Symmetric matrix of six components."""
+    xx, yy, zz, xy, yz, zx = t
+    return [[xx, shear * xy, shear * zx], [shear * xy, yy, shear * yz], [shear * zx, shear * yz, zz]]
+
+
+def tensor(values: list[float], axes: list[list[float]], shear: float) -> list[float]:
+    """Six components of a tensor with these principal values along these axes."""
+    at = lambda i, j: sum(v * a[i] * a[j] for v, a in zip(values, axes))  # noqa: E731
+    return [at(0, 0), at(1, 1), at(2, 2), shear * at(0, 1), shear * at(1, 2), shear * at(2, 0)]
+
+
+def eigen(a: list[list[float]]) -> tuple[list[float], list[list[float]]]:
+    """Eigenvalues in falling order and their axes, by Jacobi's rotations."""
+    a = [list(row) for row in a]
+    v = [[float(i == j) for j in range(3)] for i in range(3)]
+    for _ in range(30):
+        p, q = max(((0, 1), (1, 2), (0, 2)), key=lambda ij: abs(a[ij[0]][ij[1]]))
+        if abs(a[p][q]) < 1e-300:
+            break
+        angle = 0.5 * math.atan2(2 * a[p][q], a[q][q] - a[p][p])
+        c, s = math.cos(angle), math.sin(angle)
+        for k in range(3):
+            a[k][p], a[k][q] = c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]
+        for k in range(3):
+            a[p][k], a[q][k] = c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]
+        for k in range(3):
+            v[k][p], v[k][q] = c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]
+    order = sorted(range(3), key=lambda i: -a[i][i])
+    return [a[i][i] for i in order], [[v[k][i] for k in range(3)] for i in order]
+
+
+def free_paths() -> dict[str, list[list[float]]]:
+    """Paths along x with a held stress at the sides."""
+    return {
+        "tension": held(0.0, [0.004]),
+        "compression": held(0.0, [-0.012]),
+        "confined_5": held(-5.0, [-0.03]),
+        "confined_10": held(-10.0, [-0.04]),
+        "crushed_unloaded_crushed": held(0.0, [-0.004, -0.0025, -0.008]),
+        "cracked_crushed_cracked": held(0.0, [0.001, -0.005, 0.002]),
+        "biaxial": held(0.0, [-0.01], third=True),
+    }
+
+
+def held(side: float, corners: list[float], *, third: bool = False, step: float = 2e-6) -> list[list[float]]:
+    """Follow `corners` along x while the sides, or z alone, keep their stress."""
+    point, rows, free, start, count = Point(), [], 0.0, 0.0, 0
+    whole = abs(corners[0])
+    for corner in corners:
+        steps = EVERY * max(round(abs(corner - start) / step / EVERY), 1)
+        for k in range(1, steps + 1):
+            x = start + (corner - start) * k / steps
+            # The held stress is raised in the first twentieth of the path.
+            goal = side * min(1.0, abs(x) / (0.05 * whole)) if side else 0.0
+            at = lambda e: [x, x if third else e, e, 0.0, 0.0, 0.0]  # noqa: E731, B023
+            free = bisect(lambda e: point.copy().stress(at(e))[2] - goal, free - 2e-4, free + 2e-4)  # noqa: B023
+            stress = point.stress(at(free))
+            count += 1
+            if count % EVERY == 0:
+                rows.append(at(free) + stress)
+        start = corner
+    return rows
+
+
+def strained_paths() -> dict[str, list[list[float]]]:
+    """Paths of all six strains: straight pieces between random corners."""
+    found = {}
+    for name, seed, size in (("wander", 3, 0.0008), ("crush", 5, 0.002)):
+        dice = random.Random(seed)
+        point, rows, start = Point(), [], [0.0] * 6
+        for _ in range(8):
+            corner = [size * dice.uniform(-1.5, 1.0) for _ in range(3)] + [size * dice.uniform(-1, 1) for _ in range(3)]
+            for k in range(1, 10 * EVERY + 1):
+                strain = [a + (b - a) * k / (10 * EVERY) for a, b in zip(start, corner)]
+                stress = point.stress(strain)
+                if k % EVERY == 0:
+                    rows.append(strain + stress)
+            start = corner
+        found[name] = rows
+    return found
+
+
+if __name__ == "__main__":
+    main()
