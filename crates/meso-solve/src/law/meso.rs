@@ -57,7 +57,7 @@ pub struct Meso<R> {
     rest: R,
     /// tan(psi_0).
     dilation: R,
-    /// Square of the potential's rounding, MPa2.
+    /// Rounding of the potential, MPa.
     rounding: R,
     three_alpha: R,
     one_less_alpha: R,
@@ -87,7 +87,7 @@ const CRACK_DILATION: f64 = 1.5;
 /// Rounding of the potential's tip over f_t.
 const TIP: f64 = 0.05;
 /// Least share of the cohesion, for which quotients by the tensile strength stay finite.
-const LEAST_COHESION: f64 = 1e-4;
+const LEAST_COHESION: f64 = 1e-3;
 
 /// Finds out whether the law can have these values.
 ///
@@ -119,7 +119,7 @@ impl<R: Real> Meso<R> {
             poisson: splat(nu),
             rest: splat(1.0 - 2.0 * nu),
             dilation: splat(libm::tan(own.dilation_angle_deg.to_radians())),
-            rounding: splat((TIP * ft).powi(2)),
+            rounding: splat(TIP * ft),
             three_alpha: splat(3.0 * alpha),
             one_less_alpha: splat(1.0 - alpha),
             one_more_alpha: splat(1.0 + alpha),
@@ -138,24 +138,35 @@ impl<R: Real> Meso<R> {
     }
 }
 
-/// Quantities of a step that the return leaves unchanged.
+/// A direction of flow.
 #[derive(Clone, Copy)]
-struct Trial<R> {
-    invariants: Invariants<R>,
+struct Along<R> {
     /// Crushing strain per step of flow.
     harden: R,
     /// How fast Mises, mean and largest principal stress fall.
     mises_fall: R,
     mean_fall: R,
     largest_fall: R,
-    largest: R,
-    crushed: R,
     /// How fast the share of the Mises stress that is left falls.
     share_fall: R,
+}
+
+/// The state that a step begins with, and its trial stress.
+#[derive(Clone, Copy)]
+struct Start<R> {
+    invariants: Invariants<R>,
+    /// Largest and smallest principal deviators over 2 q / 3.
+    ends: [R; 2],
+    largest: R,
+    crushed: R,
+    /// Softening of crushing, per strain, and the share of cohesion that is left.
+    per_scale: R,
+    left: R,
     /// gamma at the trial's confinement.
     gamma: R,
-    /// Softening of crushing, per strain.
-    per_scale: R,
+    /// Crushing strain over flow, and dilation, both over those without confinement.
+    cheap: R,
+    dilating: R,
 }
 
 impl<R: Real> Meso<R> {
@@ -186,23 +197,27 @@ impl<R: Real> Meso<R> {
 
     /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
     #[inline(always)]
-    fn excess(&self, trial: &Trial<R>, flow: R) -> (R, R) {
-        let zero = R::splat(0.0);
-        let crushed = trial.harden.mul_add(flow, trial.crushed);
-        let ((risen, rising), left) = (self.rise.at(crushed), self.cohesion(crushed, trial.per_scale));
-        let strength = risen * left;
-        // Beyond the peak the branch no longer rises, and before it no cohesion is lost.
-        let slope = R::select(self.rise.peak.lt(crushed), -(strength * trial.per_scale), rising);
-        let mises = (-trial.mises_fall).mul_add(flow, trial.invariants.mises);
-        let mean = (-trial.mean_fall).mul_add(flow, trial.invariants.mean);
-        let largest = (-trial.largest_fall).mul_add(flow, trial.largest);
+    fn excess(&self, start: &Start<R>, along: &Along<R>, flow: R) -> (R, R) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let hardened = along.harden * flow;
+        let crushed = start.crushed + hardened;
+        let (risen, rising) = self.rise.at(crushed);
+        // Steps are small: the exponential's first terms.
+        let x = (hardened * start.per_scale).min(one);
+        let softens = self.rise.peak.lt(crushed);
+        let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
+        let strength = risen * start.left * share;
+        let slope = R::select(softens, -(strength * start.per_scale), rising);
+        let mises = (-along.mises_fall).mul_add(flow, start.invariants.mises);
+        let mean = (-along.mean_fall).mul_add(flow, start.invariants.mean);
+        let largest = (-along.largest_fall).mul_add(flow, start.largest);
         let tensile = zero.lt(largest);
-        let weight = R::select(tensile, self.beta(risen), trial.gamma);
+        let weight = R::select(tensile, self.beta(risen), start.gamma);
         let pressed = self.three_alpha.mul_add(mean, mises);
         let excess = weight.mul_add(largest, pressed) - self.one_less_alpha * strength;
         let lift = R::select(tensile, self.beta_slope * largest * rising, zero) - self.one_less_alpha * slope;
-        let fall = self.three_alpha.mul_add(trial.mean_fall, trial.mises_fall);
-        (excess, weight.mul_add(trial.largest_fall, fall) - lift * trial.harden)
+        let fall = self.three_alpha.mul_add(along.mean_fall, along.mises_fall);
+        (excess, weight.mul_add(along.largest_fall, fall) - lift * along.harden)
     }
 
     /// Where a point can yield or is damaged: an upper bound of F, without gamma and with s1 at most p + 2 q / 3.
@@ -216,67 +231,91 @@ impl<R: Real> Meso<R> {
         zero.lt(bound) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
-    /// The trial stress's directions.
+    /// The start of a step.
     #[inline(always)]
-    fn trial(&self, invariants: Invariants<R>, shape: &[R; 3], crushed: R, per_scale: R) -> Trial<R> {
-        let (one, q, two_thirds) = (R::splat(1.0), invariants.mises, R::splat(2.0 / 3.0));
-        let largest = (two_thirds * q).mul_add(shape[0], invariants.mean);
+    fn start(&self, invariants: Invariants<R>, shape: &[R; 3], crushed: R, per_scale: R) -> Start<R> {
+        let one = R::splat(1.0);
+        let largest = (R::splat(2.0 / 3.0) * invariants.mises).mul_add(shape[0], invariants.mean);
         let confined = (-largest).positive();
-        let left = self.cohesion(crushed, per_scale);
-        let cracking = self.cracking(largest, left);
-        let crushing = one - cracking;
         let bent = self.per_strength.mul_add(confined, one);
         let costly = self.ductility.mul_add(confined, one);
         // All quotients by one division.
         let over = one / (bent * costly);
-        let tan = (crushing * left * over).mul_add(self.dilation, R::splat(CRACK_DILATION) * cracking);
-        // dG/dq = q / sqrt(q^2 + a^2)
-        let per_potential = one / q.mul_add(q, self.rounding).sqrt();
-        let along = q * per_potential;
-        let least = along.mul_add(shape[2], tan * R::splat(1.0 / 3.0));
-        let (mises_fall, mean_fall) = (self.three_shear * along, self.bulk * tan);
-        Trial {
-            harden: crushing * (-least).positive() * bent * over,
-            mises_fall,
-            mean_fall,
-            largest_fall: two_thirds.mul_add(mises_fall * shape[0], mean_fall),
+        let left = self.cohesion(crushed, per_scale);
+        Start {
+            ends: [shape[0], shape[2]],
             largest,
             crushed,
-            share_fall: self.three_shear * per_potential,
-            gamma: self.gamma * costly * over,
             per_scale,
+            left,
+            gamma: self.gamma * costly * over,
+            cheap: bent * over,
+            dilating: self.dilation * left * over,
             invariants,
         }
     }
 
-    /// Mean stress at the surface's tip, on the side of tension.
+    /// The flow in the trial stress's directions with the share r of `cracking`.
     #[inline(always)]
-    fn tip(&self, crushed: R, per_scale: R) -> R {
-        let risen = self.rise.at(crushed).0;
-        let strength = risen * self.cohesion(crushed, per_scale);
-        self.one_less_alpha * strength / (self.three_alpha + self.beta(risen))
+    fn along(&self, start: &Start<R>, cracking: R) -> Along<R> {
+        let (one, q, two_thirds) = (R::splat(1.0), start.invariants.mises, R::splat(2.0 / 3.0));
+        let crushing = one - cracking;
+        let tan = crushing.mul_add(start.dilating, R::splat(CRACK_DILATION) * cracking);
+        // dG/dq = q / sqrt(q^2 + a^2)
+        let tip = self.rounding * start.left;
+        let per_potential = one / q.mul_add(q, tip * tip).sqrt();
+        let along = q * per_potential;
+        let least = along.mul_add(start.ends[1], tan * R::splat(1.0 / 3.0));
+        let (mises_fall, mean_fall) = (self.three_shear * along, self.bulk * tan);
+        Along {
+            harden: crushing * (-least).positive() * start.cheap,
+            mises_fall,
+            mean_fall,
+            largest_fall: two_thirds.mul_add(mises_fall * start.ends[0], mean_fall),
+            share_fall: self.three_shear * per_potential,
+        }
     }
 
-    /// Flow of the return, the share of the Mises stress that it leaves, and the mean stress after it.
+    /// One of Newton's steps from `flow`.
     #[inline(always)]
-    fn back(&self, trial: &Trial<R>, active: R::Mask) -> (R, R, R) {
+    fn newton(&self, start: &Start<R>, along: &Along<R>, flow: R) -> R {
+        let (excess, fall) = self.excess(start, along, flow);
+        (flow + excess / fall).positive()
+    }
+
+    /// Mean stress at the surface's tip, on the side of tension.
+    #[inline(always)]
+    fn tip(&self, start: &Start<R>) -> R {
+        let risen = self.rise.at(start.crushed).0;
+        self.one_less_alpha * risen * start.left / (self.three_alpha + self.beta(risen))
+    }
+
+    /// Return to the surface: the crushing strain it adds, the share of the Mises stress that it leaves, and the mean stress
+    /// after it. A first flow says how much of it is cracking: were that the trial's share, a flow that ends in
+    /// compression could open cracks against it and give energy.
+    #[inline(always)]
+    fn back(&self, start: &Start<R>, active: R::Mask) -> (R, R, R) {
         let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let first = self.along(start, self.cracking(start.largest, start.left));
+        let flow = self.newton(start, &first, zero);
+        let largest = (-first.largest_fall).mul_add(flow, start.largest);
+        let along = self.along(start, self.cracking(largest, start.left));
         let mut flow = zero;
         for _ in 0..STEPS {
-            let (excess, fall) = self.excess(trial, flow);
-            flow = (flow + excess / fall).positive();
+            flow = self.newton(start, &along, flow);
         }
         let flow = R::select(active, flow, zero);
-        let mean = trial.invariants.mean;
-        let left = (-trial.share_fall).mul_add(flow, one);
-        let returned = (-trial.mean_fall).mul_add(flow, mean);
+        let mean = start.invariants.mean;
+        let left = (-along.share_fall).mul_add(flow, one);
+        let returned = (-along.mean_fall).mul_add(flow, mean);
         let beyond = left.lt(zero);
+        let crushed = along.harden * flow;
         // Seldom anywhere.
         if !R::any(beyond) {
-            return (flow, left, returned);
+            return (crushed, left, returned);
         }
-        let tip = self.tip(trial.harden.mul_add(flow, trial.crushed), trial.per_scale).min(mean);
-        (flow, R::select(beyond, zero, left), R::select(beyond, tip, returned))
+        let tip = self.tip(start).min(mean);
+        (crushed, R::select(beyond, zero, left), R::select(beyond, tip, returned))
     }
 
     /// Share of uniaxial tension that a crack leaves, and the damage 1 - d of tensile stress.
@@ -327,8 +366,8 @@ impl<R: Real> Law<R> for Meso<R> {
         let shape = invariants.shape();
         let Invariants { mean, deviator, mises } = invariants;
         let per_scale = self.per_scale(width);
-        let trial = self.trial(invariants, &shape, history[CRUSHED], per_scale);
-        let (flowed, left, new_mean) = self.back(&trial, active);
+        let start = self.start(invariants, &shape, history[CRUSHED], per_scale);
+        let (crushed, left, new_mean) = self.back(&start, active);
 
         let volumetric = (mean - new_mean) * self.per_volume;
         let lost = (one - left) * self.per_shear;
@@ -336,9 +375,9 @@ impl<R: Real> Law<R> for Meso<R> {
         let two_thirds = R::splat(2.0 / 3.0);
         let largest = (two_thirds * mises * lost).mul_add(shape[0], volumetric).positive();
         let returned = (two_thirds * left * mises).mul_add(shape[0], new_mean);
-        let cracking = self.cracking(returned, self.cohesion(history[CRUSHED], per_scale));
+        let cracking = self.cracking(returned, start.left);
         history[CRACKED] = cracking.mul_add(largest, history[CRACKED]);
-        history[CRUSHED] = trial.harden.mul_add(flowed, history[CRUSHED]);
+        history[CRUSHED] = history[CRUSHED] + crushed;
 
         let (share, kept) = self.cracked(history[CRACKED], width);
         let scale = two_thirds * left * mises;
