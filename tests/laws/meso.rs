@@ -151,7 +151,7 @@ fn energies_are_those_asked_for_on_every_width() {
         let strains: Vec<f64> = ramp(0.0, 0.5 / width, 40_000).collect();
         let cracked = meso_solve::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
         close(width * work(&cracked), gf, 0.04);
-        let strains: Vec<f64> = ramp(0.0, -0.3, 60_000).collect();
+        let strains: Vec<f64> = ramp(0.0, -0.07, 14_000).collect();
         let crushed = meso_solve::law::point::curve(&meso::<f64>(), width, HeldStress::Lateral(0.0), &strains);
         let top = crushed.iter().position(|sample| *sample == peak(&crushed)).unwrap();
         // Elastic energy of the peak is given back.

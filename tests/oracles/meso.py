@@ -3,7 +3,7 @@
     python3 tests/oracles/meso.py        # writes tests/oracles/meso/*.csv
 
 Principal directions come from Jacobi's rotations, and every equation is solved by regula falsi: the flow of a return,
-the share of stress that a crack leaves, the shift of principal stresses by a crack, and the strain of a free side. The
+the share of stress that a crack leaves, the fall of principal stresses by cracks, and the strain of a free side. The
 engine has Newton's steps, polynomials and closed forms for them. Strain xx, yy, zz, xy, yz, zx with engineering shears;
 stress in MPa, tension positive.
 """
@@ -93,7 +93,7 @@ def left(kc: float) -> float:
 def excess(principal: list[float], kc: float, gamma: float) -> float:
     """The yield function times 1 - alpha."""
     p, q = mean(principal), mises(principal)
-    beta = max((1 - ALPHA) * rise(kc) / FT - (1 + ALPHA), 0.0)
+    beta = max((1 - ALPHA) * rise(kc) / (1.5 * FT) - (1 + ALPHA), 0.0)
     first = principal[0]
     pull = beta * first if first > 0 else gamma * first
     return q + 3 * ALPHA * p + pull - (1 - ALPHA) * rise(kc) * left(kc)
@@ -128,49 +128,35 @@ class Point:
         values, axes = eigen(matrix(elastic, 0.5))
         trace = sum(values)
         trial = [(BULK - 2 / 3 * SHEAR) * trace + 2 * SHEAR * e for e in values]
-        confined = max(-trial[0], 0.0)
-        gamma = GAMMA / (1 + confined / FC)
         kept = left(self.kc)
+        strength = FT * kept * crack_share(self.kt)
+        # All principal stresses fall by m, those above the strength further to it.
+        factor = NU / (1 - 2 * NU)
+        fallen = lambda m: m - factor * sum(max(s - strength - m, 0.0) for s in trial)  # noqa: E731
+        m = root(fallen, 0.0, max(trial[0] - strength, 0.0) + 1.0)
+        cracks = [max(s - strength - m, 0.0) / (2 * SHEAR) for s in trial]
+        cracked = [s - m - 2 * SHEAR * opened for s, opened in zip(trial, cracks)]
+
+        confined = max(-cracked[0], 0.0)
+        gamma = GAMMA / (1 + confined / FC)
         costly = 1 + DUCTILITY * confined / FC
-        fading = kept / (1 + confined / FC) / costly * math.tan(math.radians(PSI))
-        p, q = mean(trial), mises(trial)
-        norm = math.hypot(q, 0.05 * FT * kept)
-        share = lambda first: min(max(first / (FT * kept), 0.0), 1.0)  # noqa: E731
-
-        def returned(cracking: float) -> tuple[list[float], list[float], float]:
-            """Effective stress, plastic strain and crushing strain of a return with this share of cracking."""
-            tan = (1 - cracking) * fading + 1.5 * cracking
-            direction = [1.5 * (s - p) / norm + tan / 3 for s in trial]
-            harden = (1 - cracking) * max(-direction[2], 0.0) / costly
+        tan = kept / (1 + confined / FC) / costly * math.tan(math.radians(PSI))
+        p, q = mean(cracked), mises(cracked)
+        flow, direction = 0.0, [0.0] * 3
+        effective = cracked
+        if excess(cracked, self.kc, gamma) > 0:
+            direction = [1.5 * (s - p) / q + tan / 3 for s in cracked]
+            harden = max(-direction[2], 0.0) / costly
             push = (BULK - 2 / 3 * SHEAR) * sum(direction)
-            after = lambda x: [s - x * (push + 2 * SHEAR * n) for s, n in zip(trial, direction)]  # noqa: E731
-            flow = 0.0
-            if excess(trial, self.kc, gamma) > 0:
-                most = norm / (3 * SHEAR)
-                over = lambda x: -excess(after(x), self.kc + x * harden, gamma)  # noqa: E731
-                if over(most) < 0:
-                    return self.tip(trial)
-                flow = root(over, 0.0, most)
-            return after(flow), [flow * n for n in direction], flow * harden
-
-        first, *_ = returned(share(trial[0]))
-        effective, flowed, crushed = returned(share(first[0]))
-        self.plastic = [a + b for a, b in zip(self.plastic, tensor(flowed, axes, 2.0))]
-        self.kt += share(effective[0]) * max(flowed[0], 0.0)
-        self.kc += crushed
-        return tensor(nominal(effective, self.damage()), axes, 1.0)
-
-    def tip(self, trial: list[float]) -> tuple[list[float], list[float], float]:
-        """Return to the tip of the surface, where all principal stresses are one."""
-        beta = max((1 - ALPHA) * rise(self.kc) / FT - (1 + ALPHA), 0.0)
-        at = (1 - ALPHA) * rise(self.kc) * left(self.kc) / (3 * ALPHA + beta)
-        volumetric = (mean(trial) - at) / (3 * BULK)
-        return [at] * 3, [(s - mean(trial)) / (2 * SHEAR) + volumetric for s in trial], 0.0
-
-    def damage(self) -> float:
-        """Damage of tensile stress."""
-        share = crack_share(self.kt)
-        return 1 - share * (1 - NU) / (1 - 2 * NU + NU * share)
+            after = lambda x: [s - x * (push + 2 * SHEAR * n) for s, n in zip(cracked, direction)]  # noqa: E731
+            over = lambda x: -excess(after(x), self.kc + x * harden, gamma)  # noqa: E731
+            flow = root(over, 0.0, q / (3 * SHEAR))
+            effective = after(flow)
+            self.kc += flow * harden
+        moved = [opened + flow * n for opened, n in zip(cracks, direction)]
+        self.plastic = [a + b for a, b in zip(self.plastic, tensor(moved, axes, 2.0))]
+        self.kt += cracks[0]
+        return tensor(effective, axes, 1.0)
 
 
 def crack_share(kt: float) -> float:
@@ -181,13 +167,6 @@ def crack_share(kt: float) -> float:
         return max(1 - 0.8 * opening, 0.25 - 0.05 * opening)
 
     return min(max(root(lambda y: y - law(y), -1.0, 2.0), 1e-4), 1.0)
-
-
-def nominal(s: list[float], damage: float) -> list[float]:
-    """Principal stresses with tensile ones damaged, from the shift m that all of them share."""
-    factor = damage * NU / (1 - 2 * NU)
-    m = root(lambda m: m - factor * sum(max(x - m, 0.0) for x in s), 0.0, max(s[0], 0.0) + 1.0)
-    return [x - m - damage * max(x - m, 0.0) for x in s]
 
 
 def matrix(t: list[float], shear: float) -> list[list[float]]:

@@ -5,7 +5,7 @@
 //! concrete must peak between 0.15 and 0.3 % and have less than half of its peak left at 0.6 %.
 
 use crate::deck_reader::{Card, Deck};
-use crate::samples::{StopAtOnce, small_cube};
+use crate::samples::{StopAtOnce, damaged_plasticity, small_cube};
 use meso_core::aggregate::Fibres;
 use meso_core::export::abaqus::{self, Analysis, DeckOptions, Loading};
 use meso_core::materials::{Elastic, Materials, Plasticity, Strength, band_factor, regular_edge};
@@ -146,7 +146,7 @@ fn test(deck: &Deck) -> Test {
         time_step_s: Some(real(step.card("FIXED MASS SCALING").unwrap().parameter("DT"))),
         smoothing: Some(Smoothing::None),
         control: Control::Steady,
-        ..Test::default()
+        ..damaged_plasticity()
     }
 }
 
@@ -328,7 +328,7 @@ fn a_deck_and_a_test_of_one_packing_have_the_same_cells_in_every_phase() {
         let sample = sample_of(&mesh, &model, &options);
         let volume_mm3 = sample.volume_mm3;
         let result =
-            Run::new(sample, &Materials::default(), &Test::default()).unwrap().to_end(&StopAtOnce, &Silent).result;
+            Run::new(sample, &Materials::default(), &damaged_plasticity()).unwrap().to_end(&StopAtOnce, &Silent).result;
         assert_eq!(sets.len(), result.phases.len());
         assert_eq!(sets.contains_key("fibre"), spec.fibres.is_some());
         for phase in result.phases {

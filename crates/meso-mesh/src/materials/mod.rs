@@ -106,9 +106,9 @@ pub struct Mesoscale {
     pub crushing_length_mm: f64,
 }
 
-const AGGREGATE: Elastic = Elastic { youngs_modulus_mpa: 70_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 };
-const ITZ: Elastic = Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
-const MORTAR: Elastic = Elastic { youngs_modulus_mpa: 26_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
+const AGGREGATE: Elastic = Elastic { youngs_modulus_mpa: 60_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.7e-9 };
+const ITZ: Elastic = Elastic { youngs_modulus_mpa: 16_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
+const MORTAR: Elastic = Elastic { youngs_modulus_mpa: 20_000.0, poisson_ratio: 0.2, density_t_per_mm3: 2.2e-9 };
 const FIBRE: Elastic = Elastic { youngs_modulus_mpa: 200_000.0, poisson_ratio: 0.3, density_t_per_mm3: 7.85e-9 };
 
 impl Default for Materials {
@@ -136,11 +136,11 @@ impl Default for Strength {
     /// of a fitted lattice of 2 mm, where Jankowiak and Lodygowski (2005) have 0.0057.
     fn default() -> Self {
         Self {
-            compressive_mpa: 40.0,
-            peak_strain: 0.0022,
-            tensile_mpa: 3.0,
-            fracture_energy_n_per_mm: 0.06,
-            crushing_energy_n_per_mm: 0.5,
+            compressive_mpa: 38.0,
+            peak_strain: 0.003,
+            tensile_mpa: 3.2,
+            fracture_energy_n_per_mm: 0.08,
+            crushing_energy_n_per_mm: 5.0,
         }
     }
 }
@@ -150,10 +150,10 @@ impl Default for Plasticity {
     /// gave 0.64 to 0.80 (Lubliner et al. 1989), and docs/decks.md has what 0.75 does to a cube between plates.
     fn default() -> Self {
         Self {
-            dilation_angle_deg: 30.0,
+            dilation_angle_deg: 15.0,
             eccentricity: 0.1,
             biaxial_ratio: 1.16,
-            meridian_ratio: 0.75,
+            meridian_ratio: 0.9,
             viscosity_s: 0.0005,
         }
     }
@@ -161,7 +161,7 @@ impl Default for Plasticity {
 
 impl Default for Mesoscale {
     fn default() -> Self {
-        Self { meridian_ratio: 2.0 / 3.0, dilation_angle_deg: 30.0, confined_ductility: 10.0, crushing_length_mm: 5.0 }
+        Self { meridian_ratio: 0.7, dilation_angle_deg: 15.0, confined_ductility: 3.0, crushing_length_mm: 15.0 }
     }
 }
 

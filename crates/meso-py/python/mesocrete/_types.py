@@ -502,7 +502,7 @@ class SolveOptions(TypedDict, total=False):
     """Stiffness of hourglass modes over the true one, 0 to 1 (hexahedra of mortar and ITZ)."""
     interface: SolveInterface
     """Cohesive faces."""
-    law: Literal["elastic", "cdp", "cdpm2"]
+    law: Literal["elastic", "cdp", "cdpm2", "meso"]
     """The law of mortar and ITZ."""
     ramp: float
     """Share of the time in which the plates gain their speed."""

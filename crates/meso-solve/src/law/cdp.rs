@@ -313,6 +313,7 @@ impl<R: Real> Law<R> for Cdp<R> {
         State {
             tension: one - crack,
             compression: one - crush,
+            weakened: R::splat(0.0),
             opening: width.min(self.widest[0]) * (one - crack).mul_add(self.crack.elastic_strain, history[CRACKED]),
             stored: energy(&stress, &elastic_part(strain, history)),
         }

@@ -570,6 +570,7 @@ impl<R: Real> Law<R> for Cdpm2<R> {
         State {
             tension: one - crack,
             compression: one - crush,
+            weakened: R::splat(0.0),
             opening: width.min(self.widest[0]) * opened,
             stored: self.stored(&self.elastic.of(&elastic_part(strain, history)), crack, crush),
         }

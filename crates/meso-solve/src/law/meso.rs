@@ -1,40 +1,41 @@
-//! Mortar between stiff grains: cracks that open, and crushing that takes cohesion and leaves friction.
+//! Mortar between stiff grains: cracks by principal stress, and crushing that takes cohesion and leaves friction.
 //!
-//! The law is plasticity in effective stress s, the stress of the material between cracks, and damage of its tensile part
-//! alone. p is the mean stress, q the Mises stress, s1 the largest and s3 the smallest principal stress, P = <-s1> the
-//! least confinement, h the width of the band, L = max(h, crushing length).
-//!
-//! ```text
-//! F  = (q + 3 alpha p + beta <s1> - gamma P / (1 + P / f_c)) / (1 - alpha) - c(kc) <= 0
-//!      alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1),  beta = (1 - alpha) rise / f_t - (1 + alpha)
-//! c  = rise(kc) y(kc),   y = exp(-<kc - peak> L f_c / G_c),   t = f_t y
-//! N  = 1.5 dev s / sqrt(q^2 + a^2) + tan(psi) / 3,   r = min(<s1> / t, 1)
-//! tan psi = (1 - r) y tan(psi_0) / ((1 + P / f_c) (1 + A P / f_c)) + 1.5 r
-//! d kt = r <d ep_1>,   d kc = (1 - r) <-d ep_3> / (1 + A P / f_c)
-//! ```
-//!
-//! 1. `rise` is the rising branch of the decks. Beyond the peak the surface shrinks towards its cone: cohesion and tensile
-//!    strength go, friction stays. The share y of cohesion that is left also scales the dilation.
-//! 2. Crushing costs 1 + A P / f_c times as much strain under confinement.
-//! 3. Its energy counts on the band L, which small elements share: their curve is one of strain.
-//! 4. gamma falls to half at P = f_c, as the compressive meridian of tests bends.
-//! 5. In tension the flow opens a crack without lateral strain: N = (1.5, 0, 0).
-//!
-//! Damage d follows the crack law over kt on the width h. Stress comes from the complementary energy of Ladeveze and
-//! Lemaitre (1984), in which only tensile principal stresses are softer, with 1 / (1 - d):
+//! The law is plasticity on two surfaces. p is the mean stress, q the Mises stress, s1 >= s2 >= s3 are the principal
+//! stresses, P = <-s1> the least confinement, h the width of the band, L = max(h, crushing length).
 //!
 //! ```text
-//! psi = ((1 + nu) (|sigma+|^2 / (1 - d) + |sigma-|^2) - nu (tr sigma)^2) / 2 E
-//! sigma_i = (s_i - m) - d <s_i - m>,   m = b sum <s_i - m>,   b = d nu / (1 - 2 nu)
-//! m = max over n = 0..3 of b (s_1 + .. + s_n) / (1 + n b)
+//! cracks    R_i = s_i - t <= 0,  flow along the axis of s_i,  d kt = the largest of the three flows
+//!           t = f_t y_t(kt) y(kc)
+//! crushing  F = (q + 3 alpha p + beta <s1> - gamma P / (1 + P / f_c)) / (1 - alpha) - rise(kc) y(kc) <= 0
+//!           alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1),  beta = (1 - alpha) rise / f_s - (1 + alpha)
+//!           N = 1.5 dev s / q + tan(psi) / 3,  tan psi = y tan(psi_0) / ((1 + P / f_c) (1 + A P / f_c))
+//!           d kc = <-N_3> / (1 + A P / f_c) per step of flow
+//! y_t       crack law of fib Model Code 2010, 5.1.8.2, on the width h
+//! y         exp(-<kc - peak> L f_c / G_c)
 //! ```
 //!
-//! So cracks open and close on a path that costs nothing, an open crack carries no tension whatever the compression
-//! along it is, and stress is continuous where signs change. Uniaxial tension leaves the share y_t of stress for
-//! 1 - d = y_t (1 - nu) / (1 - 2 nu + nu y_t).
+//! 1. A crack opens without lateral strain, carries no tension whatever the compression along it is, and leaves the
+//!    strength along it.
+//! 2. `rise` is the rising branch of the decks. Beyond the peak the surface shrinks towards its cone: cohesion and tensile
+//!    strength go, friction stays. The share y of cohesion that is left scales the dilation, too.
+//! 3. Crushing costs 1 + A P / f_c times as much strain under confinement.
+//! 4. Its energy counts on the band L, which small elements share: their curve is one of strain.
+//! 5. gamma falls to half at P = f_c, as the compressive meridian of tests bends.
+//! 6. f_s, 1.5 f_t, says how much strength lateral tension costs: a third at a twentieth of the compression, as Kupfer,
+//!    Hilsdorf and Ruesch (1969) found. Its surface lies outside the cracks' near tension.
+//!
+//! A step returns to the cracks first and then to the cone, whose flow only lowers s1. The cracks' return is closed: all
+//! principal stresses fall by m, those above t further to it, with
+//!
+//! ```text
+//! m = b sum <s_i - t - m>,  b = nu / (1 - 2 nu),  so  m = max over n = 0..3 of b (s_1 + .. + s_n - n t) / (1 + n b)
+//! ```
+//!
+//! Stress is elastic stress of what is not plastic strain. So closed loops never give energy back while each flow works
+//! against its stress: cracks against t, and the cone's since dilation fades faster than friction.
 
 use super::curves::{Crack, Rise};
-use super::elastic::{elastic_part, energy, flow};
+use super::elastic::{elastic_part, energy};
 use super::invariants::{Invariants, split};
 use super::{Hooke, Law, PointResponse, State, Tensor, cdp, softening};
 use crate::real::Real;
@@ -51,19 +52,15 @@ pub struct Meso<R> {
     /// K and 3 G, MPa.
     bulk: R,
     three_shear: R,
-    /// nu / (1 - 2 nu), nu and 1 - 2 nu.
-    lateral: R,
-    poisson: R,
-    rest: R,
+    /// b / (1 + n b) for n = 1, 2, 3.
+    shares: [R; 3],
     /// tan(psi_0).
     dilation: R,
-    /// Rounding of the potential, MPa.
-    rounding: R,
     three_alpha: R,
     one_less_alpha: R,
     one_more_alpha: R,
     gamma: R,
-    /// (1 - alpha) / f_t
+    /// (1 - alpha) / f_s
     beta_slope: R,
     /// 1 / f_c, and f_t, MPa.
     per_strength: R,
@@ -80,13 +77,11 @@ pub struct Meso<R> {
     widest_mm: [f64; 2],
 }
 
-/// Newton's steps of the return.
+/// Newton's steps of the cone's return.
 const STEPS: usize = 2;
-/// tan(psi) of a crack: its flow has no lateral strain.
-const CRACK_DILATION: f64 = 1.5;
-/// Rounding of the potential's tip over f_t.
-const TIP: f64 = 0.05;
-/// Least share of the cohesion, for which quotients by the tensile strength stay finite.
+/// f_s over f_t.
+const SHEARED: f64 = 1.5;
+/// Least share of the cohesion.
 const LEAST_COHESION: f64 = 1e-3;
 
 /// Finds out whether the law can have these values.
@@ -104,7 +99,7 @@ impl<R: Real> Meso<R> {
         let (e, nu) = (elastic.youngs_modulus_mpa, elastic.poisson_ratio);
         let (bulk, shear) = (e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
         let (fc, ft, kc) = (strength.compressive_mpa, strength.tensile_mpa, own.meridian_ratio);
-        let alpha = cdp::alpha(biaxial_ratio);
+        let (alpha, b) = (cdp::alpha(biaxial_ratio), nu / (1.0 - 2.0 * nu));
         let opening = strength.crushing_energy_n_per_mm / fc;
         let snapping = [Crack::<R>::snapping_mm(strength, e), opening / (fc / e)];
         let widest_mm = snapping.map(|width| softening::SNAP_BACK * width);
@@ -115,16 +110,13 @@ impl<R: Real> Meso<R> {
             per_shear: splat(1.0 / (2.0 * shear)),
             bulk: splat(bulk),
             three_shear: splat(3.0 * shear),
-            lateral: splat(nu / (1.0 - 2.0 * nu)),
-            poisson: splat(nu),
-            rest: splat(1.0 - 2.0 * nu),
+            shares: [1.0, 2.0, 3.0].map(|n| splat(b / (1.0 + n * b))),
             dilation: splat(libm::tan(own.dilation_angle_deg.to_radians())),
-            rounding: splat(TIP * ft),
             three_alpha: splat(3.0 * alpha),
             one_less_alpha: splat(1.0 - alpha),
             one_more_alpha: splat(1.0 + alpha),
             gamma: splat(3.0 * (1.0 - kc) / (2.0 * kc - 1.0)),
-            beta_slope: splat((1.0 - alpha) / ft),
+            beta_slope: splat((1.0 - alpha) / (SHEARED * ft)),
             per_strength: splat(1.0 / fc),
             tensile: splat(ft),
             rise: Rise::new(strength, e),
@@ -138,35 +130,31 @@ impl<R: Real> Meso<R> {
     }
 }
 
-/// A direction of flow.
+/// A stress by its tensor and its principal values.
 #[derive(Clone, Copy)]
-struct Along<R> {
-    /// Crushing strain per step of flow.
-    harden: R,
-    /// How fast Mises, mean and largest principal stress fall.
-    mises_fall: R,
-    mean_fall: R,
-    largest_fall: R,
-    /// How fast the share of the Mises stress that is left falls.
-    share_fall: R,
+struct Stress<R> {
+    mean: R,
+    mises: R,
+    deviator: Tensor<R>,
+    /// Principal deviators in falling order, MPa.
+    principal: [R; 3],
 }
 
-/// The state that a step begins with, and its trial stress.
+/// Start and direction of the cone's flow.
 #[derive(Clone, Copy)]
-struct Start<R> {
-    invariants: Invariants<R>,
-    /// Largest and smallest principal deviators over 2 q / 3.
-    ends: [R; 2],
-    largest: R,
+struct Flow<R> {
+    /// Mises, mean and largest principal stress.
+    from: [R; 3],
+    /// How fast each of the three falls.
+    fall: [R; 3],
+    /// Crushing strain at the start, and per step of flow.
     crushed: R,
-    /// Softening of crushing, per strain, and the share of cohesion that is left.
-    per_scale: R,
+    harden: R,
+    /// Share of cohesion at the start, and its softening per crushing strain.
     left: R,
-    /// gamma at the trial's confinement.
+    per_scale: R,
+    /// gamma at the confinement of the start.
     gamma: R,
-    /// Crushing strain over flow, and dilation, both over those without confinement.
-    cheap: R,
-    dilating: R,
 }
 
 impl<R: Real> Meso<R> {
@@ -179,14 +167,14 @@ impl<R: Real> Meso<R> {
     /// Share of the cohesion that is left.
     #[inline(always)]
     fn cohesion(&self, crushed: R, per_scale: R) -> R {
-        let share = (-((crushed - self.rise.peak) * per_scale)).exp().min(R::splat(1.0));
-        share.max(R::splat(LEAST_COHESION))
+        let share = (-((crushed - self.rise.peak) * per_scale)).exp();
+        share.max(R::splat(LEAST_COHESION)).min(R::splat(1.0))
     }
 
-    /// Share of cracking in the flow at this largest principal stress, with the share `left` of the cohesion.
+    /// Share of tension that cracks leave.
     #[inline(always)]
-    fn cracking(&self, largest: R, left: R) -> R {
-        (largest / (self.tensile * left)).between(0.0, 1.0)
+    fn bridged(&self, cracked: R, width: R) -> R {
+        self.crack.integrity(cracked, width.min(self.widest[0]))
     }
 
     /// Weight of a tensile largest stress.
@@ -195,150 +183,110 @@ impl<R: Real> Meso<R> {
         self.beta_slope.mul_add(risen, -self.one_more_alpha).positive()
     }
 
-    /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
-    #[inline(always)]
-    fn excess(&self, start: &Start<R>, along: &Along<R>, flow: R) -> (R, R) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let hardened = along.harden * flow;
-        let crushed = start.crushed + hardened;
-        let (risen, rising) = self.rise.at(crushed);
-        // Steps are small: the exponential's first terms.
-        let x = (hardened * start.per_scale).min(one);
-        let softens = self.rise.peak.lt(crushed);
-        let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
-        let strength = risen * start.left * share;
-        let slope = R::select(softens, -(strength * start.per_scale), rising);
-        let mises = (-along.mises_fall).mul_add(flow, start.invariants.mises);
-        let mean = (-along.mean_fall).mul_add(flow, start.invariants.mean);
-        let largest = (-along.largest_fall).mul_add(flow, start.largest);
-        let tensile = zero.lt(largest);
-        let weight = R::select(tensile, self.beta(risen), start.gamma);
-        let pressed = self.three_alpha.mul_add(mean, mises);
-        let excess = weight.mul_add(largest, pressed) - self.one_less_alpha * strength;
-        let lift = R::select(tensile, self.beta_slope * largest * rising, zero) - self.one_less_alpha * slope;
-        let fall = self.three_alpha.mul_add(along.mean_fall, along.mises_fall);
-        (excess, weight.mul_add(along.largest_fall, fall) - lift * along.harden)
-    }
-
-    /// Where a point can yield or is damaged: an upper bound of F, without gamma and with s1 at most p + 2 q / 3.
+    /// Where a point can yield or has softened: F without gamma, and with s1 at most p + 2 q / 3.
     #[inline(always)]
     fn active(&self, of: &Invariants<R>, cracked: R, crushed: R) -> R::Mask {
         let zero = R::splat(0.0);
         let risen = self.rise.at(crushed).0;
-        let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean).positive();
+        let largest = R::splat(2.0 / 3.0).mul_add(of.mises, of.mean);
         let pressed = self.three_alpha.mul_add(of.mean, of.mises);
-        let bound = self.beta(risen).mul_add(largest, pressed) - self.one_less_alpha * risen;
-        zero.lt(bound) | zero.lt(cracked) | self.rise.peak.lt(crushed)
+        let bound = self.beta(risen).mul_add(largest.positive(), pressed) - self.one_less_alpha * risen;
+        zero.lt(bound) | self.tensile.lt(largest) | zero.lt(cracked) | self.rise.peak.lt(crushed)
     }
 
-    /// The start of a step.
+    /// Return to the cracks: the stress after it, and the largest of the flows.
     #[inline(always)]
-    fn start(&self, invariants: Invariants<R>, shape: &[R; 3], crushed: R, per_scale: R) -> Start<R> {
+    fn open(&self, trial: Stress<R>, strength: R) -> (Stress<R>, R) {
+        let (zero, third) = (R::splat(0.0), R::splat(1.0 / 3.0));
+        let above = trial.mean - strength;
+        let [first, second, last] = trial.principal.map(|d| d + above);
+        let opens = zero.lt(first);
+        // Seldom anywhere.
+        if !R::any(opens) {
+            return (trial, zero);
+        }
+        let (two, three) = (first + second, first + second + last);
+        let [a, b, c] = self.shares;
+        let m = (a * first).max(b * two).max(c * three).positive();
+        let after = [first, second, last].map(|s| (s - m).min(zero));
+        let sum = (after[0] + after[1] + after[2]) * third;
+        let principal = after.map(|s| s - sum);
+        let [x, y, z] = principal;
+        let mises = (R::splat(1.5) * x.mul_add(x, y.mul_add(y, z * z))).sqrt();
+        let mut deviator = split(above - m, &trial.deviator, &trial.principal, zero, R::splat(1.0));
+        for i in 0..6 {
+            let own = if i < 3 { deviator[i] - sum } else { deviator[i] };
+            deviator[i] = R::select(opens, own, trial.deviator[i]);
+        }
+        let pick = |a: R, b: R| R::select(opens, a, b);
+        let stress = Stress {
+            mean: pick(sum + strength, trial.mean),
+            mises: pick(mises, trial.mises),
+            deviator,
+            principal: [0, 1, 2].map(|i| pick(principal[i], trial.principal[i])),
+        };
+        (stress, pick((first - m) * self.per_shear, zero))
+    }
+
+    /// (1 - alpha) F and how fast it falls along the flow, at `flow`.
+    #[inline(always)]
+    fn excess(&self, of: &Flow<R>, flow: R) -> (R, R) {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let hardened = of.harden * flow;
+        let crushed = of.crushed + hardened;
+        let (risen, rising) = self.rise.at(crushed);
+        // Steps are small: the exponential's first terms.
+        let x = (hardened * of.per_scale).min(one);
+        let softens = self.rise.peak.lt(crushed);
+        let share = R::select(softens, R::splat(0.5).mul_add(x, -one).mul_add(x, one), one);
+        let strength = risen * of.left * share;
+        let slope = R::select(softens, -(strength * of.per_scale), rising);
+        let [mises, mean, largest] = [0, 1, 2].map(|i| (-of.fall[i]).mul_add(flow, of.from[i]));
+        let tensile = zero.lt(largest);
+        let weight = R::select(tensile, self.beta(risen), of.gamma);
+        let pressed = self.three_alpha.mul_add(mean, mises);
+        let excess = weight.mul_add(largest, pressed) - self.one_less_alpha * strength;
+        let lift = R::select(tensile, self.beta_slope * largest * rising, zero) - self.one_less_alpha * slope;
+        let fall = self.three_alpha.mul_add(of.fall[1], of.fall[0]);
+        (excess, weight.mul_add(of.fall[2], fall) - lift * of.harden)
+    }
+
+    /// Start and direction of the cone's flow from `stress`.
+    #[inline(always)]
+    fn flow(&self, stress: &Stress<R>, crushed: R, left: R, per_scale: R) -> Flow<R> {
         let one = R::splat(1.0);
-        let largest = (R::splat(2.0 / 3.0) * invariants.mises).mul_add(shape[0], invariants.mean);
+        let largest = stress.mean + stress.principal[0];
         let confined = (-largest).positive();
         let bent = self.per_strength.mul_add(confined, one);
         let costly = self.ductility.mul_add(confined, one);
+        let size = stress.mises.max(R::splat(1e-8));
         // All quotients by one division.
-        let over = one / (bent * costly);
-        let left = self.cohesion(crushed, per_scale);
-        Start {
-            ends: [shape[0], shape[2]],
-            largest,
+        let over = one / (bent * costly * size);
+        let per_mises = bent * costly * over;
+        let tan = self.dilation * left * (size * over);
+        let [first, _, last] = stress.principal.map(|d| R::splat(1.5) * d * per_mises);
+        let mean_fall = self.bulk * tan;
+        let least = tan.mul_add(R::splat(1.0 / 3.0), last);
+        Flow {
+            from: [stress.mises, stress.mean, largest],
+            fall: [self.three_shear, mean_fall, (R::splat(2.0 / 3.0) * self.three_shear).mul_add(first, mean_fall)],
             crushed,
-            per_scale,
+            harden: (-least).positive() * (bent * size * over),
             left,
-            gamma: self.gamma * costly * over,
-            cheap: bent * over,
-            dilating: self.dilation * left * over,
-            invariants,
+            per_scale,
+            gamma: self.gamma * (costly * size * over),
         }
     }
 
-    /// The flow in the trial stress's directions with the share r of `cracking`.
+    /// Length of the cone's flow.
     #[inline(always)]
-    fn along(&self, start: &Start<R>, cracking: R) -> Along<R> {
-        let (one, q, two_thirds) = (R::splat(1.0), start.invariants.mises, R::splat(2.0 / 3.0));
-        let crushing = one - cracking;
-        let tan = crushing.mul_add(start.dilating, R::splat(CRACK_DILATION) * cracking);
-        // dG/dq = q / sqrt(q^2 + a^2)
-        let tip = self.rounding * start.left;
-        let per_potential = one / q.mul_add(q, tip * tip).sqrt();
-        let along = q * per_potential;
-        let least = along.mul_add(start.ends[1], tan * R::splat(1.0 / 3.0));
-        let (mises_fall, mean_fall) = (self.three_shear * along, self.bulk * tan);
-        Along {
-            harden: crushing * (-least).positive() * start.cheap,
-            mises_fall,
-            mean_fall,
-            largest_fall: two_thirds.mul_add(mises_fall * start.ends[0], mean_fall),
-            share_fall: self.three_shear * per_potential,
-        }
-    }
-
-    /// One of Newton's steps from `flow`.
-    #[inline(always)]
-    fn newton(&self, start: &Start<R>, along: &Along<R>, flow: R) -> R {
-        let (excess, fall) = self.excess(start, along, flow);
-        (flow + excess / fall).positive()
-    }
-
-    /// Mean stress at the surface's tip, on the side of tension.
-    #[inline(always)]
-    fn tip(&self, start: &Start<R>) -> R {
-        let risen = self.rise.at(start.crushed).0;
-        self.one_less_alpha * risen * start.left / (self.three_alpha + self.beta(risen))
-    }
-
-    /// Return to the surface: the crushing strain it adds, the share of the Mises stress that it leaves, and the mean stress
-    /// after it. A first flow says how much of it is cracking: were that the trial's share, a flow that ends in
-    /// compression could open cracks against it and give energy.
-    #[inline(always)]
-    fn back(&self, start: &Start<R>, active: R::Mask) -> (R, R, R) {
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
-        let first = self.along(start, self.cracking(start.largest, start.left));
-        let flow = self.newton(start, &first, zero);
-        let largest = (-first.largest_fall).mul_add(flow, start.largest);
-        let along = self.along(start, self.cracking(largest, start.left));
-        let mut flow = zero;
+    fn back(&self, of: &Flow<R>) -> R {
+        let mut flow = R::splat(0.0);
         for _ in 0..STEPS {
-            flow = self.newton(start, &along, flow);
+            let (excess, fall) = self.excess(of, flow);
+            flow = (flow + excess / fall).positive();
         }
-        let flow = R::select(active, flow, zero);
-        let mean = start.invariants.mean;
-        let left = (-along.share_fall).mul_add(flow, one);
-        let returned = (-along.mean_fall).mul_add(flow, mean);
-        let beyond = left.lt(zero);
-        let crushed = along.harden * flow;
-        // Seldom anywhere.
-        if !R::any(beyond) {
-            return (crushed, left, returned);
-        }
-        let tip = self.tip(start).min(mean);
-        (crushed, R::select(beyond, zero, left), R::select(beyond, tip, returned))
-    }
-
-    /// Share of uniaxial tension that a crack leaves, and the damage 1 - d of tensile stress.
-    #[inline(always)]
-    fn cracked(&self, cracked: R, width: R) -> (R, R) {
-        let share = self.crack.integrity(cracked, width.min(self.widest[0]));
-        let sound = R::splat(1.0) - self.poisson;
-        (share, share * sound / self.poisson.mul_add(share, self.rest))
-    }
-
-    /// The m by which cracks shift principal stresses, of effective ones in falling order and the damage d.
-    #[inline(always)]
-    fn shift(&self, principal: &[R; 3], damage: R) -> R {
-        let one = R::splat(1.0);
-        let b = damage * self.lateral;
-        let [first, second, third] = *principal;
-        let (two, three) = (first + second, first + second + third);
-        let [under_two, under_three] = [2.0, 3.0].map(|n| R::splat(n).mul_add(b, one));
-        let under_one = one + b;
-        // Three quotients by one division.
-        let over = b / (under_one * under_two * under_three);
-        let most = (first * under_two * under_three).max(two * under_one * under_three);
-        most.max(three * under_one * under_two).positive() * over
+        flow
     }
 }
 
@@ -356,52 +304,50 @@ impl<R: Real> Law<R> for Meso<R> {
 
     #[inline(always)]
     fn stress(&self, strain: &Tensor<R>, history: &mut [R; 8], width: R) -> PointResponse<R> {
-        let one = R::splat(1.0);
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let stress = self.elastic.of(&elastic_part(strain, history));
         let invariants = Invariants::of(&stress);
         let active = self.active(&invariants, history[CRACKED], history[CRUSHED]);
         if !R::any(active) {
             return PointResponse { stress, integrity: one };
         }
-        let shape = invariants.shape();
         let Invariants { mean, deviator, mises } = invariants;
+        let scale = R::splat(2.0 / 3.0) * mises;
+        let trial = Stress { mean, mises, deviator, principal: invariants.shape().map(|y| scale * y) };
         let per_scale = self.per_scale(width);
-        let start = self.start(invariants, &shape, history[CRUSHED], per_scale);
-        let (crushed, left, new_mean) = self.back(&start, active);
+        let left = self.cohesion(history[CRUSHED], per_scale);
+        let strength = self.tensile * left * self.bridged(history[CRACKED], width);
+        let (cracked, opened) = self.open(trial, strength);
+        let flow = self.flow(&cracked, history[CRUSHED], left, per_scale);
+        let length = self.back(&flow);
+        let kept = (one - length * self.three_shear / cracked.mises.max(R::splat(1e-8))).positive();
+        let end = (-flow.fall[1]).mul_add(length, cracked.mean);
 
-        let volumetric = (mean - new_mean) * self.per_volume;
-        let lost = (one - left) * self.per_shear;
-        flow(history, &deviator, lost, volumetric);
-        let two_thirds = R::splat(2.0 / 3.0);
-        let largest = (two_thirds * mises * lost).mul_add(shape[0], volumetric).positive();
-        let returned = (two_thirds * left * mises).mul_add(shape[0], new_mean);
-        let cracking = self.cracking(returned, start.left);
-        history[CRACKED] = cracking.mul_add(largest, history[CRACKED]);
-        history[CRUSHED] = history[CRUSHED] + crushed;
-
-        let (share, kept) = self.cracked(history[CRACKED], width);
-        let scale = two_thirds * left * mises;
-        let deviators = shape.map(|y| scale * y);
-        let m = self.shift(&deviators.map(|d| d + new_mean), one - kept);
-        let mut nominal = deviator.map(|d| left * d);
-        nominal = split(new_mean - m, &nominal, &deviators, kept, one);
+        let volumetric = (mean - end) * self.per_volume;
+        let mut nominal = stress;
         for i in 0..6 {
+            let own = kept * cracked.deviator[i];
+            let lost = (deviator[i] - own) * self.per_shear;
+            let (flowed, whole) = if i < 3 { (lost + volumetric, own + end) } else { (lost + lost, own) };
             // A point at rest has the same bits as where all of its register are.
-            nominal[i] = R::select(active, nominal[i], stress[i]);
+            nominal[i] = R::select(active, whole, stress[i]);
+            history[i] = history[i] + R::select(active, flowed, zero);
         }
-        let pulled = pulled(&deviators.map(|d| d + new_mean - m));
-        let integrity = R::select(active, (-pulled).mul_add(one - share, one), one);
-        PointResponse { stress: nominal, integrity }
+        history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
+        history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
+        PointResponse { stress: nominal, integrity: one }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
         let one = R::splat(1.0);
-        let (share, _) = self.cracked(history[CRACKED], width);
+        let bridged = self.bridged(history[CRACKED], width);
+        let left = self.cohesion(history[CRUSHED], self.per_scale(width));
         let stress = self.stress(strain, &mut { *history }, width).stress;
         State {
-            tension: one - share,
-            compression: one - self.cohesion(history[CRUSHED], self.per_scale(width)),
-            opening: width.min(self.widest[0]) * (one - share).mul_add(self.crack.elastic_strain, history[CRACKED]),
+            tension: one - bridged,
+            compression: one - left,
+            weakened: (-bridged).mul_add(left, one),
+            opening: width.min(self.widest[0]) * (one - bridged).mul_add(self.crack.elastic_strain, history[CRACKED]),
             stored: energy(&stress, &elastic_part(strain, history)),
         }
     }
@@ -409,16 +355,4 @@ impl<R: Real> Law<R> for Meso<R> {
     fn widest_mm(&self) -> [f64; 2] {
         self.widest_mm
     }
-}
-
-/// Share of tension among principal stresses, by squares.
-#[inline(always)]
-fn pulled<R: Real>(principal: &[R; 3]) -> R {
-    let [mut above, mut all] = [R::splat(0.0); 2];
-    for &s in principal {
-        let positive = s.positive();
-        above = positive.mul_add(positive, above);
-        all = s.mul_add(s, all);
-    }
-    above / all.max(R::splat(1e-20))
 }

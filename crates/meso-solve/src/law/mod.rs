@@ -59,6 +59,8 @@ pub struct State<R> {
     pub tension: R,
     /// Damage in compression, 0 to 1.
     pub compression: R,
+    /// Share of the strength that is lost while the stiffness stays, 0 to 1.
+    pub weakened: R,
     /// Opening of its crack, mm.
     pub opening: R,
     /// Energy per volume that unloading would give back, N/mm2.
