@@ -76,19 +76,16 @@ fn error<R: Number>(name: &str) -> f64 {
 
 #[test]
 fn stress_follows_an_oracle_of_other_arithmetic() {
-    for name in ["tension", "wander", "crush"] {
-        let (fine, coarse) = (error::<f64>(name), error::<f32>(name));
-        assert!(fine < 1e-5 && coarse < 1e-4, "{name}: {fine} in f64, {coarse} in f32");
-    }
-}
-
-/// Sides of the oracle's paths do not move in straight lines between rows.
-#[test]
-fn paths_with_free_sides_follow_the_oracle_within_the_bend_of_a_row() {
-    for name in ["compression", "confined_5", "confined_10", "biaxial", "crushed_unloaded_crushed", "cracked_crushed_cracked"]
-    {
-        let (fine, coarse) = (error::<f64>(name), error::<f32>(name));
-        assert!(fine < 0.02 && coarse < 0.02, "{name}: {fine} in f64, {coarse} in f32");
+    for (names, within) in [
+        (&["tension", "wander", "crush"][..], 5e-5),
+        (&["compression", "biaxial", "crushed_unloaded_crushed", "cracked_crushed_cracked"][..], 1e-3),
+        // While the held stress is raised, the sides bend between rows.
+        (&["confined_5", "confined_10"][..], 1e-3),
+    ] {
+        for name in names {
+            let (fine, coarse) = (error::<f64>(name), error::<f32>(name));
+            assert!(fine < within && coarse < within, "{name}: {fine} in f64, {coarse} in f32");
+        }
     }
 }
 
@@ -124,7 +121,7 @@ fn crushed_mortar_keeps_friction_and_stops_dilating() {
     let pressure = 5.0;
     let curve = along(&meso::<f64>(), HeldStress::Lateral(-pressure), &[-0.3], 5e-5);
     let end = curve[curve.len() - 1];
-    // The cone of K_c = 2/3 at a ninth of its bend: 4.4 p.
+    // The cone of K_c = 2/3 has 4.83 p at low pressure and bends with it.
     close(end.stress.abs(), 4.45 * pressure, 0.02);
     let volume = |at: usize| curve[at].strain + 2.0 * curve[at].lateral_strain;
     let (last, before) = (curve.len() - 1, curve.len() - 1001);
