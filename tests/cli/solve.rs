@@ -41,7 +41,7 @@ fn a_test_leaves_a_curve_its_figures_frames_and_a_page() {
     let peak = stress.iter().copied().fold(0.0, f64::max);
     let result = result(&folder, "out/result.json");
     assert_eq!(result["peak_mpa"].as_f64(), Some(peak));
-    for (key, value) in [("test", "compression"), ("law", "meso"), ("ended", "completed"), ("version", "0.1.0")] {
+    for (key, value) in [("test", "compression"), ("law", "cdp"), ("ended", "completed"), ("version", "0.1.0")] {
         assert_eq!(result[key], value, "{key}");
     }
     for key in [

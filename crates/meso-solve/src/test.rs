@@ -110,7 +110,7 @@ impl Default for Test {
             ramp: 0.3,
             rows: 400,
             frames: 0,
-            law: LawName::Meso,
+            law: LawName::Cdp,
             smoothing: None,
             hourglass: 0.02,
             interface: Interface::default(),

@@ -136,10 +136,10 @@ impl Default for Strength {
     /// of a fitted lattice of 2 mm, where Jankowiak and Lodygowski (2005) have 0.0057.
     fn default() -> Self {
         Self {
-            compressive_mpa: 38.0,
+            compressive_mpa: 40.0,
             peak_strain: 0.003,
-            tensile_mpa: 3.2,
-            fracture_energy_n_per_mm: 0.08,
+            tensile_mpa: 3.4,
+            fracture_energy_n_per_mm: 0.1,
             crushing_energy_n_per_mm: 5.0,
         }
     }

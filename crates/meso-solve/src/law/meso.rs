@@ -1,12 +1,13 @@
 //! Mortar between stiff grains: cracks by principal stress, and crushing that takes cohesion and leaves friction.
 //!
-//! The law is plasticity on two surfaces. p is the mean stress, q the Mises stress, s1 >= s2 >= s3 are the principal
-//! stresses, P = <-s1> the least confinement, h the width of the band, L = max(h, crushing length).
+//! The law is plasticity on two surfaces, in effective stress s: stress is g s, with the stiffness g that crushing leaves.
+//! p is the mean of s, q its Mises stress, s1 >= s2 >= s3 are its principal values, P = g <-s1> is the least confinement,
+//! h the width of the band, L = max(h, crushing length).
 //!
 //! ```text
-//! cracks    R_i = s_i - t <= 0,  flow along the axis of s_i,  d kt = the largest of the three flows
-//!           t = f_t y_t(kt) y(kc)
-//! crushing  F = (q + 3 alpha p + beta <s1> - gamma P / (1 + P / f_c)) / (1 - alpha) - rise(kc) y(kc) <= 0
+//! g         max(y, 0.1)
+//! cracks    R_i = g s_i - f_t y_t(kt) y(kc) <= 0,  flow along the axis of s_i,  d kt = the largest of the three flows
+//! crushing  F = g (q + 3 alpha p + beta <s1> - gamma <-s1> / (1 + P / f_c)) / (1 - alpha) - rise(kc) y(kc) <= 0
 //!           alpha = (fb - 1) / (2 fb - 1),  gamma = 3 (1 - Kc) / (2 Kc - 1),  beta = (1 - alpha) rise / f_s - (1 + alpha)
 //!           N = 1.5 dev s / q + tan(psi) / 3,  tan psi = y tan(psi_0) / ((1 + P / f_c) (1 + A P / f_c))
 //!           d kc = <-N_3> / (1 + A P / f_c) per step of flow
@@ -25,14 +26,14 @@
 //!    Hilsdorf and Ruesch (1969) found. Its surface lies outside the cracks' near tension.
 //!
 //! A step returns to the cracks first and then to the cone, whose flow only lowers s1. The cracks' return is closed: all
-//! principal stresses fall by m, those above t further to it, with
+//! principal stresses fall by m, those above t = f_t y_t y / g further to it, with
 //!
 //! ```text
 //! m = b sum <s_i - t - m>,  b = nu / (1 - 2 nu),  so  m = max over n = 0..3 of b (s_1 + .. + s_n - n t) / (1 + n b)
 //! ```
 //!
-//! Stress is elastic stress of what is not plastic strain. So closed loops never give energy back while each flow works
-//! against its stress: cracks against t, and the cone's since dilation fades faster than friction.
+//! Closed loops never give energy back: g only falls, and each flow works against its stress, cracks against t, and the
+//! cone's since dilation fades faster than friction.
 
 use super::curves::{Crack, Rise};
 use super::elastic::{elastic_part, energy};
@@ -83,6 +84,9 @@ const STEPS: usize = 2;
 const SHEARED: f64 = 1.5;
 /// Least share of the cohesion.
 const LEAST_COHESION: f64 = 1e-3;
+/// Least share of the stiffness. Crushed mortar that stayed as stiff as new gained energy from the time steps: cubes blew
+/// up beyond the peak.
+const LEAST_STIFFNESS: f64 = 0.1;
 
 /// Finds out whether the law can have these values.
 ///
@@ -150,7 +154,7 @@ struct Flow<R> {
     /// Crushing strain at the start, and per step of flow.
     crushed: R,
     harden: R,
-    /// Share of cohesion at the start, and its softening per crushing strain.
+    /// Share of the effective strength at the start, and its softening per crushing strain.
     left: R,
     per_scale: R,
     /// gamma at the confinement of the start.
@@ -169,6 +173,12 @@ impl<R: Real> Meso<R> {
     fn cohesion(&self, crushed: R, per_scale: R) -> R {
         let share = (-((crushed - self.rise.peak) * per_scale)).exp();
         share.max(R::splat(LEAST_COHESION)).min(R::splat(1.0))
+    }
+
+    /// Share of the stiffness that is left beside this share of the cohesion.
+    #[inline(always)]
+    fn stiffness(left: R) -> R {
+        left.max(R::splat(LEAST_STIFFNESS))
     }
 
     /// Share of tension that cracks leave.
@@ -254,9 +264,10 @@ impl<R: Real> Meso<R> {
     /// Start and direction of the cone's flow from `stress`.
     #[inline(always)]
     fn flow(&self, stress: &Stress<R>, crushed: R, left: R, per_scale: R) -> Flow<R> {
-        let one = R::splat(1.0);
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
         let largest = stress.mean + stress.principal[0];
-        let confined = (-largest).positive();
+        let stiffness = Self::stiffness(left);
+        let confined = stiffness * (-largest).positive();
         let bent = self.per_strength.mul_add(confined, one);
         let costly = self.ductility.mul_add(confined, one);
         let size = stress.mises.max(R::splat(1e-8));
@@ -272,8 +283,8 @@ impl<R: Real> Meso<R> {
             fall: [self.three_shear, mean_fall, (R::splat(2.0 / 3.0) * self.three_shear).mul_add(first, mean_fall)],
             crushed,
             harden: (-least).positive() * (bent * size * over),
-            left,
-            per_scale,
+            left: left / stiffness,
+            per_scale: R::select(left.lt(R::splat(LEAST_STIFFNESS)), per_scale, zero),
             gamma: self.gamma * (costly * size * over),
         }
     }
@@ -316,12 +327,16 @@ impl<R: Real> Law<R> for Meso<R> {
         let trial = Stress { mean, mises, deviator, principal: invariants.shape().map(|y| scale * y) };
         let per_scale = self.per_scale(width);
         let left = self.cohesion(history[CRUSHED], per_scale);
-        let strength = self.tensile * left * self.bridged(history[CRACKED], width);
+        let strength = self.tensile * (left / Self::stiffness(left)) * self.bridged(history[CRACKED], width);
         let (cracked, opened) = self.open(trial, strength);
         let flow = self.flow(&cracked, history[CRUSHED], left, per_scale);
         let length = self.back(&flow);
         let kept = (one - length * self.three_shear / cracked.mises.max(R::splat(1e-8))).positive();
         let end = (-flow.fall[1]).mul_add(length, cracked.mean);
+
+        history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
+        history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
+        let integrity = Self::stiffness(self.cohesion(history[CRUSHED], per_scale));
 
         let volumetric = (mean - end) * self.per_volume;
         let mut nominal = stress;
@@ -330,12 +345,10 @@ impl<R: Real> Law<R> for Meso<R> {
             let lost = (deviator[i] - own) * self.per_shear;
             let (flowed, whole) = if i < 3 { (lost + volumetric, own + end) } else { (lost + lost, own) };
             // A point at rest has the same bits as where all of its register are.
-            nominal[i] = R::select(active, whole, stress[i]);
+            nominal[i] = R::select(active, integrity * whole, stress[i]);
             history[i] = history[i] + R::select(active, flowed, zero);
         }
-        history[CRACKED] = history[CRACKED] + R::select(active, opened, zero);
-        history[CRUSHED] = history[CRUSHED] + R::select(active, flow.harden * length, zero);
-        PointResponse { stress: nominal, integrity: one }
+        PointResponse { stress: nominal, integrity: R::select(active, integrity, one) }
     }
 
     fn state(&self, strain: &Tensor<R>, history: &[R; 8], width: R) -> State<R> {
